@@ -1,0 +1,3 @@
+"""The `skinfield` command."""
+
+from skinfield.cli.main import main as main

@@ -1,0 +1,70 @@
+"""Arguments are checked here and nowhere else: name, what came, what was expected, why."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+
+
+class SkinfieldError(Exception):
+    """Base of every error that skinfield raises on purpose."""
+
+
+class InputError(SkinfieldError, ValueError):
+    """A value that cannot be used: the message holds name, value, expectation and remedy."""
+
+
+class FileError(InputError):
+    """A file that cannot be used: the message holds file, line where known, and expectation."""
+
+
+def check_positive(name: str, value: float, why: str) -> None:
+    """Raise InputError unless `value` is finite and greater than zero."""
+    if not 0.0 < value < float("inf"):
+        raise InputError(f"{name} is {value!r}, expected a finite number above 0: {why}")
+
+
+def check_range(name: str, value: float, low: float, high: float, why: str) -> None:
+    """Raise InputError unless `low` <= `value` <= `high`."""
+    if not low <= value <= high:
+        raise InputError(f"{name} is {value!r}, expected a number from {low:g} to {high:g}: {why}")
+
+
+def check_shape(name: str, array: NDArray[Any], shape: tuple[int | None, ...], why: str) -> None:
+    """Raise InputError unless `array` has `shape`, where None stands for any length."""
+    fits = array.ndim == len(shape) and all(
+        want is None or n == want for n, want in zip(array.shape, shape, strict=True)
+    )
+    if not fits:
+        pattern = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
+        raise InputError(f"{name} has shape {array.shape}, expected {pattern}: {why}")
+
+
+def check_finite(name: str, array: Floats, why: str) -> None:
+    """Raise InputError, naming the first offender, if `array` holds a NaN or an infinity."""
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        where = tuple(int(i) for i in bad[0])
+        index = where[0] if len(where) == 1 else where
+        raise InputError(
+            f"{name}[{index}] is {array[where]}, expected finite numbers "
+            f"({len(bad)} of {array.size} are not): {why}"
+        )
+
+
+def check_choice(name: str, value: str, choices: Iterable[str], why: str) -> None:
+    """Raise InputError unless `value` is one of `choices`."""
+    known = sorted(choices)
+    if value not in known:
+        raise InputError(f"{name} is {value!r}, expected one of {', '.join(known)}: {why}")
+
+
+def as_floats(name: str, values: ArrayLike) -> Floats:
+    """Convert to a float64 array, or raise InputError that names the argument."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is {values!r}, expected numbers: {error}") from error

@@ -1,0 +1,4 @@
+"""Values on a grid at one instant, and the contacts in them."""
+
+from skinfield.fields.contact import Contact as Contact
+from skinfield.fields.estimate import Estimate as Estimate

@@ -1,0 +1,108 @@
+"""What one cycle, or a run of them, produced for a patch."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError
+from skinfield.layout import Grid
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Fields and contacts from one reading, or from T readings at once (a leading axis T).
+
+    Vectors are in the patch's frame. Indexing and iterating over an estimate of T readings gives
+    the estimate of each.
+
+    Attributes
+    ----------
+    grid : Grid
+        The K nodes.
+    pressure : ([T,] K) array, Pa
+        Normal part of the traction, positive in compression.
+    traction : ([T,] K, 3) array, Pa
+        Force per area on the skin.
+    displacement : ([T,] K, 3) array, m
+        Of the skin's surface, normal and tangential.
+    pressure_std : (K,) array, Pa
+        One standard deviation of `pressure` as the solver states it.
+    contacts : tuple of Contact, or of T such tuples
+        In order of falling force.
+    residual : ([T,] L) array
+        Reading minus what the estimate predicts, in the quantity's unit; NaN for taxels left out.
+    valid : (L,) bool array
+        Taxels that were used.
+    latency : float, s
+        From the reading to the fields, for the whole call.
+    stamp_ns : int or (T,) int64 array, ns
+        Of the reading, where it was given; else 0.
+    """
+
+    grid: Grid
+    pressure: Floats
+    traction: Floats
+    displacement: Floats
+    pressure_std: Floats
+    contacts: Any
+    residual: Floats
+    valid: NDArray[np.bool_]
+    latency: float = float("nan")
+    stamp_ns: Any = 0
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def is_batch(self) -> bool:
+        """Whether a leading axis of readings is there."""
+        return self.pressure.ndim == 2
+
+    @property
+    def force(self) -> Floats:
+        """Force on each cell, ([T,] K, 3) N: traction times the cell's area."""
+        return np.asarray(self.traction * self.grid.cell_area)
+
+    @property
+    def normal_force(self) -> Any:
+        """Sum of the pressure over the grid, N; (T,) for a batch."""
+        return self.pressure.sum(axis=-1) * self.grid.cell_area
+
+    @property
+    def indentation(self) -> Floats:
+        """Displacement into the skin along its normal, ([T,] K) m, positive inwards."""
+        return -np.einsum("...kc,kc->...k", self.displacement, self.grid.normals)
+
+    def __len__(self) -> int:
+        if not self.is_batch:
+            raise InputError("an estimate of one reading has no length: index est.contacts instead")
+        return len(self.pressure)
+
+    def __getitem__(self, index: int) -> "Estimate":
+        if not self.is_batch:
+            raise InputError(
+                "an estimate of one reading cannot be indexed: it is the reading's own"
+            )
+        return replace(
+            self,
+            pressure=self.pressure[index],
+            traction=self.traction[index],
+            displacement=self.displacement[index],
+            contacts=self.contacts[index],
+            residual=self.residual[index],
+            latency=self.latency / len(self),
+            stamp_ns=np.broadcast_to(self.stamp_ns, len(self))[index],
+        )
+
+    def __iter__(self) -> Iterator["Estimate"]:
+        return (self[index] for index in range(len(self)))
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Fields as a labelled data set with units; needs the extra `skinfield[xarray]`."""
+        from skinfield.fields.labelled import dataset_from_estimate
+
+        return dataset_from_estimate(self)

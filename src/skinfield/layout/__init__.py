@@ -1,0 +1,5 @@
+"""Where the taxels are: patches, skins, grids, generators, and the files they come in."""
+
+from skinfield.layout.grid import Grid as Grid
+from skinfield.layout.patch import Patch as Patch
+from skinfield.layout.skin import Skin as Skin
