@@ -75,7 +75,8 @@ class Estimate:
     @property
     def indentation(self) -> Floats:
         """Displacement into the skin along its normal, ([T,] K) m, positive inwards."""
-        return -np.einsum("...kc,kc->...k", self.displacement, self.grid.normals)
+        inwards = -np.einsum("...kc,kc->...k", self.displacement, self.grid.normals)
+        return np.asarray(inwards, dtype=np.float64)
 
     def __len__(self) -> int:
         if not self.is_batch:

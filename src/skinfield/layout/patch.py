@@ -131,7 +131,8 @@ class Patch:
         distinct = np.unique(self.plane.round(9), axis=0)
         if len(distinct) < 2:
             return self.pad_diameter
-        return float(np.median(cKDTree(distinct).query(distinct, k=2)[0][:, 1]))
+        distance = np.asarray(cKDTree(distinct).query(distinct, k=2)[0])
+        return float(np.median(distance[:, 1]))
 
     @cached_property
     def triangles(self) -> Ints:
