@@ -1,0 +1,157 @@
+"""Uniform rectangles: closed forms against quadrature, high precision and physics."""
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skinfield.errors import InputError
+from skinfield.mechanics.love import (
+    RectangleIntegrals,
+    inverse_distance_integrals,
+    rectangle_displacement,
+    rectangle_stress,
+)
+
+KERNELS = {
+    "inverse": lambda x, y, r: 1 / r,
+    "xx": lambda x, y, r: x**2 / r**3,
+    "xy": lambda x, y, r: x * y / r**3,
+    "yy": lambda x, y, r: y**2 / r**3,
+    "x": lambda x, y, r: x / r**2,
+    "y": lambda x, y, r: y / r**2,
+}
+
+
+def antiderivative(name: str, x, y):
+    grow = lambda a, b: a * mpmath.asinh(b / abs(a)) if a else mpmath.mpf(0)
+    match name:
+        case "inverse":
+            return grow(x, y) + grow(y, x)
+        case "xx":
+            return grow(y, x)
+        case "xy":
+            return -mpmath.hypot(x, y)
+        case "x":
+            return y * mpmath.log(mpmath.hypot(x, y) or 1) + (x * mpmath.atan(y / x) if x else 0)
+        case "yy":
+            return antiderivative("xx", y, x)
+        case _:
+            return antiderivative("x", y, x)
+
+
+def reference(name: str, offset, cell: float):
+    half, centre = mpmath.mpf(cell) / 2, [mpmath.mpf(float(v)) for v in offset]
+    with mpmath.workdps(40):
+        return sum(
+            i * j * antiderivative(name, centre[0] + i * half, centre[1] + j * half)
+            for i in (1, -1)
+            for j in (1, -1)
+        )
+
+
+def gauss_square(count: int):
+    node, weight = np.polynomial.legendre.leggauss(count)
+    x, y = (a.ravel() for a in np.meshgrid(node / 2, node / 2))
+    return np.column_stack([x, y]), np.outer(weight, weight).ravel() / 4
+
+
+@pytest.mark.parametrize("name", RectangleIntegrals._fields)
+@pytest.mark.parametrize("offset", [(2.0, 1.0), (-1.5, 3.0), (0.0, -2.0)])
+def test_integrals_are_those_of_their_kernels(name: str, offset) -> None:
+    node, weight = gauss_square(40)
+    x, y = (np.array(offset) - node).T
+    want = weight @ KERNELS[name](x, y, np.hypot(x, y))
+    got = getattr(inverse_distance_integrals(np.array([offset]), 1.0), name)[0]
+    assert got == pytest.approx(want, abs=1e-14)
+
+
+@pytest.mark.parametrize("name", RectangleIntegrals._fields)
+@pytest.mark.parametrize(
+    ("cells", "error"), [(0.3, 1e-14), (1.0, 1e-13), (3.0, 1e-12), (30, 1e-10)]
+)
+def test_integrals_keep_their_digits_near_and_far(name: str, cells: float, error: float) -> None:
+    angle, cell = np.linspace(0.0, 6.0, 13), 1e-3
+    offset = np.column_stack([np.cos(angle), np.sin(angle)]) * cells * cell
+    got = inverse_distance_integrals(offset, cell)
+    for row, place in enumerate(offset):
+        miss = getattr(got, name)[row] - reference(name, place, cell)
+        assert abs(miss) < error * got.inverse[row]
+
+
+@pytest.mark.parametrize("name", RectangleIntegrals._fields)
+def test_integrals_hold_at_centre_edges_and_corners(name: str) -> None:
+    offset = np.array([[0, 0], [0.5, 0.5], [-0.5, 0.5], [0.5, 0.0], [0.0, -0.5], [0.5, 0.2]])
+    got = getattr(inverse_distance_integrals(offset, 1.0), name)
+    want = [float(reference(name, place, 1.0)) for place in offset]
+    np.testing.assert_allclose(got, want, rtol=1e-14, atol=1e-15)
+
+
+def test_loves_square_at_centre_and_corner() -> None:
+    offset = np.array([[0.0, 0.0], [1.0, 1.0]]) * 1e-3
+    u = rectangle_displacement(offset, 2e-3, 1e5, 0.3)[:, 2, 2]
+    centre = 8 * 1e-3 * np.log(1 + np.sqrt(2)) * (1 - 0.3**2) / (np.pi * 1e5)
+    np.testing.assert_allclose(u, [centre, centre / 2], rtol=1e-14)
+
+
+@given(
+    st.floats(-5.0, 5.0),
+    st.floats(-5.0, 5.0),
+    st.floats(0.0, 0.5),
+    st.tuples(st.floats(0.1, 3.0), st.floats(0.1, 3.0)),
+)
+def test_displacement_is_reciprocal_and_made_of_parts(x, y, nu, sides) -> None:
+    offset = np.array([[x, y], [-x, -y]])
+    u = rectangle_displacement(offset, sides, 1.0, nu)
+    np.testing.assert_allclose(u[0], u[1].T, rtol=0, atol=1e-13)
+    half = (sides[0] / 2, sides[1])
+    parts = [
+        rectangle_displacement(offset + np.array([shift * sides[0], 0.0]), half, 1.0, nu)
+        for shift in (0.25, -0.25)
+    ]
+    np.testing.assert_allclose(parts[0] + parts[1], u, rtol=0, atol=1e-13)
+
+
+def test_displacement_far_away_is_that_of_a_point_force() -> None:
+    offset, nu = np.array([[12.0, 16.0]]), 0.3
+    u = rectangle_displacement(offset, 1e-3, 1.0, nu)[0] / 1e-6
+    x, y, r, scale = 12.0, 16.0, 20.0, 1.3 / np.pi
+    want = np.array(
+        [
+            [0.7 / r + nu * x * x / r**3, nu * x * y / r**3, 0.2 * x / r**2],
+            [nu * x * y / r**3, 0.7 / r + nu * y * y / r**3, 0.2 * y / r**2],
+            [-0.2 * x / r**2, -0.2 * y / r**2, 0.7 / r],
+        ]
+    )
+    np.testing.assert_allclose(u, scale * want, rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("depth", [0.2, 1.0, 3.0])
+@pytest.mark.parametrize("offset", [(0.0, 0.0), (0.7, -0.3), (2.5, 1.0), (-6.0, 0.0)])
+def test_stress_is_the_integral_of_the_point_forces(depth: float, offset) -> None:
+    node, weight = gauss_square(80)
+    sides = np.array([2.0, 1.0])
+    distance = np.sum((np.array(offset) - node * sides) ** 2, axis=1) + depth**2
+    want = 2.0 * weight @ (3 * depth**3 / (2 * np.pi * distance**2.5))
+    got = rectangle_stress(np.array([offset]), (2.0, 1.0), depth)[0]
+    assert got == pytest.approx(want, rel=1e-12)
+
+
+def test_stress_carries_the_load_and_grows_to_the_pressure() -> None:
+    node, weight = gauss_square(200)
+    span = np.tan(node * np.pi * 0.9999)  # the whole plane, bar 1e-4 of it
+    jacobian = np.prod(np.pi * 0.9999 * (1 + span**2), axis=1)
+    assert weight * jacobian @ rectangle_stress(span, 1.0, 0.7) == pytest.approx(1.0, rel=1e-3)
+    assert rectangle_stress(np.zeros((1, 2)), 1.0, 1e-4)[0] == pytest.approx(1.0, abs=1e-10)
+
+
+def test_bad_input_is_named() -> None:
+    with pytest.raises(InputError, match=r"cell is -1.0, expected"):
+        inverse_distance_integrals(np.zeros((1, 2)), -1.0)
+    with pytest.raises(InputError, match=r"offset has shape \(1, 3\)"):
+        rectangle_displacement(np.zeros((1, 3)), 1.0, 1.0, 0.5)
+    with pytest.raises(InputError, match=r"depth is 0\.0"):
+        rectangle_stress(np.zeros((1, 2)), 1.0, 0.0)
+    with pytest.raises(InputError, match=r"offset\[\(0, 1\)\] is nan"):
+        inverse_distance_integrals(np.array([[0.0, np.nan]]), 1.0)
