@@ -7,6 +7,13 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, check_shape
 
+UNITS = {  # of a skin's readings, as files and recordings name them
+    "count": "raw output of the converter",
+    "dC/C0": "relative change of capacitance",
+    "Pa": "stress at the base, positive in compression",
+    "1": "mean indentation over the elastomer's thickness",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Reading:
@@ -38,7 +45,7 @@ class Recording:
     uid : (C,) uint64 array or None
         Of each column, where the file says it; else columns are channels.
     unit : str
-        "count", or the unit of the quantity where the file holds conditioned values.
+        One of `UNITS` for a skin; of another sensor, what its file says ("N, N m").
     source : str
         File or port that it came from.
     notes : tuple of str

@@ -1,1 +1,4 @@
-"""sources."""
+"""Where readings come from: the edge of the package."""
+
+from skinfield.sources.recordings import open_recording as open_recording
+from skinfield.sources.recordings import readings_for as readings_for

@@ -1,0 +1,4 @@
+"""Recordings of skins, and of force sensors beside them: one file per format."""
+
+from skinfield.sources.recordings.matching import readings_for as readings_for
+from skinfield.sources.recordings.open import open_recording as open_recording

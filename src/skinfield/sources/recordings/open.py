@@ -1,0 +1,90 @@
+"""Open a recording, whatever its format."""
+
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Protocol
+
+from skinfield.errors import FileError
+from skinfield.reading import Recording
+from skinfield.sources.recordings import archive, cyskin_recorder, cyskin_text, table, yarp
+from skinfield.sources.recordings.head import Head, read_head
+from skinfield.sources.recordings.lines import Progress
+from skinfield.sources.recordings.mistaken import is_binary, verdict
+
+
+class Format(Protocol):
+    """What every module of a format offers."""
+
+    def matches(self, head: Head, /) -> bool:
+        """Whether the file is of this format."""
+        ...
+
+    def read(
+        self, head: Head, columns: Sequence[int | str] | None, progress: Progress | None, /
+    ) -> Recording:
+        """Read it."""
+        ...
+
+
+FORMATS: tuple[Format, ...] = (table, cyskin_recorder, cyskin_text, yarp)  # the strictest first
+
+
+def open_recording(
+    path: str | Path,
+    *,
+    columns: Sequence[int | str] | None = None,
+    progress: Progress | None = None,
+) -> Recording:
+    """Read a recording; its content says which format it has.
+
+    Parameters
+    ----------
+    path : str or Path
+        A yarpdatadumper log (the folder or its `data.log`), CySkin text of either kind, CSV or NPZ:
+        see the modules of this package for each.
+    columns : sequence of int or str, optional
+        Value columns to keep, by place from 0, or by name where the file has names. Default all.
+    progress : callable, optional
+        Called with bytes done and bytes in all, every few megabytes.
+
+    Returns
+    -------
+    Recording
+        A bad line is left out and counted in `skipped`; `notes` name the first ones and why, and
+        say what else is doubtful: missing values, stamps that repeat or run backwards, lost
+        messages.
+
+    Raises
+    ------
+    FileError
+        If the file is no recording, or more than a fifth of its lines cannot be read.
+    InputError
+        If `columns` names one that is not there.
+    """
+    head = read_head(_file(Path(path)))
+    if archive.matches(head):
+        return archive.read(head, columns, progress)
+    if not is_binary(head):
+        for fmt in FORMATS:
+            if fmt.matches(head):
+                return fmt.read(head, columns, progress)
+    raise FileError(verdict(head))
+
+
+def _file(path: Path) -> Path:
+    """The file itself, or the log in a folder."""
+    try:
+        if not path.is_dir():
+            return path
+        if (path / "data.log").is_file():
+            return path / "data.log"
+        inner = [
+            str(log.parent)
+            for depth in ("*", "*/*", "*/*/*")
+            for log in islice(path.glob(f"{depth}/data.log"), 5)
+        ]
+    except (OSError, ValueError) as error:  # a path with a zero byte is a ValueError
+        raise FileError(f"{path!s} cannot be opened: {error}; expected a recording") from error
+    hint = f"; logs lie in {', '.join(inner[:5])}" if inner else ""
+    raise FileError(f"{path} is a folder without data.log, expected a yarpdatadumper log{hint}")
