@@ -1,1 +1,3 @@
-"""contacts."""
+"""Contacts from fields, whoever made the fields."""
+
+from skinfield.contacts.finder import ContactFinder as ContactFinder

@@ -2,3 +2,4 @@
 
 from skinfield.fields.contact import Contact as Contact
 from skinfield.fields.estimate import Estimate as Estimate
+from skinfield.fields.noise import PressureNoise as PressureNoise

@@ -1,1 +1,8 @@
-"""inverse."""
+"""Solvers: from an observation model to an inverse operator."""
+
+from skinfield.inverse.gaussian_field import GaussianField as GaussianField
+from skinfield.inverse.inverse import Inverse as Inverse
+from skinfield.inverse.operator import InverseOperator as InverseOperator
+from skinfield.inverse.operator import Solver as Solver
+from skinfield.inverse.pseudo_inverse import PseudoInverse as PseudoInverse
+from skinfield.inverse.tikhonov import Tikhonov as Tikhonov

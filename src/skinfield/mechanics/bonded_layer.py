@@ -1,0 +1,274 @@
+"""Green's functions of an elastic layer bonded to a rigid base: exact, compressible or not."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from skinfield.errors import Floats, check_positive, check_range, check_shape
+from skinfield.mechanics.cells import integrate_over_cell
+from skinfield.mechanics.elastomer import Layer
+from skinfield.mechanics.love import inverse_distance_integrals
+from skinfield.mechanics.pads import mean_inverse_distance
+from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
+from skinfield.mechanics.transfer import CoveredTransfer, LayerTransfer
+
+REACH = 32.0  # thicknesses; the slowest kernel falls as exp(-0.83 r/h), to 1e-12 here
+SLOW_CUTOFF = 46.0  # transforms that fall as exp(-alpha)
+FAST_CUTOFF = 26.0  # transforms that fall as exp(-2 alpha)
+
+
+Kernel = Callable[[Floats, Floats], Floats]
+
+
+@lru_cache(maxsize=64)
+def _table(
+    nu: float, covered: bool, name: str, order: int, pad: float, smooth: bool
+) -> RadialKernel:
+    """Table of one response; `pad` is the pad's radius in thicknesses. Built once, then kept."""
+    transfer = CoveredTransfer(nu) if covered else LayerTransfer(nu)
+    response = getattr(transfer, name)
+    on_base = name.startswith("base")
+
+    def transform(alpha: Floats) -> Floats:
+        value = response(alpha) * jinc(alpha, pad) / (2 * np.pi)
+        value = value * alpha if on_base else value
+        return np.asarray(value * electrostatic(alpha) if smooth else value)
+
+    return RadialKernel(transform, order, SLOW_CUTOFF if on_base or smooth else FAST_CUTOFF, REACH)
+
+
+@dataclass(frozen=True)
+class BondedLayer:
+    """Exact mechanics of a layer bonded to the robot, its top free or under a taut cover.
+
+    Every method takes loads that are uniform over a square cell, and is exact for any thickness,
+    modulus and Poisson's ratio from 0 to 0.5, the incompressible limit included. Tables depend on
+    Poisson's ratio and on the pad's size in thicknesses alone; the rest is a scaling.
+
+    Parameters
+    ----------
+    inextensible_cover : bool
+        Whether a fabric that bends freely but does not stretch lies on the elastomer, such as a
+        woven ground electrode. It then takes every tangential load.
+
+    Notes
+    -----
+    Closed forms in Fourier space are in `mechanics.transfer`; the half-space's part of the surface
+    displacement is integrated in closed form (Love, Cerruti), and the rest, smooth, by quadrature.
+    """
+
+    inextensible_cover: bool = False
+
+    def reach(self, layer: Layer) -> float:
+        """Distance in m beyond which every response is below 1e-12 of its peak."""
+        return REACH * layer.thickness
+
+    def base_stress(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Normal stress on the base under a unit pressure on one cell.
+
+        Parameters
+        ----------
+        layer : Layer
+        offset : (N, 2) array, m
+            From the cell's centre to the taxels.
+        cell : float, m
+            Side of the cell.
+        pad_diameter : float, m
+            Of the round pad that averages; 0 for a point.
+
+        Returns
+        -------
+        (N,) array, Pa/Pa
+            Positive in compression.
+        """
+        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        kernel = self._kernel(layer, "base_normal", 0, pad)
+        return self._smooth(lambda x, y: kernel(np.hypot(x, y)), offset, cell)
+
+    def base_traction(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Traction on the base under a unit traction on one cell, as `base_stress`.
+
+        Returns
+        -------
+        (N, 3, 3) array, Pa/Pa
+            [n, i, j]: component i that the layer exerts on the plane of the base (outward normal
+            +z, tension positive) per component j on the surface.
+        """
+        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        normal = self._kernel(layer, "base_normal", 0, pad)
+        shear_from_normal = self._kernel(layer, "base_shear_from_normal", 1, pad)
+        if self.inextensible_cover:
+
+            def covered(x: Floats, y: Floats) -> Floats:
+                rho = np.hypot(x, y)
+                one, zero = -shear_from_normal(rho), np.zeros(np.shape(rho))
+                return _tensor([zero, zero, zero, zero, x * one, y * one, zero, zero, normal(rho)])
+
+            return self._smooth_tensor(covered, offset, cell)
+        shear = self._in_plane(layer, ("base_shear", 1.0), ("base_antiplane", 1.0), pad)
+        normal_from_shear = self._kernel(layer, "base_normal_from_shear", 1, pad)
+
+        def kernel(x: Floats, y: Floats) -> Floats:
+            rho = np.hypot(x, y)
+            xx, xy, yy = shear(x, y, rho)
+            down, up = -shear_from_normal(rho), normal_from_shear(rho)
+            return _tensor([xx, xy, xy, yy, x * down, y * down, x * up, y * up, normal(rho)])
+
+        return self._smooth_tensor(kernel, offset, cell)
+
+    def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
+        """Displacement of the surface under a unit traction on one cell.
+
+        Parameters
+        ----------
+        layer, offset, cell
+            See `base_stress`.
+
+        Returns
+        -------
+        (N, 3, 3) array, m/Pa
+            [n, i, j]: component i per component j; symmetric under exchange of source and point.
+        """
+        nu = layer.poisson_ratio
+        scale = layer.thickness / layer.young_modulus
+        offset, cell, _ = _scaled(layer, offset, cell, 0.0)
+        inside = np.hypot(offset[:, 0], offset[:, 1]) <= REACH
+        normal = self._kernel(layer, "normal_rest", 0)
+        one, xx, xy, yy, x1, y1 = inverse_distance_integrals(offset, cell)
+        plane_strain = (1 - nu**2) / np.pi
+        if self.inextensible_cover:
+            rest = self._smooth(lambda x, y: normal(np.hypot(x, y)), offset, cell)
+            out = np.zeros((len(offset), 3, 3))
+            factor = CoveredTransfer(nu).half_space_factor
+            out[:, 2, 2] = plane_strain * factor * one + 2 * (1 - nu**2) * rest
+            return out * (inside * scale)[:, None, None]
+        half = (1 + nu) / np.pi
+        down = -(1 + nu) * (1 - 2 * nu) / (2 * np.pi)
+        entries = [
+            half * ((1 - nu) * one + nu * xx),
+            half * nu * xy,
+            half * nu * xy,
+            half * ((1 - nu) * one + nu * yy),
+            -down * x1,
+            -down * y1,
+            down * x1,
+            down * y1,
+            plane_strain * one,
+        ]
+        along, across_k = 2 * (1 - nu**2), 2 * (1 + nu)
+        shear = self._in_plane(layer, ("tangential_rest", along), ("antiplane_rest", across_k))
+        coupling = self._kernel(layer, "coupling_rest", 1)
+
+        def kernel(x: Floats, y: Floats) -> Floats:
+            rho = np.hypot(x, y)
+            sxx, sxy, syy = shear(x, y, rho)
+            across = (1 + nu) * coupling(rho)
+            deep = 2 * (1 - nu**2) * normal(rho)
+            return _tensor(
+                [sxx, sxy, sxy, syy, -x * across, -y * across, x * across, y * across, deep]
+            )
+
+        total = _matrix(np.stack(entries)) + self._smooth_tensor(kernel, offset, cell)
+        return np.asarray(total * (inside * scale)[:, None, None])
+
+    def indentation(
+        self,
+        layer: Layer,
+        offset: Floats,
+        cell: float,
+        pad_diameter: float = 0.0,
+        electrostatic: bool = False,
+    ) -> Floats:
+        """Displacement into the skin above a pad, under a unit pressure on one cell.
+
+        Parameters
+        ----------
+        layer, offset, cell, pad_diameter
+            See `base_stress`.
+        electrostatic : bool
+            Smooth as the field lines between the electrodes do (`radial.electrostatic`).
+
+        Returns
+        -------
+        (N,) array, m/Pa
+        """
+        nu = layer.poisson_ratio
+        scale = layer.thickness / layer.young_modulus
+        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        if electrostatic:
+            whole = self._kernel(layer, "normal", 0, pad, smooth=True)
+            smoothed = self._smooth(lambda x, y: whole(np.hypot(x, y)), offset, cell)
+            return 2 * (1 - nu**2) * scale * smoothed
+        inside = np.hypot(offset[:, 0], offset[:, 1]) <= REACH
+        rest = self._kernel(layer, "normal_rest", 0, pad)
+        factor = CoveredTransfer(nu).half_space_factor if self.inextensible_cover else 1.0
+        leading = (
+            mean_inverse_distance(offset, cell, pad)
+            if pad > 0.0
+            else inverse_distance_integrals(offset, cell)[0]
+        )
+        smooth = self._smooth(lambda x, y: rest(np.hypot(x, y)), offset, cell)
+        total = (1 - nu**2) * (factor * leading / np.pi + 2 * smooth)
+        return np.asarray(total * inside * scale)
+
+    def _kernel(
+        self, layer: Layer, name: str, order: int, pad: float = 0.0, smooth: bool = False
+    ) -> RadialKernel:
+        nu = float(layer.poisson_ratio)
+        return _table(nu, self.inextensible_cover, name, order, round(pad, 12), smooth)
+
+    def _in_plane(
+        self,
+        layer: Layer,
+        along: tuple[str, float],
+        across: tuple[str, float],
+        pad: float = 0.0,
+    ) -> Callable[[Floats, Floats, Floats], tuple[Floats, Floats, Floats]]:
+        """Tensor xx, xy, yy whose parts along and across k are the named, weighted responses."""
+        p0, p2 = (self._kernel(layer, along[0], order, pad) for order in (0, 2))
+        q0, q2 = (self._kernel(layer, across[0], order, pad) for order in (0, 2))
+
+        def tensor(x: Floats, y: Floats, rho: Floats) -> tuple[Floats, Floats, Floats]:
+            mean = (along[1] * p0(rho) + across[1] * q0(rho)) / 2
+            rest = across[1] * q2(rho) - along[1] * p2(rho)
+            half = (x**2 - y**2) / 2 * rest
+            return mean + half, x * y * rest, mean - half
+
+        return tensor
+
+    @staticmethod
+    def _smooth(function: "Kernel", offset: Floats, cell: float) -> Floats:
+        return integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH)
+
+    @staticmethod
+    def _smooth_tensor(function: "Kernel", offset: Floats, cell: float) -> Floats:
+        return _matrix(integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH))
+
+
+def _scaled(
+    layer: Layer, offset: Floats, cell: float, pad_diameter: float
+) -> tuple[Floats, float, float]:
+    """Check, and express lengths in thicknesses; the pad becomes its radius."""
+    offset = np.asarray(offset, dtype=np.float64)
+    check_shape("offset", offset, (None, 2), "from the cell's centre to each point, in the plane")
+    check_positive("cell", cell, "the side of the loaded square, in metres")
+    check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
+    h = layer.thickness
+    return offset / h, cell / h, pad_diameter / 2 / h
+
+
+def _tensor(entries: list[Floats]) -> Floats:
+    """Stack the entries 00, 01, 10, 11, 02, 12, 20, 21, 22 of a tensor kernel."""
+    return np.stack(np.broadcast_arrays(*entries))
+
+
+def _matrix(entries: Floats) -> Floats:
+    """(9, N) entries in the order of `_tensor`, as matrices (N, 3, 3)."""
+    xx, xy, yx, yy, xz, yz, zx, zy, zz = entries
+    return np.stack([xx, xy, xz, yx, yy, yz, zx, zy, zz], axis=-1).reshape(-1, 3, 3)

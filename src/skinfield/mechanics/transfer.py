@@ -1,0 +1,155 @@
+r"""Closed forms of a bonded elastic layer in Fourier space.
+
+A layer 0 <= z <= h, fixed at z = 0, loaded by a traction t on z = h. With k the wave number,
+alpha = k h, and the components along k (t_x), across it (t_y) and outwards (t_z), the general
+solution of the equations of equilibrium (cosh and sinh of k z, times polynomials of first degree)
+and the four boundary conditions give every response as a ratio with the denominator
+
+.. math:: D = (3 - 4\nu)\cosh 2\alpha + 2\alpha^2 + 8\nu^2 - 12\nu + 5.
+
+All functions take and give arrays over alpha, are free of overflow and cancellation for every
+alpha > 0 and 0 <= nu <= 1/2, and are scaled by exp(-2 alpha) above and below the bar.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.errors import Floats
+
+
+@dataclass(frozen=True)
+class LayerTransfer:
+    r"""Responses of the bonded layer to harmonic tractions.
+
+    Displacements are :math:`2(1-\nu^2)/(Ek)` times `normal` and `tangential`,
+    :math:`(1+\nu)/(Ek)` times `coupling` and :math:`2(1+\nu)/(Ek)` times `antiplane`; each tends
+    to its half-space value 1, 1, -(1 - 2 nu), 1 as alpha grows, and `*_rest` is the difference,
+    which falls as exp(-2 alpha). `base_*` are tractions on z = 0 per traction on z = h.
+    """
+
+    poisson_ratio: float
+
+    def _terms(self, alpha: Floats) -> tuple[Floats, Floats, Floats]:
+        nu, decay = self.poisson_ratio, np.exp(-alpha)
+        constant = 2 * alpha**2 + 8 * nu**2 - 12 * nu + 5
+        square = decay**2
+        denominator = (3 - 4 * nu) * (1 + square**2) / 2 + constant * square
+        return decay, constant, denominator
+
+    def normal_rest(self, alpha: Floats) -> Floats:
+        """Normal displacement per normal traction, less the half-space's 1."""
+        decay, constant, denominator = self._terms(alpha)
+        square = decay**2
+        above = -(3 - 4 * self.poisson_ratio) * square - 2 * alpha - constant
+        return above * square / denominator
+
+    def normal(self, alpha: Floats) -> Floats:
+        """Normal displacement per normal traction; (2/3) alpha³ at small alpha for nu = 1/2."""
+        nu = self.poisson_ratio
+        decay, _, denominator = self._terms(alpha)
+        small = np.minimum(alpha, 0.5)
+        series = sum((2 * small) ** n / _FACTORIAL[n] for n in (3, 5, 7, 9, 11, 13, 15))
+        excess = np.where(alpha < 0.5, series * decay**2, (1 - decay**4) / 2 - 2 * alpha * decay**2)
+        return ((3 - 4 * nu) * excess + (2 - 4 * nu) * 2 * alpha * decay**2) / denominator
+
+    def tangential_rest(self, alpha: Floats) -> Floats:
+        """Displacement along k per traction along k, less the half-space's 1."""
+        decay, constant, denominator = self._terms(alpha)
+        square = decay**2
+        above = -(3 - 4 * self.poisson_ratio) * square + 2 * alpha - constant
+        return above * square / denominator
+
+    def coupling_rest(self, alpha: Floats) -> Floats:
+        """Tangential displacement per normal traction, plus the half-space's (1 - 2 nu)."""
+        nu = self.poisson_ratio
+        decay, _, denominator = self._terms(alpha)
+        above = 4 * (1 - nu) * alpha**2 + 8 * (1 - 2 * nu) * (1 - nu) ** 2
+        return above * decay**2 / denominator
+
+    def antiplane_rest(self, alpha: Floats) -> Floats:
+        """Displacement across k per traction across k, tanh(alpha), less the half-space's 1."""
+        square = np.exp(-2 * alpha)
+        return -2 * square / (1 + square)
+
+    def base_normal(self, alpha: Floats) -> Floats:
+        """Normal traction on the base per normal traction; 1 at alpha = 0 (equilibrium)."""
+        return self._base(alpha, alpha, 2 * (1 - self.poisson_ratio))
+
+    def base_shear_from_normal(self, alpha: Floats) -> Floats:
+        """Traction along k on the base per normal traction."""
+        return self._base(alpha, -(1 - 2 * self.poisson_ratio), alpha)
+
+    def base_shear(self, alpha: Floats) -> Floats:
+        """Traction along k on the base per traction along k; 1 at alpha = 0."""
+        return self._base(alpha, -alpha, 2 * (1 - self.poisson_ratio))
+
+    def base_normal_from_shear(self, alpha: Floats) -> Floats:
+        """Normal traction on the base per traction along k; -alpha at small alpha (moment)."""
+        return -self._base(alpha, 1 - 2 * self.poisson_ratio, alpha)
+
+    def base_antiplane(self, alpha: Floats) -> Floats:
+        """Traction across k on the base per traction across k: 1 / cosh(alpha)."""
+        return 2 * np.exp(-alpha) / (1 + np.exp(-2 * alpha))
+
+    def _base(self, alpha: Floats, of_sinh: Floats | float, of_cosh: Floats | float) -> Floats:
+        decay, _, denominator = self._terms(alpha)
+        both = of_sinh * (1 - decay**2) / 2 + of_cosh * (1 + decay**2) / 2
+        return np.asarray(4 * (1 - self.poisson_ratio) * both * decay / denominator)
+
+
+_FACTORIAL = np.cumprod(np.arange(16.0).clip(1))
+
+
+@dataclass(frozen=True)
+class CoveredTransfer:
+    """The same layer under a cover that stretches nowhere (a conductive fabric), nu = any.
+
+    The cover holds the surface's tangential displacement at zero by whatever shear it takes, so
+    only a normal traction moves anything.
+    """
+
+    poisson_ratio: float
+
+    @property
+    def _free(self) -> LayerTransfer:
+        return LayerTransfer(self.poisson_ratio)
+
+    @property
+    def half_space_factor(self) -> float:
+        """Limit of `normal` at large alpha: the half-space under an inextensible cover."""
+        nu = self.poisson_ratio
+        return 1 - ((1 - 2 * nu) / (2 * (1 - nu))) ** 2
+
+    def _shear_taken(self, alpha: Floats) -> Floats:
+        """Traction along k that the cover exerts per normal traction, with opposite sign."""
+        nu = self.poisson_ratio
+        coupling = self._free.coupling_rest(alpha) - (1 - 2 * nu)
+        return coupling / (2 * (1 - nu) * (1 + self._free.tangential_rest(alpha)))
+
+    def normal_rest(self, alpha: Floats) -> Floats:
+        """Normal displacement per normal traction, less `half_space_factor`."""
+        nu = self.poisson_ratio
+        coupling = self._free.coupling_rest(alpha) - (1 - 2 * nu)
+        held = self._shear_taken(alpha) * coupling / (2 * (1 - nu))
+        return np.asarray(self._free.normal_rest(alpha) - held + (1 - self.half_space_factor))
+
+    def normal(self, alpha: Floats) -> Floats:
+        """Normal displacement per normal traction; alpha³/6 at small alpha for nu = 1/2."""
+        nu = self.poisson_ratio
+        coupling = self._free.coupling_rest(alpha) - (1 - 2 * nu)
+        return self._free.normal(alpha) - self._shear_taken(alpha) * coupling / (2 * (1 - nu))
+
+    def base_normal(self, alpha: Floats) -> Floats:
+        """Normal traction on the base per normal traction."""
+        free = self._free
+        return free.base_normal(alpha) - free.base_normal_from_shear(alpha) * self._shear_taken(
+            alpha
+        )
+
+    def base_shear_from_normal(self, alpha: Floats) -> Floats:
+        """Traction along k on the base per normal traction."""
+        free = self._free
+        return free.base_shear_from_normal(alpha) - free.base_shear(alpha) * self._shear_taken(
+            alpha
+        )

@@ -1,0 +1,3 @@
+"""One patch from readings to contacts, prepared once."""
+
+from skinfield.pipeline.reconstructor import Reconstructor as Reconstructor
