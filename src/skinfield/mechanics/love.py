@@ -7,7 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skinfield.errors import Floats, as_floats, check_finite, check_positive, check_shape
+from skinfield.errors import (
+    Floats,
+    as_floats,
+    check_finite,
+    check_positive,
+    check_range,
+    check_shape,
+)
 
 Sides = float | tuple[float, float]
 
@@ -49,9 +56,10 @@ def corners(offset: Floats, cell: Sides) -> tuple[Floats, Floats, Floats]:
     return x, y, np.array([[1.0], [-1.0], [-1.0], [1.0]])
 
 
-def length_asinh(length: Floats, other: Floats) -> Floats:
-    """`length` * asinh(`other` / |`length`|), with its limit 0 at `length` = 0."""
-    return length * np.arcsinh(other / np.where(length == 0.0, 1.0, np.abs(length)))
+def length_asinh(length: Floats, other: Floats, depth: float = 0.0) -> Floats:
+    """`length` * asinh(`other` / hypot(`length`, `depth`)), with its limit 0 at `length` = 0."""
+    below = np.hypot(length, depth) if depth else np.abs(length)
+    return length * np.arcsinh(other / np.where(below == 0.0, 1.0, below))
 
 
 def inverse_distance_integrals(offset: Floats, cell: Sides) -> RectangleIntegrals:
@@ -180,3 +188,43 @@ def rectangle_stress(offset: Floats, cell: Sides, depth: float) -> Floats:
     ratio = 1.0 / (x**2 + depth**2) + 1.0 / (y**2 + depth**2)
     stress = np.arctan(product / (depth * radius)) + product * depth / radius * ratio
     return np.asarray(np.sum(sign * stress, axis=0) / (2.0 * np.pi))
+
+
+def rectangle_normal_displacement(
+    offset: Floats, cell: Sides, depth: float, young_modulus: float, poisson_ratio: float
+) -> Floats:
+    r"""Normal displacement inside the half-space under unit normal traction on a rectangle.
+
+    Parameters
+    ----------
+    offset, cell
+        See `rectangle_displacement`.
+    depth : float, m
+        Of the plane of observation below the surface, positive into the skin; 0 is the surface.
+    young_modulus : float, Pa
+    poisson_ratio : float
+
+    Returns
+    -------
+    (N,) array, m/Pa
+
+    Notes
+    -----
+    Integral of :math:`\frac{1+\nu}{2\pi E} [2(1-\nu)/R + z^2/R^3]` (Love, 1929). Antiderivatives:
+
+    .. math::
+
+        \frac1R : x\,\mathrm{asinh}\frac{y}{\sqrt{x^2+z^2}}
+        + y\,\mathrm{asinh}\frac{x}{\sqrt{y^2+z^2}} - z \arctan\frac{xy}{zR}, \quad
+        \frac{z^2}{R^3} : z \arctan\frac{xy}{zR}
+    """
+    check_range("depth", depth, 0.0, np.inf, "counted positive into the skin")
+    check_positive("young_modulus", young_modulus, "the elastomer's stiffness in Pa")
+    x, y, sign = corners(offset, cell)
+    product = x * y
+    radius = np.sqrt(x**2 + y**2 + depth**2)
+    angle = depth * np.sign(product) * np.arctan2(np.abs(product), depth * radius)
+    inverse = length_asinh(x, y, depth) + length_asinh(y, x, depth) - angle
+    scale = (1.0 + poisson_ratio) / (2.0 * np.pi * young_modulus)
+    kernel = 2.0 * (1.0 - poisson_ratio) * inverse + angle
+    return np.asarray(scale * np.sum(sign * kernel, axis=0))

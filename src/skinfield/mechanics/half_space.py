@@ -1,0 +1,295 @@
+"""The paper's mechanics: an elastic half-space in place of the layer."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from skinfield.errors import Floats, check_positive, check_range, check_shape
+from skinfield.mechanics.cells import integrate_over_cell
+from skinfield.mechanics.elastomer import Layer
+from skinfield.mechanics.love import (
+    rectangle_displacement,
+    rectangle_normal_displacement,
+    rectangle_stress,
+)
+from skinfield.mechanics.pads import disc_potential, mean_inverse_distance
+from skinfield.mechanics.point_force import (
+    coincident_displacement,
+    displacement_kernel,
+    surface_displacement,
+    traction_kernel,
+)
+from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
+
+CUTOFF = 46.0  # every transform below falls as exp(-alpha)
+NEAR = 32.0  # thicknesses that tables span; beyond, a pad is a ring
+
+Radial = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """The paper's mechanics: point forces on a half-space whose plane at depth h is the base.
+
+    The half-space does not feel the rigid robot below, so its stress of the same pressure is 13 to
+    23 % off for real contacts, and its displacement is only made to vanish at the base by
+    subtraction, eq. (17). `BondedLayer` has the same methods and is exact; this one is for
+    comparison with the paper. Any Poisson's ratio from 0 to 0.5.
+
+    Parameters
+    ----------
+    point_forces : bool
+        Whether the load of a cell acts as one force at its centre, as in the paper; otherwise as a
+        uniform traction on the square.
+    psi : float, function of h / z0, or None
+        The function Psi of (25) and (26) where a point force meets its own displacement: None for
+        its exact value, 0.25 for the paper's, `point_force.fitted_psi` for the authors' group's.
+        Uniform cells need none.
+    capped : bool
+        Whether a row of the displacement of a point force gives way to the coincident one where
+        its diagonal exceeds that, as in the authors' group's program.
+    """
+
+    point_forces: bool = True
+    psi: float | Callable[[float], float] | None = None
+    capped: bool = False
+
+    def reach(self, layer: Layer) -> float:
+        """Distance in m beyond which responses may be neglected: none, they fall as powers."""
+        return float("inf")
+
+    def base_stress(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Normal stress on the base under a unit pressure on one cell.
+
+        Parameters
+        ----------
+        layer : Layer
+        offset : (N, 2) array, m
+            From the cell's centre to the taxels.
+        cell : float, m
+            Side of the cell.
+        pad_diameter : float, m
+            Of the round pad that averages; 0 for a point.
+
+        Returns
+        -------
+        (N,) array, Pa/Pa
+            Positive in compression.
+        """
+        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        if pad == 0.0 and not self.point_forces:
+            return rectangle_stress(offset, cell, 1.0)
+        return self._spread(_stress(pad), offset, cell)
+
+    def base_traction(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Traction on the base under a unit traction on one cell, as `base_stress`.
+
+        Returns
+        -------
+        (N, 3, 3) array, Pa/Pa
+            [n, i, j]: component i that the skin exerts on the plane of the base (outward normal
+            +z, tension positive) per component j on the surface.
+        """
+        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        total = np.zeros((len(offset), 3, 3))
+        for shift, weight in zip(*_disc_rule(pad), strict=True):
+            total += weight * self._spread_tensor(
+                lambda x, y: traction_kernel(x, y, 1.0), offset + shift, cell
+            )
+        return total
+
+    def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
+        """Effective displacement of the surface, eq. (17), under a unit traction on one cell.
+
+        Parameters
+        ----------
+        layer, offset, cell
+            See `base_stress`.
+
+        Returns
+        -------
+        (N, 3, 3) array, m/Pa
+            [n, i, j]: component i per component j.
+        """
+        elastic = (layer.young_modulus, layer.poisson_ratio)
+        if self.point_forces:
+            _scaled(layer, offset, cell, 0.0)
+            return cell**2 * self._of_point_forces(layer, np.asarray(offset, np.float64), cell)
+        scaled, side, _ = _scaled(layer, offset, cell, 0.0)
+        above = rectangle_displacement(scaled, side, *elastic)
+        below = self._spread_tensor(
+            lambda x, y: displacement_kernel(x, y, 1.0, *elastic), scaled, side
+        )
+        return layer.thickness * (above - below)
+
+    def indentation(
+        self,
+        layer: Layer,
+        offset: Floats,
+        cell: float,
+        pad_diameter: float = 0.0,
+        electrostatic: bool = False,
+    ) -> Floats:
+        """Effective displacement into the skin above a pad, under a unit pressure on one cell.
+
+        Parameters
+        ----------
+        layer, offset, cell, pad_diameter
+            See `base_stress`.
+        electrostatic : bool
+            Smooth as the field lines between the electrodes do (`radial.electrostatic`).
+
+        Returns
+        -------
+        (N,) array, m/Pa
+        """
+        nu, h = layer.poisson_ratio, layer.thickness
+        metres, (offset, cell, pad) = cell, _scaled(layer, offset, cell, pad_diameter)
+        scale = 2.0 * (1.0 - nu**2) * h / layer.young_modulus
+        if electrostatic:
+            return scale * self._spread(_smoothed_gap(nu, pad), offset, cell)
+        if pad > 0.0:
+            sunk = self._spread(_depth(nu, pad), offset, cell)
+            return scale * (self._pad_mean_inverse_distance(offset, cell, pad) - sunk)
+        if self.point_forces:
+            return self.surface_displacement(layer, offset * h, metres)[:, 2, 2]
+        above, below = (
+            rectangle_normal_displacement(offset, cell, depth, layer.young_modulus, nu)
+            for depth in (0.0, 1.0)
+        )
+        return h * (above - below)
+
+    def _pad_mean_inverse_distance(self, offset: Floats, cell: float, pad: float) -> Floats:
+        """Mean over the pad of the integral of 1/(2 pi r) over the load."""
+        if not self.point_forces:
+            return mean_inverse_distance(offset, cell, pad) / (2.0 * np.pi)
+        potential = disc_potential(np.hypot(*offset.T), pad)
+        return np.asarray(cell**2 * potential / (2.0 * np.pi * np.pi * pad**2))
+
+    def _of_point_forces(self, layer: Layer, offset: Floats, cell: float) -> Floats:
+        """Effective displacement, m/N, with the coincident terms at and, if asked, near zero."""
+        psi = self.psi
+        if callable(psi):
+            psi = psi(layer.thickness / np.sqrt(1.5 * cell**2 / np.pi))
+        own = coincident_displacement(layer, cell**2, psi)
+        apart = np.hypot(*offset.T) > 1e-9 * cell
+        delta = np.empty((len(offset), 3, 3))
+        delta[apart] = surface_displacement(offset[apart], layer)
+        delta[~apart] = own
+        if self.capped:
+            over = np.abs(np.einsum("nii->ni", delta)) > np.abs(np.diag(own))
+            delta = np.where(over[:, :, None], own, delta)
+        return delta
+
+    def _spread(self, kernel: Radial, offset: Floats, cell: float) -> Floats:
+        """Response to a cell: the kernel of a point force, times the area or integrated."""
+        if self.point_forces:
+            return cell**2 * kernel(np.hypot(*offset.T))
+        return integrate_over_cell(
+            lambda x, y: kernel(np.hypot(x, y)), offset, cell, depth=1.0, reach=np.inf
+        )
+
+    def _spread_tensor(
+        self, kernel: Callable[[Floats, Floats], Floats], offset: Floats, cell: float
+    ) -> Floats:
+        if self.point_forces:
+            return np.moveaxis(cell**2 * kernel(*offset.T), -1, 0)
+        total = integrate_over_cell(kernel, offset, cell, depth=1.0, reach=np.inf)
+        return np.moveaxis(total, -1, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class PadKernel:
+    """A radial kernel averaged over a pad: a table near by, a closed form on a ring far away.
+
+    Far away a smoothing shows its second moment alone, and so acts as the mean over a ring of
+    radius `spread`.
+    """
+
+    table: RadialKernel
+    closed: Radial
+    spread: float
+
+    def __call__(self, rho: Floats) -> Floats:
+        """Evaluate at rho >= 0 thicknesses, any shape."""
+        near = rho < self.table.reach
+        out = np.empty(np.shape(rho))
+        out[near] = self.table(rho[near])
+        angle = np.arange(8) * np.pi / 4
+        far = rho[~near, None]
+        ring = np.hypot(far + self.spread * np.cos(angle), self.spread * np.sin(angle))
+        out[~near] = self.closed(ring).mean(axis=-1)
+        return out
+
+
+@lru_cache(maxsize=32)
+def _stress(pad: float) -> Radial:
+    """Normal stress per force at the base; transform alpha (1 + alpha) exp(-alpha)."""
+    closed: Radial = lambda rho: 1.5 / np.pi / (rho**2 + 1.0) ** 2.5  # noqa: E731
+    if pad == 0.0:
+        return closed
+    return _averaged(lambda a: a * (1.0 + a) * np.exp(-a), closed, pad, pad / np.sqrt(2.0))
+
+
+@lru_cache(maxsize=32)
+def _depth(nu: float, pad: float) -> Radial:
+    """Displacement at the base over 2 (1 - nu²) / E; transform (1 + beta alpha) exp(-alpha)."""
+    beta = 0.5 / (1.0 - nu)
+
+    def closed(rho: Floats) -> Floats:
+        r = np.hypot(rho, 1.0)
+        return np.asarray((1.0 / r + beta / r**3) / (2.0 * np.pi))
+
+    return _averaged(lambda a: (1.0 + beta * a) * np.exp(-a), closed, pad, pad / np.sqrt(2.0))
+
+
+@lru_cache(maxsize=32)
+def _smoothed_gap(nu: float, pad: float) -> Radial:
+    """Effective indentation over 2 (1 - nu²) / E, smoothed by the electric field."""
+    beta = 0.5 / (1.0 - nu)
+
+    def transform(a: Floats) -> Floats:
+        return np.asarray((-np.expm1(-a) - beta * a * np.exp(-a)) * electrostatic(a))
+
+    def closed(rho: Floats) -> Floats:
+        r = np.hypot(rho, 1.0)
+        return np.asarray((1.0 / rho - 1.0 / r - beta / r**3) / (2.0 * np.pi))
+
+    # Second moments add: a²/2 of the pad, 2/3 of alpha / sinh(alpha) = 1 - alpha²/6 + ...
+    return _averaged(transform, closed, pad, np.sqrt(pad**2 / 2.0 + 2.0 / 3.0))
+
+
+def _averaged(transform: Radial, closed: Radial, pad: float, spread: float) -> PadKernel:
+    def smoothed(alpha: Floats) -> Floats:
+        return np.asarray(transform(alpha) * jinc(alpha, pad) / (2.0 * np.pi))
+
+    return PadKernel(RadialKernel(smoothed, 0, CUTOFF, NEAR + 4.0 * pad), closed, spread)
+
+
+def _disc_rule(radius: float) -> tuple[Floats, Floats]:
+    """Points (Q, 2) and weights that average over a disc; one point for radius 0."""
+    if radius == 0.0:
+        return np.zeros((1, 2)), np.ones(1)
+    count = int(np.ceil(8 + 10 * radius))
+    node, weight = np.polynomial.legendre.leggauss(count)
+    r, angle = radius * np.sqrt((node + 1.0) / 2.0), np.arange(2 * count) * np.pi / count
+    points = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1)
+    return points.reshape(-1, 2), np.repeat(weight / 2.0, len(angle)) / len(angle)
+
+
+def _scaled(
+    layer: Layer, offset: Floats, cell: float, pad_diameter: float
+) -> tuple[Floats, float, float]:
+    """Check, and express lengths in thicknesses; the pad becomes its radius."""
+    offset = np.asarray(offset, dtype=np.float64)
+    check_shape("offset", offset, (None, 2), "from the cell's centre to each point, in the plane")
+    check_positive("cell", cell, "the side of the loaded square, in metres")
+    check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
+    h = layer.thickness
+    return offset / h, cell / h, round(pad_diameter / 2.0 / h, 12)
