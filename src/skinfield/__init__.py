@@ -10,6 +10,8 @@ from skinfield.inverse import Tikhonov as Tikhonov
 from skinfield.layout import Grid as Grid
 from skinfield.layout import Patch as Patch
 from skinfield.layout import Skin as Skin
+from skinfield.layout import load_layout as load_layout
+from skinfield.layout import save_layout as save_layout
 from skinfield.mechanics import BondedLayer as BondedLayer
 from skinfield.mechanics import Layer as Layer
 from skinfield.observation import BaseStress as BaseStress

@@ -1,0 +1,143 @@
+"""Layout files of robot skins: which format a file has, reading it, writing it.
+
+A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)``, ``parse(path)`` and
+``write(skin, path)``; a further one is a file of its own and its name in `FORMATS`.
+"""
+
+from pathlib import Path
+from typing import Protocol, cast
+
+from skinfield.errors import FileError, InputError
+from skinfield.layout.finding import Finding
+from skinfield.layout.formats import (
+    cyskin,
+    fingertip,
+    icub_positions,
+    own_npz,
+    own_toml,
+    pcd,
+    skingui,
+    skinware,
+)
+from skinfield.layout.formats.draft import Content
+from skinfield.layout.formats.mend import mend
+from skinfield.layout.formats.text import read_bytes
+from skinfield.layout.patch import Patch
+from skinfield.layout.skin import Skin
+
+
+class Format(Protocol):
+    """What a module of a format offers."""
+
+    NAME: str
+    EXTENSIONS: tuple[str, ...]
+    EXPECTED: str
+
+    def sniff(self, data: bytes) -> bool:
+        """Whether the bytes look like this format."""
+        ...
+
+    def parse(self, path: Path) -> Content:
+        """Contents of a file, as it states them."""
+        ...
+
+    def write(self, skin: Skin, path: Path) -> tuple[str, ...]:
+        """Write a skin; return what the format cannot hold, in sentences."""
+        ...
+
+
+FORMATS = cast(
+    tuple[Format, ...],
+    (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
+)
+"""All known formats; where two write the same extension, the first is the usual one."""
+
+
+def load_layout(path: str | Path) -> Skin:
+    """Read a layout file of any known format; what was repaired stands in the skin's notes.
+
+    Raises
+    ------
+    FileError
+        When the file cannot be read, is of no known format, or holds no usable skin.
+    """
+    return read_layout(Path(path))[0]
+
+
+def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
+    """Skin of a layout file, and everything that was found on the way.
+
+    Raises
+    ------
+    FileError
+        As `load_layout`.
+    """
+    return mend(format_of(path).parse(path))
+
+
+def format_of(path: Path) -> Format:
+    """Format of a file, told by its content; the extension decides between several.
+
+    Raises
+    ------
+    FileError
+        When the file cannot be read or is of no known format.
+    """
+    data = read_bytes(path)
+    fitting = [form for form in FORMATS if form.sniff(data)]
+    if not fitting:
+        tried = "; ".join(f"{form.NAME} ({form.EXPECTED})" for form in FORMATS)
+        what = "is empty" if not data.strip() else "is of no known format"
+        raise FileError(f"{path}: {what}, expected a layout file; tried {tried}")
+    extension = path.suffix.lower()
+    return min(fitting, key=lambda form: extension not in form.EXTENSIONS)
+
+
+def save_layout(
+    skin: Skin | Patch, path: str | Path, form: Format | None = None
+) -> tuple[str, ...]:
+    """Write a skin to a file; return what the format cannot hold, in sentences.
+
+    Parameters
+    ----------
+    skin : Skin or Patch
+    path : str or Path
+    form : a module of `skinfield.layout.formats`, optional
+        By default the usual format of the file's extension.
+
+    Raises
+    ------
+    InputError
+        When the extension is of no format, or the format cannot hold the skin.
+    FileError
+        When the file cannot be written.
+    """
+    path = Path(path)
+    if isinstance(skin, Patch):
+        skin = Skin((skin,), name=skin.name)
+    return (form or _format_by_extension(path)).write(skin, path)
+
+
+def format_by_name(name: str) -> Format:
+    """Format of that NAME.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+    """
+    for form in FORMATS:
+        if name == form.NAME:
+            return form
+    known = ", ".join(form.NAME for form in FORMATS)
+    raise InputError(f"format is {name!r}, expected one of {known}")
+
+
+def _format_by_extension(path: Path) -> Format:
+    for form in FORMATS:
+        if path.suffix.lower() in form.EXTENSIONS:
+            return form
+    known = "; ".join(f"{' '.join(form.EXTENSIONS)} ({form.NAME})" for form in FORMATS)
+    raise InputError(
+        f"{path}: the extension {path.suffix!r} is of no layout format, expected one of {known}"
+    )

@@ -1,0 +1,269 @@
+"""Calibration files of CySkin's robotskinlib: JSON, version 2.
+
+``skin`` holds taxels in 3D with normals and faces; ``tactile_maps`` hold the same taxels laid flat.
+Either may be one object or a list. The uid of a taxel is ``module << 4 | sensor``, and sensor 0 of
+a module measures its temperature.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, Floats, InputError
+from skinfield.layout.finding import Finding
+from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.faces import check_faces
+from skinfield.layout.formats.pose import pose_from_tf
+from skinfield.layout.formats.text import listed, read_bytes, write_bytes
+from skinfield.layout.patch import Ints, Patch
+from skinfield.layout.skin import Skin
+
+NAME = "cyskin"
+EXTENSIONS = (".json",)
+EXPECTED = "CySkin JSON (file_version 2) with 'skin' or 'tactile_maps'"
+
+HUGE = 1e12  # of a coordinate
+
+
+def sniff(data: bytes) -> bool:
+    """Whether the bytes look like this format."""
+    return data.lstrip()[:1] == b"{" and (b'"skin"' in data or b'"tactile_maps"' in data)
+
+
+def parse(path: Path) -> Content:
+    """Contents of a file: its skins in 3D or, without one, its maps.
+
+    Raises
+    ------
+    FileError
+        When it is not JSON, or a taxel has no id or place.
+    """
+    try:
+        tree = json.loads(read_bytes(path).decode("utf-8", "replace"))
+    except (ValueError, RecursionError) as error:
+        raise FileError(f"{path}: no JSON: {error}, expected {EXPECTED}") from error
+    tree = _object(path, "the file", tree)
+    info = _object(path, "info", tree.get("info", {}))
+    findings = []
+    version = str(info.get("file_version", "2"))
+    if version != "2":
+        text = f"file_version is {version}: read as version 2"
+        findings.append(Finding("file-version", "warning", text))
+    kind = "skin" if tree.get("skin") else "tactile_maps"
+    bodies = _bodies(path, kind, tree.get(kind))
+    if kind == "skin" and tree.get("tactile_maps"):
+        text = "the flat tactile_maps are left out: skinfield lays curved skin flat by itself"
+        findings.append(Finding("maps-left-out", "info", text))
+    name = str(info.get("name") or path.stem)
+    drafts = []
+    for index, body in enumerate(bodies):
+        own = str(body.get("name") or "") if len(bodies) > 1 or kind != "skin" else ""
+        draft, found = _draft(path, f"{kind}[{index}]", body, own or name)
+        drafts.append(draft)
+        findings += found
+    return Content(path, name, tuple(_distinct_names(drafts)), tuple(findings))
+
+
+def write(skin: Skin, path: Path) -> tuple[str, ...]:
+    """Write the one patch of a skin; return what the format cannot hold, in sentences.
+
+    Raises
+    ------
+    InputError
+        When the skin has several patches.
+    """
+    if len(skin) != 1:
+        raise InputError(
+            f"skin has {len(skin)} patches, expected 1: a CySkin file holds one rigid body; "
+            "write each patch to a file of its own"
+        )
+    patch = skin[0]
+    lost = ["a CySkin file holds no pad diameters and no channels"]
+    if not np.array_equal(patch.module, _modules(patch.uid)):
+        lost.append("modules are read from the uids (uid >> 4), and the patch has others")
+    if (patch.uid & np.uint64(15) == 0).any():
+        lost.append("taxels whose uid ends in hexadecimal 0 are read as temperatures and left out")
+    faces = _faces(patch)
+    if not len(faces):
+        lost.append("the patch could not be triangulated: the file has no faces")
+    body = {
+        "n_taxels": len(patch),
+        "n_faces": len(faces),
+        "parent_frames": [
+            {
+                "key": 0,
+                "id": 0,
+                "type": "",
+                "name": patch.link,
+                "tf_matrix": patch.link_from_patch.T.reshape(-1).tolist(),
+            }
+        ],
+        "taxels": [
+            {"id": uid, "x": x, "n": n, "type": "pressure", "cut": 0}
+            for uid, x, n in zip(
+                patch.uid.tolist(), patch.positions.tolist(), patch.normals.tolist(), strict=True
+            )
+        ],
+        "faces": faces.tolist(),
+    }
+    info = {"file_version": "2", "type": "rigid_body", "name": patch.name}
+    info |= {"application": "", "description": ""}
+    write_bytes(path, json.dumps({"info": info, "skin": body}, indent=1).encode())
+    return tuple(lost)
+
+
+def _faces(patch: Patch) -> Ints:
+    """Triangles of the patch, wound so that their normals point as the taxels' do."""
+    try:
+        faces = patch.triangles.copy()
+    except InputError:  # a curved patch that cannot be laid flat
+        return np.empty((0, 3), np.int64)
+    sides = patch.positions[faces[:, 1:]] - patch.positions[faces[:, :1]]
+    normal = np.cross(sides[:, 0], sides[:, 1])
+    wrong = np.einsum("ti,ti->t", normal, patch.normals[faces].sum(axis=1)) < 0
+    faces[wrong] = faces[wrong][:, ::-1]
+    return faces
+
+
+def _modules(uid: NDArray[np.uint64]) -> Ints:
+    return np.asarray(np.unique(uid >> np.uint64(4), return_inverse=True)[1], np.int64)
+
+
+def _object(path: Path, where: str, value: object) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise FileError(f"{path}: {where} is {str(value)[:40]!r}, expected a JSON object")
+    return value
+
+
+def _bodies(path: Path, kind: str, value: object) -> list[dict[str, Any]]:
+    items = value if isinstance(value, list) else [value]
+    if not items or not value:
+        raise FileError(f"{path}: neither 'skin' nor 'tactile_maps' holds taxels, expected one")
+    return [_object(path, f"{kind}[{i}]", item) for i, item in enumerate(items)]
+
+
+def _list(path: Path, where: str, value: object) -> list[Any]:
+    if not isinstance(value, list):
+        raise FileError(f"{path}: {where} is {str(value)[:40]!r}, expected a list")
+    return value
+
+
+def _vector(path: Path, where: str, value: object, lengths: tuple[int, ...]) -> list[float]:
+    """Numbers of a taxel's place or normal."""
+    numbers = value if isinstance(value, list) else []
+    if len(numbers) in lengths and all(type(v) in (int, float) for v in numbers):
+        if all(abs(v) < HUGE for v in numbers):  # NaN and infinity are not
+            return [float(v) for v in numbers]
+    raise FileError(
+        f"{path}: {where} is {str(value)[:40]!r}, expected "
+        f"{' or '.join(map(str, lengths))} finite numbers"
+    )
+
+
+def _draft(path: Path, where: str, body: dict[str, Any], name: str) -> tuple[Draft, list[Finding]]:
+    uid, positions, normals, cut = _columns(path, where, body)
+    pose, link, found_pose = _pose(path, where, body)
+    findings = check_faces(name, body.get("faces"), positions)
+    findings += _counts(name, body, len(uid)) + found_pose
+    rows, dropped = _kept(path, name, uid, cut)
+    numbered = not uid[rows].any()
+    draft = Draft(
+        positions[rows],
+        rows,
+        None if normals is None else normals[rows],
+        module=None if numbered else _modules(uid[rows]),
+        uid=None if numbered else uid[rows],
+        name=name,
+        link=link,
+        link_from_patch=pose,
+    )
+    return draft, findings + dropped
+
+
+def _columns(
+    path: Path, where: str, body: dict[str, Any]
+) -> tuple[NDArray[np.uint64], Floats, Floats | None, NDArray[np.bool_]]:
+    """Uids, positions, normals (None if there is no single one) and cuts of the taxels."""
+    taxels = _list(path, f"{where}.taxels", body.get("taxels"))
+    uid, x, n, cut = [], [], [], []
+    for row, item in enumerate(taxels):
+        spot = f"{where}.taxels[{row}]"
+        taxel = _object(path, spot, item)
+        number = taxel.get("id")
+        if type(number) is not int or not 0 <= number < 2**64:
+            raise FileError(f"{path}: {spot}.id is {str(number)[:40]!r}, expected a uid")
+        uid.append(number)
+        x.append([*_vector(path, f"{spot}.x", taxel.get("x"), (2, 3)), 0.0][:3])
+        n.append(_vector(path, f"{spot}.n", taxel["n"], (3,)) if "n" in taxel else [0.0] * 3)
+        cut.append(bool(taxel.get("cut")) or taxel.get("type", "pressure") != "pressure")
+    if not taxels:
+        raise FileError(f"{path}: {where}.taxels is empty, expected one or more")
+    normals = np.array(n)
+    return np.array(uid, np.uint64), np.array(x), normals if normals.any() else None, np.array(cut)
+
+
+def _kept(
+    path: Path, name: str, uid: NDArray[np.uint64], cut: NDArray[np.bool_]
+) -> tuple[Ints, list[Finding]]:
+    """Rows that are taxels, and what the others are."""
+    findings = []
+    nameless = (uid == 0) & ~cut
+    if uid.any():
+        reasons = [
+            (
+                "zero-uids", "error", nameless,
+                "have uid 0, so no column of a recording is theirs; they are left out",
+            ),
+            (
+                "thermal", "info", (uid & np.uint64(15) == 0) & (uid != 0) & ~cut,
+                "are sensor 0 of their module, a temperature; they are left out",
+            ),
+        ]  # fmt: skip
+    else:
+        text = f"{name}: all uids are 0; the taxels are numbered by their rows"
+        findings.append(Finding("zero-uids", "error", text, tuple(range(len(uid)))))
+        reasons = []
+    reasons.append(("cut", "info", cut, "are cut off or sense no pressure; they are left out"))
+    keep = np.ones(len(uid), np.bool_)
+    for code, severity, which, text in reasons:
+        if which.any():
+            keep &= ~which
+            rows = np.flatnonzero(which).tolist()
+            message = f"{name}: {len(rows)} taxels (rows {listed(rows)}) {text}"
+            findings.append(Finding(code, severity, message, tuple(rows)))  # type: ignore[arg-type]
+    if not keep.any():
+        raise FileError(f"{path}: {name}: no taxel is left, expected one that is a pressure sensor")
+    return np.flatnonzero(keep), findings
+
+
+def _counts(name: str, body: dict[str, Any], taxels: int) -> list[Finding]:
+    stated = body.get("n_taxels", taxels)
+    if stated == taxels:
+        return []
+    text = f"{name}: n_taxels is {str(stated)[:20]}, but {taxels} taxels follow; all are read"
+    return [Finding("count-mismatch", "warning", text)]
+
+
+def _pose(path: Path, where: str, body: dict[str, Any]) -> tuple[Floats | None, str, list[Finding]]:
+    frames = body.get("parent_frames") or []
+    if not isinstance(frames, list) or not frames:
+        return None, "", []
+    frame = _object(path, f"{where}.parent_frames[0]", frames[0])
+    spot = f"{where}.parent_frames[0].tf_matrix"
+    pose, findings = pose_from_tf(path, spot, _vector(path, spot, frame.get("tf_matrix"), (16,)))
+    if len(frames) > 1:
+        text = f"{len(frames)} parent frames: the first is taken, the others are left out"
+        findings.append(Finding("parent-frames", "warning", text))
+    return pose, str(frame.get("name") or ""), findings
+
+
+def _distinct_names(drafts: list[Draft]) -> list[Draft]:
+    names = [draft.name for draft in drafts]
+    return [
+        replace(draft, name=f"{draft.name}_{i}") if names.count(draft.name) > 1 else draft
+        for i, draft in enumerate(drafts)
+    ]

@@ -1,0 +1,182 @@
+"""Drawings of iCub's skinGui, `.ini`: boards placed in a plane.
+
+After ``[SENSORS]``, lines ``type number x y th gain mirror layout``: the board's number on its port
+(channel = 12 * number + pad), its place in drawing units, its angle in degrees, and whether it is
+drawn from behind. A mirrored board faces away from the drawing's viewer, so its normal is -z.
+"""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from skinfield.errors import FileError
+from skinfield.layout.finding import Finding
+from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.text import integer, listed, numbers, read_lines, spoilt
+from skinfield.layout.formats.triangles import BOARDS, PADS, drawn
+from skinfield.layout.skin import Skin
+
+NAME = "skingui"
+EXTENSIONS = (".ini",)
+EXPECTED = "a skinGui drawing: [SENSORS], then lines 'type number x y th gain mirror [layout]'"
+LINE = "type number x y th gain mirror [layout]"
+MM = 1e-3
+BOARDS_PER_CARD = 16  # triangles on one address of the bus; `cardid` lists the port's addresses
+
+Placed = tuple[int, str, int, float, float, float, bool, bool]
+"""Line, type, number, x, y, angle (rad), mirrored, reversed."""
+
+
+def sniff(data: bytes) -> bool:
+    """Whether the bytes look like this format."""
+    return re.search(rb"^\s*\[SENSORS\]", data, re.IGNORECASE | re.MULTILINE) is not None
+
+
+def parse(path: Path, mm_per_unit: float | None = None) -> Content:
+    """Contents of a file: one patch, or two when some boards are drawn from behind.
+
+    Parameters
+    ----------
+    path : Path
+    mm_per_unit : float, optional
+        Of the places of the boards; by default 1.0457 for ``triangle_10pad`` and 1.0 for
+        ``triangle``, as measured on built parts (see `triangles`).
+
+    Raises
+    ------
+    FileError
+        When a line cannot be read, or no triangle is left.
+    """
+    lines = read_lines(path)
+    part = " ".join(_header(lines, "robotPart")) or path.stem
+    port = BOARDS_PER_CARD * PADS * len(_header(lines, "cardid"))
+    placed, findings = [], []
+    for line, text in _sensor_lines(lines):
+        sensor = _sensor(path, line, text)
+        if sensor is not None:
+            placed.append(sensor)
+    placed, repeats = _once(placed)
+    others = [item for item in placed if item[1] not in BOARDS]
+    boards = [item for item in placed if item[1] in BOARDS]
+    if others:
+        named = sorted({item[1] for item in others})
+        text = f"{len(others)} sensors are no triangles ({listed(named)}): their pads do not lie in"
+        text += f" the drawing's plane; they are left out (lines {listed([o[0] for o in others])})"
+        findings.append(Finding("not-a-triangle", "warning", text))
+    if not boards:
+        raise FileError(f"{path}: no triangle or triangle_10pad, expected one or more: {LINE}")
+    findings += repeats + _remarks(boards, mm_per_unit)
+    drafts = [
+        replace(
+            _draft(group, mirrored, mm_per_unit),
+            name=part if mirrored == boards[0][6] else f"{part}_other_side",
+            n_channels=max(port, PADS * (max(item[2] for item in boards) + 1)),
+        )
+        for mirrored in (boards[0][6], not boards[0][6])
+        if (group := [item for item in boards if item[6] == mirrored])
+    ]
+    return Content(path, path.stem, tuple(drafts), tuple(findings))
+
+
+def write(skin: Skin, path: Path) -> tuple[str, ...]:
+    """Write a flat skin of triangular boards; return what the format cannot hold, in sentences.
+
+    Raises
+    ------
+    InputError
+        When a patch is curved, or a module is none of the triangles that skinGui knows.
+    """
+    from skinfield.layout.formats.skingui_write import write_drawing
+
+    return write_drawing(skin, path)
+
+
+def _header(lines: list[str], key: str) -> list[str]:
+    return next((line.split()[1:] for line in lines if line.split()[:1] == [key]), [])
+
+
+def _sensor_lines(lines: list[str]) -> list[tuple[int, str]]:
+    start = next(i for i, line in enumerate(lines) if line.strip().upper() == "[SENSORS]")
+    rows = []
+    for number, line in enumerate(lines[start + 1 :], start + 2):
+        text = re.split("#|//", line)[0].strip()
+        if text.startswith("["):
+            break
+        if text:
+            rows.append((number, text))
+    return rows
+
+
+def _sensor(path: Path, line: int, text: str) -> Placed | None:
+    words = text.split()
+    if not 5 <= len(words) <= 8:
+        raise spoilt(path, line, text, LINE)
+    number = integer(path, line, words[1], "the number of a board, 0 to 999")
+    if number > 999:
+        raise spoilt(path, line, words[1], "the number of a board, 0 to 999")
+    values = numbers(path, line, words[2:], LINE)
+    x, y, angle, _, mirror, layout = [*values, *[0.0] * (6 - len(values))]
+    if mirror not in (0.0, 1.0) or layout not in (0.0, 1.0):
+        raise spoilt(path, line, text, "mirror 0 or 1, and layout 0 or 1")
+    return line, words[0], number, x, y, float(np.radians(angle)), mirror == 1.0, layout == 1.0
+
+
+def _once(placed: list[Placed]) -> tuple[list[Placed], list[Finding]]:
+    """Sensors without the later ones of a number that was used, as skinGui does."""
+    first: dict[int, Placed] = {}
+    again = []
+    for item in placed:
+        if first.setdefault(item[2], item) is not item:
+            again.append(item)
+    if not again:
+        return placed, []
+    text = (
+        f"boards {listed(sorted({item[2] for item in again}))} are placed more than once "
+        f"(lines {listed([item[0] for item in again])}): one board has one set of channels; "
+        "the first place is taken, as skinGui does"
+    )
+    return list(first.values()), [Finding("repeated-triangle", "error", text)]
+
+
+def _remarks(boards: list[Placed], mm_per_unit: float | None) -> list[Finding]:
+    types = sorted({item[1] for item in boards})
+    scales = [BOARDS[name].lattice if mm_per_unit is None else mm_per_unit for name in types]
+    said = " and ".join(f"{s:g} mm ({n})" for n, s in zip(types, scales, strict=True))
+    text = (
+        f"a drawing unit is taken as {said} between boards, and the boards have the size that "
+        "they are built with; a drawing is flat, whatever the part is"
+    )
+    findings = [Finding("drawing-units", "info", text)]
+    if len({item[6] for item in boards}) > 1:
+        text = (
+            "some boards are drawn from behind (mirror 1) and some from the front: they face "
+            "opposite ways, and become two patches"
+        )
+        findings.append(Finding("two-sides", "warning", text))
+    thermal = [2 * (item[1] == "triangle_10pad") for item in boards]
+    if sum(thermal):
+        text = f"{sum(thermal)} thermal pads (6 and 10 of each 10-pad board) are left out"
+        findings.append(Finding("thermal", "info", text))
+    return findings
+
+
+def _draft(boards: list[Placed], mirrored: bool, mm_per_unit: float | None) -> Draft:
+    places, channels = [], []
+    for _, kind, number, x, y, angle, _, backwards in boards:
+        board = BOARDS[kind]
+        scale = board.lattice if mm_per_unit is None else mm_per_unit
+        places.append(drawn(board, angle, mirrored) + scale * np.array([x, y]))
+        channels.append(PADS * number + (PADS - 1 - board.pads if backwards else board.pads))
+    plane, channel = np.vstack(places) * MM, np.concatenate(channels)
+    count = len(plane)
+    return Draft(
+        np.column_stack([plane, np.zeros(count)]),
+        np.arange(count),
+        np.tile([0.0, 0.0, -1.0 if mirrored else 1.0], (count, 1)),
+        module=channel // PADS,
+        uid=channel.astype(np.uint64),
+        channel=channel,
+        pad_diameter=BOARDS[boards[0][1]].pad_diameter,
+    )
