@@ -1,0 +1,183 @@
+"""What boards send: the 8-bit iCub convention and the 16-bit CySkin one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.conditioning.convention import Bools
+from skinfield.errors import Floats, InputError, as_floats, check_positive
+
+
+def _whole(name: str, values: ArrayLike) -> Floats:
+    """Float array of whole numbers; NaN passes, as it marks a taxel that did not answer."""
+    array = as_floats(name, values)
+    bad = np.argwhere(~(np.isnan(array) | (np.isfinite(array) & (array == np.floor(array)))))
+    if len(bad):
+        where = tuple(int(i) for i in bad[0])
+        raise InputError(
+            f"{name}{list(where) if where else ''} is {array[where]}, expected whole numbers "
+            f"({len(bad)} of {array.size} are not): a board counts in integers, round first"
+        )
+    return array
+
+
+@dataclass(frozen=True, kw_only=True)
+class ICubByte:
+    """One byte per taxel, about 240 at rest, lower under pressure, clamped at 0 and 255.
+
+    Parameters
+    ----------
+    no_load : int, counts
+        Byte of an unloaded taxel. A setting of the board: 240 on robots, 245 in the firmware's
+        default, 244 in the viewer, 235 in older boards.
+    shift : int
+        The board drops so many low bits of the difference; 2 on robots.
+
+    Notes
+    -----
+    With v = raw - base - drift, as the firmware of robotology computes it:
+    255 if v <= -((255 - no_load) << shift); 0 if v >= no_load << shift;
+    else no_load - (v >> shift), where >> rounds towards minus infinity.
+    """
+
+    no_load: int = 240
+    shift: int = 2
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.no_load <= 254 or self.no_load != int(self.no_load):
+            raise InputError(
+                f"no_load is {self.no_load!r}, expected a whole number from 1 to 254: "
+                "the byte of an unloaded taxel, 240 on most robots"
+            )
+        if not 0 <= self.shift <= 15 or self.shift != int(self.shift):
+            raise InputError(
+                f"shift is {self.shift!r}, expected a whole number from 0 to 15: "
+                "bits that the board drops, 2 on most robots"
+            )
+
+    @property
+    def lowest(self) -> float:
+        """0, the clamp under high load."""
+        return 0.0
+
+    @property
+    def highest(self) -> float:
+        """255, the clamp under far less load than at rest."""
+        return 255.0
+
+    @property
+    def rest(self) -> float:
+        """The byte of an unloaded taxel."""
+        return float(self.no_load)
+
+    @property
+    def direction(self) -> int:
+        """-1: pressure lowers the byte."""
+        return -1
+
+    def saturated(self, counts: Floats) -> Bools:
+        """Where a byte is at either clamp."""
+        return np.asarray((counts <= self.lowest) | (counts >= self.highest))
+
+    def counts_from_difference(self, difference: ArrayLike) -> Floats:
+        """Bytes from the converter's differences v, whole converter counts; bit-exact.
+
+        Raises
+        ------
+        InputError
+            If a difference is not a whole number.
+        """
+        v = _whole("difference", difference)
+        dropped = self.no_load - np.floor(v / (1 << self.shift))
+        low_load, high_load = -((255 - self.no_load) << self.shift), self.no_load << self.shift
+        byte = np.where(v <= low_load, 255.0, np.where(v >= high_load, 0.0, dropped))
+        return np.asarray(np.where(np.isnan(v), np.nan, byte))
+
+    def difference_from_counts(self, counts: ArrayLike) -> Floats:
+        """Converter's differences v from bytes: the middle of what the byte can mean.
+
+        Off by at most (2**shift - 1) / 2 converter counts; at a clamp only a bound.
+
+        Raises
+        ------
+        InputError
+            If a value is not a whole number from 0 to 255.
+        """
+        byte = _whole("counts", counts)
+        if np.any((byte < 0) | (byte > 255)):
+            raise InputError(
+                f"counts run from {np.nanmin(byte):g} to {np.nanmax(byte):g}, expected bytes "
+                "from 0 to 255: this is not a raw iCub recording"
+            )
+        size = 1 << self.shift
+        return np.asarray((self.no_load - byte) * size + (size - 1) / 2.0)
+
+    def gain(self, rest_capacitance: float, farads_per_count: float) -> float:
+        """Bytes per unit of ΔC/C₀, negative, for a pad of `rest_capacitance`, F.
+
+        A first guess where nothing was measured: the converter of these boards (AD7147) spans
+        about 16 pF with 65536 counts, 0.244 fF each and 20-25 % uncertain by its maker's word,
+        so a pad of 0.167 pF moves -171 bytes per unit at shift 2. Known loads give the true one.
+        """
+        check_positive("rest_capacitance", rest_capacitance, "C₀ of the pad in farads")
+        check_positive("farads_per_count", farads_per_count, "of the converter, before the shift")
+        return -rest_capacitance / farads_per_count / (1 << self.shift)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CySkinCount:
+    """An unsigned word per taxel, baseline already taken off, higher under pressure.
+
+    The board clips at 0, so about half of the readings of an unloaded taxel are exactly 0:
+    that is the floor of the scale, not a fault, and it stays valid. Only the top is a clamp.
+
+    Parameters
+    ----------
+    highest : float, counts
+        The largest word that is sent, 65535 for 16 bits.
+    """
+
+    highest: float = 65535.0
+
+    def __post_init__(self) -> None:
+        check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
+
+    @property
+    def lowest(self) -> float:
+        """0, where the board clips."""
+        return 0.0
+
+    @property
+    def rest(self) -> float:
+        """0: the board takes the baseline off."""
+        return 0.0
+
+    @property
+    def direction(self) -> int:
+        """+1: pressure raises the count."""
+        return 1
+
+    def saturated(self, counts: Floats) -> Bools:
+        """Where a word is the largest one."""
+        return np.asarray(counts >= self.highest)
+
+    def counts_from_difference(self, difference: ArrayLike) -> Floats:
+        """Words from differences, counts: rounded, clipped at 0 and at the largest."""
+        return np.clip(np.rint(as_floats("difference", difference)), 0.0, self.highest)
+
+    def difference_from_counts(self, counts: ArrayLike) -> Floats:
+        """Differences from words: themselves; 0 means 0 or less, the largest that or more.
+
+        Raises
+        ------
+        InputError
+            If a value is not a whole number from 0 to `highest`.
+        """
+        words = _whole("counts", counts)
+        if np.any((words < 0) | (words > self.highest)):
+            raise InputError(
+                f"counts run from {np.nanmin(words):g} to {np.nanmax(words):g}, expected 0 to "
+                f"{self.highest:g}: this is not a CySkin recording"
+            )
+        return words

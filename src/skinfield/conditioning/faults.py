@@ -1,0 +1,230 @@
+"""Taxels that cannot be trusted: absent, dead, stuck, saturated, noisy."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.conditioning.calibration import Calibration
+from skinfield.conditioning.convention import Bools, Convention
+from skinfield.conditioning.quiet import fast_noise, readings_per_value
+from skinfield.conditioning.robust import recorded
+from skinfield.errors import Floats, InputError, check_positive, check_range
+
+
+class Verdict(IntEnum):
+    """What is wrong with a taxel over a recording."""
+
+    OK = 0
+    ABSENT = 1
+    DEAD = 2
+    STUCK = 3
+    SATURATED = 4
+    NOISY = 5
+
+
+_MEANING = {
+    Verdict.ABSENT: "never answer",
+    Verdict.DEAD: "never change while the others do",
+    Verdict.STUCK: "stop changing while the others go on",
+    Verdict.SATURATED: "are at a clamp in more than half of the readings",
+    Verdict.NOISY: "are far noisier than they should be",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultLimits:
+    """When a taxel counts as faulty.
+
+    Parameters
+    ----------
+    least_changes : int
+        Of value, that nearly all varying taxels must have shown before one without any is dead.
+    stuck_readings : int
+        Least length of a final run of one value.
+    stuck_changes : float
+        Changes that the taxel would have shown in that run at its own earlier rate.
+    stuck_longer : float
+        Times its longest earlier run.
+    noisy : float
+        Times the noise of its calibration, or else of the median taxel.
+    saturated_share : float
+        Of its readings.
+    """
+
+    least_changes: int = 10
+    stuck_readings: int = 50
+    stuck_changes: float = 20.0
+    stuck_longer: float = 3.0
+    noisy: float = 5.0
+    saturated_share: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("least_changes", "stuck_readings", "stuck_changes", "stuck_longer", "noisy"):
+            check_positive(name, getattr(self, name), "a limit above which a taxel is faulty")
+        check_range("saturated_share", self.saturated_share, 0.0, 1.0, "a share of the readings")
+
+
+@dataclass(frozen=True, eq=False)
+class Faults:
+    """Verdict per taxel.
+
+    Attributes
+    ----------
+    verdict : (L,) int8 array
+        Of `Verdict`.
+    since : (L,) int array
+        First reading of the fault: 0 for all but stuck taxels; -1 where there is none.
+    decided : bool
+        False where the recording is too short or too smooth to tell a dead taxel from a quiet one.
+    sentences : tuple of str
+        What was found, for people.
+    """
+
+    verdict: NDArray[np.int8]
+    since: NDArray[np.int64]
+    decided: bool
+    sentences: tuple[str, ...]
+
+    @property
+    def usable(self) -> Bools:
+        """Taxels to keep, (L,): all but absent, dead, stuck and noisy ones.
+
+        A saturated taxel lives: its readings at the clamp are invalid, the others are not.
+        """
+        return np.isin(self.verdict, (Verdict.OK, Verdict.SATURATED))
+
+
+def find_faults(
+    counts: Floats,
+    convention: Convention | None = None,
+    *,
+    calibration: Calibration | None = None,
+    limits: FaultLimits | None = None,
+) -> Faults:
+    """Judge each taxel over a recording.
+
+    Parameters
+    ----------
+    counts : (T, L) array, counts
+        NaN where a taxel did not answer.
+    convention : Convention, optional
+        Knows the clamps; without it no taxel is found saturated.
+    calibration : Calibration, optional
+        Its noise is what a taxel should have; without it, the median taxel's.
+    limits : FaultLimits, optional
+
+    Raises
+    ------
+    InputError
+        If there is no number, or the width is not that of the calibration.
+    """
+    counts, limits = recorded(counts), limits or FaultLimits()
+    taxels = counts.shape[1]
+    if calibration is not None and len(calibration) != taxels:
+        raise InputError(
+            f"counts has {taxels} columns, expected {len(calibration)} as the calibration of "
+            f"{calibration.patch_name!r} has: pick the taxels of the port with taxel_counts"
+        )
+    clamped = np.zeros(counts.shape, bool) if convention is None else convention.saturated(counts)
+    absent = np.isnan(counts).all(axis=0)
+    changed = _changes(counts)
+    varying = np.asarray(changed.any(axis=0))
+    decided = _enough_changes(changed, varying, limits)
+    run = _final_run(counts)
+    verdict = np.zeros(taxels, np.int8)
+    verdict[_too_noisy(counts, calibration, limits) & varying] = Verdict.NOISY
+    verdict[_stuck(changed, run, clamped[-1], limits) & varying] = Verdict.STUCK
+    if decided:
+        verdict[~varying] = Verdict.DEAD
+    verdict[clamped.mean(axis=0) > limits.saturated_share] = Verdict.SATURATED
+    verdict[absent] = Verdict.ABSENT
+    since = np.where(verdict == Verdict.OK, -1, 0)
+    since = np.where(verdict == Verdict.STUCK, len(counts) - run, since)
+    sentences = _sentences(verdict, since, counts, clamped, decided)
+    return Faults(verdict, since, decided, sentences)
+
+
+def _changes(counts: Floats) -> Bools:
+    """Where a value differs from the one before, (T - 1, L); never across NaN."""
+    return np.asarray(np.nan_to_num(np.diff(counts, axis=0)) != 0)
+
+
+def _enough_changes(changed: Bools, varying: Bools, limits: FaultLimits) -> bool:
+    seen = changed.sum(axis=0)[varying]
+    return bool(len(seen) and np.percentile(seen, 10) >= limits.least_changes)
+
+
+def _final_run(counts: Floats) -> NDArray[np.int64]:
+    """Readings at the end that hold one value, per taxel; 0 where the last is NaN."""
+    same = counts[::-1] == counts[-1]
+    run = np.where(same.all(axis=0), len(counts), np.argmin(same, axis=0))
+    return np.asarray(run, dtype=np.int64)
+
+
+def _stuck(
+    changed: Bools, run: NDArray[np.int64], clamped_now: Bools, limits: FaultLimits
+) -> Bools:
+    """Final runs that a taxel's own past, and the others' present, make incredible."""
+    stuck = np.zeros(len(run), bool)
+    for taxel in np.flatnonzero((run >= limits.stuck_readings) & ~clamped_now):
+        before = changed[: len(changed) + 1 - run[taxel], taxel]
+        if not before.any():
+            continue
+        at = np.flatnonzero(before)
+        longest = int(np.max(np.diff(at, prepend=-1)))
+        missed = before.mean() * run[taxel]
+        others = changed[len(changed) + 1 - run[taxel] :].any(axis=0).mean()
+        stuck[taxel] = (
+            missed >= limits.stuck_changes
+            and run[taxel] >= limits.stuck_longer * longest
+            and others > 0.5
+        )
+    return stuck
+
+
+def _too_noisy(counts: Floats, calibration: Calibration | None, limits: FaultLimits) -> Bools:
+    noise = fast_noise(counts, readings_per_value(counts))
+    if calibration is not None:
+        expected = np.where(calibration.alive, calibration.noise_std, np.inf)
+    else:
+        varying = noise[~np.isnan(noise)]
+        expected = np.full(len(noise), np.median(varying) if len(varying) else np.inf)
+    return np.asarray((noise > limits.noisy * expected) & (expected > 0))
+
+
+def _sentences(
+    verdict: NDArray[np.int8],
+    since: NDArray[np.int64],
+    counts: Floats,
+    clamped: Bools,
+    decided: bool,
+) -> tuple[str, ...]:
+    found = []
+    for kind, meaning in _MEANING.items():
+        rows = np.flatnonzero(verdict == kind)
+        if len(rows):
+            start = f", the first from reading {since[rows].min()}" if kind == Verdict.STUCK else ""
+            found.append(
+                f"{len(rows)} of {len(verdict)} taxels {meaning}{start}: {rows_text(rows)}"
+            )
+    touched = np.flatnonzero(clamped.any(axis=0) & (verdict != Verdict.SATURATED))
+    if len(touched):
+        most = int(clamped.sum(axis=0)[touched].max())
+        found.append(
+            f"{len(touched)} taxels reach a clamp in up to {most} of {len(counts)} readings, "
+            f"invalid only there: {rows_text(touched)}"
+        )
+    if not decided:
+        found.append(
+            f"in {len(counts)} readings the taxels change too rarely to tell a dead one from a "
+            "quiet one: a frozen port, a recording without noise, or too short a one"
+        )
+    return tuple(found)
+
+
+def rows_text(rows: NDArray[np.int64]) -> str:
+    """Rows in ascending order as text with ranges: 0, 4-7, 9."""
+    pieces = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    return ", ".join(f"{p[0]}-{p[-1]}" if len(p) > 1 else f"{p[0]}" for p in pieces)
