@@ -47,7 +47,7 @@ class Head:
         """Tokens of the first `SAMPLE` data lines after `skip` lines."""
         spaces = str.maketrans(blank, " " * len(blank))
         lines = [line.translate(spaces) for _, line in self.numbered(skip)[:SAMPLE]]
-        return [line.split(delimiter) for line in lines]
+        return [line.split(delimiter) for line in lines if line.strip()]
 
 
 def read_head(path: Path) -> Head:

@@ -5,7 +5,9 @@ import re
 from skinfield.sources.recordings.head import Head, is_whole
 from skinfield.sources.recordings.table import looks_like_numbers
 
+LAYOUT = "a layout (where the taxels are), not a recording: give it as the layout"
 BINARY = {
+    b"# .PCD": f"a PCD point cloud: {LAYOUT}",
     b"\x1f\x8b": "compressed by gzip: unpack it first",
     b"BZh": "compressed by bzip2: unpack it first",
     b"\xfd7zXZ": "compressed by xz: unpack it first",
@@ -19,17 +21,15 @@ BINARY = {
     b"\xff\xfe": "UTF-16 text: save it as UTF-8",
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
 }
-LAYOUT = "a layout (where the taxels are), not a recording: give it as the layout"
 TEXT = {
     r"^\s*(taxel2Repr|spatial_sampling|\[calibration\])": f"iCub taxel positions: {LAYOUT}",
-    r"^# \.PCD|^VERSION [.\d]+\s*\nFIELDS ": f"a PCD point cloud: {LAYOUT}",
+    r"^VERSION [.\d]+\s*\nFIELDS ": f"a PCD point cloud: {LAYOUT}",
     r"^\s*\[SENSORS\]": f"a skinGui file: {LAYOUT}",
     r'\A\s*[{\[][\s\S]*"(taxels|tactile_maps|parent_frames)"': f"robotskinlib JSON: {LAYOUT}",
     r"\A\s*[{\[]\s*[\"{\[\]}]": "JSON",
-    r"\A(\s*#.*\n|\s*\n)*\s*(\[\[?[\w.]+\]\]?\s*$|\w+\s*=)": f"TOML or INI, most likely {LAYOUT}",
+    r"\A(\s*#.*\n|\s*\n)*\s*(\[\[?[-\w.]+\]\]?\s*$|\w+\s*=)": f"TOML or INI, most likely {LAYOUT}",
     r"\A\s*\d+\s+\d+\s*\n(\s*-?\d+\.\d+){8}": f"a Skinware calibration cache: {LAYOUT}",
     r"\A\s*\d+\s*\n\s*\d+(\s+-?\d+){10}\s*\n": f"a Skinware skin.calib: {LAYOUT}",
-    r"\A(\s*#.*\n)*reading,stamp_ns,time_s,.*contact": "a table of contacts, a result",
     r"\A(Type|Stamp|Source): ": "the info.log of a yarpdatadumper log: give the data.log beside it",
     r"\A\[\d+\.\d+\] /": "the info.log of a yarpdatadumper log: give the data.log beside it",
     r"\A\s*<": "XML or HTML",
@@ -60,10 +60,16 @@ def verdict(head: Head) -> str:
         why = f"starts with {len(tokens)} whole numbers, but no lines of {len(tokens) + 2} follow"
     elif looks_like_numbers(head):
         why = "holds numbers, but no line of names stands above them"
+    elif re.search("[,;\t]", line):
+        why = f"its names {shortened(line)!r} hold neither time_s nor stamp_ns"
     else:
-        shown = line if len(line) <= 60 else line[:60] + "..."
-        why = f"{shown!r} is no line of a known recording"
+        why = f"{shortened(line)!r} is no line of a known recording"
     return f"{head.path}:{number}: {why}; expected {KNOWN}"
+
+
+def shortened(text: str, length: int = 60) -> str:
+    """The text, or its beginning with dots."""
+    return text if len(text) <= length else text[:length] + "..."
 
 
 def is_binary(head: Head) -> bool:

@@ -81,7 +81,7 @@ def _file(path: Path) -> Path:
             return path / "data.log"
         inner = [
             str(log.parent)
-            for depth in ("*", "*/*", "*/*/*")
+            for depth in ("*", "*/*", "*/*/*", "*/*/*/*", "*/*/*/*/*")
             for log in islice(path.glob(f"{depth}/data.log"), 5)
         ]
     except (OSError, ValueError) as error:  # a path with a zero byte is a ValueError

@@ -1,0 +1,51 @@
+"""The table of contacts: one row per contact, in SI units; a reading without one has a row too."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from skinfield.fields import Contact, Estimate
+
+WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
+READING = ("reading", "stamp_ns", "time_s", "total_force_N", "valid_taxels")
+CONTACT = (
+    *("x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
+    *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
+)
+COLUMNS = (*READING, "contact", *CONTACT)
+NONE = -1  # `contact` of a reading without contact
+Row = tuple[int | float | None, ...]
+
+
+def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterator[Row]:
+    """Rows in the order of `COLUMNS`; `first` is the number of the estimate's first reading.
+
+    `start_ns` is where `time_s` is 0. None stands for a value that is not there.
+    """
+    valid = int(np.count_nonzero(estimate.valid))
+    forces = np.atleast_1d(estimate.normal_force)
+    stamps = np.broadcast_to(estimate.stamp_ns, len(forces)).tolist()
+    each = estimate.contacts if estimate.is_batch else (estimate.contacts,)
+    for k, (force, stamp, contacts) in enumerate(zip(forces.tolist(), stamps, each, strict=True)):
+        reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), valid)
+        if not contacts:
+            yield (*reading, NONE, *(None,) * len(CONTACT))
+        for number, contact in enumerate(contacts):
+            yield (*reading, number, *map(_or_none, _values(contact)))
+
+
+def _values(contact: Contact) -> tuple[float, ...]:
+    return (
+        *contact.position.tolist(),
+        *contact.force.tolist(),
+        contact.normal_force,
+        contact.force_std,
+        contact.area,
+        contact.peak_pressure,
+        *contact.axes.tolist(),
+        contact.angle,
+    )
+
+
+def _or_none(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

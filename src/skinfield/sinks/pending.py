@@ -1,0 +1,92 @@
+"""Results appear whole or not at all: written under another name, renamed at the end."""
+
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from skinfield.errors import FileError, InputError
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A result that is being written: its place, and the name it has until then."""
+
+    target: Path
+    part: Path
+
+    def commit(self) -> None:
+        """Give the result its name; a result that was there before is replaced."""
+        with explained(self.target):
+            if self.target.is_dir():  # folders cannot be replaced in one step
+                old = self.part.with_name(self.part.name + ".old")
+                self.target.rename(old)
+                self.part.rename(self.target)
+                shutil.rmtree(old)
+            else:
+                self.part.replace(self.target)
+
+    def discard(self) -> None:
+        """Remove what was written."""
+        if self.part.is_dir():
+            shutil.rmtree(self.part, ignore_errors=True)
+        else:
+            self.part.unlink(missing_ok=True)
+
+
+def pending(path: str | Path) -> Pending:
+    """A result beside its place, in the same folder so that renaming does not copy.
+
+    Raises
+    ------
+    FileError
+        If there is no such folder, or a folder stands at the place of a file.
+    """
+    target = Path(path)
+    with explained(target):
+        target = target.resolve()  # what a link points to is written, not the link
+        folder = target.parent
+        if not folder.is_dir():
+            raise FileError(
+                f"{target} cannot be written: {folder} is no folder, expected one that is there"
+            )
+        if target.is_dir() and not (target / "zarr.json").is_file():
+            raise FileError(f"{target} is a folder that is no Zarr store, expected a new name")
+        if target.exists() and not (target.is_dir() or target.is_file()):
+            raise FileError(f"{target} is no file, expected the name of one: it cannot be replaced")
+        if not os.access(folder, os.W_OK):
+            raise FileError(f"{target} cannot be written: no permission to write into {folder}")
+    return Pending(target, folder / f".{target.name[:80]}.{secrets.token_hex(4)}.part")
+
+
+@contextmanager
+def explained(target: Path) -> Iterator[None]:
+    """Turn what the system says about files into FileError."""
+    try:
+        yield
+    except OSError as error:
+        raise FileError(
+            f"{target} cannot be written: {error.strerror or error}; expected a folder that can be "
+            "written to, with room"
+        ) from error
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise FileError(f"{str(target)!r} cannot be written: {error}") from error
+
+
+def write_bytes(path: str | Path, data: bytes) -> None:
+    """Write a small file whole or not at all; raises FileError if it cannot be written."""
+    place = pending(path)
+    try:
+        with explained(place.target), place.part.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        place.commit()
+    except BaseException:
+        place.discard()
+        raise
