@@ -98,10 +98,10 @@ class HalfSpace:
         """
         offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
         total = np.zeros((len(offset), 3, 3))
-        for shift, weight in zip(*_disc_rule(pad), strict=True):
-            total += weight * self._spread_tensor(
-                lambda x, y: traction_kernel(x, y, 1.0), offset + shift, cell
-            )
+        for ring, weight in zip(*_disc_rule(pad), strict=True):
+            around = (offset[None] + ring[:, None]).reshape(-1, 2)
+            traction = self._spread_tensor(lambda x, y: traction_kernel(x, y, 1.0), around, cell)
+            total += weight * traction.reshape(len(ring), -1, 3, 3).mean(axis=0)
         return total
 
     def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
@@ -273,14 +273,13 @@ def _averaged(transform: Radial, closed: Radial, pad: float, spread: float) -> P
 
 
 def _disc_rule(radius: float) -> tuple[Floats, Floats]:
-    """Points (Q, 2) and weights that average over a disc; one point for radius 0."""
+    """Rings of points (R, A, 2) and their weights (R,) that average over a disc."""
     if radius == 0.0:
-        return np.zeros((1, 2)), np.ones(1)
+        return np.zeros((1, 1, 2)), np.ones(1)
     count = int(np.ceil(8 + 10 * radius))
     node, weight = np.polynomial.legendre.leggauss(count)
     r, angle = radius * np.sqrt((node + 1.0) / 2.0), np.arange(2 * count) * np.pi / count
-    points = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1)
-    return points.reshape(-1, 2), np.repeat(weight / 2.0, len(angle)) / len(angle)
+    return np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1), weight / 2.0
 
 
 def _scaled(

@@ -1,0 +1,266 @@
+"""The half-space: point forces obey mechanics, cells and pads are what they say."""
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import j0, j1
+
+from skinfield.errors import InputError
+from skinfield.mechanics import HalfSpace, Layer
+from skinfield.mechanics.point_force import (
+    base_traction,
+    coincident_displacement,
+    displacement,
+    displacement_kernel,
+    normal_stress,
+    surface_displacement,
+    traction_kernel,
+    virtual_depth,
+)
+
+ratios = pytest.mark.parametrize("nu", [0.0, 0.3, 0.49, 0.5])
+OFFSETS = np.array([[0, 0], [0.5, 0.2], [2, 0], [1.9, 1], [6, 2], [-20, 9]]) * 1e-3
+
+
+def over_plane(function):
+    """Integral over the plane of function(x, y) with units of length near 1."""
+    node, weight = np.polynomial.legendre.leggauss(400)
+    radius, angle = np.tan((node + 1) * np.pi / 4), np.arange(16) * np.pi / 8
+    weight = weight * np.pi / 4 * (1 + radius**2) * radius * np.pi / 8
+    x, y = np.outer(radius, np.cos(angle)), np.outer(radius, np.sin(angle))
+    return np.einsum("...ra,r->...", function(x, y), weight)
+
+
+def test_base_traction_balances_force_and_moment() -> None:
+    depth = 0.7
+    total = over_plane(lambda x, y: traction_kernel(x, y, depth))
+    np.testing.assert_allclose(total, np.eye(3), atol=1e-12)
+    arms = lambda x, y: np.stack([x, y])[:, None] * traction_kernel(x, y, depth)[2]
+    # a tangential force at the height `depth` above the plane turns it by force times height
+    np.testing.assert_allclose(over_plane(arms)[:, :2], -depth * np.eye(2), atol=1e-12)
+
+
+def test_pushing_compresses_the_base() -> None:
+    t = base_traction(np.zeros((1, 2)), 2e-3)[0] @ [0.0, 0.0, -1.0]
+    np.testing.assert_allclose(t, [0, 0, -3 / (2 * np.pi * 4e-6)], rtol=1e-14)
+    offset = np.array([[1e-3, -2e-3]])
+    np.testing.assert_allclose(
+        normal_stress(offset, 2e-3), base_traction(offset, 2e-3)[:, 2, 2], rtol=1e-14
+    )
+
+
+@ratios
+def test_traction_is_hookes_law_of_the_displacement(nu: float) -> None:
+    nu = min(nu, 0.499)  # Lamé's first constant is infinite at 0.5
+    x, y, z, step, modulus = 0.4, -0.7, -1.1, 1e-4, 2.0
+    at = lambda x, y, z: displacement_kernel(np.array(x), np.array(y), -z, modulus, nu)
+    gradient = np.empty((3, 3, 3))  # [derivative, component, force]
+    for axis, e in enumerate(np.eye(3) * step):
+        ahead, behind = (at(*(np.array([x, y, z]) + s * e)) for s in (1, -1))
+        gradient[axis] = (ahead - behind) / (2 * step)
+    shear = modulus / (2 * (1 + nu))
+    stress = shear * (gradient[2] + gradient[:, 2])
+    stress[2] += 2 * shear * nu / (1 - 2 * nu) * np.einsum("iij->j", gradient)
+    want = traction_kernel(np.array(x), np.array(y), -z)
+    np.testing.assert_allclose(stress, want, atol=1e-6 if nu < 0.49 else 1e-5)
+
+
+@given(st.floats(-9, 9), st.floats(-9, 9), st.floats(0, 0.5))
+def test_surface_is_reciprocal(x, y, nu) -> None:
+    offset = np.array([[x + 10.0, y], [-x - 10.0, -y]])
+    u = displacement(offset, 0.0, 1.0, nu)
+    np.testing.assert_allclose(u[0], u[1].T, atol=1e-15)
+
+
+def test_effective_displacement_is_not_reciprocal_in_its_coupling() -> None:
+    layer = Layer(2e-3, 150e3, 0.5)
+    there, back = surface_displacement(np.array([[1e-3, 2e-3], [-1e-3, -2e-3]]), layer)
+    np.testing.assert_allclose(there[:2, :2], back[:2, :2].T, rtol=1e-12)
+    np.testing.assert_allclose(there[0, 2], -back[2, 0], rtol=1e-12)
+    assert abs(there[0, 2]) > 0.01 * there[2, 2]
+
+
+def slab_work(nu: float, component: int, low: float, high: float) -> float:
+    """Twice the energy between two depths per force², as work on their planes: (21), (23)."""
+
+    def work(depth: float) -> float:
+        def density(x, y):
+            t = traction_kernel(x, y, depth)[:, component]
+            u = displacement_kernel(x, y, depth, 1.0, nu)[:, component]
+            return np.sum(t * u, axis=0)
+
+        return over_plane(density)
+
+    return work(low) - work(high)
+
+
+@ratios
+@pytest.mark.parametrize("component", [0, 2])
+def test_coincident_displacement_is_the_energy_of_the_slab(nu: float, component: int) -> None:
+    layer, area = Layer(0.8, 1.0, nu), 1.3
+    own = coincident_displacement(layer, area)[component, component]
+    depth = virtual_depth(area)
+    assert own == pytest.approx(slab_work(nu, component, depth, depth + 0.8), rel=1e-10)
+
+
+@pytest.mark.parametrize("component", [0, 2])
+def test_coincident_displacement_is_the_volume_integral_of_the_paper(component: int) -> None:
+    thickness, area = 0.8, 1.3  # eq. (24): nu = 1/2, sigma : sigma integrated over the slab
+    depth = virtual_depth(area)
+
+    def on_plane(z: float) -> float:
+        def squared(x, y):
+            along = (x, y, z)[component]
+            return (1.5 / np.pi) ** 2 * along**2 / (x**2 + y**2 + z**2) ** 3
+
+        return over_plane(squared)
+
+    energy = quad(on_plane, depth, depth + thickness, epsrel=1e-12)[0]
+    own = coincident_displacement(Layer(thickness, 1.0, 0.5), area)[component, component]
+    assert own == pytest.approx(energy, rel=1e-9)
+
+
+@ratios
+def test_uniform_cells_are_made_of_smaller_ones(nu: float) -> None:
+    model, layer, cell = HalfSpace(point_forces=False), Layer(2e-3, 150e3, nu), 1.6e-3
+    shifts = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]]) * cell / 4
+    for response in (
+        lambda offset, side: model.base_stress(layer, offset, side),
+        lambda offset, side: model.base_stress(layer, offset, side, 4e-3),
+        lambda offset, side: model.base_traction(layer, offset, side, 1e-3),
+        lambda offset, side: model.surface_displacement(layer, offset, side),
+        lambda offset, side: model.indentation(layer, offset, side),
+        lambda offset, side: model.indentation(layer, offset, side, 3e-3),
+        lambda offset, side: model.indentation(layer, offset, side, 3e-3, True),
+    ):
+        whole = response(OFFSETS, cell)
+        parts = sum(response(OFFSETS + shift, cell / 2) for shift in shifts)
+        np.testing.assert_allclose(parts, whole, rtol=0, atol=1e-10 * np.abs(whole).max())
+
+
+@ratios
+def test_cells_far_away_are_point_forces(nu: float) -> None:
+    offset, layer = np.array([[40e-3, 25e-3]]), Layer(2e-3, 150e3, nu)
+    point, square = HalfSpace(), HalfSpace(point_forces=False)
+    for name, args in {
+        "base_stress": (4e-3,),
+        "base_traction": (1e-3,),
+        "surface_displacement": (),
+        "indentation": (4e-3,),
+    }.items():
+        got, want = (getattr(m, name)(layer, offset, 0.5e-3, *args) for m in (square, point))
+        np.testing.assert_allclose(got, want, rtol=1e-3, atol=1e-3 * np.abs(want).max())
+
+
+@ratios
+@pytest.mark.parametrize("point_forces", [True, False])
+def test_methods_agree_where_they_overlap(nu: float, point_forces: bool) -> None:
+    model, layer = HalfSpace(point_forces), Layer(2e-3, 150e3, nu)
+    zz = model.surface_displacement(layer, OFFSETS, 1e-3)[:, 2, 2]
+    got = model.indentation(layer, OFFSETS, 1e-3)
+    np.testing.assert_allclose(got, zz, rtol=0, atol=1e-14 * zz.max())
+    for pad in (0.0, 4e-3):
+        stress = model.base_stress(layer, OFFSETS, 1e-3, pad)
+        traction = model.base_traction(layer, OFFSETS, 1e-3, pad)[:, 2, 2]
+        np.testing.assert_allclose(traction, stress, rtol=0, atol=1e-12 * stress.max())
+    assert model.reach(layer) == np.inf
+
+
+def test_scale_of_lengths_cancels() -> None:
+    small, large = Layer(2e-3, 150e3, 0.4), Layer(20e-3, 150e3, 0.4)
+    for model in (HalfSpace(), HalfSpace(point_forces=False)):
+        for smooth in (False, True):
+            one = model.indentation(small, OFFSETS, 1e-3, 4e-3, smooth)
+            ten = model.indentation(large, 10 * OFFSETS, 1e-2, 4e-2, smooth)
+            np.testing.assert_allclose(ten, 10 * one, rtol=1e-11)
+
+
+@ratios
+def test_electrostatic_pads_are_the_hankel_integral(nu: float) -> None:
+    node, weight = np.polynomial.legendre.leggauss(40)
+    a = (np.arange(60)[:, None] + (node + 1) / 2).ravel()
+    weight = np.tile(weight / 2, 60)
+    gap = (1 - (1 + a / (2 - 2 * nu)) * np.exp(-a)) * a / np.sinh(a) * 2 * j1(a) / a
+    offset = np.array([[0.0, 0], [1, 0], [3, 4], [20, 0], [60, 0], [75, 0], [90, 10]]) * 1e-3
+    rho = np.hypot(*offset.T) / 2e-3
+    want = (1 - nu**2) / (np.pi * 150e3 * 2e-3) * 1e-6 * (j0(np.outer(rho, a)) @ (weight * gap))
+    got = HalfSpace().indentation(Layer(2e-3, 150e3, nu), offset, 1e-3, 4e-3, electrostatic=True)
+    np.testing.assert_allclose(got, want, rtol=0, atol=1e-9 * want[0])
+
+
+def strip_antiderivative(x, y):
+    """Of 1/r, once over x and twice over y."""
+    r = mpmath.hypot(x, y)
+    first = x * y * mpmath.asinh(y / abs(x)) if x else 0
+    return first + (y**2 / 2 * mpmath.asinh(x / abs(y)) if y else 0) - x * r / 2
+
+
+def pad_mean_inverse_distance(offset, cell, radius):
+    """A pad cut into strips: each strip against the cell in closed form."""
+    signs = [(i, j, k) for i in (1, -1) for j in (1, -1) for k in (1, -1)]
+
+    def strip(angle):
+        u, half = radius * mpmath.sin(angle), radius * mpmath.cos(angle)
+        return half * sum(
+            i * j * k * strip_antiderivative(offset[0] + u + i * c, offset[1] + j * half + k * c)
+            for i, j, k in signs
+        )
+
+    c, ends = cell / 2, {-mpmath.pi / 2, mpmath.pi / 2}
+    for sign in (1, -1):  # the integrand has kinks where the strip passes an edge or a corner
+        edge = (-offset[0] - sign * c) / radius
+        ends |= {mpmath.asin(edge)} if abs(edge) < 1 else set()
+        corner = abs(offset[1] + sign * c) / radius
+        ends |= {mpmath.acos(corner), -mpmath.acos(corner)} if 0 < corner < 1 else set()
+    return mpmath.quad(strip, sorted(ends)) / (mpmath.pi * radius**2)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.95, 0.5), (1.25, 0.0)])
+def test_indentation_over_a_pad_in_strips(place) -> None:
+    layer, cell, radius = Layer(2e-3, 150e3, 0.5), 1e-3, 2e-3
+    model = HalfSpace(point_forces=False)
+    above = 0.75 / (np.pi * 150e3) * pad_mean_inverse_distance(place, 0.5, 1.0) * 2e-3
+    node, weight = np.polynomial.legendre.leggauss(16)
+    r, angle = radius * np.sqrt((node + 1) / 2), np.arange(32) * np.pi / 16
+    disc = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1)
+    x, y = np.meshgrid(node * cell / 2, node * cell / 2)
+    area = np.outer(weight, weight).ravel() * cell**2 / 4
+    below = 0.0
+    for ring, share in zip(disc, weight / 2 / 32, strict=True):
+        for point in ring + np.array(place) * 2e-3:
+            source = point - np.column_stack([x.ravel(), y.ravel()])
+            below += share * area @ displacement(source, 2e-3, 150e3, 0.5)[:, 2, 2]
+    got = model.indentation(layer, np.array([place]) * 2e-3, cell, 2 * radius)[0]
+    assert got == pytest.approx(float(above) - below, rel=1e-10)
+
+
+def test_capped_rows_give_way_to_the_coincident_ones() -> None:
+    layer, cell = Layer(2e-3, 210e3, 0.5), 1e-3
+    offset = np.array([[0.0, 0.0], [0.1e-3, 0.0], [5e-3, 0.0]])
+    free, capped = (HalfSpace(capped=c).surface_displacement(layer, offset, cell) for c in (0, 1))
+    own = coincident_displacement(layer, cell**2) * cell**2
+    np.testing.assert_allclose(capped[[0, 1]], [own, own], rtol=1e-14)
+    np.testing.assert_array_equal(free[[0, 2]], capped[[0, 2]])
+    assert free[1, 2, 2] > 3 * own[2, 2]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: normal_stress(np.zeros((5, 3)), 2e-3), r"offset has shape \(5, 3\)"),
+        (lambda: base_traction(np.zeros((1, 2)), 0.0), r"depth is 0\.0"),
+        (lambda: displacement(np.zeros((1, 2)), 0.0, 1e5, 0.5), r"offset\[0\].*infinite"),
+        (lambda: displacement(np.ones((1, 2)), 0.0, 1e5, 0.6), r"poisson_ratio is 0\.6"),
+        (lambda: surface_displacement(np.zeros((2, 2)), Layer()), "use coincident_displacement"),
+        (lambda: virtual_depth(-1.0), r"cell_area is -1\.0"),
+        (lambda: HalfSpace().base_stress(Layer(), np.zeros((1, 3)), 1e-3), r"shape \(1, 3\)"),
+        (lambda: HalfSpace().indentation(Layer(), np.zeros((1, 2)), 0.0), r"cell is 0\.0"),
+        (lambda: HalfSpace().indentation(Layer(), np.zeros((1, 2)), 1.0, -1.0), "pad_diameter"),
+    ],
+)
+def test_bad_input_is_named(call, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        call()
