@@ -100,7 +100,13 @@ class Calibration:
 
     @classmethod
     def from_convention(
-        cls, patch: Patch, convention: Convention, *, gain: ArrayLike, noise_std: ArrayLike
+        cls,
+        patch: Patch,
+        convention: Convention,
+        *,
+        gain: ArrayLike,
+        noise_std: ArrayLike,
+        alive: Bools | None = None,
     ) -> "Calibration":
         """Baseline by the maker's convention: for a recording without an unloaded stretch.
 
@@ -110,6 +116,8 @@ class Calibration:
             Its `rest` becomes the baseline of every taxel, 240 for ``ICubByte()``.
         gain : float or (L,) array, counts per unit of ΔC/C₀
         noise_std : float or (L,) array, counts
+        alive : (L,) bool array, optional
+            As `find_faults` gives it; default all.
 
         Raises
         ------
@@ -128,7 +136,7 @@ class Calibration:
                 f"the counts of {convention!r} that way"
             )
         basis = f"rest {convention.rest:g} of {convention!r}, not measured"
-        return cls._of(patch, convention.rest, gain, noise_std, basis=basis)
+        return cls._of(patch, convention.rest, gain, noise_std, alive=alive, basis=basis)
 
     @classmethod
     def from_baseline(
@@ -162,7 +170,7 @@ class Calibration:
                 "even_if_loaded=True to count the standing load as zero"
             )
         check_shape("baseline", baseline.baseline, (len(patch),), "one per taxel of the patch")
-        made = cls._of(
+        return cls._of(
             patch,
             np.where(baseline.measured, baseline.baseline, np.nan),
             gain,
@@ -170,7 +178,6 @@ class Calibration:
             alive=baseline.measured if alive is None else baseline.measured & alive,
             basis=baseline.basis,
         )
-        return made
 
     @classmethod
     def _of(

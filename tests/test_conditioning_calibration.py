@@ -1,0 +1,168 @@
+"""Calibration: the way there and back, its files, and whose it is."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from skinfield.conditioning import (
+    Calibration,
+    ICubByte,
+    estimate_baseline,
+    load_calibration,
+    save_calibration,
+    taxel_counts,
+)
+from skinfield.errors import FileError, InputError
+from skinfield.layout import Patch
+from skinfield.reading import Recording
+
+finite = st.floats(-1e6, 1e6)
+positive = st.floats(1e-6, 1e6)
+
+
+@st.composite
+def calibrations(draw):
+    taxels = draw(st.integers(1, 7))
+    column = lambda values: np.array(draw(st.lists(values, min_size=taxels, max_size=taxels)))
+    uid = draw(st.lists(st.integers(0, 2**64 - 1), min_size=taxels, max_size=taxels))
+    return Calibration(
+        column(finite),
+        column(positive) * column(st.sampled_from([-1.0, 1.0])),
+        column(positive),
+        column(st.booleans()),
+        np.array(uid, dtype=np.uint64),
+        patch_name=draw(st.text(max_size=9)),
+        basis=draw(st.text()),
+    )
+
+
+@given(calibrations(), st.floats(-0.9, 9.0))
+def test_counts_and_quantity_undo_each_other(calibration, change):
+    wanted = np.where(calibration.alive, change, np.nan)
+    counts = calibration.counts_from_relative_capacitance(np.full((2, len(calibration)), change))
+    got = calibration.relative_capacitance_from_counts(counts)
+    tolerance = 1e-15 * np.abs(calibration.baseline / calibration.gain).max() + 1e-12
+    np.testing.assert_allclose(got, np.tile(wanted, (2, 1)), rtol=1e-9, atol=tolerance)
+
+
+@pytest.mark.parametrize("ending", [".npz", ".toml"])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(calibration=calibrations())
+def test_files_bring_back_every_bit(tmp_path, ending, calibration):
+    file = tmp_path / f"c{ending}"
+    save_calibration(calibration, file)
+    back = load_calibration(file)
+    for name in ("baseline", "gain", "noise_std", "alive", "uid"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(calibration, name))
+    assert (back.patch_name, back.unit, back.basis) == (
+        calibration.patch_name,
+        calibration.unit,
+        calibration.basis,
+    )
+
+
+@pytest.mark.parametrize("ending", [".npz", ".toml"])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@given(data=st.data())
+def test_garbage_is_a_file_error_and_nothing_else(tmp_path, ending, data):
+    file = tmp_path / f"g{ending}"
+    save_calibration(Calibration.identity(Patch(np.eye(3)), noise_std=0.01), file)
+    content = bytearray(file.read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    file.write_bytes(bytes(content[: data.draw(st.integers(0, len(content)))]))
+    try:
+        assert len(load_calibration(file)) >= 1
+    except FileError as error:
+        assert str(file) in str(error)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@given(st.binary(max_size=200))
+def test_noise_is_a_file_error(tmp_path, content):
+    for ending in (".npz", ".toml"):
+        file = tmp_path / f"n{ending}"
+        file.write_bytes(content)
+        with pytest.raises(FileError):
+            load_calibration(file)
+
+
+def test_another_patch_version_or_ending_is_refused(tmp_path):
+    patch = Patch(np.eye(3), uid=np.array([16, 17, 18]), name="palm")
+    file = tmp_path / "c.toml"
+    save_calibration(Calibration.identity(patch, noise_std=0.01), file)
+    assert load_calibration(file, patch).unit == "1"
+    other = Patch(np.eye(3), uid=np.array([16, 18, 17]), name="sole")
+    with pytest.raises(FileError, match=r"uid\[1\].* is 17, expected 18 as in patch 'sole'"):
+        load_calibration(file, other)
+    with pytest.raises(FileError, match="3 taxels, expected 2"):
+        load_calibration(file, patch.subset(np.array([0, 1])))
+    file.write_text(file.read_text().replace("version = 1", "version = 2"))
+    with pytest.raises(FileError, match="version 2, expected 1"):
+        load_calibration(file)
+    with pytest.raises(FileError, match=r"expected \.npz or \.toml"):
+        load_calibration(tmp_path / "c.json")
+    with pytest.raises(FileError, match="cannot be read"):
+        load_calibration(tmp_path / "none.npz")
+    with pytest.raises(FileError, match="cannot be written"):
+        save_calibration(Calibration.identity(patch, noise_std=0.01), tmp_path / "no" / "c.npz")
+
+
+def test_the_dead_tell_nothing_and_stay_invalid():
+    patch = Patch(np.eye(3))
+    alive = np.array([True, False, True])
+    c = Calibration([240, np.nan, 240], [-100, np.nan, -50], [2, np.nan, 2], alive, patch.uid)
+    assert c.quantity_std().tolist() == [0.02, np.inf, 0.04]
+    got = c.relative_capacitance_from_counts([190, 190, 190])
+    assert got[[0, 2]].tolist() == [0.5, 1.0]
+    assert np.isnan(got[1])
+    assert c.without(np.array([True, False, False])).alive.tolist() == [False, False, True]
+    out = np.empty(3)
+    assert c.relative_capacitance_from_counts(np.array([190.0, 0, 0]), out) is out
+
+
+def test_wrong_figures_are_refused():
+    patch = Patch(np.eye(3))
+    with pytest.raises(InputError, match=r"noise_std\[0\] is 0.0, expected a finite number above"):
+        Calibration.identity(patch, noise_std=0.0)
+    with pytest.raises(InputError, match="expected the sign -1"):
+        Calibration.from_convention(patch, ICubByte(), gain=100.0, noise_std=2.0)
+    with pytest.raises(InputError, match=r"gain\[0\] is 0.0"):
+        Calibration.from_convention(patch, ICubByte(), gain=0.0, noise_std=2.0)
+    with pytest.raises(InputError, match="shape .4,., expected"):
+        Calibration.identity(patch, noise_std=0.1).relative_capacitance_from_counts(np.zeros(4))
+    with pytest.raises(InputError, match="gain has shape"):
+        Calibration.from_convention(patch, ICubByte(), gain=[-1.0, -1.0], noise_std=2.0)
+
+
+def test_a_loaded_baseline_is_not_taken_unawares():
+    patch, rng = Patch(np.eye(3)), np.random.default_rng(1)
+    standing = np.rint(200 + 2 * rng.standard_normal((300, 3)))
+    baseline = estimate_baseline(standing, 50.0, convention=ICubByte())
+    assert not baseline.quiet
+    with pytest.raises(InputError, match="something lies on the skin"):
+        Calibration.from_baseline(patch, baseline, gain=-171.0)
+    tared = Calibration.from_baseline(patch, baseline, gain=-171.0, even_if_loaded=True)
+    assert tared.baseline == pytest.approx([200] * 3, abs=0.6)
+    assert "median of readings" in tared.basis
+
+
+def recording(columns, uid=None):
+    stamps = np.arange(2) * 20_000_000
+    counts = np.arange(2 * columns, dtype=float).reshape(2, columns)
+    return Recording(stamps, counts, None if uid is None else np.array(uid, np.uint64))
+
+
+def test_columns_find_their_taxels():
+    patch = Patch(np.eye(3), channel=np.array([4, 0, 2]), n_channels=6, uid=np.array([7, 8, 9]))
+    assert taxel_counts(recording(6), patch)[0].tolist() == [4, 0, 2]
+    by_uid = taxel_counts(recording(4, [9, 5, 7, 5]), patch)
+    assert by_uid[0][[0, 2]].tolist() == [2, 0]
+    assert np.isnan(by_uid[:, 1]).all()
+    with pytest.raises(InputError, match="has 5 columns, expected 6"):
+        taxel_counts(recording(5), patch)
+    with pytest.raises(InputError, match="none of the 3 uids"):
+        taxel_counts(recording(2, [1, 2]), patch)
+    with pytest.raises(InputError, match="uid 7 stands over more than one"):
+        taxel_counts(recording(3, [7, 7, 8]), patch)
