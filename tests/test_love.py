@@ -11,8 +11,10 @@ from skinfield.mechanics.love import (
     RectangleIntegrals,
     inverse_distance_integrals,
     rectangle_displacement,
+    rectangle_normal_displacement,
     rectangle_stress,
 )
+from skinfield.mechanics.point_force import displacement
 
 KERNELS = {
     "inverse": lambda x, y, r: 1 / r,
@@ -136,6 +138,23 @@ def test_stress_is_the_integral_of_the_point_forces(depth: float, offset) -> Non
     want = 2.0 * weight @ (3 * depth**3 / (2 * np.pi * distance**2.5))
     got = rectangle_stress(np.array([offset]), (2.0, 1.0), depth)[0]
     assert got == pytest.approx(want, rel=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.2, 1.0, 3.0])
+@pytest.mark.parametrize("offset", [(0.0, 0.0), (1.0, 0.5), (0.7, -0.3), (-6.0, 0.5)])
+def test_normal_displacement_below_is_the_integral_of_the_point_forces(depth, offset) -> None:
+    node, weight = gauss_square(120)
+    source, nu, modulus = node * np.array([2.0, 1.0]), 0.3, 5.0
+    u = displacement(np.array(offset) - source, depth, modulus, nu)[:, 2, 2]
+    got = rectangle_normal_displacement(np.array([offset]), (2.0, 1.0), depth, modulus, nu)[0]
+    assert got == pytest.approx(2.0 * weight @ u, rel=1e-11)
+
+
+def test_normal_displacement_at_no_depth_is_the_surfaces() -> None:
+    offset = np.array([[0, 0], [1, 0.5], [1, 0], [0, -0.5], [3, 4], [-20, 0.5]])
+    deep = rectangle_normal_displacement(offset, (2.0, 1.0), 0.0, 5.0, 0.3)
+    surface = rectangle_displacement(offset, (2.0, 1.0), 5.0, 0.3)[:, 2, 2]
+    np.testing.assert_allclose(deep, surface, rtol=1e-12)
 
 
 def test_stress_carries_the_load_and_grows_to_the_pressure() -> None:
