@@ -1,5 +1,6 @@
 """What touches the robot: force, deformation and contacts from capacitive skin, in SI units."""
 
+from skinfield import simulate as simulate
 from skinfield.contacts import ContactFinder as ContactFinder
 from skinfield.fields import Contact as Contact
 from skinfield.fields import Estimate as Estimate
@@ -10,6 +11,7 @@ from skinfield.inverse import Tikhonov as Tikhonov
 from skinfield.layout import Grid as Grid
 from skinfield.layout import Patch as Patch
 from skinfield.layout import Skin as Skin
+from skinfield.layout import generators as layouts  # noqa: F401
 from skinfield.layout import load_layout as load_layout
 from skinfield.layout import save_layout as save_layout
 from skinfield.mechanics import BondedLayer as BondedLayer

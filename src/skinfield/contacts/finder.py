@@ -39,9 +39,9 @@ class ContactFinder:
     """
 
     false_alarm_rate: float = 1e-3
-    relative_height: float = 0.25
+    relative_height: float = 0.2
     prominence: float = 0.3
-    edge: float = 0.1
+    edge: float = 0.2
 
     def __post_init__(self) -> None:
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")

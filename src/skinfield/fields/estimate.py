@@ -31,13 +31,14 @@ class Estimate:
         Force per area on the skin.
     displacement : ([T,] K, 3) array, m
         Of the skin's surface, normal and tangential.
-    pressure_std : (K,) array, Pa
+    pressure_std : ([T,] K) array, Pa
         One standard deviation of `pressure` as the solver states it.
     contacts : tuple of Contact, or of T such tuples
         In order of falling force.
     residual : ([T,] L) array
-        Reading minus what the estimate predicts, in the quantity's unit; NaN for taxels left out.
-    valid : (L,) bool array
+        Linearised reading minus what the pressure predicts, in the quantity's unit; NaN for taxels
+        that were left out.
+    valid : ([T,] L) bool array
         Taxels that were used.
     latency : float, s
         From the reading to the fields, for the whole call.
@@ -93,8 +94,10 @@ class Estimate:
             pressure=self.pressure[index],
             traction=self.traction[index],
             displacement=self.displacement[index],
+            pressure_std=self.pressure_std[index],
             contacts=self.contacts[index],
             residual=self.residual[index],
+            valid=self.valid[index],
             latency=self.latency / len(self),
             stamp_ns=np.broadcast_to(self.stamp_ns, len(self))[index],
         )

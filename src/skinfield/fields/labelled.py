@@ -46,10 +46,8 @@ def dataset_from_estimate(estimate: "Estimate") -> "xarray.Dataset":
         "displacement": variable(
             estimate.displacement, "m", "displacement of the surface", (*lead, *cell, "axis")
         ),
-        "pressure_std": (
-            cell,
-            estimate.pressure_std.reshape(grid.shape),
-            {"units": "Pa", "long_name": "standard deviation of pressure"},
+        "pressure_std": variable(
+            estimate.pressure_std, "Pa", "standard deviation of pressure", lead + cell
         ),
     }
     rows, columns = grid.shape

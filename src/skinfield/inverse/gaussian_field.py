@@ -7,9 +7,11 @@ import numpy as np
 from skinfield.errors import Floats, check_positive
 from skinfield.inverse.operator import InverseOperator
 from skinfield.layout import Grid
+from skinfield.mechanics import LatticeConvolution
+from skinfield.mechanics.lattice import lattice, mirrored
 from skinfield.observation import ObservationModel
 
-PITCHES = 0.6  # length scale per distance of the taxels, where none is given
+PITCHES = 0.4  # length scale per distance of the taxels, where none is given
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +23,7 @@ class GaussianField:
     snr : float, dimensionless
         Amplitude of the expected readings over their noise; lower is smoother.
     length_scale : float, m, optional
-        Of the Matérn-3/2 covariance. Default 0.6 times the distance of neighbouring taxels.
+        Of the Matérn-3/2 covariance. Default 0.4 times the distance of neighbouring taxels.
 
     Notes
     -----
@@ -72,16 +74,9 @@ def taxel_distance(taxels: Floats, alone: float) -> float:
 
 def smoothed(grid: Grid, rows: Floats, length: float) -> Floats:
     """Rows (L, K) times the Matérn-3/2 correlation of the nodes, by convolution: (L, K)."""
-    from scipy import fft
-
     height, width = grid.shape
-    shape = [fft.next_fast_len(3 * n - 2, real=True) for n in (height, width)]
-    y = np.arange(1 - height, height)[:, None] * grid.pitch
-    x = np.arange(1 - width, width) * grid.pitch
+    x, y = lattice(height - 1, width - 1, grid.pitch).T
     scaled = np.sqrt(3.0) * np.hypot(x, y) / length
-    spectrum = fft.rfft2((1 + scaled) * np.exp(-scaled), shape)
-    out = np.empty_like(rows)
-    for index, row in enumerate(rows):
-        field = fft.irfft2(fft.rfft2(row.reshape(height, width), shape) * spectrum, shape)
-        out[index] = field[height - 1 : 2 * height - 1, width - 1 : 2 * width - 1].ravel()
-    return out
+    correlation = (1 + scaled) * np.exp(-scaled)
+    smooth = LatticeConvolution(mirrored(correlation.reshape(height, width)))
+    return np.stack([smooth(row.reshape(height, width)).ravel() for row in rows])

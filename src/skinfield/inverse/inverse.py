@@ -51,4 +51,4 @@ def _solve(square: Floats, right: Floats) -> Floats:
             f"below {SINGULAR:.0e}: pads wider than the grid's pitch cannot be inverted; use "
             "quantity with pad_averaged=False, a coarser grid, or Tikhonov()"
         )
-    return np.linalg.solve(square, right)
+    return np.asarray(np.linalg.solve(square, right), dtype=np.float64)

@@ -33,7 +33,9 @@ class PseudoInverse:
         """Invert once."""
         if self.resample:
             virtual = resampled(model)
-            matrix = np.linalg.pinv(virtual.matrix, rcond=self.rcond) @ virtual.weights
+            inverse = np.linalg.pinv(virtual.matrix, rcond=self.rcond)
+            matrix = np.asarray(inverse @ virtual.weights, dtype=np.float64)
         else:
-            matrix = np.linalg.pinv(model.matrix, rcond=self.rcond)
+            inverse = np.linalg.pinv(model.matrix, rcond=self.rcond)
+            matrix = np.asarray(inverse, dtype=np.float64)
         return InverseOperator(matrix, propagated_std(matrix, model.noise_std))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.observation import ObservationModel
+from skinfield.observation.resample import resampling_matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +31,6 @@ class VirtualTaxels:
 
 def resampled(model: ObservationModel) -> VirtualTaxels:
     """Resample a model; nodes outside the hull have no virtual taxel, so nothing is made up."""
-    from skinfield.observation.resample import resampling_matrix
-
     result = resampling_matrix(model.taxels, model.grid.plane)
     inside = result.inside
     if not inside.any():

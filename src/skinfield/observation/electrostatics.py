@@ -18,7 +18,7 @@ import numpy as np
 
 from skinfield.errors import Floats, InputError
 from skinfield.layout import Grid
-from skinfield.mechanics import Layer, Mechanics
+from skinfield.mechanics import Layer, Mechanics, indentation_kernel
 from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
 
 STEPS = 10  # samples of the surface per thickness
@@ -65,9 +65,7 @@ def gap_strain(mechanics: Mechanics, layer: Layer, grid: Grid, pressure: Floats)
     dense = np.zeros((rows * split, columns * split))  # cells carry one impulse at their centre
     dense[::split, ::split] = pressure.reshape(grid.shape)
     half = np.array([rows * split, columns * split]) + border
-    y, x = (np.arange(-n, n + 1) * step for n in half)
-    offsets = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    kernel = mechanics.indentation(layer, offsets, grid.pitch).reshape(len(y), len(x))
+    kernel = indentation_kernel(mechanics, layer, grid.pitch, step, int(half[0]), int(half[1]))
     full = fftconvolve(dense, kernel, mode="full")
     first = half - border
     window = full[

@@ -2,7 +2,6 @@
 
 import time
 from collections import OrderedDict
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,55 +20,64 @@ PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 
 
-@dataclass(eq=False)
 class Reconstructor:
     """Prepared reconstruction of one patch; call it with readings.
 
     Parameters
     ----------
     patch : Patch
-    layer : Layer
+    layer : Layer, optional
+        Default `Layer()`: 2 mm of incompressible silicone of 150 kPa.
     grid : Grid, optional
         Where the answer is wanted. Default 40 x 40 nodes over the patch.
-    mechanics : Mechanics
-        `BondedLayer()`, or `HalfSpace()` as in the paper.
-    quantity : Quantity
-        What a reading is: `Capacitance()`, `BaseStress()` or `Gap()`.
-    solver : Solver
-        How readings become pressure.
+    mechanics : Mechanics, optional
+        Default `BondedLayer()`; `HalfSpace()` as in the paper.
+    quantity : Quantity, optional
+        What a reading is: `Capacitance()` (default), `BaseStress()` or `Gap()`.
+    solver : Solver, optional
+        How readings become pressure. Default `GaussianField()`.
     noise_std : float or (L,) array, in the quantity's unit, optional
         Standard deviation of one reading. Default the quantity's `typical_noise`.
-    finder : ContactFinder
+    finder : ContactFinder, optional
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32
         Of the prepared matrix; float32 halves the time per reading.
     """
 
-    patch: Patch
-    layer: Layer = field(default_factory=Layer)
-    grid: Grid | None = None  # type: ignore[assignment]
-    mechanics: Mechanics = field(default_factory=BondedLayer)
-    quantity: Quantity = field(default_factory=Capacitance)
-    solver: Solver = field(default_factory=GaussianField)
-    noise_std: ArrayLike | None = None
-    finder: ContactFinder = field(default_factory=ContactFinder)
-    precision: type[np.floating[Any]] = np.float64
-
-    def __post_init__(self) -> None:
-        self.grid: Grid = Grid.square(self.patch) if self.grid is None else self.grid
-        if self.grid.patch is not self.patch:
+    def __init__(
+        self,
+        patch: Patch,
+        layer: Layer | None = None,
+        grid: Grid | None = None,
+        *,
+        mechanics: Mechanics | None = None,
+        quantity: Quantity | None = None,
+        solver: Solver | None = None,
+        noise_std: ArrayLike | None = None,
+        finder: ContactFinder | None = None,
+        precision: type[np.floating[Any]] = np.float64,
+    ) -> None:
+        self.patch = patch
+        self.layer = Layer() if layer is None else layer
+        self.grid = Grid.square(patch) if grid is None else grid
+        self.mechanics = BondedLayer() if mechanics is None else mechanics
+        self.quantity = Capacitance() if quantity is None else quantity
+        self.solver = GaussianField() if solver is None else solver
+        self.finder = ContactFinder() if finder is None else finder
+        self.precision = precision
+        if self.grid.patch is not patch:
             raise InputError(
-                f"grid lies on patch {self.grid.patch.name!r}, expected {self.patch.name!r}: "
-                "make the grid from the patch that is reconstructed"
+                f"grid lies on patch {self.grid.patch.name!r}, expected {patch.name!r}: "
+                "make the grid from the very patch that is reconstructed"
             )
-        noise = self.quantity.typical_noise if self.noise_std is None else self.noise_std
+        noise = self.quantity.typical_noise if noise_std is None else noise_std
         self.model = ObservationModel.of(
-            self.patch, self.layer, self.grid, self.mechanics, self.quantity, noise
+            patch, self.layer, self.grid, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(self.grid, self.layer, self.mechanics)
         self._plans: OrderedDict[bytes, Plan] = OrderedDict()
-        self.plan = self._plan_for(np.ones(len(self.patch), np.bool_))
-        self._linear = np.empty(len(self.patch), self.precision)
+        self.plan = self._plan_for(np.ones(len(patch), np.bool_))
+        self._linear = np.empty(len(patch), precision)
 
     @property
     def operator(self) -> NDArray[Any]:
@@ -118,45 +126,42 @@ class Reconstructor:
         """
         start = time.perf_counter()
         table, mask = self._checked(readings, valid)
-        pressure = np.empty((len(table), len(self.grid)))
-        displacement = np.empty((len(table), len(self.grid), 3))
+        nodes = len(self.grid)
+        fields = np.empty((len(table), 4 * nodes))
         residual = np.full(table.shape, np.nan)
+        std = np.empty((len(table), nodes))
         contacts: list[tuple[Contact, ...]] = [()] * len(table)
-        std = self.plan.pressure_std
         patterns, which = np.unique(mask, axis=0, return_inverse=True)
         for index, pattern in enumerate(patterns):
             plan = self._plan_for(pattern)
-            std = plan.pressure_std
             rows = np.flatnonzero(which.ravel() == index)
+            std[rows] = plan.pressure_std
             for first in range(0, len(rows), CHUNK):
                 part = rows[first : first + CHUNK]
-                linear = np.empty((len(part), int(pattern.sum())))
-                self.quantity.linearise(table[part][:, pattern], linear)
-                fields = (plan.operator @ linear.T.astype(self.precision)).T
-                pressure[part] = fields[:, : len(self.grid)]
-                displacement[part] = np.moveaxis(
-                    fields[:, len(self.grid) :].reshape(len(part), 3, -1), 1, 2
-                )
-                residual[np.ix_(part, np.flatnonzero(pattern))] = (
-                    linear - pressure[part] @ plan.predict.T
-                )
+                residual[np.ix_(part, pattern)] = self._run(plan, table, part, fields)
             for row in rows:
-                contacts[row] = self.finder(self.grid, pressure[row], plan.noise)
-        single = np.ndim(readings) == 1
-        traction = -pressure[:, :, None] * self.grid.normals
+                contacts[row] = self.finder(self.grid, fields[row, :nodes], plan.noise)
+        pressure = fields[:, :nodes]
         estimate = Estimate(
             grid=self.grid,
             pressure=pressure,
-            traction=traction,
-            displacement=displacement,
+            traction=-pressure[:, :, None] * self.grid.normals,
+            displacement=np.moveaxis(fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
             pressure_std=std,
             contacts=tuple(contacts),
             residual=residual,
-            valid=mask.all(axis=0) if not single else mask[0],
+            valid=mask,
             stamp_ns=np.asarray(stamp_ns, dtype=np.int64),
             latency=time.perf_counter() - start,
         )
-        return estimate[0] if single else estimate
+        return estimate[0] if np.ndim(readings) == 1 else estimate
+
+    def _run(self, plan: Plan, table: Floats, rows: NDArray[np.int64], fields: Floats) -> Floats:
+        """Fill the rows of `fields`; return their residuals (rows, valid taxels)."""
+        linear = np.empty((len(rows), int(plan.valid.sum())))
+        self.quantity.linearise(table[np.ix_(rows, plan.valid)], linear)
+        fields[rows] = (plan.operator @ linear.T.astype(self.precision)).T
+        return np.asarray(linear - fields[rows][:, : len(self.grid)] @ plan.predict.T)
 
     def _checked(
         self, readings: ArrayLike, valid: ArrayLike | None
@@ -173,7 +178,13 @@ class Reconstructor:
             )
         mask = ~np.isnan(table)
         if valid is not None:
-            mask &= np.asarray(valid, dtype=np.bool_)
+            given = np.atleast_2d(np.asarray(valid, dtype=np.bool_))
+            if given.shape not in (mask.shape, (1, mask.shape[1])):
+                raise InputError(
+                    f"valid has shape {np.shape(valid)}, expected {mask.shape[1:]} or "
+                    f"{mask.shape}: one per taxel, or one per reading and taxel"
+                )
+            mask &= given
         empty = np.flatnonzero(~mask.any(axis=1))
         if len(empty):
             raise InputError(
