@@ -73,9 +73,10 @@ def test_garbage_is_a_file_error_and_nothing_else(tmp_path, ending, data):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
     file.write_bytes(bytes(content[: data.draw(st.integers(0, len(content)))]))
     try:
-        assert len(load_calibration(file)) >= 1
-    except FileError as error:
-        assert str(file) in str(error)
+        back = load_calibration(file)
+    except FileError:
+        return
+    assert len(back.uid) == len(back.gain) >= 1
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
@@ -130,7 +131,7 @@ def test_wrong_figures_are_refused():
         Calibration.from_convention(patch, ICubByte(), gain=100.0, noise_std=2.0)
     with pytest.raises(InputError, match=r"gain\[0\] is 0.0"):
         Calibration.from_convention(patch, ICubByte(), gain=0.0, noise_std=2.0)
-    with pytest.raises(InputError, match="shape .4,., expected"):
+    with pytest.raises(InputError, match=r"shape \(4,\), expected"):
         Calibration.identity(patch, noise_std=0.1).relative_capacitance_from_counts(np.zeros(4))
     with pytest.raises(InputError, match="gain has shape"):
         Calibration.from_convention(patch, ICubByte(), gain=[-1.0, -1.0], noise_std=2.0)

@@ -96,7 +96,8 @@ class TableCurve:
             If a strain lies beyond the table.
         """
         strain = _within("strain", strain, self.strain)
-        return np.asarray(self._interpolator()(strain))
+        # rounding must not lift an end of the curve out of its own range
+        return np.clip(self._interpolator()(strain), self.stress[0], self.stress[-1])
 
     def strain_from_stress(self, stress: ArrayLike) -> Floats:
         """Engineering strain: the exact inverse of the interpolation, by bisection.

@@ -70,7 +70,7 @@ class MovingMedianState:
         self._ring = np.full((taxels, window), np.nan)
         self._sorted = np.empty((taxels, window))
         self._next = 0
-        self._absent = np.empty((taxels, window), bool)
+        self._there = np.zeros((taxels, window), np.int64)  # 1 where the ring holds a number
         self._first = np.arange(taxels) * window
         self._numbers = np.zeros(taxels, np.int64)
         self._index = np.zeros(taxels, np.int64)
@@ -79,21 +79,26 @@ class MovingMedianState:
 
     def apply(self, reading: Floats, out: Floats) -> None:
         """Write the median of the last readings into `out` (L,); NaN stays NaN."""
-        ring, window = self._ring, self._ring.shape[1]
-        np.isnan(reading, out=self._mask)
-        ring[:, self._next] = reading
-        self._next = (self._next + 1) % window
-        np.copyto(self._sorted, ring)
+        self._remember(reading)
+        np.copyto(self._sorted, self._ring)
         self._sorted.sort(axis=1)  # NaN comes last
-        np.isnan(ring, out=self._absent)
-        np.sum(self._absent, axis=1, out=self._numbers)
-        np.subtract(window, self._numbers, out=self._numbers)
         self._pick(-1, self._low)
         self._pick(0, self._high)
         np.add(self._low, self._high, out=self._low)
         np.multiply(self._low, 0.5, out=self._low)
+        np.isnan(reading, out=self._mask)
         np.copyto(out, self._low)
         np.copyto(out, np.nan, where=self._mask)
+
+    def _remember(self, reading: Floats) -> None:
+        """Put the reading in place of the oldest, and keep count of the numbers in the ring."""
+        ring, there = self._ring[:, self._next], self._there[:, self._next]
+        self._next = (self._next + 1) % self._ring.shape[1]
+        np.subtract(self._numbers, there, out=self._numbers)
+        np.equal(reading, reading, out=self._mask)  # all but NaN
+        np.copyto(there, self._mask)
+        np.add(self._numbers, there, out=self._numbers)
+        np.copyto(ring, reading)
 
     def _pick(self, offset: int, out: Floats) -> None:
         """Sorted number (numbers + offset) // 2 of each taxel."""
@@ -107,4 +112,6 @@ class MovingMedianState:
     def reset(self) -> None:
         """Forget all readings."""
         self._ring.fill(np.nan)
+        self._there.fill(0)
+        self._numbers.fill(0)
         self._next = 0

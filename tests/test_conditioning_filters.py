@@ -1,0 +1,209 @@
+"""Filters: stated delay and noise against measured ones, invalid taxels, no allocation."""
+
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skinfield.conditioning import (
+    Chain,
+    ConstantVelocity,
+    Exponential,
+    MovingMedian,
+    NoFilter,
+    RandomWalk,
+    filtered,
+    rise_time,
+    step_response,
+)
+from skinfield.errors import InputError
+
+RATE = 50.0
+FILTERS = {
+    "none": NoFilter(),
+    "exponential": Exponential(time_constant=0.08),
+    "exponential, slow": Exponential(time_constant=0.6),
+    "median 3": MovingMedian(3),
+    "median 9": MovingMedian(9),
+    "random walk": RandomWalk(noise_std=2.0, process_std=8.0),
+    "constant velocity": ConstantVelocity(noise_std=2.0, acceleration_std=40.0),
+    "chain": Chain((MovingMedian(5), Exponential(time_constant=0.1))),
+    "chain of smoothers": Chain((Exponential(time_constant=0.1), Exponential(time_constant=0.1))),
+}
+every_filter = pytest.mark.parametrize("settings", FILTERS.values(), ids=FILTERS.keys())
+
+
+@every_filter
+@pytest.mark.parametrize("rate", [20.0, 100.0])
+def test_the_stated_delay_is_the_lag_behind_a_ramp(settings, rate):
+    slope = 30.0
+    ramp = slope * np.arange(4000)[:, None] / rate
+    lag = (ramp - filtered(settings, ramp, rate))[-1, 0] / slope
+    assert lag == pytest.approx(settings.delay(rate), abs=1e-6 + 1e-6 * lag)
+
+
+@every_filter
+def test_the_stated_noise_is_what_is_left_of_white_noise(settings):
+    noise = 2.0 * np.random.default_rng(3).standard_normal((6000, 200))
+    left = filtered(settings, noise, RATE)[1000:].std()
+    assert left / 2.0 == pytest.approx(settings.noise_factor(RATE), rel=0.015)
+    assert settings.noise_factor(RATE) <= 1.0
+
+
+@every_filter
+def test_a_step_comes_through_whole(settings):
+    assert step_response(settings, RATE, 20.0)[-1, 0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_how_late_half_a_step_is():
+    assert rise_time(NoFilter(), RATE) == 0.0
+    assert rise_time(MovingMedian(9), RATE) == MovingMedian(9).delay(RATE) == 4 / RATE
+    slow = Exponential(time_constant=1.0)
+    assert rise_time(slow, RATE) == pytest.approx(math.log(2.0), abs=1.5 / RATE)
+    assert rise_time(slow, RATE, within=0.1) == math.inf
+    assert rise_time(FILTERS["constant velocity"], RATE) < 0.1
+
+
+def test_a_filter_without_lag_overshoots():
+    peak = step_response(FILTERS["constant velocity"], RATE, 2.0).max()
+    assert 1.1 < peak < 1.35
+
+
+@every_filter
+def test_an_invalid_taxel_poisons_neither_itself_nor_others(settings):
+    clean = 240 + np.random.default_rng(4).standard_normal((400, 5))
+    dirty = clean.copy()
+    dirty[0, 3] = np.nan
+    dirty[100:103, 1] = np.nan
+    dirty[:, 4] = np.nan
+    got, wanted = filtered(settings, dirty, RATE), filtered(settings, clean, RATE)
+    np.testing.assert_array_equal(np.isnan(got), np.isnan(dirty))
+    np.testing.assert_array_equal(got[:, [0, 2]], wanted[:, [0, 2]])
+    assert np.abs(got[103:, 1] - 240).max() < 5
+    assert np.abs(got[-1, [1, 3]] - wanted[-1, [1, 3]]).max() < 0.05
+
+
+@every_filter
+def test_the_first_reading_passes_and_reset_forgets(settings):
+    state, out = settings.prepare(2, RATE), np.empty(2)
+    state.apply(np.array([240.0, 100.0]), out)
+    assert out.tolist() == [240.0, 100.0]
+    state.apply(np.array([200.0, 180.0]), out)
+    state.reset()
+    state.apply(np.array([10.0, 20.0]), out)
+    assert out.tolist() == [10.0, 20.0]
+
+
+@every_filter
+def test_output_may_be_the_input(settings):
+    counts = 240 + np.random.default_rng(5).standard_normal((50, 4))
+    counts[20, 2] = np.nan
+    state, wanted = settings.prepare(4, RATE), filtered(settings, counts, RATE)
+    for reading, row in zip(counts.copy(), wanted, strict=True):
+        state.apply(reading, reading)
+        np.testing.assert_array_equal(reading, row)
+
+
+@every_filter
+def test_apply_allocates_nothing(settings):
+    taxels = 20_000
+    state, out = settings.prepare(taxels, RATE), np.empty(taxels)
+    reading = np.random.default_rng(6).standard_normal(taxels)
+    reading[7] = np.nan
+    for _ in range(3):
+        state.apply(reading, out)
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    state.apply(reading, out)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak - before < taxels  # one byte per taxel, a bool mask, would already show
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=30), st.sampled_from([1, 3, 5, 7]))
+def test_median_is_the_median(values, window):
+    counts = np.array(values)[:, None]
+    wanted = [np.median(counts[max(0, n - window + 1) : n + 1]) for n in range(len(counts))]
+    np.testing.assert_allclose(filtered(MovingMedian(window), counts, RATE)[:, 0], wanted)
+
+
+def test_kalman_is_the_textbook_one():
+    """Against matrices, with a gap in the readings."""
+    rate, r, s = 40.0, 1.5, 30.0
+    z = np.cumsum(np.random.default_rng(7).standard_normal(80))
+    z[30:36] = np.nan
+    dt = 1 / rate
+    f = np.array([[1, dt], [0, 1]])
+    q = s**2 * np.array([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]])
+    x, p, wanted = np.array([z[0], 0.0]), np.diag([r**2, 2 * r**2 / dt**2]), []
+    for value in z:
+        x, p = f @ x, f @ p @ f.T + q
+        if not np.isnan(value):
+            gain = p[:, 0] / (p[0, 0] + r**2)
+            x, p = x + gain * (value - x[0]), p - np.outer(gain, p[0])
+        wanted.append(np.nan if np.isnan(value) else x[0])
+    got = filtered(ConstantVelocity(noise_std=r, acceleration_std=s), z[:, None], rate)[:, 0]
+    np.testing.assert_allclose(got, wanted, rtol=1e-9, atol=1e-9)
+
+
+def test_random_walk_runs_in_faster_than_the_exponential_that_it_becomes():
+    kalman = RandomWalk(noise_std=5.0, process_std=1.0)
+    weight = float(kalman.weights(RATE))
+    smoother = Exponential(time_constant=-1 / (RATE * math.log1p(-weight)))
+    assert smoother.weight(RATE) == pytest.approx(weight)
+    counts = np.random.default_rng(8).standard_normal((3000, 300)) * 5.0
+    a, b = filtered(kalman, counts, RATE), filtered(smoother, counts, RATE)
+    np.testing.assert_allclose(a[-1], b[-1], atol=1e-6)
+    assert a[15].std() < 0.45 * b[15].std()
+
+
+def test_on_the_walk_that_kalman_assumes_no_other_weight_does_better():
+    rng = np.random.default_rng(9)
+    truth = np.cumsum(8.0 / RATE**0.5 * rng.standard_normal((4000, 60)), axis=0)
+    counts = truth + 2.0 * rng.standard_normal(truth.shape)
+    error = lambda f: np.std((filtered(f, counts, RATE) - truth)[500:])
+    best = error(RandomWalk(noise_std=2.0, process_std=8.0))
+    assert best < 0.75 * 2.0
+    for constant in (0.005, 0.01, 0.05, 0.1):
+        assert best < error(Exponential(time_constant=constant))
+
+
+def test_noise_per_taxel():
+    noise = np.array([1.0, 4.0, np.nan])
+    kalman = RandomWalk(noise_std=noise, process_std=2.0)
+    calm, loud = (RandomWalk(noise_std=n, process_std=2.0) for n in (1.0, 4.0))
+    assert kalman.delay(RATE) == loud.delay(RATE)
+    assert kalman.noise_factor(RATE) == calm.noise_factor(RATE)
+    both = RandomWalk(noise_std=noise[:2], process_std=2.0)
+    assert rise_time(both, RATE, taxels=2) == rise_time(loud, RATE) > rise_time(calm, RATE)
+    got = filtered(kalman, np.ones((5, 3)), RATE)
+    assert np.isnan(got).tolist() == [[False, False, True]] * 5
+    with pytest.raises(InputError, match="3 values, expected 1 or 5"):
+        kalman.prepare(5, RATE)
+    nested = Chain((Chain((MovingMedian(3), kalman)), NoFilter()))
+    assert len(nested.filters) == 3
+    assert 0 < nested.noise_factor(RATE) < 1
+
+
+def test_single_outliers_vanish_in_a_median():
+    counts = np.full((60, 1), 240.0)
+    counts[[20, 33]] = 0
+    assert (filtered(MovingMedian(3), counts, RATE) == 240).all()
+
+
+def test_unusable_settings_are_refused():
+    for wrong, text in [
+        (lambda: Exponential(time_constant=0.0), "time_constant is 0.0"),
+        (lambda: MovingMedian(4), "window is 4, expected an odd"),
+        (lambda: RandomWalk(noise_std=0.0, process_std=1.0), "noise_std is 0.0"),
+        (lambda: ConstantVelocity(noise_std=[np.nan], acceleration_std=1.0), "noise_std is"),
+        (lambda: RandomWalk(noise_std=1.0, process_std=-1.0), "process_std is -1.0"),
+        (lambda: Chain(()), "filters is empty"),
+        (lambda: MovingMedian(3).prepare(3, 0.0), "rate is 0.0"),
+        (lambda: filtered(NoFilter(), np.zeros(3), RATE), "counts has shape"),
+    ]:
+        with pytest.raises(InputError, match=text):
+            wrong()
