@@ -22,12 +22,13 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
 
     `start_ns` is where `time_s` is 0. None stands for a value that is not there.
     """
-    valid = int(np.count_nonzero(estimate.valid))
     forces = np.atleast_1d(estimate.normal_force)
+    counted = np.count_nonzero(estimate.valid, axis=-1)
+    valid = np.broadcast_to(counted, len(forces)).tolist()
     stamps = np.broadcast_to(estimate.stamp_ns, len(forces)).tolist()
     each = estimate.contacts if estimate.is_batch else (estimate.contacts,)
     for k, (force, stamp, contacts) in enumerate(zip(forces.tolist(), stamps, each, strict=True)):
-        reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), valid)
+        reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), valid[k])
         if not contacts:
             yield (*reading, NONE, *(None,) * len(CONTACT))
         for number, contact in enumerate(contacts):

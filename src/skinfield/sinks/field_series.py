@@ -12,19 +12,19 @@ Arrays = dict[str, NDArray[Any]]
 SERIES = {  # arrays with an axis of readings: type, axes after it, unit, meaning
     "stamp_ns": ("i8", (), "ns", "time of the reading, since the epoch of its source"),
     "pressure": ("f4", ("row", "column"), "Pa", "normal traction, positive in compression"),
+    "pressure_std": ("f4", ("row", "column"), "Pa", "one standard deviation of the pressure"),
     "displacement": ("f4", ("row", "column", "axis"), "m", "of the surface, in the patch's frame"),
 }
 FIXED = {  # arrays that all readings share
     "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame"),
-    "pressure_std": ("f4", ("row", "column"), "Pa", "one standard deviation of the pressure"),
 }
-CHUNK_BYTES = 4 << 20  # of pressure and displacement together
+CHUNK_BYTES = 4 << 20  # of all fields together
 FORMAT = "skinfield fields 1"
 
 
 def readings_per_chunk(grid: Grid) -> int:
-    """Readings whose pressure and displacement fill `CHUNK_BYTES`."""
-    return max(1, CHUNK_BYTES // (len(grid) * 16))
+    """Readings whose fields fill `CHUNK_BYTES`."""
+    return max(1, CHUNK_BYTES // (len(grid) * 20))
 
 
 def series_of(estimate: Estimate) -> Arrays:
@@ -34,6 +34,9 @@ def series_of(estimate: Estimate) -> Arrays:
     return {
         "stamp_ns": np.broadcast_to(np.asarray(estimate.stamp_ns, np.int64), count),
         "pressure": estimate.pressure.reshape(shape).astype(np.float32),
+        "pressure_std": np.broadcast_to(
+            estimate.pressure_std.reshape(shape).astype(np.float32), (count, *estimate.grid.shape)
+        ),
         "displacement": estimate.displacement.reshape(*shape, 3).astype(np.float32),
     }
 
@@ -43,7 +46,6 @@ def fixed_of(estimate: Estimate) -> Arrays:
     shape = estimate.grid.shape
     return {
         "position": estimate.grid.positions.reshape(*shape, 3),
-        "pressure_std": estimate.pressure_std.reshape(shape).astype(np.float32),
     }
 
 

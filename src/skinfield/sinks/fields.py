@@ -93,9 +93,9 @@ def open_fields(path: str | Path) -> FieldWriter:
     path : str or Path
         Ends in `.npz` (all is held in memory until `close`) or `.zarr` (written in chunks of some
         megabytes: for long recordings). Both hold `stamp_ns` (T,), `pressure` (T, rows, columns)
-        Pa, `displacement` (T, rows, columns, 3) m, `position` (rows, columns, 3) m and
-        `pressure_std` (rows, columns) Pa; units are attributes in Zarr, and a JSON text under the
-        key `attributes` in NPZ.
+        Pa and its `pressure_std`, `displacement` (T, rows, columns, 3) m and `position`
+        (rows, columns, 3) m, the fields in single precision. Units are attributes in Zarr, and in
+        NPZ a JSON text under the key `attributes`.
 
     Returns
     -------

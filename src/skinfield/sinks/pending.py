@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,11 @@ def pending(path: str | Path) -> Pending:
     FileError
         If there is no such folder, or a folder stands at the place of a file.
     """
-    target = Path(path)
+    try:
+        target = Path(path).resolve()  # what a link points to is written, not the link
+    except ValueError as error:  # a zero byte
+        raise FileError(f"{str(path)!r} cannot be written: {error}; expected a path") from error
     with explained(target):
-        target = target.resolve()  # what a link points to is written, not the link
         folder = target.parent
         if not folder.is_dir():
             raise FileError(
@@ -72,10 +74,6 @@ def explained(target: Path) -> Iterator[None]:
             f"{target} cannot be written: {error.strerror or error}; expected a folder that can be "
             "written to, with room"
         ) from error
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise FileError(f"{str(target)!r} cannot be written: {error}") from error
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:

@@ -60,8 +60,9 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
 def _load(head: Head) -> dict[str, NDArray[Any]]:
     """Arrays under the known keys; whatever a damaged archive raises becomes a FileError."""
     try:
-        with warnings.catch_warnings(), np.load(head.path, allow_pickle=False) as archive:
+        with warnings.catch_warnings(), head.path.open("rb") as file:
             warnings.simplefilter("ignore")
+            archive = np.load(file, allow_pickle=False)
             names = list(archive.files)
             found = {key: np.asarray(archive[key]) for key in KEYS if key in names}
     except Exception as error:  # zip, zlib, struct and numpy each have errors of their own

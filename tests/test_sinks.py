@@ -1,0 +1,358 @@
+"""Results out: what is written comes back, whole or not at all."""
+
+import csv
+import json
+import resource
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield import sinks
+from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.fields import Contact, Estimate
+from skinfield.reading import Recording
+from skinfield.sinks import contacts as contacts_module
+from skinfield.sinks import field_series
+from skinfield.sinks.contact_rows import COLUMNS
+
+PATCH = sf.Patch(np.random.default_rng(0).uniform(-0.02, 0.02, (12, 2)), name="palm")
+GRID = sf.Grid.square(PATCH, nodes=4)
+START = 1_424_362_797_536_033_000
+CONTACTS = (0, 2, 1, 0, 3)  # of each reading
+
+
+def contact(rng: np.random.Generator) -> Contact:
+    return Contact(
+        position=rng.normal(size=3) * 1e-2,
+        force=rng.normal(size=3),
+        moment=rng.normal(size=3),
+        normal=np.array([0.0, 0.0, 1.0]),
+        area=float(rng.uniform(1e-6, 1e-4)),
+        peak_pressure=float(rng.uniform(1e3, 1e5)),
+        force_std=0.01,
+        outline=np.zeros((5, 3)),
+        axes=np.array([3e-3, 1e-3]),
+        angle=0.5,
+        cells=np.arange(3),
+    )
+
+
+def estimates(readings: int = len(CONTACTS)) -> Estimate:
+    rng = np.random.default_rng(1)
+    nodes = len(GRID)
+    return Estimate(
+        grid=GRID,
+        pressure=rng.normal(size=(readings, nodes)) * 1e4,
+        traction=rng.normal(size=(readings, nodes, 3)),
+        displacement=rng.normal(size=(readings, nodes, 3)) * 1e-4,
+        pressure_std=np.full((readings, nodes), 50.0),
+        contacts=tuple(
+            tuple(contact(rng) for _ in range(CONTACTS[k % 5])) for k in range(readings)
+        ),
+        residual=np.zeros((readings, 12)),
+        valid=np.arange(12) > np.arange(readings)[:, None],
+        stamp_ns=START + np.arange(readings) * 20_000_000,
+    )
+
+
+def since(batch: Estimate, first: int) -> Estimate:
+    names = ("pressure", "traction", "displacement", "pressure_std", "contacts", "residual")
+    each = {name: getattr(batch, name)[first:] for name in (*names, "valid", "stamp_ns")}
+    return replace(batch, **each)
+
+
+def table(path: Path) -> list[dict[str, float | None]]:
+    """Rows of either kind of file, None for what is not there."""
+    if path.suffix == ".parquet":
+        parquet = pytest.importorskip("pyarrow.parquet")
+        return parquet.read_table(path).to_pylist()
+    with path.open(newline="") as file:
+        return [
+            {key: float(value) if value else None for key, value in row.items()}
+            for row in csv.DictReader(file)
+        ]
+
+
+KINDS = pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+
+
+@pytest.fixture(autouse=True)
+def need_packages(request) -> None:
+    suffix = request.node.callspec.params.get("suffix") if hasattr(request.node, "callspec") else ""
+    pytest.importorskip({".parquet": "pyarrow", ".zarr": "zarr"}.get(suffix, "numpy"))
+
+
+# ---- contacts
+
+
+@KINDS
+def test_contacts_come_back_with_every_reading(tmp_path: Path, suffix: str) -> None:
+    batch, path = estimates(), tmp_path / f"c{suffix}"
+    sinks.write_contacts(path, batch)
+    rows = table(path)
+    assert list(rows[0]) == list(COLUMNS)
+    assert [row["reading"] for row in rows] == [0, 1, 1, 2, 3, 4, 4, 4]
+    assert [row["contact"] for row in rows] == [-1, 0, 1, 0, -1, 0, 1, 2]
+    assert [row["time_s"] for row in rows[::3]] == pytest.approx([0, 0.04, 0.08])
+    for row in rows:
+        reading, number = int(row["reading"]), int(row["contact"])
+        one = batch[reading]
+        assert row["total_force_N"] == pytest.approx(one.normal_force, rel=1e-8)
+        assert row["valid_taxels"] == 11 - reading
+        if number < 0:
+            assert all(row[key] is None for key in COLUMNS[6:])
+            continue
+        made = one.contacts[number]
+        assert [row[k] for k in ("x_m", "y_m", "z_m")] == pytest.approx(made.position.tolist())
+        assert [row[k] for k in ("fx_N", "fy_N", "fz_N")] == pytest.approx(made.force.tolist())
+        assert row["normal_force_N"] == pytest.approx(-made.force[2])
+        assert row["area_m2"] == pytest.approx(made.area)
+        assert row["peak_pressure_Pa"] == pytest.approx(made.peak_pressure)
+        assert (row["axis_major_m"], row["axis_minor_m"], row["angle_rad"]) == (3e-3, 1e-3, 0.5)
+
+
+def test_stamps_of_contacts_are_exact(tmp_path: Path) -> None:
+    sinks.write_contacts(tmp_path / "c.csv", estimates())
+    with (tmp_path / "c.csv").open(newline="") as file:
+        stamps = {int(row["stamp_ns"]) for row in csv.DictReader(file)}
+    assert stamps == set(estimates().stamp_ns.tolist())
+
+
+@KINDS
+def test_one_by_one_in_batches_and_in_chunks_are_the_same(
+    tmp_path: Path, suffix: str, monkeypatch
+) -> None:
+    batch = estimates(23)
+    sinks.write_contacts(tmp_path / f"all{suffix}", batch)
+    sinks.write_contacts(tmp_path / f"each{suffix}", iter(batch))
+    monkeypatch.setattr(contacts_module, "CHUNK", 4)
+    with sinks.open_contacts(tmp_path / f"mixed{suffix}") as writer:
+        writer.write(batch[0])
+        writer.write(since(batch, 1))
+        assert len(writer.rows) < 4  # memory is bounded
+    whole = table(tmp_path / f"all{suffix}")
+    assert len(whole) == 41
+    assert table(tmp_path / f"each{suffix}") == whole
+    assert table(tmp_path / f"mixed{suffix}") == whole
+
+
+@KINDS
+def test_no_estimate_makes_a_table_without_rows(tmp_path: Path, suffix: str) -> None:
+    sinks.write_contacts(tmp_path / f"c{suffix}", [])
+    assert table(tmp_path / f"c{suffix}") == []
+    if suffix == ".csv":
+        assert (tmp_path / "c.csv").read_text() == ",".join(COLUMNS) + "\n"
+
+
+def test_what_is_not_finite_is_left_empty(tmp_path: Path) -> None:
+    batch = estimates()
+    lone = replace(batch.contacts[1][0], force_std=float("nan"), axes=np.array([1e-3, np.nan]))
+    sinks.write_contacts(tmp_path / "c.csv", replace(batch[1], contacts=(lone,)))
+    (row,) = table(tmp_path / "c.csv")
+    assert (row["force_std_N"], row["axis_minor_m"], row["axis_major_m"]) == (None, None, 1e-3)
+
+
+# ---- fields
+
+
+def fields(path: Path) -> dict[str, np.ndarray]:
+    if path.suffix == ".npz":
+        with np.load(path) as archive:
+            return dict(archive)
+    zarr = pytest.importorskip("zarr")
+    group = zarr.open_group(path, mode="r")
+    return {name: group[name][...] for name in group.array_keys()}
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".zarr"])
+def test_fields_come_back(tmp_path: Path, suffix: str, monkeypatch) -> None:
+    batch, path = estimates(23), tmp_path / f"f{suffix}"
+    monkeypatch.setattr(field_series, "CHUNK_BYTES", 20 * 16 * 4)  # four readings
+    with sinks.open_fields(path) as writer:
+        writer.write(batch[0])
+        for one in list(batch)[1:6]:
+            writer.write(one)
+        writer.write(since(batch, 6))
+        assert writer.readings_held < 4
+    got = fields(path)
+    np.testing.assert_array_equal(got["stamp_ns"], batch.stamp_ns)
+    np.testing.assert_array_equal(got["pressure"], batch.pressure.reshape(23, 4, 4).astype("f4"))
+    assert got["displacement"].dtype == np.float32
+    np.testing.assert_allclose(
+        got["displacement"].reshape(23, 16, 3), batch.displacement, rtol=1e-6
+    )
+    np.testing.assert_array_equal(got["position"].reshape(16, 3), GRID.positions)
+    assert (got["pressure_std"] == 50).all()
+    if suffix == ".npz":
+        said = json.loads(str(got["attributes"]))
+        assert said["units"]["displacement"] == "m"
+        assert said["patch"] == "palm"
+
+
+def test_zarr_fields_say_units_and_open_with_xarray(tmp_path: Path) -> None:
+    zarr, xarray = pytest.importorskip("zarr"), pytest.importorskip("xarray")
+    sinks.write_fields(tmp_path / "f.zarr", estimates())
+    group = zarr.open_group(tmp_path / "f.zarr", mode="r")
+    assert group["pressure"].attrs["units"] == "Pa"
+    assert group.attrs["cell_area_m2"] == GRID.cell_area
+    data = xarray.open_zarr(tmp_path / "f.zarr", consolidated=False)
+    assert data.displacement.dims == ("reading", "row", "column", "axis")
+    force = data.pressure.sum(("row", "column")) * data.attrs["cell_area_m2"]
+    np.testing.assert_allclose(force, estimates().normal_force, rtol=1e-4)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".zarr"])
+def test_fields_of_another_grid_or_of_nothing_are_refused(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"f{suffix}"
+    batch = estimates()
+    other = replace(batch, grid=sf.Grid(PATCH, (4, 4), 2e-3))
+    with pytest.raises(InputError, match="one file holds one grid"):
+        sinks.write_fields(path, [batch, other])
+    with pytest.raises(InputError, match="no estimate was written"):
+        sinks.write_fields(path, [])
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---- whole or not at all
+
+
+def failing() -> Iterator[Estimate]:
+    yield estimates(60)
+    raise RuntimeError("the solver failed")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+def test_a_failure_leaves_what_was_there_before(tmp_path: Path, suffix: str, monkeypatch) -> None:
+    monkeypatch.setattr(contacts_module, "CHUNK", 8)  # some of it is on the disk already
+    monkeypatch.setattr(field_series, "CHUNK_BYTES", 2048)
+    write = sinks.write_fields if suffix in (".npz", ".zarr") else sinks.write_contacts
+    path = tmp_path / f"x{suffix}"
+    write(path, estimates())
+    before = {file: file.read_bytes() for file in path.parent.rglob("*") if file.is_file()}
+    with pytest.raises(RuntimeError, match="the solver failed"):
+        write(path, failing())
+    after = {file: file.read_bytes() for file in path.parent.rglob("*") if file.is_file()}
+    assert after == before
+    write(path, estimates(7))  # and is replaced by a whole one
+    after = {file: file.read_bytes() for file in path.parent.rglob("*") if file.is_file()}
+    assert after != before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+def test_the_file_has_its_name_only_when_closed(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"x{suffix}"
+    make = sinks.open_fields if suffix in (".npz", ".zarr") else sinks.open_contacts
+    writer = make(path)
+    writer.write(estimates())
+    assert not path.exists()
+    writer.close()
+    writer.close()  # twice does no harm
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+def test_a_full_disk_is_said_and_leaves_nothing(tmp_path: Path, suffix: str) -> None:
+    write = sinks.write_fields if suffix in (".npz", ".zarr") else sinks.write_contacts
+    batch = estimates(400)
+    write(tmp_path / f"warm{suffix}", batch)  # what is imported writes no file below
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (3000, hard))
+    try:
+        with pytest.raises(FileError, match=rf"x{suffix} cannot be written: File too large"):
+            write(tmp_path / f"x{suffix}", batch)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert [file.name for file in tmp_path.iterdir()] == [f"warm{suffix}"]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+def test_places_that_cannot_be_written_are_named_at_once(tmp_path: Path, suffix: str) -> None:
+    make = sinks.open_fields if suffix in (".npz", ".zarr") else sinks.open_contacts
+    (tmp_path / "file").touch()
+    (tmp_path / f"folder{suffix}").mkdir()
+    for place, why in (
+        (tmp_path / "none" / f"x{suffix}", "is no folder"),
+        (tmp_path / "file" / f"x{suffix}", "is no folder|Not a directory"),
+        (tmp_path / f"folder{suffix}", "no Zarr store"),
+        (f"a\0{suffix}", "null byte"),
+    ):
+        with pytest.raises(FileError, match=why):
+            make(place)
+
+
+def test_a_device_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").symlink_to("/dev/null")
+    with pytest.raises(FileError, match="cannot be replaced"):
+        sinks.open_contacts(tmp_path / "x.csv")
+    assert (tmp_path / "x.csv").is_symlink()
+
+
+def test_the_file_behind_a_link_is_written(tmp_path: Path) -> None:
+    (tmp_path / "real.csv").touch()
+    (tmp_path / "x.csv").symlink_to(tmp_path / "real.csv")
+    sinks.write_contacts(tmp_path / "x.csv", estimates())
+    assert (tmp_path / "x.csv").is_symlink()
+    assert len(table(tmp_path / "real.csv")) == 8
+
+
+def test_other_extensions_are_refused(tmp_path: Path) -> None:
+    recording = Recording(np.arange(2), np.ones((2, 3)))
+    for call in (
+        lambda: sinks.open_contacts(tmp_path / "x.xlsx"),
+        lambda: sinks.open_fields(tmp_path / "x.h5"),
+        lambda: sinks.save_recording(recording, tmp_path / "x.txt"),
+    ):
+        with pytest.raises(InputError, match=r"expected a name that ends in \.\w+ or \.\w+"):
+            call()
+    with pytest.raises(InputError, match="unit is 'V'"):
+        sinks.save_recording(replace(recording, unit="V"), tmp_path / "x.csv")
+
+
+@pytest.mark.parametrize(
+    ("package", "name", "make"),
+    [("pyarrow", "x.parquet", sinks.open_contacts), ("zarr", "x.zarr", sinks.open_fields)],
+)
+def test_a_missing_package_names_its_extra(
+    tmp_path: Path, package: str, name: str, make, monkeypatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    extra = "parquet" if package == "pyarrow" else "zarr"
+    with pytest.raises(SkinfieldError, match=rf"pip install 'skinfield\[{extra}\]'"):
+        make(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---- summary
+
+
+def test_summary_is_strict_json(tmp_path: Path) -> None:
+    sinks.write_summary(
+        tmp_path / "s.json",
+        {
+            "recording": tmp_path / "data.log",
+            "readings": np.int64(3),
+            "force_N": np.array([1.5, np.nan]),
+            "good": np.bool_(True),
+            "nested": {"rate": float("inf"), "names": ("a", None)},
+        },
+    )
+
+    def refuse(name: str) -> None:
+        raise AssertionError(name)
+
+    assert json.loads((tmp_path / "s.json").read_text(), parse_constant=refuse) == {
+        "recording": str(tmp_path / "data.log"),
+        "readings": 3,
+        "force_N": [1.5, None],
+        "good": True,
+        "nested": {"rate": None, "names": ["a", None]},
+    }
+    with pytest.raises(InputError, match=r"summary\['a'\]\[1\] is <object"):
+        sinks.write_summary(tmp_path / "t.json", {"a": [1, object()]})
+    assert not (tmp_path / "t.json").exists()
