@@ -11,7 +11,7 @@ from skinfield.inverse import Tikhonov as Tikhonov
 from skinfield.layout import Grid as Grid
 from skinfield.layout import Patch as Patch
 from skinfield.layout import Skin as Skin
-from skinfield.layout import generators as layouts  # noqa: F401
+from skinfield.layout import generators
 from skinfield.layout import load_layout as load_layout
 from skinfield.layout import save_layout as save_layout
 from skinfield.mechanics import BondedLayer as BondedLayer
@@ -20,3 +20,5 @@ from skinfield.observation import BaseStress as BaseStress
 from skinfield.observation import Capacitance as Capacitance
 from skinfield.observation import Gap as Gap
 from skinfield.pipeline import Reconstructor as Reconstructor
+
+layouts = generators  # patches from numbers: layouts.hexagon72()

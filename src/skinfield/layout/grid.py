@@ -2,12 +2,22 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import index
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_finite,
+    check_positive,
+    check_shape,
+)
 from skinfield.layout.patch import Patch
+
+COVER = 2.5  # pitches from the nearest taxel up to which a node counts as measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,18 +45,19 @@ class Grid:
     origin: Floats = field(default_factory=lambda: np.zeros(2))
 
     def __post_init__(self) -> None:
-        rows, columns = self.shape
-        if not (rows >= 1 and columns >= 1):
-            raise InputError(f"shape is {self.shape!r}, expected at least one row and one column")
+        object.__setattr__(self, "shape", _shape(self.shape))
         check_positive("pitch", self.pitch, "the side of a cell, in metres")
-        origin = as_floats("origin", self.origin)
-        check_shape("origin", origin, (2,), "x and y of node 0 in the patch's plane")
+        origin = np.array(_corner("origin", self.origin))
+        origin.setflags(write=False)
         object.__setattr__(self, "origin", origin)
-        object.__setattr__(self, "shape", (int(rows), int(columns)))
 
     @classmethod
     def square(cls, patch: Patch, nodes: int = 40) -> "Grid":
-        """`nodes` x `nodes` over the patch's bounding square, first and last node on its sides."""
+        """`nodes` x `nodes` over the patch's bounding square, first and last node on its sides.
+
+        The square has the longer side of the taxels' bounding box and the same middle.
+        """
+        nodes, _ = _shape((nodes, nodes))
         if nodes < 2:
             raise InputError(f"nodes is {nodes!r}, expected 2 or more: nodes lie on the border")
         low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
@@ -55,10 +66,11 @@ class Grid:
 
     @classmethod
     def window(cls, patch: Patch, low: ArrayLike, high: ArrayLike, pitch: float) -> "Grid":
-        """Nodes of the given pitch that fill the rectangle `low` .. `high` (2,) m of the plane."""
-        low, high = as_floats("low", low), as_floats("high", high)
-        check_shape("low", low, (2,), "a corner in the patch's plane")
-        check_shape("high", high, (2,), "a corner in the patch's plane")
+        """Cells of side `pitch` m that fill the rectangle `low` .. `high` (2,) m of the plane.
+
+        Their number is rounded, and they share the rectangle's middle.
+        """
+        low, high = _corner("low", low), _corner("high", high)
         check_positive("pitch", pitch, "the side of a cell, in metres")
         if not (high > low).all():
             raise InputError(f"high is {high}, expected above low = {low} in both coordinates")
@@ -78,17 +90,17 @@ class Grid:
     def plane(self) -> Floats:
         """Nodes in the patch's developed plane, (K, 2) m."""
         rows, columns = np.divmod(np.arange(len(self)), self.shape[1])
-        return self.origin + np.column_stack([columns, rows]) * self.pitch
+        return _read_only(self.origin + np.column_stack([columns, rows]) * self.pitch)
 
     @cached_property
     def positions(self) -> Floats:
         """Nodes in the patch's frame, (K, 3) m."""
-        return self.patch.surface.position_from_plane(self.plane)
+        return _read_only(self.patch.surface.position_from_plane(self.plane))
 
     @cached_property
     def frames(self) -> Floats:
         """Local frames of the nodes, (K, 3, 3): columns are two tangents and the outward normal."""
-        return self.patch.surface.frame_from_plane(self.plane)
+        return _read_only(self.patch.surface.frame_from_plane(self.plane))
 
     @property
     def normals(self) -> Floats:
@@ -97,7 +109,38 @@ class Grid:
 
     @cached_property
     def covered(self) -> NDArray[np.bool_]:
-        """Nodes inside the convex hull of the taxels, (K,); outside, nothing is measured."""
+        """Nodes where something is measured, (K,).
+
+        They lie inside the convex hull of the taxels and no more than 2.5 taxel pitches from one:
+        the holes and bays of a real skin, and the gaps between its parts, are not covered.
+        """
+        from scipy.spatial import cKDTree
+
         from skinfield.layout.hull import inside_hull
 
-        return inside_hull(self.patch.plane, self.plane)
+        taxels = self.patch.plane
+        near = np.asarray(cKDTree(taxels).query(self.plane)[0]) <= COVER * self.patch.pitch
+        return inside_hull(taxels, self.plane) & near
+
+
+def _read_only(array: Floats) -> Floats:
+    if array.flags.writeable:
+        array.setflags(write=False)
+    return array
+
+
+def _corner(name: str, values: ArrayLike) -> Floats:
+    corner = as_floats(name, values)
+    check_shape(name, corner, (2,), "x and y in the patch's plane, in metres")
+    check_finite(name, corner, "x and y in the patch's plane, in metres")
+    return corner
+
+
+def _shape(shape: tuple[int, int]) -> tuple[int, int]:
+    try:
+        rows, columns = (index(n) for n in shape)
+    except (TypeError, ValueError):
+        raise InputError(f"shape is {shape!r}, expected (rows, columns), whole numbers") from None
+    if rows < 1 or columns < 1:
+        raise InputError(f"shape is {shape!r}, expected at least one row and one column")
+    return rows, columns

@@ -6,6 +6,14 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 
 
+def spans_plane(points: Floats) -> bool:
+    """Whether points (M, 2) have an area: three or more, not on one line to 1e-6 of its length."""
+    if len(points) < 3:
+        return False
+    extent = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(extent[1] > max(1e-6 * extent[0], 1e-9))
+
+
 def inside_hull(points: Floats, queries: Floats) -> NDArray[np.bool_]:
     """Whether each query (N, 2) lies in the convex hull of `points` (M, 2), border included.
 
@@ -13,10 +21,10 @@ def inside_hull(points: Floats, queries: Floats) -> NDArray[np.bool_]:
     """
     from scipy.spatial import ConvexHull
 
-    centred = points - points.mean(axis=0)
-    extent = np.abs(centred).max(initial=0.0)
-    if len(points) < 3 or np.linalg.matrix_rank(centred, tol=1e-9 * max(extent, 1e-9)) < 2:
+    if not spans_plane(points):
         return np.zeros(len(queries), dtype=np.bool_)
-    sides = ConvexHull(points).equations  # outward normal and offset of each side
-    inside = queries @ sides[:, :2].T + sides[:, 2] <= 1e-9 * extent + 1e-15
+    centre = points.mean(axis=0)
+    extent = np.abs(points - centre).max()
+    sides = ConvexHull(points - centre).equations  # outward normal and offset of each side
+    inside = (queries - centre) @ sides[:, :2].T + sides[:, 2] <= 1e-9 * extent
     return np.asarray(inside.all(axis=1))

@@ -7,16 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
+from skinfield.layout.hull import spans_plane
 from skinfield.layout.surface import Surface, surface_through
 
 Ints = NDArray[np.int64]
+PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
 
 
-def _column(values: ArrayLike | None, default: NDArray, dtype: type) -> NDArray:  # type: ignore[type-arg]
-    return default if values is None else np.asarray(values, dtype=dtype)
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Patch:
     """The taxels under one elastomer sheet, reconstructed independently. A taxel is a row.
 
@@ -27,7 +25,8 @@ class Patch:
     pad_diameter : float, m
         Of the round electrode of one taxel.
     normals : (L, 3) array, optional
-        Outward, from the robot to whatever touches it; made unit length. Default +z.
+        Outward, from the robot to whatever touches it; made unit length. Default the side of +z
+        where the taxels lie in a plane; else estimated from the positions, to the convex side.
     module : (L,) int array, optional
         Index of the board that carries the taxel. Default 0.
     uid : (L,) uint64 array, optional
@@ -40,6 +39,10 @@ class Patch:
         Of the patch, and of the robot's link that carries it.
     link_from_patch : (4, 4) array, optional
         Homogeneous pose of the patch in its link, m. Default the identity.
+
+    Notes
+    -----
+    All arrays are copies, and read-only.
     """
 
     positions: Floats
@@ -54,38 +57,17 @@ class Patch:
     link_from_patch: Floats = field(default=None, kw_only=True)  # type: ignore[arg-type]
 
     def __post_init__(self) -> None:
-        positions = as_floats("positions", self.positions)
-        if positions.ndim != 2 or positions.shape[1] not in (2, 3) or len(positions) == 0:
-            raise InputError(
-                f"positions has shape {positions.shape}, expected (taxels, 2) or (taxels, 3) "
-                "with at least one taxel: one row of metres per taxel"
-            )
-        if positions.shape[1] == 2:
-            positions = np.column_stack([positions, np.zeros(len(positions))])
-        check_finite("positions", positions, "an absent taxel is left out, not marked by NaN")
-        taxels = len(positions)
-        rows = np.arange(taxels)
-        up = np.broadcast_to([0.0, 0.0, 1.0], (taxels, 3))
+        positions = _positions(self.positions)
+        rows = np.arange(len(positions))
+        given = self.normals is not None
         columns = {
             "positions": positions,
-            "normals": _column(self.normals, up, np.float64),
-            "module": _column(self.module, np.zeros(taxels, np.int64), np.int64),
-            "uid": _column(self.uid, rows.astype(np.uint64), np.uint64),
-            "channel": _column(self.channel, rows, np.int64),
-            "link_from_patch": _column(self.link_from_patch, np.eye(4), np.float64),
+            "normals": _unit(self.normals, rows) if given else _default_normals(positions),
+            "module": _whole("module", self.module, np.zeros_like(rows)).astype(np.int64),
+            "uid": _whole("uid", self.uid, rows).astype(np.uint64),
+            "channel": _whole("channel", self.channel, rows).astype(np.int64),
+            "link_from_patch": _pose(self.link_from_patch),
         }
-        for name in ("module", "uid", "channel"):
-            check_shape(name, columns[name], (taxels,), "one per row of positions")
-        check_shape("normals", columns["normals"], (taxels, 3), "one per row of positions")
-        check_shape("link_from_patch", columns["link_from_patch"], (4, 4), "a homogeneous pose")
-        length = np.linalg.norm(columns["normals"], axis=1, keepdims=True)
-        if not (np.isfinite(length).all() and (length > 1e-9).all()):
-            row = int(np.argmin(np.where(np.isfinite(length), length, -1.0)))
-            raise InputError(
-                f"normals[{row}] is {columns['normals'][row]}, expected a vector that points "
-                "out of the skin: leave normals out to have them taken as +z"
-            )
-        columns["normals"] = columns["normals"] / length
         if not 0.0 < self.pad_diameter < 1.0:
             raise InputError(
                 f"pad_diameter is {self.pad_diameter!r} m, expected a length above 0 and below 1: "
@@ -98,20 +80,18 @@ class Patch:
                 "every channel must be a column of the port"
             )
         for name, value in columns.items():
-            value = np.ascontiguousarray(value)
+            value = np.array(value, order="C")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "n_channels", self.n_channels or highest)
+        object.__setattr__(self, "n_channels", int(self.n_channels) or highest)
 
     def __len__(self) -> int:
         return len(self.positions)
 
     def __repr__(self) -> str:
-        width, height = (self.plane.max(axis=0) - self.plane.min(axis=0)) * 1e3
-        return (
-            f"Patch({self.name!r}, {len(self)} taxels, {len(np.unique(self.module))} modules, "
-            f"{width:.1f} x {height:.1f} mm, {'flat' if self.surface.is_flat else 'curved'})"
-        )
+        size = " x ".join(f"{side * 1e3:.1f}" for side in np.ptp(self.positions, axis=0))
+        modules = len(np.unique(self.module))
+        return f"Patch({self.name!r}, {len(self)} taxels, {modules} modules, {size} mm)"
 
     @cached_property
     def surface(self) -> Surface:
@@ -128,7 +108,7 @@ class Patch:
         """Median distance from a taxel to its nearest neighbour, m; the pad's diameter if alone."""
         from scipy.spatial import cKDTree
 
-        distinct = np.unique(self.plane.round(9), axis=0)
+        distinct = self._distinct[0]
         if len(distinct) < 2:
             return self.pad_diameter
         distance = np.asarray(cKDTree(distinct).query(distinct, k=2)[0])
@@ -136,29 +116,122 @@ class Patch:
 
     @cached_property
     def triangles(self) -> Ints:
-        """Delaunay triangulation of the taxels in the patch's plane, (T, 3) rows of taxels."""
+        """Delaunay triangulation of the taxels in the patch's plane, (T, 3) rows of taxels.
+
+        Of taxels at one place, the first takes part. Empty where all lie on one line.
+        """
         from scipy.spatial import Delaunay
 
-        distinct, first = np.unique(self.plane.round(9), axis=0, return_index=True)
-        if len(distinct) < 3 or np.linalg.matrix_rank(distinct - distinct[0], tol=1e-9) < 2:
+        distinct, row = self._distinct
+        if not spans_plane(distinct):
             return np.empty((0, 3), np.int64)
-        return np.asarray(first[Delaunay(distinct).simplices], dtype=np.int64)
+        corners = Delaunay(distinct - distinct.mean(axis=0)).simplices
+        return np.asarray(row[corners], dtype=np.int64)
 
     @cached_property
     def neighbours(self) -> Ints:
-        """Pairs (P, 2), rows of taxels joined by an edge of `triangles` of at most 2 pitches."""
-        sides = self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        """Pairs (P, 2), rows of taxels joined by an edge of `triangles` of at most 2 pitches.
+
+        The lower row first. Where all taxels lie on one line, those next to each other.
+        """
+        if len(self.triangles):
+            sides = self.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        else:
+            distinct, row = self._distinct
+            centred = distinct - distinct.mean(axis=0)
+            order = row[np.argsort(centred @ np.linalg.svd(centred)[2][0], kind="stable")]
+            sides = np.column_stack([order[:-1], order[1:]])
         sides = np.unique(np.sort(sides, axis=1), axis=0)
         length = np.linalg.norm(np.diff(self.plane[sides], axis=1)[:, 0], axis=1)
-        return np.asarray(sides[length <= 2.0 * self.pitch])
+        return np.asarray(sides[length <= 2.0 * self.pitch], dtype=np.int64)
 
-    def subset(self, rows: NDArray[np.bool_] | Ints) -> "Patch":
-        """Patch of the chosen taxels (bool mask or rows); channels and uids stay theirs."""
-        return replace(
-            self,
-            positions=self.positions[rows],
-            normals=self.normals[rows],
-            module=self.module[rows],
-            uid=self.uid[rows],
-            channel=self.channel[rows],
+    def subset(self, rows: ArrayLike) -> "Patch":
+        """Patch of the chosen taxels; channels, uids and the port's width stay theirs.
+
+        Parameters
+        ----------
+        rows : (L,) bool array, or int array
+            Mask over the taxels, or their rows in the order wanted.
+        """
+        rows = np.asarray(rows)
+        if rows.dtype == np.bool_:
+            check_shape("rows", rows, (len(self),), "a mask has one entry per taxel")
+        elif rows.ndim != 1 or (rows.size and rows.dtype.kind not in "iu"):
+            raise InputError(f"rows is {rows!r}, expected a mask or whole numbers, one per taxel")
+        rows = rows if rows.size else rows.astype(np.int64)
+        if rows.dtype != np.bool_ and ((rows < -len(self)) | (rows >= len(self))).any():
+            raise InputError(f"rows holds {rows.max()}, expected rows below {len(self)}")
+        return replace(self, **{name: getattr(self, name)[rows] for name in PER_TAXEL})
+
+    @cached_property
+    def _distinct(self) -> tuple[Floats, Ints]:
+        """Places of the plane (D, 2) that hold a taxel, and the first row at each (D,)."""
+        _, row = np.unique(self.plane.round(7), axis=0, return_index=True)
+        row = np.sort(row).astype(np.int64)
+        return self.plane[row], row
+
+
+def _positions(values: ArrayLike) -> Floats:
+    positions = as_floats("positions", values)
+    if positions.ndim != 2 or positions.shape[1] not in (2, 3) or len(positions) == 0:
+        raise InputError(
+            f"positions has shape {positions.shape}, expected (taxels, 2) or (taxels, 3) "
+            "with at least one taxel: one row of metres per taxel"
         )
+    check_finite("positions", positions, "an absent taxel is left out, not marked by NaN")
+    if positions.shape[1] == 2:
+        positions = np.column_stack([positions, np.zeros(len(positions))])
+    return positions
+
+
+def _default_normals(positions: Floats) -> Floats:
+    """Outward normals where none are known, (L, 3)."""
+    from skinfield.layout.normals import facing_from_positions
+
+    up = np.broadcast_to([0.0, 0.0, 1.0], positions.shape)
+    if np.ptp(positions[:, 2]) < 1e-9:
+        return up
+    facing = facing_from_positions(positions)
+    if not facing.is_flat:
+        return facing.normals
+    leading = next(c for c in facing.normals[0, ::-1] if abs(c) > 1e-9)
+    return np.asarray(facing.normals * np.sign(leading))
+
+
+def _unit(values: ArrayLike, rows: Ints) -> Floats:
+    normals = as_floats("normals", values)
+    check_shape("normals", normals, (len(rows), 3), "one per row of positions")
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    good = np.isfinite(length) & (length > 1e-9)
+    if not good.all():
+        row = int(np.argmin(good))
+        raise InputError(
+            f"normals[{row}] is {normals[row]}, expected a vector that points out of the skin: "
+            "leave normals out to have them estimated from the positions"
+        )
+    return np.asarray(normals / length)
+
+
+def _whole(name: str, values: ArrayLike | None, default: Ints) -> NDArray[np.generic]:
+    """Whole numbers from 0, one per taxel, in the type they came in."""
+    if values is None:
+        return default
+    column = np.asarray(values)
+    check_shape(name, column, (len(default),), "one per row of positions")
+    whole = column.dtype.kind in "iu" or (column.dtype.kind == "f" and (column % 1 == 0).all())
+    if not whole or (column < 0).any():
+        raise InputError(f"{name} is {column}, expected whole numbers from 0, one per taxel")
+    return column
+
+
+def _pose(values: ArrayLike | None) -> Floats:
+    pose = np.eye(4) if values is None else as_floats("link_from_patch", values)
+    check_shape("link_from_patch", pose, (4, 4), "a homogeneous pose")
+    turn = pose[:3, :3]
+    rigid = np.abs(turn @ turn.T - np.eye(3)).max() < 0.01 and np.linalg.det(turn) > 0
+    if not (np.isfinite(pose).all() and rigid and np.abs(pose[3] - [0, 0, 0, 1]).max() < 1e-9):
+        raise InputError(
+            f"link_from_patch is {pose.tolist()}, expected a rotation, a shift in metres and "
+            "a last row of 0 0 0 1"
+        )
+    return pose

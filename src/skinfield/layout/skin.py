@@ -13,7 +13,7 @@ class Skin:
 
     Parameters
     ----------
-    patches : sequence of Patch
+    patches : sequence of Patch, or one Patch
         At least one, of distinct names.
     name : str
         Of the robot or of the file it came from.
@@ -26,7 +26,8 @@ class Skin:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "patches", tuple(self.patches))
+        patches = (self.patches,) if isinstance(self.patches, Patch) else tuple(self.patches)
+        object.__setattr__(self, "patches", patches)
         object.__setattr__(self, "notes", tuple(self.notes))
         names = [patch.name for patch in self.patches]
         if not names or len(set(names)) < len(names):
@@ -39,12 +40,13 @@ class Skin:
         return len(self.patches)
 
     def __getitem__(self, key: int | str) -> Patch:
-        if isinstance(key, int):
+        names = [patch.name for patch in self.patches]
+        if isinstance(key, str):
+            if key in names:
+                return self.patches[names.index(key)]
+        elif -len(self) <= key < len(self):
             return self.patches[key]
-        for patch in self.patches:
-            if patch.name == key:
-                return patch
         raise InputError(
-            f"patch {key!r} is not in {self.name!r}, expected one of "
-            f"{', '.join(patch.name for patch in self.patches)}"
+            f"patch {key!r} is not in {self.name!r}, expected one of {', '.join(names)} "
+            f"or a number below {len(self)}"
         )
