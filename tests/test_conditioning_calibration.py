@@ -147,6 +147,10 @@ def test_a_loaded_baseline_is_not_taken_unawares():
     tared = Calibration.from_baseline(patch, baseline, gain=-171.0, even_if_loaded=True)
     assert tared.baseline == pytest.approx([200] * 3, abs=0.6)
     assert "median of readings" in tared.basis
+    with pytest.raises(InputError, match=r"alive has shape \(4,\), expected \(3\)"):
+        Calibration.from_baseline(
+            patch, baseline, gain=-171.0, alive=np.ones(4, bool), even_if_loaded=True
+        )
 
 
 def recording(columns, uid=None):

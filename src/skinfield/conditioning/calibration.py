@@ -170,6 +170,8 @@ class Calibration:
                 "even_if_loaded=True to count the standing load as zero"
             )
         check_shape("baseline", baseline.baseline, (len(patch),), "one per taxel of the patch")
+        if alive is not None:
+            check_shape("alive", np.asarray(alive), (len(patch),), "one per taxel of the patch")
         return cls._of(
             patch,
             np.where(baseline.measured, baseline.baseline, np.nan),
