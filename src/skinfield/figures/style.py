@@ -1,0 +1,138 @@
+"""How every figure of skinfield looks: paper size, type, colours, and the words for numbers."""
+
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skinfield.errors import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Colormap, Normalize
+    from matplotlib.figure import Figure
+
+INK, QUIET, FAINT = "#1b1b1f", "#6b6b75", "#c9c9d1"
+BLUE, ORANGE = "#0072b2", "#d55e00"  # Okabe and Ito: told apart by every kind of colour vision
+# Both ramps fall in OKLab lightness by equal steps from the same white, so equal differences of
+# the value look equal, in grey too; hue alone carries nothing but the sign.
+ABOVE = ["#fcfaf6", "#f0d8b7", "#ebb27c", "#e9844c", "#e24d34"]
+ABOVE += ["#bd2c4d", "#931157", "#5c185c", "#2c1648"]
+BELOW = ["#fcfaf6", "#c9e8ec", "#9dd4df", "#72bed2", "#44a8c8"]
+BELOW += ["#0690bb", "#0677a3", "#015e8b", "#014773"]
+DPI = 160.0
+TITLE: dict[str, Any] = {"fontsize": 12.5, "fontweight": "bold"}
+
+RC: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same picture on every machine
+    "font.size": 9.0,
+    "text.parse_math": False,  # names of patches and files are text, whatever signs they hold
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.7,
+    "axes.unicode_minus": True,
+    "hatch.linewidth": 0.5,
+    "image.interpolation": "nearest",
+    "lines.linewidth": 1.4,
+    "text.color": INK,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+}
+
+
+def style() -> AbstractContextManager[None]:
+    """Context in which a figure is drawn; the settings outside stay the caller's."""
+    import matplotlib
+
+    return matplotlib.rc_context(RC)  # type: ignore[arg-type]
+
+
+def new_figure(width: float = 9.6, height: float = 6.4) -> "Figure":
+    """Empty white figure of the given inches at 160 dpi (1536 x 1024), free of any display."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def signed_colours(values: Floats) -> tuple["Colormap", "Normalize"]:
+    """Colour map and scale for `values`: zero is white, darker is more, blue is below zero.
+
+    One step of colour is the same amount of value on both sides of zero.
+    """
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+    finite = values[np.isfinite(values)]
+    low, high = min(finite.min(initial=0.0), 0.0), max(finite.max(initial=0.0), 0.0)
+    if not high > low:
+        high = 1.0
+    span = max(high, -low)
+    levels = np.linspace(low, high, 512) / span
+    rows = [_ramp(ABOVE, level) if level >= 0 else _ramp(BELOW, -level) for level in levels]
+    colours = LinearSegmentedColormap.from_list("skinfield", rows, N=512)
+    return colours.with_extremes(bad="#e6e6ea"), Normalize(low, high)
+
+
+def _ramp(anchors: list[str], level: float) -> tuple[float, ...]:
+    from matplotlib.colors import to_rgb
+
+    rgb = np.array([to_rgb(anchor) for anchor in anchors])
+    place = np.linspace(0.0, 1.0, len(anchors))
+    return tuple(float(np.interp(level, place, channel)) for channel in rgb.T)
+
+
+def add_title(axes: "Axes", letter: str, title: str, note: str = "") -> None:
+    """Head a panel: its letter and title in bold, and under them a quiet line on how to read it."""
+    from matplotlib.transforms import ScaledTranslation
+
+    def raised(points: float) -> Any:
+        lift = ScaledTranslation(0.0, points / 72.0, axes.figure.dpi_scale_trans)
+        return axes.transAxes + lift
+
+    head = f"{letter}   {title}" if letter else title
+    axes.text(0, 1, head, transform=raised(18.0), fontsize=10, fontweight="bold", va="bottom")
+    axes.text(0, 1, note, transform=raised(6.0), fontsize=7.5, color=QUIET, va="bottom")
+
+
+def add_colour_bar(axes: "Axes", mappable: "ScalarMappable", label: str) -> None:
+    """Put a colour bar beside `axes`, as high as its picture."""
+    figure: Any = axes.figure
+    bar = figure.colorbar(mappable, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)))
+    bar.ax.ticklabel_format(scilimits=(-3, 4))
+    bar.set_label(label)
+    bar.outline.set_linewidth(0.5)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Write `value` with significant digits, a true minus and no exponent; a dash for NaN."""
+    if not np.isfinite(value):
+        return "–"
+    return f"{value:.{_decimals(value, digits)}f}".replace("-", "−")
+
+
+def plus_minus(value: float, std: float) -> str:
+    """Write `value` ± `std` to the first digit of `std` that is not zero."""
+    if not (np.isfinite(std) and np.isfinite(value) and std > 0):
+        return number(value)
+    decimals = min(_decimals(std, 1), _decimals(value, 4))
+    return f"{value:.{decimals}f} ± {std:.{decimals}f}".replace("-", "−")
+
+
+def _decimals(value: float, digits: int) -> int:
+    size = int(np.floor(np.log10(abs(value)))) if value else digits - 1
+    return int(np.clip(digits - 1 - size, 0, 6))
+
+
+def plural(count: int, noun: str) -> str:
+    """Write `1 contact`, `2 contacts`."""
+    return f"{count} {noun}" + ("" if count == 1 else "s")
