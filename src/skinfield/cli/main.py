@@ -1,9 +1,71 @@
 """The command's entry point: subcommands are loaded when they are called."""
 
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
 import click
 
+from skinfield.errors import SkinfieldError
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+
+@dataclass(frozen=True)
+class Lazy:
+    """A command that is imported when it is called: `skinfield --help` needs none of them."""
+
+    module: str
+    attribute: str
+    help: str
+
+
+COMMANDS = {
+    "demo": Lazy("skinfield.cli.demo", "demo", "Press a simulated patch, reconstruct it, draw it."),
+    "reconstruct": Lazy(
+        "skinfield.cli.reconstruct", "reconstruct", "Turn a recording into contacts and fields."
+    ),
+    "calibrate": Lazy("skinfield.cli.calibrate", "calibrate", "Fit the skin to known loads."),
+    "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
+}
+
+
+class UserError(click.ClickException):
+    """An error of the user's input: one paragraph on stderr, exit code 2, no traceback."""
+
+    exit_code = 2
+
+
+class LazyGroup(click.Group):
+    """Group whose commands are imported when called and whose errors are said in a paragraph."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of all commands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command."""
+        lazy = COMMANDS.get(cmd_name)
+        if lazy is None:
+            return None
+        command: click.Command = getattr(importlib.import_module(lazy.module), lazy.attribute)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, lazy.help) for name, lazy in COMMANDS.items()])
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command; an error that skinfield raises on purpose needs no traceback."""
+        try:
+            return super().invoke(ctx)
+        except SkinfieldError as error:
+            raise UserError(str(error)) from error
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="skinfield")
 def main() -> None:
     """Turn the readings of robot skin into force, deformation and contacts."""

@@ -1,9 +1,17 @@
-"""What is wrong with a layout file, what it means, and what reading it does about it."""
+"""What is wrong with a layout, what it means, and what reading it does about it."""
 
 from pathlib import Path
 
+import numpy as np
+
 from skinfield.layout.finding import Finding as Finding
 from skinfield.layout.formats import read_layout
+from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.mend import mend
+from skinfield.layout.patch import Patch
+from skinfield.layout.skin import Skin
+
+ORDER = ("error", "warning", "info")
 
 
 def lint(path: str | Path) -> list[Finding]:
@@ -16,5 +24,26 @@ def lint(path: str | Path) -> list[Finding]:
     FileError
         When the file cannot be read at all, so that `load_layout` fails too.
     """
-    order = ("error", "warning", "info")
-    return sorted(read_layout(Path(path))[1], key=lambda found: order.index(found.severity))
+    return _sorted(read_layout(Path(path))[1])
+
+
+def lint_skin(skin: Skin) -> list[Finding]:
+    """Everything found in a skin made by a program, errors first; nothing is changed."""
+    drafts = tuple(_draft(patch) for patch in skin)
+    return _sorted(mend(Content(Path(skin.name), skin.name, drafts))[1])
+
+
+def _sorted(findings: tuple[Finding, ...]) -> list[Finding]:
+    return sorted(findings, key=lambda found: ORDER.index(found.severity))
+
+
+def _draft(patch: Patch) -> Draft:
+    return Draft(
+        patch.positions,
+        np.arange(len(patch)),
+        patch.normals,
+        uid=patch.uid,
+        pad_diameter=patch.pad_diameter,
+        name=patch.name,
+        stated=True,
+    )

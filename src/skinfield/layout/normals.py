@@ -20,15 +20,15 @@ class Facing:
     ----------
     normals : (N, 3) array
         Unit normals, on one side of the skin.
-    outward : (N,) bool array
-        Whether the side is told by the positions: the skin bulges, or stands off its link's
-        origin. Elsewhere the side is +z (or +y, or +x where the skin contains z, and y).
+    certain : (N,) bool array
+        Whether the skin bulges, so that its convex side is told. Elsewhere the side is the one
+        away from the origin of the link and, where the skin runs through it, +z (or +y, +x).
     is_flat : bool
         Whether all taxels lie in one plane.
     """
 
     normals: Floats
-    outward: NDArray[np.bool_]
+    certain: NDArray[np.bool_]
     is_flat: bool
 
 
@@ -129,16 +129,16 @@ def _consistent(normals: Floats, points: Floats, near: Ints) -> tuple[Floats, In
 
 
 def _outward(points: Floats, normals: Floats, piece: Ints) -> tuple[Floats, NDArray[np.bool_]]:
-    """Sign (N,) that turns each piece outward, and whether the positions tell it."""
+    """Sign (N,) that turns each piece outward, and whether its bulge tells so."""
     side, sure = np.ones(len(points)), np.zeros(len(points), np.bool_)
     for index in range(int(piece.max()) + 1):
         mine = piece == index
         facing = normals[mine]
-        for start in (points.mean(axis=0), np.zeros(3)):
+        for start, is_centre in ((points.mean(axis=0), True), (np.zeros(3), False)):
             arm = points[mine] - start
             bulge = float(np.einsum("ni,ni->n", arm, facing).mean())
             if abs(bulge) > SURE * float(np.linalg.norm(arm, axis=1).mean()):
-                side[mine], sure[mine] = np.sign(bulge), True
+                side[mine], sure[mine] = np.sign(bulge), is_centre
                 break
         else:
             mean = facing.mean(axis=0)

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Content, Draft
-from skinfield.layout.formats.faces import check_faces
+from skinfield.layout.formats.faces import check_faces, longest_sides, reach
 from skinfield.layout.formats.pose import pose_from_tf
-from skinfield.layout.formats.text import listed, read_bytes, write_bytes
+from skinfield.layout.formats.text import listed, many, read_bytes, write_bytes
 from skinfield.layout.patch import Ints, Patch
 from skinfield.layout.skin import Skin
 
@@ -117,11 +117,12 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
 
 
 def _faces(patch: Patch) -> Ints:
-    """Triangles of the patch, wound so that their normals point as the taxels' do."""
+    """Triangles between neighbours, wound so that their normals point as the taxels' do."""
     try:
-        faces = patch.triangles.copy()
+        faces = patch.triangles
     except InputError:  # a curved patch that cannot be laid flat
         return np.empty((0, 3), np.int64)
+    faces = faces[longest_sides(patch.positions[faces]) <= reach(patch.positions)]
     sides = patch.positions[faces[:, 1:]] - patch.positions[faces[:, :1]]
     normal = np.cross(sides[:, 0], sides[:, 1])
     wrong = np.einsum("ti,ti->t", normal, patch.normals[faces].sum(axis=1)) < 0
@@ -155,13 +156,16 @@ def _list(path: Path, where: str, value: object) -> list[Any]:
 def _vector(path: Path, where: str, value: object, lengths: tuple[int, ...]) -> list[float]:
     """Numbers of a taxel's place or normal."""
     numbers = value if isinstance(value, list) else []
-    if len(numbers) in lengths and all(type(v) in (int, float) for v in numbers):
-        if all(abs(v) < HUGE for v in numbers):  # NaN and infinity are not
-            return [float(v) for v in numbers]
+    if len(numbers) in lengths and all(_is_number(v) for v in numbers):
+        return [float(v) for v in numbers]
     raise FileError(
         f"{path}: {where} is {str(value)[:40]!r}, expected "
         f"{' or '.join(map(str, lengths))} finite numbers"
     )
+
+
+def _is_number(value: object) -> bool:
+    return type(value) in (int, float) and abs(value) < HUGE  # type: ignore[arg-type]  # no NaN
 
 
 def _draft(path: Path, where: str, body: dict[str, Any], name: str) -> tuple[Draft, list[Finding]]:
@@ -216,24 +220,24 @@ def _kept(
         reasons = [
             (
                 "zero-uids", "error", nameless,
-                "have uid 0, so no column of a recording is theirs; they are left out",
+                "with uid 0, so that no column of a recording is theirs; left out",
             ),
             (
                 "thermal", "info", (uid & np.uint64(15) == 0) & (uid != 0) & ~cut,
-                "are sensor 0 of their module, a temperature; they are left out",
+                "that are sensor 0 of their module, a temperature; left out",
             ),
         ]  # fmt: skip
     else:
         text = f"{name}: all uids are 0; the taxels are numbered by their rows"
         findings.append(Finding("zero-uids", "error", text, tuple(range(len(uid)))))
         reasons = []
-    reasons.append(("cut", "info", cut, "are cut off or sense no pressure; they are left out"))
+    reasons.append(("cut", "info", cut, "cut off, or of another type than pressure; left out"))
     keep = np.ones(len(uid), np.bool_)
     for code, severity, which, text in reasons:
         if which.any():
             keep &= ~which
             rows = np.flatnonzero(which).tolist()
-            message = f"{name}: {len(rows)} taxels (rows {listed(rows)}) {text}"
+            message = f"{name}: {many(len(rows), 'taxel')} (rows {listed(rows)}) {text}"
             findings.append(Finding(code, severity, message, tuple(rows)))  # type: ignore[arg-type]
     if not keep.any():
         raise FileError(f"{path}: {name}: no taxel is left, expected one that is a pressure sensor")

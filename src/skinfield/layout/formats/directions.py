@@ -8,10 +8,15 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Draft
+from skinfield.layout.formats.text import many
 from skinfield.layout.normals import Facing, facing_from_positions
 
 TILT = np.cos(np.radians(30.0))  # a normal further off the plane of the neighbours is in doubt
 KEPT = "kept as stated"
+FROM_POSITIONS = (
+    "they are taken from the positions, on the convex side or, where the skin does not bulge, "
+    "away from the link's origin (+z if it lies in the skin)"
+)
 
 
 def mend_normals(draft: Draft) -> tuple[Draft, list[Finding]]:
@@ -21,19 +26,19 @@ def mend_normals(draft: Draft) -> tuple[Draft, list[Finding]]:
         if draft.stated and facing.is_flat:  # our own default: a flat patch faces up
             up = facing.normals[0] @ [1e-6, 1e-3, 1.0]
             return replace(draft, normals=facing.normals * (1.0 if up >= 0 else -1.0)), []
-        return replace(draft, normals=facing.normals), [_estimated(draft, facing)]
+        return replace(draft, normals=facing.normals), [_estimated(draft)]
     length = np.linalg.norm(draft.normals, axis=1)
     missing = ~(length > 1e-3)  # neither a direction nor a rounding of one
     findings = []
     if missing.any():
-        text = f"{draft.name}: {missing.sum()} taxels have no normal (zeros); "
-        text += "theirs are taken from the positions of the taxels around them"
+        text = f"{draft.name}: {many(int(missing.sum()), 'taxel')} without a normal (zeros); it is "
+        text += "taken from the positions of the taxels around"
         findings.append(Finding("missing-normals", "warning", text, _rows(draft, missing)))
     off = ~missing & (np.abs(length - 1.0) > 2e-3)
     if off.any():
         text = (
-            f"{draft.name}: {off.sum()} normals are not of unit length "
-            f"({length[off].min():.3g} to {length[off].max():.3g}); they are made so"
+            f"{draft.name}: {many(int(off.sum()), 'normal')} of another length than 1 "
+            f"({length[off].min():.3g} to {length[off].max():.3g}); made 1"
         )
         findings.append(Finding("non-unit-normals", "warning", text, _rows(draft, off)))
     scale = np.where(missing, 1.0, length)[:, None]
@@ -51,15 +56,9 @@ def _rows(draft: Draft, which: NDArray[np.bool_]) -> tuple[int, ...]:
     return tuple(int(row) for row in draft.rows[which])
 
 
-def _side(facing: Facing) -> str:
-    if facing.outward.all():
-        return "turned outward: to the convex side, or away from the link's origin"
-    return "of a side that the positions do not tell (+z is taken)"
-
-
-def _estimated(draft: Draft, facing: Facing) -> Finding:
-    text = f"{draft.name}: the file holds no normals; they are taken from the positions, "
-    return Finding("no-normals", "warning", text + _side(facing))
+def _estimated(draft: Draft) -> Finding:
+    text = f"{draft.name}: the file holds no normals; {FROM_POSITIONS}"
+    return Finding("no-normals", "warning", text)
 
 
 def _is_placeholder(unit: Floats, facing: Facing) -> bool:
@@ -76,14 +75,14 @@ def _placeholder(draft: Draft, normal: Floats, facing: Facing) -> Finding:
     shape = "lies in its plane" if facing.is_flat else "cannot hold for a curved skin"
     shown = " ".join(f"{value:g}" for value in normal + 0.0)
     text = f"{draft.name}: all normals are the placeholder ({shown}), which {shape}; " + (
-        KEPT if draft.stated else f"they are taken from the positions, {_side(facing)}"
+        KEPT if draft.stated else FROM_POSITIONS
     )
     return Finding("placeholder-normals", "error", text, tuple(draft.rows.tolist()))
 
 
 def _turn_outward(draft: Draft, unit: Floats, facing: Facing) -> tuple[Floats, list[Finding]]:
     agreement = np.einsum("ni,ni->n", unit, facing.normals)
-    told = facing.outward & (np.abs(agreement) > 0.5)  # elsewhere the two do not bear on each other
+    told = facing.certain & (np.abs(agreement) > 0.5)  # elsewhere the two do not bear on each other
     if facing.is_flat or not told.any():
         return unit, []
     inward = told & (agreement < 0)

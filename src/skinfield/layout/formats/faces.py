@@ -27,9 +27,7 @@ def check_faces(name: str, faces: object, positions: Floats) -> list[Finding]:
         )
         findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
     corners = positions[np.array([faces[index] for index in good], np.int64).reshape(-1, 3)]
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    distance = nearest_distance(positions)
-    far = np.flatnonzero(longest > BRIDGE * np.median(distance))
+    far = np.flatnonzero(longest_sides(corners) > reach(positions))
     if len(far):
         text = (
             f"{name}: {len(far)} of {len(faces)} faces (faces {listed(far.tolist())}) join taxels "
@@ -43,3 +41,13 @@ def _is_face(face: object, taxels: int) -> bool:
     if not isinstance(face, list) or len(face) != 3:
         return False
     return len(set(map(str, face))) == 3 and all(type(i) is int and 0 <= i < taxels for i in face)
+
+
+def longest_sides(corners: Floats) -> Floats:
+    """Longest side of each of (T, 3, 3) triangles, (T,) m."""
+    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1))
+
+
+def reach(positions: Floats) -> float:
+    """Distance, m, beyond which two of the taxels (N, 3) are no neighbours."""
+    return BRIDGE * float(np.median(nearest_distance(positions)))

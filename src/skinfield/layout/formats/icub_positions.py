@@ -18,6 +18,7 @@ from skinfield.layout.formats.draft import Content, Draft
 from skinfield.layout.formats.text import (
     integer,
     listed,
+    many,
     numbers,
     read_lines,
     spoilt,
@@ -27,7 +28,7 @@ from skinfield.layout.patch import Ints
 from skinfield.layout.skin import Skin
 
 NAME = "icub-positions"
-EXTENSIONS = (".txt", ".ini")
+EXTENSIONS = (".txt",)
 EXPECTED = "iCub taxel positions: a header with taxel2Repr, [calibration], rows x y z nx ny nz"
 ROW = "six numbers x y z nx ny nz"
 PADS = 12  # channels of a board
@@ -146,19 +147,19 @@ def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[F
     role = np.zeros(rows, np.int64)
     role[: len(stated)] = stated[:rows]
     for code, severity, which, text in (
-        ("thermal", "info", role == THERMAL, "are thermal pads, no taxels; they are left out"),
+        ("thermal", "info", role == THERMAL, "marked as thermal pads, no taxels; left out"),
         (
             "absent", "info", (role == ABSENT) & posed,
-            "have a place, but taxel2Repr says that there is no taxel (-1); they are left out",
+            "with a place where taxel2Repr says that there is no taxel (-1); left out",
         ),
         (
             "no-pose", "warning", (role >= 0) & ~posed & (np.arange(rows) < len(stated)),
-            "are taxels by taxel2Repr, but have no place (zeros); they are left out",
+            "without a place (zeros) where taxel2Repr says that there is a taxel; left out",
         ),
     ):  # fmt: skip
         if which.any():
             found = np.flatnonzero(which).tolist()
-            message = f"{name}: {len(found)} channels ({listed(found)}) {text}"
+            message = f"{name}: {many(len(found), 'channel')} ({listed(found)}) {text}"
             findings.append(Finding(code, severity, message, tuple(found)))  # type: ignore[arg-type]
     keep = np.flatnonzero(posed & (role >= 0))
     text = f"{name}: {posed.sum()} of {rows} channels have a place, {len(keep)} of them are taxels"

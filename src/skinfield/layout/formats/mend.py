@@ -12,7 +12,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.directions import mend_normals
 from skinfield.layout.formats.draft import Content, Draft
-from skinfield.layout.formats.text import listed
+from skinfield.layout.formats.text import listed, many
 from skinfield.layout.normals import nearest_distance
 from skinfield.layout.patch import Patch
 from skinfield.layout.skin import Skin
@@ -106,9 +106,9 @@ def _repeats(draft: Draft) -> tuple[Draft, list[Finding]]:
         return draft, []
     rows = draft.rows[count[which.reshape(-1)] > 1]
     text = (
-        f"{draft.name}: {len(rows)} taxels stand on only {(count > 1).sum()} places: pads that "
-        "were cut off, or a placeholder; they are kept as channels, and where a triangulation "
-        "needs distinct places they count as one"
+        f"{draft.name}: {len(rows)} taxels stand on only {many(int((count > 1).sum()), 'place')}: "
+        "pads that were cut off, or a placeholder; they are kept as channels, and where a "
+        "triangulation needs distinct places they count as one"
     )
     return draft, [Finding("repeated-positions", "warning", text, tuple(rows.tolist()))]
 
@@ -121,7 +121,7 @@ def _lonely(draft: Draft) -> tuple[Draft, list[Finding]]:
     if not far.any():
         return draft, []
     text = (
-        f"{draft.name}: {far.sum()} taxels have no neighbour within three pitches "
+        f"{draft.name}: {many(int(far.sum()), 'taxel')} without a neighbour within three pitches "
         f"(up to {distance.max() * 1e3:.1f} mm): a wrong position, or a lone taxel whose "
         "surroundings cannot be seen; kept"
     )

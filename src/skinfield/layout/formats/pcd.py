@@ -13,7 +13,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Content, Draft
 from skinfield.layout.formats.lzf import decompress
-from skinfield.layout.formats.text import integer, listed, read_bytes, spoilt, write_bytes
+from skinfield.layout.formats.text import integer, listed, many, read_bytes, spoilt, write_bytes
 from skinfield.layout.skin import Skin
 
 NAME = "pcd"
@@ -61,7 +61,7 @@ def parse(path: Path) -> Content:
     findings = []
     if not good.all():
         rows = np.flatnonzero(~good).tolist()
-        text = f"{len(rows)} points ({listed(rows)}) have no place (NaN); they are left out"
+        text = f"{many(len(rows), 'point')} ({listed(rows)}) without a place (NaN); left out"
         findings.append(Finding("no-pose", "warning", text, tuple(rows)))
     keep = np.flatnonzero(good)
     if not len(keep):

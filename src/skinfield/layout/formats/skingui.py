@@ -14,8 +14,8 @@ import numpy as np
 from skinfield.errors import FileError
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Content, Draft
-from skinfield.layout.formats.text import integer, listed, numbers, read_lines, spoilt
-from skinfield.layout.formats.triangles import BOARDS, PADS, drawn
+from skinfield.layout.formats.text import integer, listed, many, numbers, read_lines, spoilt
+from skinfield.layout.formats.triangles import BOARDS, PADS
 from skinfield.layout.skin import Skin
 
 NAME = "skingui"
@@ -62,8 +62,11 @@ def parse(path: Path, mm_per_unit: float | None = None) -> Content:
     boards = [item for item in placed if item[1] in BOARDS]
     if others:
         named = sorted({item[1] for item in others})
-        text = f"{len(others)} sensors are no triangles ({listed(named)}): their pads do not lie in"
-        text += f" the drawing's plane; they are left out (lines {listed([o[0] for o in others])})"
+        lines_left = listed([item[0] for item in others])
+        text = (
+            f"{many(len(others), 'sensor')} of other types than triangles ({listed(named)}), whose "
+            f"pads do not lie in the drawing's plane; left out (lines {lines_left})"
+        )
         findings.append(Finding("not-a-triangle", "warning", text))
     if not boards:
         raise FileError(f"{path}: no triangle or triangle_10pad, expected one or more: {LINE}")
@@ -167,9 +170,9 @@ def _draft(boards: list[Placed], mirrored: bool, mm_per_unit: float | None) -> D
     for _, kind, number, x, y, angle, _, backwards in boards:
         board = BOARDS[kind]
         scale = board.lattice if mm_per_unit is None else mm_per_unit
-        places.append(drawn(board, angle, mirrored) + scale * np.array([x, y]))
+        places.append(board.drawn(angle, mirrored) + scale * MM * np.array([x, y]))
         channels.append(PADS * number + (PADS - 1 - board.pads if backwards else board.pads))
-    plane, channel = np.vstack(places) * MM, np.concatenate(channels)
+    plane, channel = np.vstack(places), np.concatenate(channels)
     count = len(plane)
     return Draft(
         np.column_stack([plane, np.zeros(count)]),

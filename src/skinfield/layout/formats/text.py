@@ -92,3 +92,8 @@ def listed(items: Sequence[object], most: int = 8) -> str:
     """Items in a sentence, the first few of them."""
     shown = ", ".join(str(item) for item in items[:most])
     return shown if len(items) <= most else f"{shown}, ... ({len(items)} in all)"
+
+
+def many(count: int, noun: str) -> str:
+    """Write `1 taxel`, `2 taxels`."""
+    return f"{count} {noun}" + ("" if count == 1 else "s")

@@ -1,72 +1,59 @@
-"""The triangular boards that skinGui draws, in the units of their drawings."""
+"""The triangular boards that skinGui draws, and how large its drawings are."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from skinfield.errors import Floats
+from skinfield.layout.generators.templates import ICUB_TRIANGLE, TEN_PAD_TRIANGLE, ModuleTemplate
 from skinfield.layout.patch import Ints
 
 PADS = 12  # channels of a board, thermal ones included
 
 
-def _local(*places: tuple[float, float]) -> Floats:
-    return np.array(places, dtype=np.float64)
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Board:
     """One type of triangle.
 
     Parameters
     ----------
-    pads : (P,) int array
-        Channels of the board that are taxels, 0 to 11.
-    places : (P, 2) array, mm
-        Of these pads about the board's centre.
+    name : str
+        Of the type in a drawing.
+    template : ModuleTemplate
+        As drawn, a drawing unit taken as 1 mm.
+    built : float
+        Size of the real board over the drawn one.
     lattice : float, mm per drawing unit
-        Of the places of the boards in a drawing.
-    pad_diameter : float, m
+        Of the places of boards in a drawing.
     """
 
     name: str
-    pads: Ints
-    places: Floats
+    template: ModuleTemplate
+    built: float
     lattice: float
-    pad_diameter: float = field(default=4e-3)
+
+    @property
+    def pads(self) -> Ints:
+        """Channels of the board that are taxels, (P,)."""
+        return np.array(self.template.channels)
+
+    @property
+    def pad_diameter(self) -> float:
+        """Of a real pad, m."""
+        return self.template.pad_diameter * self.built
+
+    def drawn(self, angle: float, mirrored: bool) -> Floats:
+        """Places (P, 2) m of the real pads, mirrored in x first, then turned by `angle` (rad)."""
+        cos, sin = np.cos(angle), np.sin(angle)
+        places = np.array(self.template.taxels) * self.built
+        places *= [-1.0 if mirrored else 1.0, 1.0]
+        return np.asarray(places @ np.array([[cos, sin], [-sin, cos]]))
 
 
-TRIANGLE = Board(
-    "triangle",
-    np.arange(12),
-    _local(
-        (7.5, -1.443), (10.0, -5.774), (5.0, -5.774), (0.0, -2.887), (-5.0, -5.774),
-        (-10.0, -5.774), (-7.5, -1.443), (-2.5, 1.443), (-2.5, 7.217), (0.0, 11.547),
-        (2.5, 7.217), (2.5, 1.443),
-    ),
-    lattice=1.0,
-)  # fmt: skip
-"""Drawn in millimetres: 30 mm sides, pads 5.0 mm apart."""
-
-TRIANGLE_10PAD = Board(
-    "triangle_10pad",
-    np.array([0, 1, 2, 3, 4, 5, 7, 8, 9, 11]),
-    1.016
-    * _local(
-        (6.430, 0.0), (9.646, -5.571), (3.216, -5.571), (0.0, 0.0), (-3.216, -5.571),
-        (-9.646, -5.571), (-6.430, 0.0), (-3.216, 5.571), (0.0, 11.139), (3.216, 5.571),
-    ),
-    lattice=1.0457,
-)  # fmt: skip
-"""Drawn 1.6 % too small: the pads of a built foot are 6.533 mm apart, not 6.430; its boards are
-19.32 mm apart where the drawing's lattice (32 units of side) has 18.475. Pads 6 and 10 are thermal.
-"""
+# Drawn in millimetres: 30 mm sides, pads 5.0 mm apart.
+TRIANGLE = Board("triangle", ICUB_TRIANGLE, built=1.0, lattice=1.0)
+# Drawn too small: on a built foot, pads are 6.533 mm apart (drawn 6.430), and neighbouring boards
+# 19.32 mm (drawn 18.475, a lattice of 32 units of side).
+TRIANGLE_10PAD = Board("triangle_10pad", TEN_PAD_TRIANGLE, built=1.016, lattice=1.0457)
 
 BOARDS = {board.name: board for board in (TRIANGLE, TRIANGLE_10PAD)}
-
-
-def drawn(board: Board, angle: float, mirrored: bool) -> Floats:
-    """Places (P, 2) mm of a board's pads, mirrored in x first, then turned by `angle` (rad)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    places = board.places * ([-1.0, 1.0] if mirrored else [1.0, 1.0])
-    return np.asarray(places @ np.array([[cos, sin], [-sin, cos]]))
