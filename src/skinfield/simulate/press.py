@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_positive
+from skinfield.errors import Floats, InputError, as_floats, check_choice, check_positive
 from skinfield.layout import Grid, Patch
 from skinfield.mechanics import (
     BondedLayer,
@@ -82,6 +82,15 @@ class Press:
         taxels = as_floats("positions", positions)[:, :2]
         strain = gap_strain(self.mechanics, self.layer, self.grid, self.pressure)
         return capacitance_change(strain, self.layer.thickness, taxels, pad_diameter, order)
+
+    def readings(self, positions: ArrayLike, pad_diameter: float, quantity: str) -> Floats:
+        """Noise-free readings (L,) as "capacitance", "gap" or "stress", in the quantity's unit."""
+        if quantity == "capacitance":
+            return self.capacitance(positions, pad_diameter)
+        if quantity == "gap":
+            return self.gap_change(positions, pad_diameter) / self.layer.thickness
+        check_choice("quantity", quantity, ("capacitance", "gap", "stress"), "what taxels read")
+        return self.base_stress(positions, pad_diameter)
 
     def _loaded(self, positions: ArrayLike) -> tuple[Floats, Floats, tuple[int, int]]:
         taxels = as_floats("positions", positions)[:, :2]

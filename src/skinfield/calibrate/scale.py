@@ -1,0 +1,149 @@
+"""One factor between two forces that were recorded side by side."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, check_finite, check_shape
+from skinfield.reading import Recording
+
+AXES = {"x": 0, "y": 1, "z": 2}
+FEWEST = 8  # readings within the reference's time
+
+
+def column_of(sensor: Recording, axis: str) -> Floats:
+    """Force along an axis such as "z" or "-z" from a recording of fx fy fz (mx my mz), (T,) N."""
+    name, sign = axis.lstrip("+-"), -1.0 if axis.startswith("-") else 1.0
+    if name not in AXES:
+        raise InputError(f"axis is {axis!r}, expected x, y, z, -x, -y or -z of the sensor")
+    columns = sensor.counts.shape[1]
+    if columns not in (3, 6):
+        raise InputError(
+            f"{sensor.source} has {columns} columns, expected 3 or 6 (fx fy fz mx my mz): "
+            "give the recording of the force/torque sensor second, the skin's first"
+        )
+    return np.asarray(sign * sensor.counts[:, AXES[name]])
+
+
+@dataclass(frozen=True, eq=False)
+class ScaleFit:
+    """Least-squares factor from a reconstructed force to a reference, and how well it does.
+
+    Attributes
+    ----------
+    factor : float
+        Over all readings.
+    factor_std : float
+        From the scatter of the factor over ten blocks of time: readings are not independent.
+    first_half : float
+        The factor that the first half alone gives.
+    rms, held_out_rms : float, N
+        Error over all readings with `factor`; over the second half with `first_half`.
+    mean_reference : float, N
+    correlation : float
+        Of the two forces over time.
+    reference : (T,) array, N
+        At the skin's stamps; NaN outside the reference's time.
+    """
+
+    factor: float
+    factor_std: float
+    first_half: float
+    rms: float
+    held_out_rms: float
+    mean_reference: float
+    correlation: float
+    reference: Floats
+
+    def numbers(self) -> dict[str, Any]:
+        """All but the series, by name and unit."""
+        return {
+            "factor": self.factor,
+            "factor_std": self.factor_std,
+            "factor_first_half": self.first_half,
+            "rms_N": self.rms,
+            "held_out_rms_N": self.held_out_rms,
+            "mean_reference_N": self.mean_reference,
+            "correlation": self.correlation,
+        }
+
+    def sentences(self, modulus_kpa: float) -> str:
+        """The result in words."""
+        share = 100 * self.rms / abs(self.mean_reference)
+        held = 100 * self.held_out_rms / abs(self.mean_reference)
+        return (
+            f"modulus {modulus_kpa:.4g} kPa: the reconstructed force times {self.factor:.4g} "
+            f"± {self.factor_std:.2g}\n"
+            f"error over all readings: {self.rms:.1f} N rms, {share:.0f} % of the mean "
+            f"{self.mean_reference:.1f} N; correlation {self.correlation:.2f}\n"
+            f"fitted on the first half, judged on the second: {self.held_out_rms:.1f} N rms, "
+            f"{held:.0f} %"
+        )
+
+
+def fit_scale(
+    stamp_ns: NDArray[np.int64],
+    force: Floats,
+    reference_stamp_ns: NDArray[np.int64],
+    reference: Floats,
+) -> ScaleFit:
+    """Fit factor * force = reference over the time that both cover.
+
+    Parameters
+    ----------
+    stamp_ns, force : (T,) arrays, ns and N
+        Of the skin.
+    reference_stamp_ns, reference : (R,) arrays, ns and N
+        Of the sensor, interpolated to the skin's stamps.
+
+    Raises
+    ------
+    InputError
+        If they hardly overlap in time, or the skin's force is zero throughout.
+    """
+    check_shape("force", force, stamp_ns.shape, "one per stamp")
+    check_shape("reference", reference, reference_stamp_ns.shape, "one per stamp")
+    check_finite("force", force, "a reading without a force cannot be compared")
+    origin = stamp_ns[0]
+    time, other = (stamp_ns - origin) * 1e-9, (reference_stamp_ns - origin) * 1e-9
+    aligned = np.interp(time, other, reference, left=np.nan, right=np.nan)
+    both = np.isfinite(aligned)
+    if both.sum() < FEWEST:
+        raise InputError(
+            f"{int(both.sum())} of {len(time)} readings lie within the force sensor's time "
+            f"({other[0]:.2f} to {other[-1]:.2f} s after the first reading), expected {FEWEST} or "
+            "more: are both of one experiment?"
+        )
+    skin, sensor = force[both], aligned[both]
+    if not skin.any():
+        raise InputError("the reconstructed force is 0 throughout, expected some load to fit")
+    middle = len(skin) // 2
+    factor, first = _factor(skin, sensor), _factor(skin[:middle], sensor[:middle])
+    blocks = [
+        _factor(a, b)
+        for a, b in zip(np.array_split(skin, 10), np.array_split(sensor, 10), strict=True)
+        if len(a) and a.any()
+    ]
+    spread = np.std(blocks, ddof=1) / np.sqrt(len(blocks)) if len(blocks) > 1 else np.nan
+    varies = np.ptp(skin) > 0 and np.ptp(sensor) > 0
+    return ScaleFit(
+        factor=factor,
+        factor_std=float(spread),
+        first_half=first,
+        rms=_rms(factor * skin - sensor),
+        held_out_rms=_rms(first * skin[middle:] - sensor[middle:]),
+        mean_reference=float(sensor.mean()),
+        correlation=float(np.corrcoef(skin, sensor)[0, 1]) if varies else float("nan"),
+        reference=aligned,
+    )
+
+
+def _factor(force: Floats, reference: Floats) -> float:
+    power = float(force @ force)
+    return float(force @ reference) / power if power > 0 else float("nan")
+
+
+def _rms(error: Floats) -> float:
+    return float(np.sqrt(np.mean(error**2)))

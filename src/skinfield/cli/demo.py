@@ -1,0 +1,147 @@
+"""`skinfield demo`: the main job with nothing at hand."""
+
+import time
+from typing import Any
+
+import click
+import numpy as np
+
+from skinfield.cli.inputs import skin_from_text
+from skinfield.cli.options import (
+    MECHANICS,
+    QUANTITIES,
+    SOLVERS,
+    layer_from_options,
+    model_options,
+    patch_of,
+)
+from skinfield.cli.report import console, table_of_contacts
+from skinfield.errors import InputError, as_floats
+
+DEFAULT_PRESSES = ("-13.9,8.1,1.5,6", "11.2,-13.6,1.0,4")  # mm, mm, N, mm
+
+
+@click.command(
+    short_help="Simulate a press on a patch, reconstruct it, draw it.",
+    help="""Simulate rigid balls that press on a patch, reconstruct force, deformation and contacts
+from the noisy readings, and compare with what is known.
+
+The truth comes from a contact solver on a finer grid of its own and, for capacitance, from the
+nonlinear electrostatics of the pads; the reconstruction sees readings only.
+
+\b
+  skinfield demo
+  skinfield demo --press 0,6,2,6 --solver tikhonov --grid 40 -o demo.pdf
+  skinfield demo --quantity stress --mechanics half-space --solver inverse
+""",
+)
+@click.option("--layout", default="hexagon72", show_default=True, help="Layout file or generator.")
+@click.option(
+    "--press",
+    "presses",
+    multiple=True,
+    metavar="X,Y,F,R",
+    help="A ball: place mm, force N, radius mm; may be given several times.",
+)
+@click.option("--noise", type=float, help="Of a reading, in the quantity's unit.")
+@click.option("--seed", default=0, show_default=True, help="Of the noise.")
+@click.option("-o", "--output", default="demo.png", show_default=True, help="Figure to write.")
+@model_options
+def demo(
+    layout: str,
+    presses: tuple[str, ...],
+    noise: float | None,
+    seed: int,
+    output: str,
+    **options: Any,
+) -> None:
+    """Simulate, reconstruct, compare."""
+    from skinfield.figures import check_name, draw_estimate, save
+    from skinfield.layout import Grid
+    from skinfield.pipeline import Reconstructor
+    from skinfield.simulate import Sphere, press
+
+    check_name(output)
+    patch = patch_of(skin_from_text(layout), None)
+    layer = layer_from_options(options["thickness_mm"], options["modulus_kpa"], options["poisson"])
+    name = "capacitance" if options["quantity"] == "auto" else options["quantity"]
+    quantity = QUANTITIES[name]()
+    spread = quantity.typical_noise if noise is None else noise
+    numbers = [_press_of(text) for text in presses or DEFAULT_PRESSES]
+    balls = [
+        Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
+        for x, y, force, radius in numbers
+    ]
+    extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
+    true = press(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
+    clean = true.readings(patch.plane, patch.pad_diameter, name)
+    readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
+    start = time.perf_counter()
+    reconstructor = Reconstructor(
+        patch,
+        layer,
+        Grid.square(patch, nodes=options["grid"]),
+        mechanics=MECHANICS[options["mechanics"]](),
+        quantity=quantity,
+        solver=SOLVERS[options["solver"]](),
+        noise_std=spread,
+    )
+    prepared = time.perf_counter() - start
+    estimate = reconstructor(readings)
+    figure = draw_estimate(
+        estimate,
+        readings,
+        truth=[(ball.position, ball.force, ball.radius / 2) for ball in balls],
+        quantity_name=quantity.symbol,
+        quantity_unit={"1": "%", "Pa": "kPa"}[quantity.unit],
+    )
+    save(figure, output)
+    _report(reconstructor, estimate, balls, readings, prepared)
+    console().print(f"wrote {output}", highlight=False)
+
+
+def _press_of(text: str) -> tuple[float, float, float, float]:
+    parts = text.split(",")
+    if len(parts) != 4:
+        raise InputError(f"--press is {text!r}, expected x,y,force,radius in mm, mm, N, mm")
+    x, y, force, radius = as_floats("--press", parts)
+    return float(x), float(y), float(force), float(radius)
+
+
+def _report(
+    reconstructor: Any, estimate: Any, balls: list[Any], readings: Any, prepared: float
+) -> None:
+    from rich.table import Table
+
+    out = console()
+    out.print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
+    table = Table(title="Against the known truth", title_justify="left")
+    for column in ("press", "true N", "found N", "force error", "place error mm"):
+        table.add_column(column, justify="right")
+    for index, ball in enumerate(balls, start=1):
+        places = [np.hypot(*(c.position[:2] - ball.position)) for c in estimate.contacts]
+        nearest = int(np.argmin(places)) if places else -1
+        if nearest < 0 or places[nearest] > 8e-3:
+            table.add_row(str(index), f"{ball.force:.2f}", "missed", "", "")
+            continue
+        found = estimate.contacts[nearest].normal_force
+        table.add_row(
+            str(index),
+            f"{ball.force:.2f}",
+            f"{found:.2f}",
+            f"{(found / ball.force - 1) * 100:+.0f} %",
+            f"{places[nearest] * 1e3:.2f}",
+        )
+    out.print(table)
+    buffer = np.empty(4 * len(estimate.grid))
+    laps = np.empty(200)
+    for index in range(len(laps)):
+        start = time.perf_counter()
+        reconstructor.apply(readings, buffer)
+        laps[index] = time.perf_counter() - start
+    out.print(
+        f"latency: {np.median(laps) * 1e6:.0f} µs for pressure and displacement at "
+        f"{estimate.grid.shape[0]} x {estimate.grid.shape[1]} nodes, "
+        f"{estimate.latency * 1e3:.1f} ms with contacts; prepared once in {prepared:.1f} s",
+        highlight=False,
+    )

@@ -1,0 +1,162 @@
+"""Options that commands share, and the objects that they stand for: the only list of variants."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+from skinfield.conditioning import (
+    Convention,
+    CySkinCount,
+    Exponential,
+    Filter,
+    ICubByte,
+    NoFilter,
+    load_calibration,
+)
+from skinfield.errors import InputError
+from skinfield.inverse import GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
+from skinfield.layout import Patch, Skin
+from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
+from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.pipeline import Conditioning
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+SOLVERS: dict[str, Callable[[], Solver]] = {
+    "gaussian": GaussianField,
+    "tikhonov": Tikhonov,
+    "pseudo-inverse": PseudoInverse,
+    "inverse": Inverse,
+}
+MECHANICS: dict[str, Callable[[], Mechanics]] = {
+    "layer": BondedLayer,
+    "covered-layer": lambda: BondedLayer(inextensible_cover=True),
+    "half-space": HalfSpace,
+}
+QUANTITIES: dict[str, Callable[[], Quantity]] = {
+    "capacitance": Capacitance,
+    "gap": Gap,
+    "stress": BaseStress,
+}
+OF_UNIT = {"count": "capacitance", "dC/C0": "capacitance", "Pa": "stress", "1": "gap"}
+
+
+def layer_options(function: F) -> F:
+    """Options of the elastomer."""
+    for option in (
+        click.option(
+            "--poisson", default=0.5, show_default=True, help="Poisson's ratio, 0 to 0.5."
+        ),
+        click.option(
+            "--modulus-kpa", default=150.0, show_default=True, help="Young's modulus, kPa."
+        ),
+        click.option(
+            "--thickness-mm", default=2.0, show_default=True, help="Of the elastomer, mm."
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+def model_options(function: F) -> F:
+    """Options of grid, mechanics and solver."""
+    for option in (
+        click.option("--grid", default=20, show_default=True, help="Nodes on a side of the grid."),
+        click.option(
+            "--solver",
+            type=click.Choice(list(SOLVERS)),
+            default="gaussian",
+            show_default=True,
+            help="How readings become pressure.",
+        ),
+        click.option(
+            "--mechanics",
+            type=click.Choice(list(MECHANICS)),
+            default="layer",
+            show_default=True,
+            help="Model of the elastomer; the paper's is the half-space.",
+        ),
+        click.option(
+            "--quantity",
+            type=click.Choice(["auto", *QUANTITIES]),
+            default="auto",
+            show_default=True,
+            help="What a taxel reads; auto takes what the recording's unit says.",
+        ),
+    ):
+        function = option(function)
+    return layer_options(function)
+
+
+def conditioning_options(function: F) -> F:
+    """Options of what counts mean."""
+    for option in (
+        click.option(
+            "--board",
+            type=click.Choice(["auto", "icub", "cyskin"]),
+            default="auto",
+            show_default=True,
+            help="Whose counts they are; auto goes by their range.",
+        ),
+        click.option(
+            "--no-load", default=240, show_default=True, help="What an iCub byte rests at."
+        ),
+        click.option(
+            "--gain",
+            type=float,
+            help="Counts per unit of ΔC/C₀; negative where pressure lowers them. Default a guess.",
+        ),
+        click.option("--calibration", help="Calibration file (.toml, .npz) instead of both."),
+        click.option(
+            "--smooth-ms", default=0.0, help="Time constant of an exponential filter, ms."
+        ),
+        click.option(
+            "--noise", type=float, help="Standard deviation of a reading, in the quantity's unit."
+        ),
+    ):
+        function = option(function)
+    return function
+
+
+def layer_from_options(thickness_mm: float, modulus_kpa: float, poisson: float) -> Layer:
+    """Elastomer, in SI units."""
+    return Layer(thickness_mm * 1e-3, modulus_kpa * 1e3, poisson)
+
+
+def conditioning_from_options(
+    patch: Patch,
+    *,
+    board: str,
+    no_load: int,
+    gain: float | None,
+    calibration: str | None,
+    smooth_ms: float,
+    noise: float | None,
+) -> Conditioning:
+    """What counts mean."""
+    conventions: dict[str, Convention | None] = {
+        "auto": None if no_load == 240 else ICubByte(no_load=no_load),
+        "icub": ICubByte(no_load=no_load),
+        "cyskin": CySkinCount(),
+    }
+    smooth: Filter = Exponential(time_constant=smooth_ms * 1e-3) if smooth_ms > 0 else NoFilter()
+    return Conditioning(
+        board=conventions[board],
+        gain=gain,
+        calibration=None if calibration is None else load_calibration(calibration, patch),
+        filter=smooth,
+        noise_std=noise,
+    )
+
+
+def patch_of(skin: Skin, name: str | None) -> Patch:
+    """The patch that is meant: the only one, or the one that is named."""
+    if name is not None:
+        return skin[name]
+    if len(skin) > 1:
+        raise InputError(
+            f"{skin.name} has {len(skin)} patches, expected one: choose with --patch from "
+            f"{', '.join(patch.name for patch in skin)}"
+        )
+    return skin[0]
