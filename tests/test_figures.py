@@ -194,7 +194,7 @@ def clashes(figure: Figure) -> list[tuple[str, str]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Text, "draw", record)
-        figure.canvas.draw()
+        figure.draw_without_rendering()
     assert len(drawn) > 20
     size = figure.bbox.size
     cut = [(words, "page") for words, box in drawn if (box < 0).any() or (box > size).any()]
@@ -329,7 +329,7 @@ def many_presses() -> tuple[Estimate, list[tuple[np.ndarray, float, float]]]:
 
 
 def curved() -> tuple[Estimate, list[tuple[np.ndarray, float, float]]]:
-    grid = sf.Grid.square(curved_patch(), 24)
+    grid = sf.Grid.window(curved_patch(), [-0.018, -0.018], [0.018, 0.018], 2e-3)
     press = (grid.patch.surface.position_from_plane(np.array([[0.012, 0.004]]))[0], 12.0, 5e-3)
     return estimate_of(grid, [press]), [press]
 
@@ -374,7 +374,7 @@ def test_no_contact_is_said():
     words = words_of(figures.draw_estimate(estimate, truth=[((0.0, 0.0), 1.0, 3e-3)]))
     assert "no contact above the noise" in words
     assert "truth: no contact found" in words
-    assert "palm: 0 N, no contact" in words
+    assert "palm: no contact" in words
 
 
 def test_without_readings_the_residual_is_shown():
@@ -410,7 +410,21 @@ def test_all_taxels_invalid_and_odd_names_are_drawn():
     assert "ΔC/C₀ (%)" not in words_of(figure)  # no colour, no bar
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (1, 3), (2, 1), (2, 2)])
+def test_a_square_grid_over_a_long_patch_is_cut_to_the_patch():
+    plane = array_of(8, 30).grid.patch.plane
+    grid = sf.Grid.square(sf.Patch(plane), 40)
+    figure = figures.draw_estimate(estimate_of(grid, [(grid.positions[820], 30.0, 12e-3)]))
+    low, high = plane.min(axis=0) * 1e3, plane.max(axis=0) * 1e3
+    for title in ("Pressure", "Residual"):
+        bottom, top = panel(figure, title).get_ylim()
+        assert low[1] - 8 < bottom < low[1] - 2
+        assert high[1] + 2 < top < high[1] + 8
+    (axes,) = [a for a in figure.axes if a.name == "3d"]
+    assert np.ptp(axes.get_ylim()) < high[1] - low[1] + grid.pitch * 2e3
+    assert figure.get_figheight() < 5.5  # no empty rows on the page
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 3), (2, 2)])
 def test_tiny_grids_are_drawn(shape):
     patch = sf.Patch(np.array([[0.0, 0.0], [5e-3, 0.0]]))
     grid = sf.Grid(patch, shape, 3e-3)
@@ -490,8 +504,8 @@ def test_the_plane_of_a_curved_patch_is_found_to_second_order():
 
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
 def test_a_picture_is_written_the_same_twice(ending, tmp_path):
-    grid = sf.Grid.square(hexagon_patch(), 8)
-    estimate = estimate_of(grid, [(grid.positions[30], 1.0, 5e-3)])
+    grid = sf.Grid.square(hexagon_patch(rings=2), 6)
+    estimate = estimate_of(grid, [(grid.positions[14], 1.0, 5e-3)])
     written = []
     for name in ("a", "b"):
         figure = figures.draw_estimate(estimate, readings_of(estimate))

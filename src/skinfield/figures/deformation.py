@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.fields import Estimate
-from skinfield.figures.maps import MM, axis_names
+from skinfield.figures.maps import MM, axis_names, extent_of
 from skinfield.figures.rulers import draw_ruler, project
 from skinfield.figures.style import signed_colours
 from skinfield.layout import Grid
@@ -47,15 +47,19 @@ def draw_deformation(figure: "Figure", axes: Any, estimate: Estimate) -> float:
 
 def _sheet(grid: Grid) -> tuple[NDArray[np.int64], Floats, Floats]:
     """Nodes to draw (R, C) with their rows and columns; a single row is widened to its cell."""
+    low, high = (extent_of(grid, measured=True) - grid.origin) / grid.pitch
 
-    def along(count: int) -> tuple[NDArray[np.int64], Floats]:
-        if count == 1:
-            return np.array([0, 0]), np.array([-0.5, 0.5])
-        index = np.unique(np.linspace(0, count - 1, min(count, FACES)).round().astype(np.int64))
+    def along(axis: int, count: int) -> tuple[NDArray[np.int64], Floats]:
+        index = np.arange(count)
+        index = index[(index > low[axis]) & (index < high[axis])]
+        if len(index) == 1:
+            return index.repeat(2), index + np.array([-0.5, 0.5])
+        if len(index) > FACES:
+            index = index[np.linspace(0, len(index) - 1, FACES).round().astype(np.int64)]
         return index, index.astype(np.float64)
 
-    row, row_place = along(grid.shape[0])
-    column, column_place = along(grid.shape[1])
+    column, column_place = along(0, grid.shape[1])
+    row, row_place = along(1, grid.shape[0])
     return row[:, None] * grid.shape[1] + column, row_place, column_place
 
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.fields import Estimate
 from skinfield.figures.deformation import draw_deformation
-from skinfield.figures.maps import draw_cells, draw_pads, frame_axes, hatch_uncovered
+from skinfield.figures.maps import draw_cells, draw_pads, extent_of, frame_axes, hatch_uncovered
 from skinfield.figures.marks import draw_contacts, draw_presses
 from skinfield.figures.page import Page, page_of
 from skinfield.figures.presses import Press, presses_from_truth
@@ -56,7 +56,7 @@ def draw_estimate(
         What the taxels read, and the unit it is shown in: "%" shows fractions times 100, "kPa"
         shows pascals over 1000, and any other unit is the readings' own ("1" is left unsaid).
     title : str, optional
-        Over the figure; by default the patch, its force and the number of contacts.
+        Over the figure; by default the patch, its contacts and their force.
 
     Returns
     -------
@@ -104,10 +104,12 @@ def check_single(estimate: Estimate) -> None:
 
 
 def headline(estimate: Estimate) -> str:
-    """Name of the patch, force into it and number of contacts."""
-    force = number(float(estimate.normal_force))
-    contacts = plural(len(estimate.contacts), "contact") if estimate.contacts else "no contact"
-    return f"{estimate.grid.patch.name}: {force} N, {contacts}"
+    """Name of the patch, number of contacts and their force."""
+    name, contacts = estimate.grid.patch.name, estimate.contacts
+    if not contacts:
+        return f"{name}: no contact"
+    force = number(sum(contact.normal_force for contact in contacts))
+    return f"{name}: {plural(len(contacts), 'contact')}, {force} N"
 
 
 def _shown_readings(estimate: Estimate, readings: ArrayLike | None) -> tuple[Floats, str]:
@@ -120,7 +122,7 @@ def _shown_readings(estimate: Estimate, readings: ArrayLike | None) -> tuple[Flo
 
 def _draw_readings(axes: "Axes", estimate: Estimate, values: Floats, label: str, name: str) -> None:
     pads = draw_pads(axes, estimate.grid.patch, values)
-    frame_axes(axes, estimate.grid)
+    frame_axes(axes, estimate.grid.patch, extent_of(estimate.grid, measured=True))
     if np.isfinite(values).any():
         add_colour_bar(axes, pads, label)
     left_out = int((~np.isfinite(values)).sum())
@@ -132,6 +134,7 @@ def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[Press]) -> No
     grid = estimate.grid
     draw_cells(axes, grid, estimate.pressure * 1e-3, "pressure (kPa)")
     hatch_uncovered(axes, grid)
+    frame_axes(axes, grid.patch, extent_of(grid, measured=True))
     draw_presses(axes, grid, presses)
     draw_contacts(axes, grid, estimate.contacts)
     notes = ["line: contact"] if estimate.contacts else []

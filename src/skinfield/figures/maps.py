@@ -42,14 +42,25 @@ def plane_from_position(grid: Grid, points: Floats) -> Floats:
     return np.asarray(grid.plane[nearest] + np.einsum("nc,nct->nt", offset, tangents))
 
 
-def frame_axes(axes: "Axes", grid: Grid) -> None:
-    """Set limits that hold every cell and pad, equal scales, and labels in mm."""
+def extent_of(grid: Grid, *, measured: bool = False) -> Floats:
+    """Low and high corner (2, 2) m of all pads and cells; `measured`: of cells among taxels only.
+
+    A square grid over a long patch is mostly cells where nothing is measured: pictures of an
+    estimate leave them out.
+    """
     patch = grid.patch
+    cells = grid.plane[grid.covered] if measured and grid.covered.any() else grid.plane
     half_cell, half_pad = grid.pitch / 2, patch.pad_diameter * RIM
-    low = np.minimum(grid.plane.min(axis=0) - half_cell, patch.plane.min(axis=0) - half_pad) * MM
-    high = np.maximum(grid.plane.max(axis=0) + half_cell, patch.plane.max(axis=0) + half_pad) * MM
-    margin = 0.02 * float((high - low).max())
-    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
+    low = np.minimum(cells.min(axis=0) - half_cell, patch.plane.min(axis=0) - half_pad)
+    high = np.maximum(cells.max(axis=0) + half_cell, patch.plane.max(axis=0) + half_pad)
+    return np.array([low, high])
+
+
+def frame_axes(axes: "Axes", patch: Patch, extent: Floats) -> None:
+    """Set limits that hold `extent` (2, 2) m, equal scales, and labels in mm."""
+    margin = 0.02 * float((extent[1] - extent[0]).max())
+    low, high = (extent[0] - margin) * MM, (extent[1] + margin) * MM
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_aspect("equal", adjustable="box", anchor="NW")
     first, second = axis_names(patch)
     axes.set(xlabel=f"{first} (mm)", ylabel=f"{second} (mm)")
@@ -142,7 +153,7 @@ def draw_cells(axes: "Axes", grid: Grid, values: Floats, label: str) -> "AxesIma
         cmap=colours,
         norm=scale,
     )
-    frame_axes(axes, grid)
+    frame_axes(axes, grid.patch, extent_of(grid))
     add_colour_bar(axes, image, label)
     return image
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skinfield.figures.maps import extent_of
 from skinfield.layout import Grid
 
 Box = tuple[float, float, float, float]  # left, bottom, width, height
@@ -25,8 +26,7 @@ class Page:
 
 def page_of(grid: Grid) -> Page:
     """Page that suits the shape of what is shown: two rows of two, or the maps side by side."""
-    both = np.vstack([grid.plane, grid.patch.plane])
-    width, height = np.ptp(both, axis=0) + max(grid.pitch, grid.patch.pad_diameter)
+    width, height = np.ptp(extent_of(grid, measured=True), axis=0)
     ratio = float(height / width)
     return _side_by_side() if ratio > SLENDER else _two_rows(ratio)
 

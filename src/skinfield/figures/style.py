@@ -70,25 +70,19 @@ def signed_colours(values: Floats) -> tuple["Colormap", "Normalize"]:
 
     One step of colour is the same amount of value on both sides of zero.
     """
-    from matplotlib.colors import LinearSegmentedColormap, Normalize
+    from matplotlib.colors import ListedColormap, Normalize, to_rgb
 
     finite = values[np.isfinite(values)]
     low, high = min(finite.min(initial=0.0), 0.0), max(finite.max(initial=0.0), 0.0)
     if not high > low:
         high = 1.0
     span = max(high, -low)
+    anchors = np.array([to_rgb(colour) for colour in [*BELOW[:0:-1], *ABOVE]])  # -1 to 1
     levels = np.linspace(low, high, 512) / span
-    rows = [_ramp(ABOVE, level) if level >= 0 else _ramp(BELOW, -level) for level in levels]
-    colours = LinearSegmentedColormap.from_list("skinfield", rows, N=512)
-    return colours.with_extremes(bad="#e6e6ea"), Normalize(low, high)
-
-
-def _ramp(anchors: list[str], level: float) -> tuple[float, ...]:
-    from matplotlib.colors import to_rgb
-
-    rgb = np.array([to_rgb(anchor) for anchor in anchors])
-    place = np.linspace(0.0, 1.0, len(anchors))
-    return tuple(float(np.interp(level, place, channel)) for channel in rgb.T)
+    place = np.linspace(-1.0, 1.0, len(anchors))
+    rows = np.column_stack([np.interp(levels, place, channel) for channel in anchors.T])
+    colours = ListedColormap(rows, "skinfield").with_extremes(bad="#e6e6ea")
+    return colours, Normalize(low, high)
 
 
 def add_title(axes: "Axes", letter: str, title: str, note: str = "") -> None:
