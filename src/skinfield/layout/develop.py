@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.layout.links import Links, links_between
+from skinfield.layout.links import Ints, Links, links_between, parts_of
 from skinfield.layout.quadrics import Quadrics, quadrics_through
 from skinfield.layout.surface import Surface, flat_frame, mean_normal
 from skinfield.layout.unroll import holds, middle, relax, unroll
+
+GAP = 3.0  # median links between parts that are laid side by side
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +54,9 @@ def develop(positions: Floats, normals: Floats) -> Surface:
     The skin is unrolled from its middle and relaxed until distances between neighbours agree with
     those along the skin. What cannot be flat without a cut is cut: a sleeve comes out as a sheet,
     severed opposite to its middle (or at its seam, where it has one). Parts that lie apart are
-    joined over the narrowest gap. The plane is the picture seen from outside: as closely as a
-    turn and a shift allow, the patch's own axes laid into the plane of its mean normal.
+    joined over the narrowest gap; those that face away from each other, as the two sides of a
+    plate, are laid side by side. The plane is the picture seen from outside: as closely as a turn
+    and a shift allow, the patch's own axes laid into the plane of its mean normal.
 
     Parameters
     ----------
@@ -65,17 +68,38 @@ def develop(positions: Floats, normals: Floats) -> Surface:
     _, row, back = np.unique(positions.round(7), axis=0, return_index=True, return_inverse=True)
     back = back.reshape(-1)
     points = positions[row]
-    facing = np.stack([mean_normal(normals[back == point]) for point in range(len(row))])
+    facing = _merged(normals, back, normals[row])
     links = links_between(points, facing)
-    root = middle(facing, links)
-    plane = relax(unroll(points, facing, links, root), points, links)
-    plane = _aligned(plane, points, facing, root)
+    plane = _laid_flat(points, facing, links)
     held = holds(plane, links)
     shape = quadrics_through(plane, points, facing, links.pairs[held])
     laid = plane[back]
     laid.setflags(write=False)
     severed = int(np.count_nonzero(links.near & ~held))
     return DevelopedSurface(laid, _distortion(plane, links), severed, shape)
+
+
+def _merged(normals: Floats, point: Ints, fallback: Floats) -> Floats:
+    """Unit mean normals (M, 3) of the taxels at each point; `fallback` (M, 3) where they cancel."""
+    total = np.zeros_like(fallback)
+    np.add.at(total, point, normals)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.where(length > 1e-6, total / np.maximum(length, 1e-6), fallback)
+
+
+def _laid_flat(points: Floats, normals: Floats, links: Links) -> Floats:
+    """Plane coordinates (M, 2) m of points (M, 3) m; parts without links side by side, along x."""
+    plane, right_end = np.zeros((len(points), 2)), -np.inf
+    gap = GAP * float(np.median(links.length)) if len(links.length) else 10e-3
+    for rows in sorted(parts_of(len(points), links.pairs), key=len, reverse=True):
+        mine, part, facing = links.among(rows), points[rows], normals[rows]
+        root = middle(facing, mine)
+        laid = relax(unroll(part, facing, mine, root), part, mine)
+        laid = _aligned(laid, part, facing, root)
+        if np.isfinite(right_end):
+            laid[:, 0] += right_end + gap - laid[:, 0].min()
+        plane[rows], right_end = laid, float(laid[:, 0].max())
+    return plane
 
 
 def _aligned(plane: Floats, points: Floats, normals: Floats, root: int) -> Floats:

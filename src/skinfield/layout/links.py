@@ -33,6 +33,12 @@ class Links:
     length: Floats
     near: NDArray[np.bool_]
 
+    def among(self, rows: Ints) -> "Links":
+        """Links between the taxels `rows` only, numbered as those are."""
+        order = np.searchsorted(rows, self.pairs)
+        mine = np.isin(self.pairs, rows).all(axis=1)
+        return Links(order[mine], self.length[mine], self.near[mine])
+
 
 def arc_length(chord: Floats, first: Floats, second: Floats) -> Floats:
     """Length (E,) m along the skin of chords (E, 3) m between unit normals `first`, `second`.
@@ -51,18 +57,29 @@ def arc_length(chord: Floats, first: Floats, second: Floats) -> Floats:
 
 
 def links_between(positions: Floats, normals: Floats) -> Links:
-    """Neighbours among distinct positions (M, 3) m with unit normals (M, 3); all hang together.
+    """Neighbours among distinct positions (M, 3) m with unit normals (M, 3).
 
-    Parts of the skin that lie apart are joined by the links across the narrowest gaps.
+    Parts of the skin that lie apart are joined by the links across the narrowest gaps, unless
+    they face away from each other there, as the two sides of a plate do.
     """
     pairs = _nearest_pairs(positions, normals)
-    pairs = np.concatenate([pairs, _bridges(positions, pairs)])
+    pairs = np.concatenate([pairs, _bridges(positions, normals, pairs)])
     pairs = np.unique(np.sort(pairs, axis=1), axis=0)
     first, second = pairs.T
     length = arc_length(positions[second] - positions[first], normals[first], normals[second])
     own = np.full(len(positions), np.inf)
     np.minimum.at(own, pairs, length[:, None])
     return Links(pairs, length, length <= 1.5 * np.maximum(own[first], own[second]))
+
+
+def parts_of(count: int, pairs: Ints) -> list[Ints]:
+    """Rows of each part of `count` taxels that pairs (E, 2) hold together."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    net = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    parts, part = connected_components(net, directed=False)
+    return [np.flatnonzero(part == p) for p in range(parts)]
 
 
 def _nearest_pairs(positions: Floats, normals: Floats) -> Ints:
@@ -85,26 +102,39 @@ def _nearest_pairs(positions: Floats, normals: Floats) -> Ints:
     return np.asarray(np.column_stack([first, second])[use], dtype=np.int64)
 
 
-def _bridges(positions: Floats, pairs: Ints) -> Ints:
+def _bridges(positions: Floats, normals: Floats, pairs: Ints) -> Ints:
     """Links over the narrowest gaps between the parts that `pairs` leave apart."""
     from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+    from scipy.sparse.csgraph import minimum_spanning_tree
+
+    parts = parts_of(len(positions), pairs)
+    spans: dict[tuple[int, int], tuple[Ints, Floats]] = {}
+    for a, one in enumerate(parts):
+        for b, other in enumerate(parts[:a]):
+            candidates, length = _across(positions, normals, one, other)
+            if len(candidates):
+                spans[a, b] = candidates, length
+    gaps = csr_array(
+        (
+            [length.min() for _, length in spans.values()],
+            ([a for a, _ in spans], [b for _, b in spans]),
+        ),
+        shape=(len(parts), len(parts)),
+    )
+    bridges = [np.empty((0, 2), np.int64)]
+    for a, b in np.argwhere(minimum_spanning_tree(gaps).toarray() > 0):
+        candidates, length = spans[int(a), int(b)]
+        bridges.append(candidates[length <= 1.5 * length.min()])
+    return np.concatenate(bridges)
+
+
+def _across(positions: Floats, normals: Floats, one: Ints, other: Ints) -> tuple[Ints, Floats]:
+    """Pairs (n, 2) from the taxels of `other` to the nearest of `one` that face the same way."""
     from scipy.spatial import cKDTree
 
-    count = len(positions)
-    net = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    parts, part = connected_components(net, directed=False)
-    if parts == 1:
-        return np.empty((0, 2), np.int64)
-    members = [np.flatnonzero(part == p) for p in range(parts)]
-    trees = [cKDTree(positions[rows]) for rows in members]
-    gap = np.zeros((parts, parts))
-    for a in range(parts):
-        for b in range(a):
-            gap[a, b] = np.min(trees[a].query(positions[members[b]])[0])
-    bridges = []
-    for a, b in np.argwhere(minimum_spanning_tree(csr_array(gap)).toarray() > 0):
-        distance, row = map(np.asarray, trees[a].query(positions[members[b]]))
-        wide = distance <= 1.5 * distance.min()
-        bridges.append(np.column_stack([members[b][wide], members[a][row[wide]]]))
-    return np.concatenate(bridges).astype(np.int64)
+    near = list(range(1, min(4, len(one)) + 1))
+    length, row = map(np.asarray, cKDTree(positions[one]).query(positions[other], k=near))
+    second = one[row].reshape(-1)
+    first = np.repeat(other, len(near))
+    use = np.einsum("ni,ni->n", normals[first], normals[second]) >= FACING
+    return np.column_stack([first, second])[use].astype(np.int64), length.reshape(-1)[use]

@@ -101,14 +101,14 @@ def quadrics_through(plane: Floats, positions: Floats, normals: Floats, pairs: I
     positions, normals : (M, 3) array
         The same in space; m, and unit length.
     pairs : (E, 2) int array
-        Neighbours, in the plane and in space.
+        Neighbours, in the plane and in space; a taxel without any is flat around.
     """
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
     first, second = pairs.T
     length = np.linalg.norm(plane[second] - plane[first], axis=1)
     nearest = np.full(len(plane), np.inf)
     np.minimum.at(nearest, first, length)
-    pitch = float(np.median(nearest))
+    pitch = float(np.median(nearest[np.isfinite(nearest)])) if len(length) else 1.0
     offset = (plane[second] - plane[first]) / pitch  # in pitches, to keep the equations balanced
     rise = (positions[second] - positions[first]) / pitch
     weight = np.exp(-((length / (1.5 * np.maximum(nearest[first], pitch))) ** 2))

@@ -1,6 +1,6 @@
 """A curved skin laid flat: unrolled from its middle, then relaxed until lengths agree."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,27 +37,26 @@ def unroll(positions: Floats, normals: Floats, links: Links, root: int) -> Float
     taxel in that frame, at its length along the skin. Predictions from all nearer neighbours that
     agree are averaged. Exact on developable skin; a closed one comes out cut opposite to the root.
     """
-    from scipy.sparse.csgraph import dijkstra
-
     count = len(positions)
-    net = _net(count, links)
-    found = dijkstra(net, directed=False, indices=np.array([root]), return_predecessors=True)
-    far, parent = found[0][0], found[1][0]
-    around = _around(count, links)
+    far, parent = _shortest_ways(positions, normals, links, root)
+    steps = _steps(positions, normals, links)
     plane, frames = np.zeros((count, 2)), np.zeros((count, 3, 3))
     frames[root] = flat_frame(normals[root])
     placed = np.zeros(count, np.bool_)
     placed[root] = True
     for taxel in np.argsort(far, kind="stable")[1:]:
-        near, length = around[taxel]
-        near, length = near[placed[near]], length[placed[near]]
-        guess, tangent = _carried(positions, normals, plane, frames, near, taxel, length)
-        lead = int(np.flatnonzero(near == parent[taxel])[0])
+        mine = slice(*steps.first[taxel : taxel + 2])
+        near = steps.start[mine]
+        known = placed[near]
+        near, along, turn = near[known], steps.along[mine][known], steps.turn[mine][known]
+        guess = plane[near] + np.einsum("nij,ni->nj", frames[near, :, :2], along)
+        tangent = np.einsum("nij,nj->ni", turn, frames[near, :, 0])
+        lead, length = near == parent[taxel], np.einsum("ni,ni->n", along, along) ** 0.5
         agree = np.linalg.norm(guess - guess[lead], axis=1) <= 0.5 * length[lead]
-        agree &= tangent @ tangent[lead] > 0.7
+        agree &= tangent @ tangent[lead][0] > 0.7
         weight = agree / length**2
         plane[taxel] = weight @ guess / weight.sum()
-        frames[taxel] = _frame_of(weight @ tangent, normals[taxel])
+        frames[taxel] = _frame_with(normals[taxel], weight @ tangent)
         placed[taxel] = True
     return plane
 
@@ -69,10 +68,14 @@ def relax(plane: Floats, positions: Floats, links: Links, rounds: int = 4) -> Fl
     out, and taxels that are no neighbours are kept at least their distance in space apart, up to
     the reach of a link, so that the picture does not fold over itself.
     """
-    for _ in range(rounds):
+    for _ in range(rounds if len(links.length) else 0):
         held = holds(plane, links)
-        pairs, length = links.pairs[held], links.length[held]
-        plane = _least_squares(plane, positions, pairs, length)
+        before, plane = (
+            plane,
+            _least_squares(plane, positions, links.pairs[held], links.length[held]),
+        )
+        if np.abs(plane - before).max() < 1e-4 * float(np.median(links.length)):
+            break
     return plane
 
 
@@ -88,55 +91,73 @@ def _net(count: int, links: Links) -> Any:
     return csr_array((links.length, (links.pairs[:, 0], links.pairs[:, 1])), shape=(count, count))
 
 
-def _around(count: int, links: Links) -> list[tuple[Ints, Floats]]:
-    """Neighbours of each taxel and their distances."""
-    first = np.concatenate([links.pairs[:, 0], links.pairs[:, 1]])
-    second = np.concatenate([links.pairs[:, 1], links.pairs[:, 0]])
-    length = np.concatenate([links.length, links.length])
-    order = np.argsort(first, kind="stable")
-    cuts = np.searchsorted(first[order], np.arange(1, count))
-    return list(zip(np.split(second[order], cuts), np.split(length[order], cuts), strict=True))
+def _shortest_ways(
+    positions: Floats, normals: Floats, links: Links, root: int
+) -> tuple[Floats, Ints]:
+    """Distance of each taxel from `root`, and the taxel before it on the way, -1 for the root.
 
-
-def turned(vectors: Floats, start: Floats, end: Floats) -> Floats:
-    """Turn `vectors` (N, 3) by the smallest rotation from unit `start` to unit `end` (N, 3).
-
-    Where they are opposite, tangent vectors are kept as they are: they are tangent to both sides.
+    Links on one side of the root count for 0.1 % longer, so that taxels that are as far either
+    way round a sleeve come out on one side.
     """
-    axis = np.cross(start, end)
-    cosine = np.einsum("ni,ni->n", start, end)[:, None]
-    cross = np.cross(axis, vectors)
-    smooth = vectors + cross + np.cross(axis, cross) / np.maximum(1.0 + cosine, 0.01)
-    return np.where(cosine > -0.99, smooth, vectors)
+    from scipy.sparse.csgraph import dijkstra
+
+    middles = positions[links.pairs].mean(axis=1) - positions[root]
+    right = middles @ flat_frame(normals[root])[:, :2] @ [1.0, 0.5] > 0.0
+    uneven = replace(links, length=links.length * np.where(right, 1.0 + 1e-3, 1.0))
+    net = _net(len(positions), uneven)
+    far, before = dijkstra(net, directed=False, indices=np.array([root]), return_predecessors=True)
+    return far[0], np.maximum(before[0], -1).astype(np.int64)
 
 
-def _carried(
-    positions: Floats,
-    normals: Floats,
-    plane: Floats,
-    frames: Floats,
-    near: Ints,
-    taxel: int,
-    length: Floats,
-) -> tuple[Floats, Floats]:
-    """Where each of `near` sees `taxel` in the plane (n, 2), and its first tangent there (n, 3)."""
-    start, end = normals[near], np.broadcast_to(normals[taxel], (len(near), 3))
-    chord = positions[taxel] - positions[near]
-    half = start + end
+@dataclass(frozen=True, eq=False)
+class _Steps:
+    """Links as steps (2E,) towards a taxel, sorted by it: those to t are first[t] : first[t + 1].
+
+    `along` (2E, 3) m is tangent at the start and as long as the link, `turn` (2E, 3, 3) the
+    smallest rotation between the normals.
+    """
+
+    first: Ints
+    start: Ints
+    along: Floats
+    turn: Floats
+
+
+def _steps(positions: Floats, normals: Floats, links: Links) -> _Steps:
+    start, end = np.concatenate([links.pairs, links.pairs[:, ::-1]]).T
+    order = np.argsort(end, kind="stable")
+    start, end, length = start[order], end[order], np.tile(links.length, 2)[order]
+    half = normals[start] + normals[end]
     half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-9)
+    chord = positions[end] - positions[start]
     along = chord - half * np.einsum("ni,ni->n", half, chord)[:, None]
-    along = turned(along, half, start)
-    step = np.einsum("nij,ni->nj", frames[near][:, :, :2], along)
-    size = np.maximum(np.linalg.norm(step, axis=1), 1e-12)
-    return plane[near] + step * (length / size)[:, None], turned(frames[near][:, :, 0], start, end)
+    along = np.einsum("nij,nj->ni", _turns(half, normals[start]), along)
+    along *= (length / np.maximum(np.linalg.norm(along, axis=1), 1e-12))[:, None]
+    first = np.searchsorted(end, np.arange(len(positions) + 1))
+    return _Steps(first, start, along, _turns(normals[start], normals[end]))
 
 
-def _frame_of(tangent: Floats, normal: Floats) -> Floats:
-    first = tangent - normal * (tangent @ normal)
-    size = np.linalg.norm(first)
+def _turns(start: Floats, end: Floats) -> Floats:
+    """Smallest rotations (N, 3, 3) from unit vectors `start` to unit vectors `end` (N, 3).
+
+    None at all where they are opposite: a tangent of the one side is tangent to the other.
+    """
+    x, y, z = np.cross(start, end).T
+    nil = np.zeros(len(start))
+    skew = np.array([[nil, -z, y], [z, nil, -x], [-y, x, nil]]).transpose(2, 0, 1)
+    cosine = np.einsum("ni,ni->n", start, end)[:, None, None]
+    turn = np.eye(3) + skew + skew @ skew / np.maximum(1.0 + cosine, 0.01)
+    return np.where(cosine > -0.99, turn, np.eye(3))
+
+
+def _frame_with(normal: Floats, tangent: Floats) -> Floats:
+    """Right-handed frame (3, 3) about `normal` whose first axis lies as near to `tangent`."""
+    (a, b, c), (x, y, z) = normal, tangent - normal * (tangent @ normal)
+    size = (x * x + y * y + z * z) ** 0.5
     if size < 1e-9:
         return flat_frame(normal)
-    return np.column_stack([first / size, np.cross(normal, first / size), normal])
+    x, y, z = x / size, y / size, z / size
+    return np.array([[x, b * z - c * y, a], [y, c * x - a * z, b], [z, a * y - b * x, c]])
 
 
 def _distance(plane: Floats, pairs: Ints) -> tuple[Floats, Floats]:
