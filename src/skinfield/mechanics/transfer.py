@@ -11,11 +11,44 @@ All functions take and give arrays over alpha, are free of overflow and cancella
 alpha > 0 and 0 <= nu <= 1/2, and are scaled by exp(-2 alpha) above and below the bar.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from math import factorial
 
 import numpy as np
 
 from skinfield.errors import Floats
+
+CLOSE = 0.5  # alpha below which differences of hyperbolic functions are summed as power series
+
+
+def _series(alpha: Floats, first: int, coefficient: Callable[[int], float]) -> Floats:
+    """Sum of coefficient(n) alpha^n over n = first, first + 2, ...; exact up to `CLOSE`."""
+    small = np.minimum(alpha, CLOSE)
+    terms = [coefficient(n) * small**n for n in range(first, first + 16, 2)]
+    return np.asarray(sum(terms))
+
+
+def _sinh_less_linear(alpha: Floats) -> Floats:
+    """(sinh 2 alpha - 2 alpha) exp(-2 alpha)."""
+    square = np.exp(-2 * alpha)
+    series = _series(alpha, 3, lambda n: 2**n / factorial(n))
+    return np.where(alpha < CLOSE, series * square, (1 - square**2) / 2 - 2 * alpha * square)
+
+
+def _sinh_squared_less_square(alpha: Floats) -> Floats:
+    """(sinh² alpha - alpha²) exp(-2 alpha)."""
+    square = np.exp(-2 * alpha)
+    series = _series(alpha, 4, lambda n: 2 ** (n - 1) / factorial(n))
+    return np.where(alpha < CLOSE, series * square, (1 - square) ** 2 / 4 - alpha**2 * square)
+
+
+def _cosh_less_sinh(alpha: Floats) -> Floats:
+    """(alpha cosh alpha - sinh alpha) exp(-alpha)."""
+    decay = np.exp(-alpha)
+    series = _series(alpha, 3, lambda n: (n - 1) / factorial(n))
+    closed = (alpha * (1 + decay**2) - (1 - decay**2)) / 2
+    return np.where(alpha < CLOSE, series * decay, closed)
 
 
 @dataclass(frozen=True)
@@ -42,16 +75,14 @@ class LayerTransfer:
         decay, constant, denominator = self._terms(alpha)
         square = decay**2
         above = -(3 - 4 * self.poisson_ratio) * square - 2 * alpha - constant
-        return above * square / denominator
+        return np.asarray(above * square / denominator)
 
     def normal(self, alpha: Floats) -> Floats:
         """Normal displacement per normal traction; (2/3) alpha³ at small alpha for nu = 1/2."""
         nu = self.poisson_ratio
         decay, _, denominator = self._terms(alpha)
-        small = np.minimum(alpha, 0.5)
-        series = sum((2 * small) ** n / _FACTORIAL[n] for n in (3, 5, 7, 9, 11, 13, 15))
-        excess = np.where(alpha < 0.5, series * decay**2, (1 - decay**4) / 2 - 2 * alpha * decay**2)
-        return ((3 - 4 * nu) * excess + (2 - 4 * nu) * 2 * alpha * decay**2) / denominator
+        above = (3 - 4 * nu) * _sinh_less_linear(alpha) + (2 - 4 * nu) * 2 * alpha * decay**2
+        return np.asarray(above / denominator)
 
     def tangential_rest(self, alpha: Floats) -> Floats:
         """Displacement along k per traction along k, less the half-space's 1."""
@@ -60,6 +91,12 @@ class LayerTransfer:
         above = -(3 - 4 * self.poisson_ratio) * square + 2 * alpha - constant
         return above * square / denominator
 
+    def tangential(self, alpha: Floats) -> Floats:
+        """Displacement along k per traction along k; alpha / (1 - nu) at small alpha."""
+        decay, _, denominator = self._terms(alpha)
+        above = -(3 - 4 * self.poisson_ratio) * np.expm1(-4 * alpha) / 2 + 2 * alpha * decay**2
+        return np.asarray(above / denominator)
+
     def coupling_rest(self, alpha: Floats) -> Floats:
         """Tangential displacement per normal traction, plus the half-space's (1 - 2 nu)."""
         nu = self.poisson_ratio
@@ -67,38 +104,52 @@ class LayerTransfer:
         above = 4 * (1 - nu) * alpha**2 + 8 * (1 - 2 * nu) * (1 - nu) ** 2
         return above * decay**2 / denominator
 
+    def coupling(self, alpha: Floats) -> Floats:
+        """Tangential displacement per normal traction; -(1 - 4 nu) alpha² / (2 - 2 nu) at first."""
+        nu = self.poisson_ratio
+        decay, _, denominator = self._terms(alpha)
+        above = -4 * (1 - nu) * (1 - 4 * nu) * (alpha * decay) ** 2
+        above -= 2 * (3 - 4 * nu) * (1 - 2 * nu) * _sinh_squared_less_square(alpha)
+        return np.asarray(above / denominator)
+
     def antiplane_rest(self, alpha: Floats) -> Floats:
         """Displacement across k per traction across k, tanh(alpha), less the half-space's 1."""
         square = np.exp(-2 * alpha)
-        return -2 * square / (1 + square)
+        return np.asarray(-2 * square / (1 + square))
 
     def base_normal(self, alpha: Floats) -> Floats:
         """Normal traction on the base per normal traction; 1 at alpha = 0 (equilibrium)."""
-        return self._base(alpha, alpha, 2 * (1 - self.poisson_ratio))
+        sinh, cosh = self._scaled_hyperbolic(alpha)
+        return self._base(alpha, alpha * sinh + 2 * (1 - self.poisson_ratio) * cosh)
 
     def base_shear_from_normal(self, alpha: Floats) -> Floats:
-        """Traction along k on the base per normal traction."""
-        return self._base(alpha, -(1 - 2 * self.poisson_ratio), alpha)
+        """Traction along k on the base per normal traction; nu alpha / (1 - nu) at first."""
+        sinh, _ = self._scaled_hyperbolic(alpha)
+        return self._base(alpha, _cosh_less_sinh(alpha) + 2 * self.poisson_ratio * sinh)
 
     def base_shear(self, alpha: Floats) -> Floats:
         """Traction along k on the base per traction along k; 1 at alpha = 0."""
-        return self._base(alpha, -alpha, 2 * (1 - self.poisson_ratio))
+        sinh, cosh = self._scaled_hyperbolic(alpha)
+        return self._base(alpha, 2 * (1 - self.poisson_ratio) * cosh - alpha * sinh)
 
     def base_normal_from_shear(self, alpha: Floats) -> Floats:
         """Normal traction on the base per traction along k; -alpha at small alpha (moment)."""
-        return -self._base(alpha, 1 - 2 * self.poisson_ratio, alpha)
+        sinh, cosh = self._scaled_hyperbolic(alpha)
+        return self._base(alpha, -alpha * cosh - (1 - 2 * self.poisson_ratio) * sinh)
 
     def base_antiplane(self, alpha: Floats) -> Floats:
         """Traction across k on the base per traction across k: 1 / cosh(alpha)."""
-        return 2 * np.exp(-alpha) / (1 + np.exp(-2 * alpha))
+        return np.asarray(2 * np.exp(-alpha) / (1 + np.exp(-2 * alpha)))
 
-    def _base(self, alpha: Floats, of_sinh: Floats | float, of_cosh: Floats | float) -> Floats:
+    @staticmethod
+    def _scaled_hyperbolic(alpha: Floats) -> tuple[Floats, Floats]:
+        """The sinh and cosh of alpha, times exp(-alpha)."""
+        return -np.expm1(-2 * alpha) / 2, (1 + np.exp(-2 * alpha)) / 2
+
+    def _base(self, alpha: Floats, above: Floats) -> Floats:
+        """A traction on the base: 4 (1 - nu) / D times `above`, which carries exp(-alpha)."""
         decay, _, denominator = self._terms(alpha)
-        both = of_sinh * (1 - decay**2) / 2 + of_cosh * (1 + decay**2) / 2
-        return np.asarray(4 * (1 - self.poisson_ratio) * both * decay / denominator)
-
-
-_FACTORIAL = np.cumprod(np.arange(16.0).clip(1))
+        return np.asarray(4 * (1 - self.poisson_ratio) * above * decay / denominator)
 
 
 @dataclass(frozen=True)
@@ -123,22 +174,20 @@ class CoveredTransfer:
 
     def _shear_taken(self, alpha: Floats) -> Floats:
         """Traction along k that the cover exerts per normal traction, with opposite sign."""
-        nu = self.poisson_ratio
-        coupling = self._free.coupling_rest(alpha) - (1 - 2 * nu)
-        return coupling / (2 * (1 - nu) * (1 + self._free.tangential_rest(alpha)))
+        free = self._free
+        return free.coupling(alpha) / (2 * (1 - self.poisson_ratio) * free.tangential(alpha))
 
     def normal_rest(self, alpha: Floats) -> Floats:
         """Normal displacement per normal traction, less `half_space_factor`."""
         nu = self.poisson_ratio
-        coupling = self._free.coupling_rest(alpha) - (1 - 2 * nu)
-        held = self._shear_taken(alpha) * coupling / (2 * (1 - nu))
+        held = self._shear_taken(alpha) * self._free.coupling(alpha) / (2 * (1 - nu))
         return np.asarray(self._free.normal_rest(alpha) - held + (1 - self.half_space_factor))
 
     def normal(self, alpha: Floats) -> Floats:
         """Normal displacement per normal traction; alpha³/6 at small alpha for nu = 1/2."""
         nu = self.poisson_ratio
-        coupling = self._free.coupling_rest(alpha) - (1 - 2 * nu)
-        return self._free.normal(alpha) - self._shear_taken(alpha) * coupling / (2 * (1 - nu))
+        held = self._shear_taken(alpha) * self._free.coupling(alpha) / (2 * (1 - nu))
+        return self._free.normal(alpha) - held
 
     def base_normal(self, alpha: Floats) -> Floats:
         """Normal traction on the base per normal traction."""
