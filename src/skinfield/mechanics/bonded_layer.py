@@ -7,19 +7,16 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.errors import Floats, check_positive, check_range, check_shape
-from skinfield.mechanics.cells import integrate_over_cell
+from skinfield.mechanics.cells import Kernel, integrate_over_cell, integrate_with_pole
 from skinfield.mechanics.elastomer import Layer
 from skinfield.mechanics.love import inverse_distance_integrals
-from skinfield.mechanics.pads import mean_inverse_distance
+from skinfield.mechanics.pads import mean_inverse, mean_inverse_distance
 from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
 from skinfield.mechanics.transfer import CoveredTransfer, LayerTransfer
 
-REACH = 32.0  # thicknesses; the slowest kernel falls as exp(-0.83 r/h), to 1e-12 here
+REACH = 32.0  # thicknesses; the slowest kernel falls as exp(-0.739 r/h), to 1e-12 here
 SLOW_CUTOFF = 46.0  # transforms that fall as exp(-alpha)
 FAST_CUTOFF = 26.0  # transforms that fall as exp(-2 alpha)
-
-
-Kernel = Callable[[Floats, Floats], Floats]
 
 
 @lru_cache(maxsize=64)
@@ -36,7 +33,8 @@ def _table(
         value = value * alpha if on_base else value
         return np.asarray(value * electrostatic(alpha) if smooth else value)
 
-    return RadialKernel(transform, order, SLOW_CUTOFF if on_base or smooth else FAST_CUTOFF, REACH)
+    cutoff = SLOW_CUTOFF if on_base or smooth else FAST_CUTOFF
+    return RadialKernel(transform, order, cutoff, REACH + pad, pad)
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ class BondedLayer:
     inextensible_cover: bool = False
 
     def reach(self, layer: Layer) -> float:
-        """Distance in m beyond which every response is below 1e-12 of its peak."""
+        """Distance in m, from pad to cell, beyond which responses are below 1e-12 of their peak."""
         return REACH * layer.thickness
 
     def base_stress(
@@ -87,7 +85,7 @@ class BondedLayer:
         """
         offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
         kernel = self._kernel(layer, "base_normal", 0, pad)
-        return self._smooth(lambda x, y: kernel(np.hypot(x, y)), offset, cell)
+        return _integrate(lambda x, y: kernel(np.hypot(x, y)), offset, cell, pad)
 
     def base_traction(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
@@ -110,7 +108,7 @@ class BondedLayer:
                 one, zero = -shear_from_normal(rho), np.zeros(np.shape(rho))
                 return _tensor([zero, zero, zero, zero, x * one, y * one, zero, zero, normal(rho)])
 
-            return self._smooth_tensor(covered, offset, cell)
+            return _matrix(_integrate(covered, offset, cell, pad))
         shear = self._in_plane(layer, ("base_shear", 1.0), ("base_antiplane", 1.0), pad)
         normal_from_shear = self._kernel(layer, "base_normal_from_shear", 1, pad)
 
@@ -120,7 +118,7 @@ class BondedLayer:
             down, up = -shear_from_normal(rho), normal_from_shear(rho)
             return _tensor([xx, xy, xy, yy, x * down, y * down, x * up, y * up, normal(rho)])
 
-        return self._smooth_tensor(kernel, offset, cell)
+        return _matrix(_integrate(kernel, offset, cell, pad))
 
     def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
         """Displacement of the surface under a unit traction on one cell.
@@ -135,47 +133,22 @@ class BondedLayer:
         (N, 3, 3) array, m/Pa
             [n, i, j]: component i per component j; symmetric under exchange of source and point.
         """
-        nu = layer.poisson_ratio
-        scale = layer.thickness / layer.young_modulus
-        offset, cell, _ = _scaled(layer, offset, cell, 0.0)
-        inside = np.hypot(offset[:, 0], offset[:, 1]) <= REACH
-        normal = self._kernel(layer, "normal_rest", 0)
-        one, xx, xy, yy, x1, y1 = inverse_distance_integrals(offset, cell)
-        plane_strain = (1 - nu**2) / np.pi
         if self.inextensible_cover:
-            rest = self._smooth(lambda x, y: normal(np.hypot(x, y)), offset, cell)
             out = np.zeros((len(offset), 3, 3))
-            factor = CoveredTransfer(nu).half_space_factor
-            out[:, 2, 2] = plane_strain * factor * one + 2 * (1 - nu**2) * rest
-            return out * (inside * scale)[:, None, None]
-        half = (1 + nu) / np.pi
-        down = -(1 + nu) * (1 - 2 * nu) / (2 * np.pi)
-        entries = [
-            half * ((1 - nu) * one + nu * xx),
-            half * nu * xy,
-            half * nu * xy,
-            half * ((1 - nu) * one + nu * yy),
-            -down * x1,
-            -down * y1,
-            down * x1,
-            down * y1,
-            plane_strain * one,
-        ]
-        along, across_k = 2 * (1 - nu**2), 2 * (1 + nu)
-        shear = self._in_plane(layer, ("tangential_rest", along), ("antiplane_rest", across_k))
-        coupling = self._kernel(layer, "coupling_rest", 1)
-
-        def kernel(x: Floats, y: Floats) -> Floats:
-            rho = np.hypot(x, y)
-            sxx, sxy, syy = shear(x, y, rho)
-            across = (1 + nu) * coupling(rho)
-            deep = 2 * (1 - nu**2) * normal(rho)
-            return _tensor(
-                [sxx, sxy, sxy, syy, -x * across, -y * across, x * across, y * across, deep]
-            )
-
-        total = _matrix(np.stack(entries)) + self._smooth_tensor(kernel, offset, cell)
-        return np.asarray(total * (inside * scale)[:, None, None])
+            out[:, 2, 2] = self.indentation(layer, offset, cell)
+            return out
+        nu = float(layer.poisson_ratio)
+        offset, cell, _ = _scaled(layer, offset, cell, 0.0)
+        total = integrate_with_pole(
+            self._displacement_rest(layer),
+            lambda x, y: _half_space(nu, *_inverse_distances(x, y)),
+            lambda place, side: _half_space(nu, *inverse_distance_integrals(place, side)),
+            offset,
+            cell,
+            depth=1.0,
+            reach=REACH,
+        )
+        return _matrix(total) * (layer.thickness / layer.young_modulus)
 
     def indentation(
         self,
@@ -199,23 +172,43 @@ class BondedLayer:
         (N,) array, m/Pa
         """
         nu = layer.poisson_ratio
-        scale = layer.thickness / layer.young_modulus
+        scale = 2 * (1 - nu**2) * layer.thickness / layer.young_modulus
         offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        name = "normal" if electrostatic else "normal_rest"
+        kernel = self._kernel(layer, name, 0, pad, smooth=electrostatic)
+        smooth: Kernel = lambda x, y: kernel(np.hypot(x, y))  # noqa: E731
         if electrostatic:
-            whole = self._kernel(layer, "normal", 0, pad, smooth=True)
-            smoothed = self._smooth(lambda x, y: whole(np.hypot(x, y)), offset, cell)
-            return 2 * (1 - nu**2) * scale * smoothed
-        inside = np.hypot(offset[:, 0], offset[:, 1]) <= REACH
-        rest = self._kernel(layer, "normal_rest", 0, pad)
-        factor = CoveredTransfer(nu).half_space_factor if self.inextensible_cover else 1.0
-        leading = (
-            mean_inverse_distance(offset, cell, pad)
-            if pad > 0.0
-            else inverse_distance_integrals(offset, cell)[0]
+            return scale * _integrate(smooth, offset, cell, pad)
+        limit = CoveredTransfer(nu).half_space_factor if self.inextensible_cover else 1.0
+        factor = limit / (2 * np.pi)
+        total = integrate_with_pole(
+            smooth,
+            lambda x, y: factor * mean_inverse(np.hypot(x, y), pad),
+            lambda place, side: factor * mean_inverse_distance(place, side, pad),
+            offset,
+            cell,
+            depth=1.0,
+            reach=REACH + pad,
+            rim=pad,
         )
-        smooth = self._smooth(lambda x, y: rest(np.hypot(x, y)), offset, cell)
-        total = (1 - nu**2) * (factor * leading / np.pi + 2 * smooth)
-        return np.asarray(total * inside * scale)
+        return scale * total
+
+    def _displacement_rest(self, layer: Layer) -> Kernel:
+        """The layer's displacement less the half-space's, smooth: entries as in `_tensor`."""
+        nu = layer.poisson_ratio
+        along, across_k = 2 * (1 - nu**2), 2 * (1 + nu)
+        shear = self._in_plane(layer, ("tangential_rest", along), ("antiplane_rest", across_k))
+        normal = self._kernel(layer, "normal_rest", 0)
+        coupling = self._kernel(layer, "coupling_rest", 1)
+
+        def kernel(x: Floats, y: Floats) -> Floats:
+            rho = np.hypot(x, y)
+            xx, xy, yy = shear(x, y, rho)
+            across = (1 + nu) * coupling(rho)
+            deep = 2 * (1 - nu**2) * normal(rho)
+            return _tensor([xx, xy, xy, yy, -x * across, -y * across, x * across, y * across, deep])
+
+        return kernel
 
     def _kernel(
         self, layer: Layer, name: str, order: int, pad: float = 0.0, smooth: bool = False
@@ -242,13 +235,34 @@ class BondedLayer:
 
         return tensor
 
-    @staticmethod
-    def _smooth(function: "Kernel", offset: Floats, cell: float) -> Floats:
-        return integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH)
 
-    @staticmethod
-    def _smooth_tensor(function: "Kernel", offset: Floats, cell: float) -> Floats:
-        return _matrix(integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH))
+def _integrate(function: Kernel, offset: Floats, cell: float, pad: float) -> Floats:
+    return integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH + pad)
+
+
+def _inverse_distances(x: Floats, y: Floats) -> tuple[Floats, ...]:
+    """The integrands of `inverse_distance_integrals`."""
+    square = x**2 + y**2
+    one = 1 / np.sqrt(square)
+    return (
+        one,
+        x**2 / square * one,
+        x * y / square * one,
+        y**2 / square * one,
+        x / square,
+        y / square,
+    )
+
+
+def _half_space(
+    nu: float, one: Floats, xx: Floats, xy: Floats, yy: Floats, x: Floats, y: Floats
+) -> Floats:
+    """Displacement of the half-space's surface (Boussinesq, Cerruti), E = 1: as in `_tensor`."""
+    half = (1 + nu) / np.pi
+    up = half * (1 - 2 * nu) / 2
+    first = [half * ((1 - nu) * one + nu * xx), half * nu * xy]
+    second = [half * nu * xy, half * ((1 - nu) * one + nu * yy)]
+    return _tensor([*first, *second, up * x, up * y, -up * x, -up * y, half * (1 - nu) * one])
 
 
 def _scaled(

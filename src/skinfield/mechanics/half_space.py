@@ -269,7 +269,7 @@ def _averaged(transform: Radial, closed: Radial, pad: float, spread: float) -> P
     def smoothed(alpha: Floats) -> Floats:
         return np.asarray(transform(alpha) * jinc(alpha, pad) / (2.0 * np.pi))
 
-    return PadKernel(RadialKernel(smoothed, 0, CUTOFF, NEAR + 4.0 * pad), closed, spread)
+    return PadKernel(RadialKernel(smoothed, 0, CUTOFF, NEAR + 4.0 * pad, pad), closed, spread)
 
 
 def _disc_rule(radius: float) -> tuple[Floats, Floats]:

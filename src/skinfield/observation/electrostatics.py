@@ -134,4 +134,5 @@ def _pad_kernel(radius: float) -> RadialKernel:
         order=0,
         cutoff=46.0,
         reach=REACH + radius,
+        width=radius,
     )
