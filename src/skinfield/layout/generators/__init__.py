@@ -1,6 +1,7 @@
 """Patches from numbers: the paper's hexagon, triangular modules, arrays, cylinders, spheres."""
 
 from skinfield.layout.generators.names import by_name as by_name
+from skinfield.layout.generators.names import known as known
 from skinfield.layout.generators.sheets import cylinder as cylinder
 from skinfield.layout.generators.sheets import rectangular as rectangular
 from skinfield.layout.generators.sheets import sphere_cap as sphere_cap
