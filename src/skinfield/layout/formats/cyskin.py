@@ -45,7 +45,7 @@ def parse(path: Path) -> Content:
     try:
         tree = json.loads(read_bytes(path).decode("utf-8", "replace"))
     except (ValueError, RecursionError) as error:
-        raise FileError(f"{path}: no JSON: {error}, expected {EXPECTED}") from error
+        raise FileError(f"{path}: no JSON: {str(error)[:200]}, expected {EXPECTED}") from error
     tree = _object(path, "the file", tree)
     info = _object(path, "info", tree.get("info", {}))
     findings = []

@@ -49,9 +49,8 @@ def parse(path: Path) -> Content:
         When a row has no six numbers, with its line, or no taxel is left.
     """
     lines = read_lines(path)
-    start = next(
-        (i for i, line in enumerate(lines) if line.strip().lower() == "[calibration]"), len(lines)
-    )
+    heads = (i for i, line in enumerate(lines) if line.strip().lower().startswith("[calibration]"))
+    start = next(heads, len(lines))
     header = "\n".join(re.split("//|#", line)[0] for line in lines[:start])
     rows = [
         numbers(path, i + 1, _words(path, i + 1, lines[i]), ROW)

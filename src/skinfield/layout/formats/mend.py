@@ -18,6 +18,7 @@ from skinfield.layout.patch import Patch
 from skinfield.layout.skin import Skin
 
 COARSEST = 0.5  # m between taxels: no skin has that, so the file is in millimetres
+LARGEST = 1e6  # of a coordinate, m: a micrometre read as a metre stays below
 USUAL_PAD = 4e-3  # m, of the boards of CySkin and iCub
 
 Step = Callable[[Draft], tuple[Draft, list[Finding]]]
@@ -34,6 +35,7 @@ def mend(content: Content) -> tuple[Skin, tuple[Finding, ...]]:
     findings, patches = list(content.findings), []
     try:
         for draft in content.drafts:
+            _check_size(draft)
             for step in (_millimetres, _uids, _repeats, _lonely, _pads, mend_normals):
                 draft, found = step(draft)
                 findings += found
@@ -45,6 +47,20 @@ def mend(content: Content) -> tuple[Skin, tuple[Finding, ...]]:
         raise
     except InputError as error:
         raise FileError(f"{content.path}: {error}") from error
+
+
+def _check_size(draft: Draft) -> None:
+    """Refuse numbers that no skin has, before anything is computed with them."""
+    for name, array in (("position", draft.positions), ("normal", draft.normals)):
+        if array is None:
+            continue
+        wrong = np.argwhere(~(np.abs(array) < LARGEST))
+        if len(wrong):
+            row, column = wrong[0].tolist()
+            raise InputError(
+                f"{draft.name}: {name} of row {draft.rows[row]} is {array[row, column]}, expected "
+                f"numbers below {LARGEST:g}"
+            )
 
 
 def _patch(draft: Draft) -> Patch:

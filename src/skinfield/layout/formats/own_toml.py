@@ -39,7 +39,7 @@ def parse(path: Path) -> Content:
         # exact decimals: 4.75 mm is 0.00475 m, not its neighbour
         table = tomllib.loads(read_bytes(path).decode("utf-8"), parse_float=Decimal)
     except (ValueError, RecursionError, ArithmeticError) as error:
-        raise FileError(f"{path}: no TOML: {error}, expected {EXPECTED}") from error
+        raise FileError(f"{path}: no TOML: {str(error)[:200]}, expected {EXPECTED}") from error
     version = table.pop("skinfield_layout", None)
     if version != VERSION:
         raise FileError(

@@ -101,7 +101,8 @@ def _header(lines: list[str], key: str) -> list[str]:
 
 
 def _sensor_lines(lines: list[str]) -> list[tuple[int, str]]:
-    start = next(i for i, line in enumerate(lines) if line.strip().upper() == "[SENSORS]")
+    heads = (i for i, line in enumerate(lines) if line.strip().upper().startswith("[SENSORS]"))
+    start = next(heads, len(lines))
     rows = []
     for number, line in enumerate(lines[start + 1 :], start + 2):
         text = re.split("#|//", line)[0].strip()
