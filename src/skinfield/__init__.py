@@ -15,6 +15,7 @@ from skinfield.layout import generators
 from skinfield.layout import load_layout as load_layout
 from skinfield.layout import save_layout as save_layout
 from skinfield.mechanics import BondedLayer as BondedLayer
+from skinfield.mechanics import HalfSpace as HalfSpace
 from skinfield.mechanics import Layer as Layer
 from skinfield.observation import BaseStress as BaseStress
 from skinfield.observation import Capacitance as Capacitance
