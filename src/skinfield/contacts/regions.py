@@ -1,19 +1,12 @@
 """Peaks of a field and the region that belongs to each."""
 
-from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-
-
-@dataclass
-class _Hill:
-    """A peak and the cells that drain to it while the water falls."""
-
-    peak: int
-    cells: list[int]
 
 
 def regions(
@@ -37,44 +30,52 @@ def regions(
     list of int arrays
         Flat cells of each region, by falling peak.
     """
-    rows, columns = values.shape
-    flat, drop = values.ravel(), least_drop.ravel()
-    order = np.flatnonzero(flat > floor.ravel())
-    order = order[np.argsort(-flat[order], kind="stable")]
-    owner: dict[int, _Hill] = {}
-    hills: list[_Hill] = []
-    for cell in order.tolist():
-        around = _distinct([owner[n] for n in _neighbours(cell, rows, columns) if n in owner])
-        if not around:
-            hill = _Hill(cell, [cell])
-            hills.append(hill)
-        else:
-            around.sort(key=lambda h: -flat[h.peak])
-            hill = around[0]
-            hill.cells.append(cell)
-            for lower in around[1:]:
-                if flat[lower.peak] - flat[cell] < drop[lower.peak]:
-                    for member in lower.cells:
-                        owner[member] = hill
-                    hill.cells += lower.cells
-                    hills = [kept for kept in hills if kept is not lower]
-        owner[cell] = hill
-    found = [np.sort(np.array(hill.cells)) for hill in hills]
-    return [cells[flat[cells] >= edge * flat[cells].max()] for cells in found]
+    flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
+    above = np.flatnonzero(flat > floor.ravel())
+    order = above[np.argsort(-flat[above], kind="stable")]
+    peaks = _compiled()(flat, np.ascontiguousarray(least_drop.ravel()), order, values.shape[1])
+    kept = order[flat[order] >= edge * flat[peaks[order]]]
+    owners = peaks[kept]
+    return [np.sort(kept[owners == peak]) for peak in order[peaks[order] == order]]
 
 
-def _distinct(hills: list[_Hill]) -> list[_Hill]:
-    return list({id(hill): hill for hill in hills}.values())
+def _flood(
+    flat: Floats, least_drop: Floats, order: NDArray[np.int64], columns: int
+) -> NDArray[np.int64]:
+    """Cell of the peak that each cell belongs to, -1 for the cells that are not in `order`."""
+    parent = np.full(len(flat), -1, dtype=np.int64)
+    rows = len(flat) // columns
+    for cell in order:
+        row, column = cell // columns, cell % columns
+        best = -1
+        for step in range(9):
+            r, c = row + step // 3 - 1, column + step % 3 - 1
+            if step == 4 or r < 0 or r >= rows or c < 0 or c >= columns:
+                continue
+            other = r * columns + c
+            if parent[other] < 0:
+                continue
+            while parent[other] != other:
+                other = parent[other]
+            if best < 0:
+                best = other
+            elif other != best:
+                higher, lower = (best, other) if flat[best] >= flat[other] else (other, best)
+                best = higher
+                if flat[lower] - flat[cell] < least_drop[lower]:
+                    parent[lower] = higher
+        parent[cell] = cell if best < 0 else best
+    for cell in order:  # from the top: a parent is always final before its children
+        parent[cell] = parent[parent[cell]]
+    return parent
 
 
-def _neighbours(cell: int, rows: int, columns: int) -> list[int]:
-    row, column = divmod(cell, columns)
-    return [
-        r * columns + c
-        for r in range(max(row - 1, 0), min(row + 2, rows))
-        for c in range(max(column - 1, 0), min(column + 2, columns))
-        if (r, c) != (row, column)
-    ]
+@lru_cache(maxsize=1)
+def _compiled() -> Any:
+    """`_flood` as machine code: it runs per reading, over every cell above the floor."""
+    from numba import njit
+
+    return njit(cache=True, nogil=True)(_flood)
 
 
 def border(cells: NDArray[np.int64], shape: tuple[int, int]) -> Floats:

@@ -38,7 +38,7 @@ class GaussianField:
     skin is nearly blind, it says so.
     """
 
-    snr: float = 30.0
+    snr: float = 10.0
     length_scale: float | None = None
 
     def __post_init__(self) -> None:

@@ -22,7 +22,7 @@ from skinfield.mechanics import Layer, Mechanics, indentation_kernel
 from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
 
 STEPS = 10  # samples of the surface per thickness
-MARGIN = 3.0  # thicknesses of surface kept around the grid: S falls as exp(-pi r/h)
+MARGIN = 4.0  # thicknesses of surface around pads and grid: S falls as exp(-pi r/h)
 REACH = 9.0  # thicknesses beyond which S is below 1e-11
 
 
@@ -53,26 +53,31 @@ class GapStrain:
             )
 
 
-def gap_strain(mechanics: Mechanics, layer: Layer, grid: Grid, pressure: Floats) -> GapStrain:
-    """Indentation under a pressure (K,) Pa on the cells of a grid, finely sampled."""
+def gap_strain(
+    mechanics: Mechanics, layer: Layer, grid: Grid, pressure: Floats, around: Floats
+) -> GapStrain:
+    """Indentation under a pressure (K,) Pa on the cells of a grid, finely sampled.
+
+    The mesh covers the grid and the points `around` (N, 2) m of the plane, with a margin.
+    """
     from scipy.signal import fftconvolve
 
     h = layer.thickness
     split = max(int(np.ceil(grid.pitch / (h / STEPS))), 1)
     step = grid.pitch / split
-    border = int(np.ceil(MARGIN * h / step))
-    rows, columns = grid.shape
-    dense = np.zeros((rows * split, columns * split))  # cells carry one impulse at their centre
+    rows, columns = (n * split for n in grid.shape)
+    dense = np.zeros((rows, columns))  # cells carry one impulse at their centre
     dense[::split, ::split] = pressure.reshape(grid.shape)
-    half = np.array([rows * split, columns * split]) + border
-    kernel = indentation_kernel(mechanics, layer, grid.pitch, step, int(half[0]), int(half[1]))
+    far = np.concatenate([grid.plane[[0, -1]], around])
+    before = np.ceil((grid.origin - far.min(axis=0) + MARGIN * h) / step).astype(int)
+    beyond = far.max(axis=0) - grid.plane[-1] + MARGIN * h + grid.pitch
+    after = np.ceil(beyond / step).astype(int)
+    half_columns, half_rows = (np.maximum(before, after) + (columns, rows)).tolist()
+    kernel = indentation_kernel(mechanics, layer, grid.pitch, step, half_rows, half_columns)
     full = fftconvolve(dense, kernel, mode="full")
-    first = half - border
-    window = full[
-        first[0] : first[0] + rows * split + 2 * border,
-        first[1] : first[1] + columns * split + 2 * border,
-    ]
-    return GapStrain(window / h, grid.origin - border * step, step)
+    top, left = half_rows - before[1], half_columns - before[0]
+    window = full[top : half_rows + rows + after[1], left : half_columns + columns + after[0]]
+    return GapStrain(window / h, grid.origin - before * step, step)
 
 
 def capacitance_change(
@@ -88,7 +93,7 @@ def capacitance_change(
         Of the series in the strain.
     """
     charge = charge_series(strain, thickness, order)
-    reach = min(REACH, 1e6) * thickness + pad_diameter / 2
+    reach = REACH * thickness + pad_diameter / 2
     kernel = _pad_kernel(round(pad_diameter / 2 / thickness, 12))
     rows, columns = charge.shape
     x = strain.origin[0] + np.arange(columns) * strain.step

@@ -173,6 +173,6 @@ class Capacitance:
         """
         from skinfield.observation.electrostatics import capacitance_change, gap_strain
 
-        strain = gap_strain(mechanics, layer, grid, pressure)
+        strain = gap_strain(mechanics, layer, grid, pressure, around=taxels)
         pad = pad_diameter if self.pad_averaged else 0.0
         return capacitance_change(strain, layer.thickness, taxels, pad, self.order)

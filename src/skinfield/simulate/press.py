@@ -80,7 +80,7 @@ class Press:
     def capacitance(self, positions: ArrayLike, pad_diameter: float, order: int = 3) -> Floats:
         """ΔC/C₀ (L,) of pads at (L, 2) or (L, 3) m, with the series to the given order."""
         taxels = as_floats("positions", positions)[:, :2]
-        strain = gap_strain(self.mechanics, self.layer, self.grid, self.pressure)
+        strain = gap_strain(self.mechanics, self.layer, self.grid, self.pressure, taxels)
         return capacitance_change(strain, self.layer.thickness, taxels, pad_diameter, order)
 
     def readings(self, positions: ArrayLike, pad_diameter: float, quantity: str) -> Floats:
