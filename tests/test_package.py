@@ -1,0 +1,136 @@
+"""The package as it is handed out, and the script that sets a fresh clone up."""
+
+import ast
+import importlib.metadata
+import importlib.util
+import inspect
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+import skinfield
+
+ROOT = Path(__file__).resolve().parents[1]
+PUBLIC = [name for name in vars(skinfield) if not name.startswith("_")]
+
+
+def test_types_are_shipped() -> None:
+    assert (Path(skinfield.__file__).parent / "py.typed").is_file()
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_names_are_explained(name: str) -> None:
+    thing = getattr(skinfield, name)
+    assert inspect.isroutine(thing) or inspect.isclass(thing) or inspect.ismodule(thing)
+    said = inspect.getdoc(thing) or ""
+    assert said, f"skinfield.{name} has no docstring"
+    assert not said.startswith(f"{name}("), f"skinfield.{name} has only the text of its dataclass"
+
+
+def test_core_needs_no_extra() -> None:
+    needed = importlib.metadata.requires("skinfield") or []
+    core = {line.split(">")[0] for line in needed if "extra ==" not in line}
+    assert core <= {"numpy", "scipy", "numba", "click", "rich", "matplotlib"}
+
+
+@pytest.fixture
+def dev(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> types.ModuleType:
+    """dev.py of a clone in a folder of its own, whose pip writes down what it would install."""
+    (tmp_path / "dev.py").write_bytes((ROOT / "dev.py").read_bytes())
+    (tmp_path / "pyproject.toml").write_text("first")
+    spec = importlib.util.spec_from_file_location("dev", tmp_path / "dev.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    module.installed, module.outcomes = [], iter([])  # outcomes: of the next calls of pip
+    monkeypatch.setattr(module, "find_spec", lambda name: None)  # no ensurepip: quick to make
+    monkeypatch.setattr(module, "find_pip", lambda: ["pip"])
+
+    def install(pip: list[str], what: str) -> int:
+        outcome = next(module.outcomes, 0)
+        if isinstance(outcome, BaseException):
+            raise outcome
+        module.installed += [] if outcome else [what]
+        (module.BIN / "tool").touch()
+        return outcome
+
+    monkeypatch.setattr(module, "install", install)
+    return module
+
+
+def test_set_up_installs_once_and_only_what_is_missing(dev: types.ModuleType) -> None:
+    for what in (".", ".", ".[test]", ".", ".[test]"):
+        dev.set_up(what)
+    assert dev.installed == [".", ".[test]"]
+    (dev.ROOT / "pyproject.toml").write_text("second")
+    dev.set_up(".")
+    dev.set_up(".")
+    assert dev.installed == [".", ".[test]", "."]
+
+
+@pytest.mark.parametrize("lost", ["tool", "python"])
+def test_set_up_makes_a_broken_environment_anew(dev: types.ModuleType, lost: str) -> None:
+    dev.set_up(".")
+    (dev.BIN / lost).unlink()
+    (dev.VENV / "old").touch()
+    dev.set_up(".")
+    assert dev.installed == [".", "."]
+    assert (dev.BIN / lost).exists()
+    assert not (dev.VENV / "old").exists()
+
+
+def test_set_up_makes_an_interrupted_environment_anew(dev: types.ModuleType) -> None:
+    dev.outcomes = iter([KeyboardInterrupt()])
+    with pytest.raises(KeyboardInterrupt):
+        dev.set_up(".")
+    (dev.VENV / "old").touch()
+    dev.set_up(".")
+    assert not (dev.VENV / "old").exists()
+
+
+def test_a_failing_pip_leaves_what_was_there(dev: types.ModuleType) -> None:
+    dev.set_up(".")
+    dev.outcomes = iter([7])
+    with pytest.raises(SystemExit, match="status 7"):
+        dev.set_up(".[lint]")
+    dev.set_up(".")
+    assert dev.installed == ["."]
+
+
+def test_an_environment_of_ones_own_is_used_as_it_is(dev: types.ModuleType) -> None:
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(dev.VENV)], check=True)
+    (dev.VENV / "mine").touch()
+    dev.set_up(".")
+    assert (dev.VENV / "mine").exists()
+
+
+def test_an_old_python_is_told_what_is_needed(
+    dev: types.ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dev.sys, "version_info", (3, 10, 4, "final", 0))
+    with pytest.raises(SystemExit, match=r"Python 3\.10\.4, expected 3\.11 or newer"):
+        dev.main("demo")
+    ast.parse((ROOT / "dev.py").read_text(), feature_version=(3, 8))  # it gets as far as that
+
+
+def test_no_pip_names_the_package_to_install(
+    dev: types.ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.undo()
+    monkeypatch.setattr(dev.shutil, "which", lambda name: None)
+    with pytest.raises(SystemExit, match="apt install python3-venv"):
+        dev.find_pip()
+
+
+def test_help_names_every_command(
+    dev: types.ModuleType, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert dev.main() == 0
+    said = capsys.readouterr().out
+    assert [name for name in dev.COMMANDS if f"dev.py {name}" not in said] == []
+    assert dev.main("tset") == 2
+    assert "'tset' is no command" in capsys.readouterr().out
