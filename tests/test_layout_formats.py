@@ -271,6 +271,20 @@ def test_written_faces_are_wound_with_the_normals(tmp_path: Path) -> None:
         assert (winding @ made.normals[0] > 0).all()
 
 
+def test_uids_that_no_cyskin_has_are_replaced(tmp_path: Path) -> None:
+    made = generators.hexagon72()  # numbered by rows, 0 and 16 would be temperatures
+    patch = Patch(made.positions, module=made.module)
+    lost = save_layout(patch, tmp_path / "a.json")
+    assert any("uids are replaced" in sentence for sentence in lost)
+    read = load_layout(tmp_path / "a.json")[0]
+    assert len(read) == 72
+    assert read.module.tolist() == patch.module.tolist()
+    big = generators.rectangular(rows=5, columns=5)  # more than 15 taxels on a module
+    assert any("has others" in sentence for sentence in save_layout(big, tmp_path / "a.json"))
+    uid = load_layout(tmp_path / "a.json")[0].uid
+    assert len(set(uid.tolist())) == 25
+
+
 def positions_text(rows: list[str], taxel2repr: str) -> str:
     return "\r\n".join(
         ["name r_foot", f"taxel2Repr ({taxel2repr})", "[calibration]", *rows, "", ""]

@@ -26,6 +26,7 @@ NAME = "cyskin"
 EXTENSIONS = (".json",)
 EXPECTED = "CySkin JSON (file_version 2) with 'skin' or 'tactile_maps'"
 
+SENSORS = 15  # of a module, besides its temperature: four bits of the uid
 HUGE = 1e12  # of a coordinate
 
 
@@ -83,10 +84,15 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         )
     patch = skin[0]
     lost = ["a CySkin file holds no pad diameters and no channels"]
-    if not np.array_equal(patch.module, _modules(patch.uid)):
+    uids = patch.uid
+    if (uids & np.uint64(15) == 0).any():
+        uids = _new_uids(patch)
+        lost.append(
+            "uids are replaced by module << 4 | sensor: some end in hexadecimal 0, which is the "
+            "temperature of a module"
+        )
+    if not np.array_equal(np.unique(patch.module, return_inverse=True)[1], _modules(uids)):
         lost.append("modules are read from the uids (uid >> 4), and the patch has others")
-    if (patch.uid & np.uint64(15) == 0).any():
-        lost.append("taxels whose uid ends in hexadecimal 0 are read as temperatures and left out")
     faces = _faces(patch)
     if not len(faces):
         lost.append("the patch could not be triangulated: the file has no faces")
@@ -105,7 +111,7 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         "taxels": [
             {"id": uid, "x": x, "n": n, "type": "pressure", "cut": 0}
             for uid, x, n in zip(
-                patch.uid.tolist(), patch.positions.tolist(), patch.normals.tolist(), strict=True
+                uids.tolist(), patch.positions.tolist(), patch.normals.tolist(), strict=True
             )
         ],
         "faces": faces.tolist(),
@@ -114,6 +120,17 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
     info |= {"application": "", "description": ""}
     write_bytes(path, json.dumps({"info": info, "skin": body}, indent=1).encode())
     return tuple(lost)
+
+
+def _new_uids(patch: Patch) -> NDArray[np.uint64]:
+    """Uids of sensors 1 to 15 of the patch's modules, or of new ones where these have more."""
+    row = np.unique(patch.module, return_inverse=True)[1]
+    if np.bincount(row).max() > SENSORS:
+        row = np.arange(len(patch)) // SENSORS
+    order = np.argsort(row, kind="stable")
+    sensor = np.empty(len(patch), np.int64)
+    sensor[order] = np.arange(len(patch)) - np.searchsorted(row[order], row[order])
+    return (row << 4 | sensor + 1).astype(np.uint64)
 
 
 def _faces(patch: Patch) -> Ints:

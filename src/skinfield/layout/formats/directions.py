@@ -11,7 +11,9 @@ from skinfield.layout.formats.draft import Draft
 from skinfield.layout.formats.text import many
 from skinfield.layout.normals import Facing, facing_from_positions
 
-TILT = np.cos(np.radians(30.0))  # a normal further off the plane of the neighbours is in doubt
+# One direction on all of a skin is a placeholder when the positions tell another one somewhere, by
+# more than they can be wrong.
+OFF_FLAT, OFF_CURVED = np.cos(np.radians([30.0, 10.0]))
 KEPT = "kept as stated"
 FROM_POSITIONS = (
     "they are taken from the positions, on the convex side or, where the skin does not bulge, "
@@ -68,7 +70,8 @@ def _is_placeholder(unit: Floats, facing: Facing) -> bool:
     """
     if np.abs(unit - unit[0]).max() > 1e-6:
         return False
-    return bool((np.abs(facing.normals @ unit[0]) < TILT).any())
+    least = OFF_FLAT if facing.is_flat else OFF_CURVED
+    return bool((np.abs(facing.normals @ unit[0]) < least).any())
 
 
 def _placeholder(draft: Draft, normal: Floats, facing: Facing) -> Finding:

