@@ -72,7 +72,8 @@ def gap_strain(
     before = np.ceil((grid.origin - far.min(axis=0) + MARGIN * h) / step).astype(int)
     beyond = far.max(axis=0) - grid.plane[-1] + MARGIN * h + grid.pitch
     after = np.ceil(beyond / step).astype(int)
-    half_columns, half_rows = (np.maximum(before, after) + (columns, rows)).tolist()
+    half_columns = columns + int(max(before[0], after[0]))
+    half_rows = rows + int(max(before[1], after[1]))
     kernel = indentation_kernel(mechanics, layer, grid.pitch, step, half_rows, half_columns)
     full = fftconvolve(dense, kernel, mode="full")
     top, left = half_rows - before[1], half_columns - before[0]
