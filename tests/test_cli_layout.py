@@ -14,7 +14,7 @@ from skinfield.cli import main
 from skinfield.cli.inputs import skin_from_text
 from skinfield.cli.main import COMMANDS
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch, generators, load_layout, save_layout
+from skinfield.layout import Patch, Skin, generators, load_layout, save_layout
 
 DOME = generators.sphere_cap()
 
@@ -100,6 +100,13 @@ def test_show_draws_flat_and_curved(tmp_path: Path, ending: str) -> None:
         assert f"wrote {out}" in result.stdout
         start = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[ending]
         assert out.read_bytes().startswith(start)
+
+
+@pytest.mark.parametrize("places", [[[0, 0, 0]], [[0, 0, 0], [0.01, 0, 0]], [[0, 0, 0]] * 4])
+def test_show_draws_the_smallest_patches(tmp_path: Path, places) -> None:
+    skin = Skin((Patch(places), Patch(DOME.positions, normals=DOME.normals, name="dome")))
+    save_layout(skin, tmp_path / "a.toml")
+    assert call("layout", "show", tmp_path / "a.toml", "-o", tmp_path / "a.png").exit_code == 0
 
 
 def test_info_and_generators() -> None:

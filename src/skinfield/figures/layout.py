@@ -180,7 +180,8 @@ def _draw_curved(figure: "Figure", corner: Floats, size: Floats, patch: Patch) -
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(high - low, zoom=0.86)
     axes.set(xlabel="x (mm)", ylabel="y (mm)", zlabel="z (mm)")
-    axes.locator_params(nbins=5)
+    for axis, share in zip("xyz", (high - low) / (high - low).max(), strict=True):
+        axes.locator_params(axis=axis, nbins=max(1, round(5 * share)))  # short sides overlap
     x, y = corner + size * [0.2 / WIDTH, 0.98]
     figure.text(x, y, patch.name, fontsize=10, fontweight="bold", va="top")
     note = f"{_note(patch)}, curved; lines are normals, pale faces away"
