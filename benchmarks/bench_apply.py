@@ -101,7 +101,8 @@ def main() -> None:
         print(
             f"| {nodes} x {nodes} | {paper * 1e3:.1f} ± {found['paper_std_s'] * 1e3:.1f} "
             f"| {prepared * 1e6:.1f} / {found['prepared_p99_s'] * 1e6:.1f} "
-            f"| {paper / prepared:.0f} | {found['bytes'] / 1e6:.2f} | {read * 1e6:.1f} | {prepared / read:.2f} |",
+            f"| {paper / prepared:.0f} | {found['bytes'] / 1e6:.2f} | {read * 1e6:.1f} "
+            f"| {prepared / read:.2f} |",
             flush=True,
         )
     if options.json:
