@@ -7,11 +7,16 @@ import inspect
 import subprocess
 import sys
 import types
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import skinfield
+from skinfield.inverse.operator import InverseOperator, propagated_std
+from skinfield.observation import ObservationModel
 
 ROOT = Path(__file__).resolve().parents[1]
 PUBLIC = [name for name in vars(skinfield) if not name.startswith("_")]
@@ -134,3 +139,22 @@ def test_help_names_every_command(
     assert [name for name in dev.COMMANDS if f"dev.py {name}" not in said] == []
     assert dev.main("tset") == 2
     assert "'tset' is no command" in capsys.readouterr().out
+
+
+def test_the_solver_that_contributing_shows_is_one() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    code = text.split("```python\n")[1].split("```")[0]
+    names: dict[str, Any] = {
+        "dataclass": dataclass,
+        "ObservationModel": ObservationModel,
+        "InverseOperator": InverseOperator,
+        "propagated_std": propagated_std,
+    }
+    exec(code, names)
+    patch = skinfield.layouts.rectangular(rows=5, columns=5)
+    grid = skinfield.Grid.square(patch, nodes=5)  # a node above every taxel
+    solver = names["Transpose"](gain=1e9)
+    reconstruct = skinfield.Reconstructor(
+        patch, grid=grid, solver=solver, quantity=skinfield.BaseStress()
+    )
+    assert reconstruct(np.eye(25)[7]).pressure.argmax() == 7
