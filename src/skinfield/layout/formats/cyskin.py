@@ -93,33 +93,27 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         )
     if not np.array_equal(np.unique(patch.module, return_inverse=True)[1], _modules(uids)):
         lost.append("modules are read from the uids (uid >> 4), and the patch has others")
-    faces = _faces(patch)
-    if not len(faces):
+    body = _body(patch, uids)
+    if not body["faces"]:
         lost.append("the patch could not be triangulated: the file has no faces")
-    body = {
-        "n_taxels": len(patch),
-        "n_faces": len(faces),
-        "parent_frames": [
-            {
-                "key": 0,
-                "id": 0,
-                "type": "",
-                "name": patch.link,
-                "tf_matrix": patch.link_from_patch.T.reshape(-1).tolist(),
-            }
-        ],
-        "taxels": [
-            {"id": uid, "x": x, "n": n, "type": "pressure", "cut": 0}
-            for uid, x, n in zip(
-                uids.tolist(), patch.positions.tolist(), patch.normals.tolist(), strict=True
-            )
-        ],
-        "faces": faces.tolist(),
-    }
     info = {"file_version": "2", "type": "rigid_body", "name": patch.name}
     info |= {"application": "", "description": ""}
     write_bytes(path, json.dumps({"info": info, "skin": body}, indent=1).encode())
     return tuple(lost)
+
+
+def _body(patch: Patch, uids: NDArray[np.uint64]) -> dict[str, Any]:
+    columns = zip(uids.tolist(), patch.positions.tolist(), patch.normals.tolist(), strict=True)
+    pose, faces = patch.link_from_patch.T.reshape(-1).tolist(), _faces(patch).tolist()
+    return {
+        "n_taxels": len(patch),
+        "n_faces": len(faces),
+        "parent_frames": [
+            {"key": 0, "id": 0, "type": "", "name": patch.link, "tf_matrix": pose},
+        ],
+        "taxels": [{"id": i, "x": x, "n": n, "type": "pressure", "cut": 0} for i, x, n in columns],
+        "faces": faces,
+    }
 
 
 def _new_uids(patch: Patch) -> NDArray[np.uint64]:

@@ -6,12 +6,12 @@ drawn from behind. A mirrored board faces away from the drawing's viewer, so its
 """
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError
+from skinfield.errors import FileError, check_positive
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Content, Draft
 from skinfield.layout.formats.text import integer, listed, many, numbers, read_lines, spoilt
@@ -25,8 +25,19 @@ LINE = "type number x y th gain mirror [layout]"
 MM = 1e-3
 BOARDS_PER_CARD = 16  # triangles on one address of the bus; `cardid` lists the port's addresses
 
-Placed = tuple[int, str, int, float, float, float, bool, bool]
-"""Line, type, number, x, y, angle (rad), mirrored, reversed."""
+
+@dataclass(frozen=True)
+class _Placed:
+    """One line of a drawing; the angle in rad."""
+
+    line: int
+    kind: str
+    number: int
+    x: float
+    y: float
+    angle: float
+    mirrored: bool
+    backwards: bool
 
 
 def sniff(data: bytes) -> bool:
@@ -49,36 +60,26 @@ def parse(path: Path, mm_per_unit: float | None = None) -> Content:
     FileError
         When a line cannot be read, or no triangle is left.
     """
+    if mm_per_unit is not None:
+        check_positive("mm_per_unit", mm_per_unit, "size of a drawing unit between boards")
     lines = read_lines(path)
-    part = " ".join(_header(lines, "robotPart")) or path.stem
-    port = BOARDS_PER_CARD * PADS * len(_header(lines, "cardid"))
-    placed, findings = [], []
-    for line, text in _sensor_lines(lines):
-        sensor = _sensor(path, line, text)
-        if sensor is not None:
-            placed.append(sensor)
-    placed, repeats = _once(placed)
-    others = [item for item in placed if item[1] not in BOARDS]
-    boards = [item for item in placed if item[1] in BOARDS]
-    if others:
-        named = sorted({item[1] for item in others})
-        lines_left = listed([item[0] for item in others])
-        text = (
-            f"{many(len(others), 'sensor')} of other types than triangles ({listed(named)}), whose "
-            f"pads do not lie in the drawing's plane; left out (lines {lines_left})"
-        )
-        findings.append(Finding("not-a-triangle", "warning", text))
+    placed, findings = _once([_sensor(path, line, text) for line, text in _sensor_lines(lines)])
+    boards = [item for item in placed if item.kind in BOARDS]
     if not boards:
         raise FileError(f"{path}: no triangle or triangle_10pad, expected one or more: {LINE}")
-    findings += repeats + _remarks(boards, mm_per_unit)
+    findings += _others([item for item in placed if item.kind not in BOARDS])
+    findings += _remarks(boards, mm_per_unit)
+    part = " ".join(_header(lines, "robotPart")) or path.stem
+    port = BOARDS_PER_CARD * PADS * len(_header(lines, "cardid"))
+    first = boards[0].mirrored
     drafts = [
         replace(
             _draft(group, mirrored, mm_per_unit),
-            name=part if mirrored == boards[0][6] else f"{part}_other_side",
-            n_channels=max(port, PADS * (max(item[2] for item in boards) + 1)),
+            name=part if mirrored == first else f"{part}_other_side",
+            n_channels=max(port, PADS * (max(item.number for item in boards) + 1)),
         )
-        for mirrored in (boards[0][6], not boards[0][6])
-        if (group := [item for item in boards if item[6] == mirrored])
+        for mirrored in (first, not first)
+        if (group := [item for item in boards if item.mirrored == mirrored])
     ]
     return Content(path, path.stem, tuple(drafts), tuple(findings))
 
@@ -113,7 +114,7 @@ def _sensor_lines(lines: list[str]) -> list[tuple[int, str]]:
     return rows
 
 
-def _sensor(path: Path, line: int, text: str) -> Placed | None:
+def _sensor(path: Path, line: int, text: str) -> _Placed:
     words = text.split()
     if not 5 <= len(words) <= 8:
         raise spoilt(path, line, text, LINE)
@@ -124,28 +125,40 @@ def _sensor(path: Path, line: int, text: str) -> Placed | None:
     x, y, angle, _, mirror, layout = [*values, *[0.0] * (6 - len(values))]
     if mirror not in (0.0, 1.0) or layout not in (0.0, 1.0):
         raise spoilt(path, line, text, "mirror 0 or 1, and layout 0 or 1")
-    return line, words[0], number, x, y, float(np.radians(angle)), mirror == 1.0, layout == 1.0
+    turn = float(np.radians(angle))
+    return _Placed(line, words[0], number, x, y, turn, mirror == 1.0, layout == 1.0)
 
 
-def _once(placed: list[Placed]) -> tuple[list[Placed], list[Finding]]:
+def _others(others: list[_Placed]) -> list[Finding]:
+    if not others:
+        return []
+    kinds, at = listed(sorted({item.kind for item in others})), listed([o.line for o in others])
+    text = (
+        f"{many(len(others), 'sensor')} of other types than triangles ({kinds}), whose pads do "
+        f"not lie in the drawing's plane; left out (lines {at})"
+    )
+    return [Finding("not-a-triangle", "warning", text)]
+
+
+def _once(placed: list[_Placed]) -> tuple[list[_Placed], list[Finding]]:
     """Sensors without the later ones of a number that was used, as skinGui does."""
-    first: dict[int, Placed] = {}
+    first: dict[int, _Placed] = {}
     again = []
     for item in placed:
-        if first.setdefault(item[2], item) is not item:
+        if first.setdefault(item.number, item) is not item:
             again.append(item)
     if not again:
         return placed, []
     text = (
-        f"boards {listed(sorted({item[2] for item in again}))} are placed more than once "
-        f"(lines {listed([item[0] for item in again])}): one board has one set of channels; "
+        f"boards {listed(sorted({item.number for item in again}))} are placed more than once "
+        f"(lines {listed([item.line for item in again])}): one board has one set of channels; "
         "the first place is taken, as skinGui does"
     )
     return list(first.values()), [Finding("repeated-triangle", "error", text)]
 
 
-def _remarks(boards: list[Placed], mm_per_unit: float | None) -> list[Finding]:
-    types = sorted({item[1] for item in boards})
+def _remarks(boards: list[_Placed], mm_per_unit: float | None) -> list[Finding]:
+    types = sorted({item.kind for item in boards})
     scales = [BOARDS[name].lattice if mm_per_unit is None else mm_per_unit for name in types]
     said = " and ".join(f"{s:g} mm ({n})" for n, s in zip(types, scales, strict=True))
     text = (
@@ -153,26 +166,27 @@ def _remarks(boards: list[Placed], mm_per_unit: float | None) -> list[Finding]:
         "they are built with; a drawing is flat, whatever the part is"
     )
     findings = [Finding("drawing-units", "info", text)]
-    if len({item[6] for item in boards}) > 1:
+    if len({item.mirrored for item in boards}) > 1:
         text = (
             "some boards are drawn from behind (mirror 1) and some from the front: they face "
             "opposite ways, and become two patches"
         )
         findings.append(Finding("two-sides", "warning", text))
-    thermal = [2 * (item[1] == "triangle_10pad") for item in boards]
+    thermal = [2 * (item.kind == "triangle_10pad") for item in boards]
     if sum(thermal):
         text = f"{sum(thermal)} thermal pads (6 and 10 of each 10-pad board) are left out"
         findings.append(Finding("thermal", "info", text))
     return findings
 
 
-def _draft(boards: list[Placed], mirrored: bool, mm_per_unit: float | None) -> Draft:
+def _draft(boards: list[_Placed], mirrored: bool, mm_per_unit: float | None) -> Draft:
     places, channels = [], []
-    for _, kind, number, x, y, angle, _, backwards in boards:
-        board = BOARDS[kind]
+    for item in boards:
+        board = BOARDS[item.kind]
         scale = board.lattice if mm_per_unit is None else mm_per_unit
-        places.append(board.drawn(angle, mirrored) + scale * MM * np.array([x, y]))
-        channels.append(PADS * number + (PADS - 1 - board.pads if backwards else board.pads))
+        places.append(board.drawn(item.angle, mirrored) + scale * MM * np.array([item.x, item.y]))
+        pads = PADS - 1 - board.pads if item.backwards else board.pads
+        channels.append(PADS * item.number + pads)
     plane, channel = np.vstack(places), np.concatenate(channels)
     count = len(plane)
     return Draft(
@@ -182,5 +196,5 @@ def _draft(boards: list[Placed], mirrored: bool, mm_per_unit: float | None) -> D
         module=channel // PADS,
         uid=channel.astype(np.uint64),
         channel=channel,
-        pad_diameter=BOARDS[boards[0][1]].pad_diameter,
+        pad_diameter=BOARDS[boards[0].kind].pad_diameter,
     )

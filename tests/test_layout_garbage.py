@@ -1,0 +1,143 @@
+"""Broken layout files are read or refused in words; nothing else may happen."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from skinfield.errors import FileError, InputError
+from skinfield.layout import Skin, generators, load_layout, save_layout
+from skinfield.layout.formats import FORMATS
+from skinfield.layout.formats.lzf import decompress
+
+FUZZ = settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+CLOUD = """# .PCD v0.7 - Point Cloud Data file format
+VERSION 0.7
+FIELDS x y z rgb normal_x normal_y normal_z
+SIZE 4 4 4 4 4 4 4
+TYPE F F F U F F F
+COUNT 1 1 1 2 1 1 1
+WIDTH {points}
+HEIGHT 1
+POINTS {points}
+DATA {form}
+"""
+
+
+def cloud_columns() -> list[np.ndarray]:
+    patch = generators.icub_triangle()
+    rgb = np.arange(24, dtype="<u4").reshape(12, 2)
+    floats = [c.astype("<f4") for c in np.hstack([patch.positions, patch.normals]).T]
+    return [*floats[:3], rgb, *floats[3:]]
+
+
+def cloud(form: str) -> bytes:
+    columns = cloud_columns()
+    head = CLOUD.format(points=12, form=form).encode()
+    if form == "binary_compressed":  # every byte a literal of its own run of at most 32
+        flat = b"".join(column.tobytes() for column in columns)
+        runs = [flat[i : i + 32] for i in range(0, len(flat), 32)]
+        packed = b"".join(bytes([len(run) - 1]) + run for run in runs)
+        return head + np.array([len(packed), len(flat)], "<u4").tobytes() + packed
+    rows = [[c[i] for c in columns[:3]] + [*columns[3][i]] + [c[i] for c in columns[4:]]
+            for i in range(12)]  # fmt: skip
+    if form == "ascii":
+        return head + "\n".join(" ".join(map(str, row)) for row in rows).encode()
+    return head + b"".join(np.array(value).tobytes() for row in rows for value in row)
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary", "binary_compressed"])
+def test_clouds_of_every_packing(tmp_path: Path, form: str) -> None:
+    (tmp_path / "a.pcd").write_bytes(cloud(form))
+    patch = load_layout(tmp_path / "a.pcd")[0]
+    np.testing.assert_allclose(patch.positions, generators.icub_triangle().positions, atol=1e-9)
+    np.testing.assert_array_equal(patch.normals, [[0, 0, 1]] * 12)
+    (tmp_path / "a.pcd").write_bytes(cloud(form)[:-30])
+    with pytest.raises(FileError, match=r"a\.pcd.*(cut short|line)"):
+        load_layout(tmp_path / "a.pcd")
+
+
+def test_lzf_copies_may_overlap() -> None:
+    # three literals, then a copy of 7 from 3 back: abcabcabca
+    assert decompress(b"\x02abc" + bytes([(7 - 2) << 5 | 0, 2]), 10) == b"abcabcabca"
+    # a long copy: length 7 in the control byte, a further byte, plus 2
+    assert decompress(b"\x00a" + bytes([7 << 5, 20, 0]), 30) == b"a" * 30
+    for data in (b"\x02ab", b"\x00a" + bytes([1 << 5, 1]), b"\x00a" + bytes([7 << 5]), b""):
+        with pytest.raises(InputError, match="LZF"):
+            decompress(data, 4)
+
+
+@pytest.fixture(scope="module")
+def valid(tmp_path_factory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("valid")
+    files = {}
+    skin = Skin((generators.icub_triangle(),), name="a")
+    for form in FORMATS:
+        path = folder / f"{form.NAME}{form.EXTENSIONS[0]}"
+        save_layout(skin, path, form)
+        files[path.name] = path.read_bytes()
+    for kind in ("ascii", "binary_compressed"):
+        files[f"{kind}.pcd"] = cloud(kind)
+    return files
+
+
+def read_or_refuse(path: Path, data: bytes) -> None:
+    """Read a skin, or be refused in words that name the file: nothing else may happen."""
+    path.write_bytes(data)
+    with np.errstate(all="raise", under="ignore"):
+        for form in (None, *FORMATS):
+            said = ""
+            try:
+                if form is None:
+                    load_layout(path)
+                elif form.sniff(data):
+                    form.parse(path)
+            except FileError as error:
+                said = str(error)
+            assert not said or path.name in said
+            assert len(said) < 2000
+
+
+@FUZZ
+@given(data=st.data())
+def test_flipped_and_cut_files_are_read_or_refused(tmp_path: Path, valid, data) -> None:
+    name = data.draw(st.sampled_from(sorted(valid)))
+    changed = bytearray(valid[name])
+    for _ in range(data.draw(st.integers(0, 4))):
+        changed[data.draw(st.integers(0, len(changed) - 1))] = data.draw(st.integers(0, 255))
+    end = data.draw(st.one_of(st.just(len(changed)), st.integers(0, len(changed))))
+    read_or_refuse(tmp_path / name, bytes(changed[:end]))
+
+
+@FUZZ
+@given(data=st.data())
+def test_replaced_words_are_read_or_refused(tmp_path: Path, valid, data) -> None:
+    name = data.draw(st.sampled_from([n for n in sorted(valid) if not n.endswith((".npz",))]))
+    words = valid[name].split(b" ")
+    odd = [b"nan", b"-1", b"1e400", b"99999999999999999999999999", b"", b"[[", b"null", b"\xff",
+           b"0x10", b"1e18", b"1e300", b"-1e-300", b'"a"', b"{}", b"true", b"\n"]  # fmt: skip
+    for _ in range(data.draw(st.integers(1, 3))):
+        words[data.draw(st.integers(0, len(words) - 1))] = data.draw(st.sampled_from(odd))
+    read_or_refuse(tmp_path / name, b" ".join(words))
+
+
+STARTS = [
+    b"", b"skinfield_layout = 1\n", b"PK\x03\x04skinfield_layout", b'{"skin":', b"[calibration]\n",
+    b"[SENSORS]\n", b"VERSION 0.7\nFIELDS x y z\nDATA ascii\n", b"3 3\n0 0 0 0 0 1 0 0 1 0 0\n",
+    b"TAXEL 1\n",
+]  # fmt: skip
+
+
+@FUZZ
+@given(start=st.sampled_from(STARTS), rest=st.one_of(st.binary(), st.text().map(str.encode)))
+def test_random_files_are_read_or_refused(tmp_path: Path, start: bytes, rest: bytes) -> None:
+    read_or_refuse(tmp_path / "a.bin", start + rest)
+
+
+def test_deep_nesting_is_refused(tmp_path: Path) -> None:
+    read_or_refuse(tmp_path / "a.json", b'{"skin":' + b"[" * 100_000)
+    read_or_refuse(tmp_path / "a.toml", b"skinfield_layout = " + b"[" * 100_000)
