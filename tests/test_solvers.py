@@ -92,7 +92,7 @@ def test_gaussian_field_is_the_posterior_of_its_prior() -> None:
 def test_gaussian_field_doubts_what_no_taxel_sees() -> None:
     model = small_model(nodes=41)
     std = GaussianField(snr=100.0).prepare(model).pressure_std.reshape(41, 41)
-    assert std[20, 20] < 0.7 * std[15, 15]  # on the middle taxel; between four taxels
+    assert std[20, 20] < 0.8 * std[15, 15]  # on the middle taxel; between four taxels
 
 
 def test_smoothing_by_convolution_is_the_dense_product() -> None:
@@ -126,7 +126,7 @@ def test_a_matrix_that_cannot_be_inverted_is_refused() -> None:
     patch = square_patch(side=3)
     grid = Grid.square(patch, nodes=30)
     model = ObservationModel.of(patch, Layer(), grid, BondedLayer(), BaseStress(), 20.0)
-    with pytest.raises(InputError, match="condition .* pads wider than the grid's pitch"):
+    with pytest.raises(InputError, match=r"condition .* pads wider than the grid's pitch"):
         Inverse().prepare(model)
 
 

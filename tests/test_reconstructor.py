@@ -1,0 +1,189 @@
+"""One patch from readings to contacts: the prepared chain against its parts, and bad input."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import skinfield as sf
+from skinfield.errors import InputError
+from skinfield.observation import Deformation
+
+LAYER = sf.Layer(2e-3, 150e3, 0.5)
+PATCH = sf.layouts.hexagon72()
+GRID = sf.Grid.square(PATCH, nodes=16)
+REC = sf.Reconstructor(
+    PATCH, LAYER, GRID, quantity=sf.BaseStress(), solver=sf.Tikhonov(), noise_std=400.0
+)
+
+
+def press(taxel: int = 30, force: float = 1.5) -> sf.simulate.Press:
+    x, y = PATCH.plane[taxel]
+    ball = sf.simulate.Sphere(radius=6e-3, position=(float(x), float(y)), force=force)
+    return sf.simulate.press(LAYER, [ball], extent=60e-3, cell=0.6e-3)
+
+
+PRESS = press()
+STRESS = PRESS.base_stress(PATCH.plane, PATCH.pad_diameter)
+
+
+@pytest.mark.parametrize("quantity", ["stress", "capacitance"])
+@pytest.mark.parametrize("solver", [sf.Tikhonov(), sf.GaussianField(), sf.PseudoInverse()])
+def test_a_press_on_a_taxel_is_found(quantity: str, solver: object) -> None:
+    """The truth is a contact solved on another grid, with the pads' nonlinear electrostatics."""
+    read = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}[quantity]
+    noise = read.typical_noise
+    grid = sf.Grid.square(PATCH, nodes=40)
+    rec = sf.Reconstructor(PATCH, LAYER, grid, quantity=read, solver=solver, noise_std=noise)
+    readings = PRESS.readings(PATCH.plane, PATCH.pad_diameter, quantity)
+    readings = readings + np.random.default_rng(0).normal(scale=noise, size=72)
+    contact = rec(readings).contacts[0]
+    assert np.linalg.norm(contact.position[:2] - PATCH.plane[30]) < 1.2e-3
+    assert 0.9 < contact.normal_force / 1.5 < 1.5  # a linear field spreads it too far or too little
+
+
+def test_fields_are_the_parts_put_together() -> None:
+    estimate = REC(STRESS)
+    pressure = REC.solver.prepare(REC.model).matrix @ STRESS
+    assert estimate.pressure == pytest.approx(pressure)
+    assert estimate.traction == pytest.approx(-pressure[:, None] * [0, 0, 1.0])
+    moved = Deformation(GRID, LAYER, REC.mechanics)(pressure)
+    assert estimate.displacement == pytest.approx(moved, abs=1e-12)
+    assert estimate.force.sum(axis=0)[2] == pytest.approx(-estimate.normal_force)
+    assert estimate.indentation == pytest.approx(-moved[:, 2], abs=1e-12)
+    assert estimate.residual == pytest.approx(STRESS - REC.model.matrix @ pressure)
+    assert estimate.latency > 0
+
+
+def test_a_batch_is_its_readings_one_by_one() -> None:
+    readings = STRESS * np.linspace(0.2, 1.2, 5)[:, None]
+    readings[1, 7] = np.nan
+    batch = REC(readings, stamp_ns=np.arange(5))
+    assert batch.pressure.shape == (5, len(GRID))
+    assert batch.displacement.shape == (5, len(GRID), 3)
+    assert len(batch) == len(batch.contacts) == 5
+    for index, each in enumerate(batch):
+        alone = REC(readings[index])
+        assert each.pressure == pytest.approx(alone.pressure)
+        assert each.pressure_std == pytest.approx(alone.pressure_std)
+        assert each.valid.tolist() == alone.valid.tolist()
+        assert [c.normal_force for c in each.contacts] == pytest.approx(
+            [c.normal_force for c in alone.contacts]
+        )
+        assert each.stamp_ns == index
+
+
+def test_an_invalid_taxel_is_left_out_as_if_it_were_not_there() -> None:
+    keep = np.arange(72) != 30
+    part = PATCH.subset(keep)
+    grid = sf.Grid(part, GRID.shape, GRID.pitch, GRID.origin)
+    other = sf.Reconstructor(
+        part, LAYER, grid, quantity=sf.BaseStress(), solver=sf.Tikhonov(), noise_std=400.0
+    )
+    expected = other(STRESS[keep]).pressure
+    spoiled = STRESS.copy()
+    spoiled[30] = np.nan
+    estimate = REC(spoiled)
+    assert estimate.pressure == pytest.approx(expected)
+    assert np.isnan(estimate.residual[30])
+    assert not estimate.valid[30]
+    spoiled[30] = 1e9  # whatever it says
+    assert REC(spoiled, valid=keep).pressure == pytest.approx(expected)
+
+
+def test_apply_is_the_call_and_allocates_nothing() -> None:
+    for precision, close in ((np.float64, 1e-12), (np.float32, 2e-5)):
+        rec = sf.Reconstructor(PATCH, LAYER, GRID, noise_std=0.002, precision=precision)
+        readings = (STRESS * 1e-6).astype(precision)
+        out = np.empty(4 * len(GRID), precision)
+        rec.apply(readings, out)
+        estimate = rec(readings)
+        peak = np.abs(estimate.pressure).max()
+        assert out[: len(GRID)] == pytest.approx(estimate.pressure, abs=close * peak)
+        moved = out[len(GRID) :].reshape(3, -1).T
+        deepest = np.abs(estimate.displacement).max()
+        assert moved == pytest.approx(estimate.displacement, abs=close * deepest)
+        tracemalloc.start()
+        before = tracemalloc.get_traced_memory()[0]
+        tracemalloc.reset_peak()
+        for _ in range(100):
+            rec.apply(readings, out)
+        _, highest = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert highest - before < 2000  # bytes: Python's own integers, no array
+
+
+def test_linear_quantities_are_linear() -> None:
+    assert REC(2 * STRESS).pressure == pytest.approx(2 * REC(STRESS).pressure)
+
+
+def test_a_stiffer_skin_needs_more_force_for_the_same_gap() -> None:
+    soft = sf.Reconstructor(PATCH, sf.Layer(2e-3, 50e3), GRID, quantity=sf.Gap())
+    hard = sf.Reconstructor(PATCH, sf.Layer(2e-3, 100e3), GRID, quantity=sf.Gap())
+    readings = STRESS * 1e-6
+    assert hard(readings).pressure == pytest.approx(2 * soft(readings).pressure)
+    assert hard(readings).displacement == pytest.approx(soft(readings).displacement, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("readings", "message"),
+    [
+        (np.zeros(71), r"readings has shape \(1, 71\), expected \(any, 72\)"),
+        (np.zeros((2, 3, 72)), r"readings has shape \(2, 3, 72\), expected \(any, 72\)"),
+        (np.full(72, np.nan), r"readings\[0\] has no valid taxel \(1 of 1 readings\)"),
+        (np.r_[np.zeros(71), np.inf], r"readings\[0, 71\] is inf, expected finite numbers"),
+        (["a"] * 72, r"readings is .* expected numbers"),
+    ],
+)
+def test_bad_readings_are_named(readings: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        REC(readings)
+
+
+def test_a_grid_of_another_patch_is_refused() -> None:
+    with pytest.raises(InputError, match="grid lies on patch 'hexagon72', expected 'hexagon72'"):
+        sf.Reconstructor(sf.layouts.hexagon72(), LAYER, GRID)
+    with pytest.raises(InputError, match=r"valid has shape \(3,\), expected \(72,\)"):
+        REC(STRESS, valid=np.ones(3))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.sets(st.integers(0, 71), min_size=1, max_size=71), st.integers(0, 2**31))
+def test_whatever_is_missing_the_answer_is_finite(missing: set[int], seed: int) -> None:
+    readings = np.random.default_rng(seed).normal(scale=1e3, size=72)
+    readings[list(missing)] = np.nan
+    estimate = REC(readings)
+    for values in (estimate.pressure, estimate.displacement, estimate.pressure_std):
+        assert np.isfinite(values).all()
+
+
+def test_to_xarray_has_units_and_shape() -> None:
+    pytest.importorskip("xarray")
+    for estimate, lead in ((REC(STRESS), ()), (REC(np.stack([STRESS, STRESS])), (2,))):
+        data = estimate.to_xarray()
+        assert data["pressure"].shape == (*lead, 16, 16)
+        assert data["displacement"].shape == (*lead, 16, 16, 3)
+        assert data["pressure_std"].shape == (*lead, 16, 16)
+        assert data["pressure"].attrs["units"] == "Pa"
+        assert data["x"].values[-1] == pytest.approx(GRID.plane[:, 0].max())
+
+
+def test_a_single_estimate_says_that_it_is_single() -> None:
+    estimate = REC(STRESS)
+    with pytest.raises(InputError, match="one reading has no length"):
+        len(estimate)
+    with pytest.raises(InputError, match="one reading cannot be indexed"):
+        estimate[0]
+
+
+def test_a_curved_patch_presses_inwards_everywhere() -> None:
+    patch = sf.layouts.cylinder(radius=40e-3)
+    rec = sf.Reconstructor(patch, LAYER, sf.Grid.square(patch, 20), quantity=sf.BaseStress())
+    readings = np.zeros(len(patch))
+    readings[len(patch) // 2] = 2e4
+    contact = rec(readings).contacts[0]
+    assert contact.normal_force > 0
+    assert contact.position == pytest.approx(patch.positions[len(patch) // 2], abs=1.5e-3)
+    assert contact.normal == pytest.approx(patch.normals[len(patch) // 2], abs=0.1)
