@@ -11,11 +11,9 @@ from skinfield.conditioning import (
     estimate_baseline,
     load_calibration,
     save_calibration,
-    taxel_counts,
 )
 from skinfield.errors import FileError, InputError
 from skinfield.layout import Patch
-from skinfield.reading import Recording
 
 finite = st.floats(-1e6, 1e6)
 positive = st.floats(1e-6, 1e6)
@@ -151,23 +149,3 @@ def test_a_loaded_baseline_is_not_taken_unawares():
         Calibration.from_baseline(
             patch, baseline, gain=-171.0, alive=np.ones(4, bool), even_if_loaded=True
         )
-
-
-def recording(columns, uid=None):
-    stamps = np.arange(2) * 20_000_000
-    counts = np.arange(2 * columns, dtype=float).reshape(2, columns)
-    return Recording(stamps, counts, None if uid is None else np.array(uid, np.uint64))
-
-
-def test_columns_find_their_taxels():
-    patch = Patch(np.eye(3), channel=np.array([4, 0, 2]), n_channels=6, uid=np.array([7, 8, 9]))
-    assert taxel_counts(recording(6), patch)[0].tolist() == [4, 0, 2]
-    by_uid = taxel_counts(recording(4, [9, 5, 7, 5]), patch)
-    assert by_uid[0][[0, 2]].tolist() == [2, 0]
-    assert np.isnan(by_uid[:, 1]).all()
-    with pytest.raises(InputError, match="has 5 columns, expected 6"):
-        taxel_counts(recording(5), patch)
-    with pytest.raises(InputError, match="none of the 3 uids"):
-        taxel_counts(recording(2, [1, 2]), patch)
-    with pytest.raises(InputError, match="uid 7 stands over more than one"):
-        taxel_counts(recording(3, [7, 7, 8]), patch)

@@ -9,11 +9,9 @@ from skinfield.conditioning import (
     Verdict,
     estimate_baseline,
     find_faults,
-    taxel_counts,
     valid_from_counts,
 )
 from skinfield.layout import Patch
-from skinfield.reading import Recording
 
 RATE = 49.84
 
@@ -27,8 +25,7 @@ def foot(shared_data, trial):
     poses = np.array(text.split(), dtype=float).reshape(-1, 6)
     posed = np.flatnonzero(np.abs(poses[:, :3]).sum(axis=1))
     patch = Patch(poses[posed, :3], channel=posed, n_channels=len(poses), name="right_foot")
-    stamps = np.round((rows[:, 1] - rows[0, 1]) * 1e9).astype(np.int64)
-    return patch, taxel_counts(Recording(stamps, rows[:, 2:]), patch)
+    return patch, rows[:, 2 + patch.channel]
 
 
 @pytest.fixture(scope="module")

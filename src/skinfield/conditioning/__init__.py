@@ -24,7 +24,6 @@ from skinfield.conditioning.capacitance import rest_capacitance as rest_capacita
 from skinfield.conditioning.capacitance import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
-from skinfield.conditioning.columns import taxel_counts as taxel_counts
 from skinfield.conditioning.convention import Convention as Convention
 from skinfield.conditioning.converters import CapacitanceConverter as CapacitanceConverter
 from skinfield.conditioning.curves import LinearCurve as LinearCurve

@@ -242,7 +242,7 @@ class Calibration:
             raise InputError(
                 f"{name} has shape {array.shape}, expected ({len(self)},) or "
                 f"(readings, {len(self)}): one column per taxel of {self.patch_name!r}; pick the "
-                "columns of the port with taxel_counts"
+                "columns of the port with sources.readings_for"
             )
         return array
 
