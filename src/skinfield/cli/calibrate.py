@@ -4,16 +4,29 @@ from typing import Any
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.cli.inputs import LAYOUT_HELP
 from skinfield.cli.options import conditioning_options, model_options
 from skinfield.cli.reconstruct import prepare
 from skinfield.cli.report import console, progress, say_notes
+from skinfield.errors import InputError, as_floats
+from skinfield.reading import Recording
 
 
-@click.group(context_settings={"max_content_width": 100})
+@click.group(
+    context_settings={"max_content_width": 100},
+    help="""Calibrate a skin against loads that are known.
+
+The gain from counts to capacitance and the elastomer's modulus are rarely known, and every force
+is proportional to them. A force sensor recorded beside the skin gives their product.
+
+\b
+  skinfield calibrate scale skin/right_foot right_foot/analog:o --layout right_foot.txt
+""",
+)
 def calibrate() -> None:
-    """Calibrate a skin against loads that are known."""
+    """Calibrate a skin."""
 
 
 @calibrate.command(
@@ -31,6 +44,7 @@ removes.
 
 \b
   skinfield calibrate scale skin/right_foot right_foot/analog:o --layout right_foot.txt --plot f.png
+  skinfield calibrate scale skin.csv force.csv --layout hexagon72 --axis z --seconds 2,10
 """,
 )
 @click.argument("recording")
@@ -46,9 +60,10 @@ removes.
     show_default=True,
     help="What is summed: the contacts' force, or the whole field's pressure.",
 )
+@click.option("--seconds", metavar="FROM,TO", help="Part of the skin's recording to fit.")
 @click.option("--summary", "summary_path", help="Result: .json.")
 @click.option("--plot", help="Figure of both forces over time: .png, .pdf or .svg.")
-@model_options
+@model_options(grid=20)
 @conditioning_options
 def scale(
     recording: str,
@@ -57,6 +72,7 @@ def scale(
     patch: str | None,
     axis: str,
     summed: str,
+    seconds: str | None,
     **options: Any,
 ) -> None:
     """Fit a modulus."""
@@ -79,8 +95,9 @@ def scale(
             else:
                 found += np.asarray(batch.normal_force).tolist()
             bar.update(task, advance=len(batch))
-    stamps = job.conditioned.recording.stamp_ns
-    fit = fit_scale(stamps, np.array(found), sensor.stamp_ns, reference)
+    part = _part_of(job.conditioned.recording, seconds)
+    stamps, forces = job.conditioned.recording.stamp_ns[part], np.array(found)[part]
+    fit = fit_scale(stamps, forces, sensor.stamp_ns, reference)
     modulus = options["modulus_kpa"] * fit.factor
     out = console()
     out.print(fit.sentences(modulus), highlight=False)
@@ -94,7 +111,7 @@ def scale(
 
         figure = draw_timeline(
             (stamps - stamps[0]) * 1e-9,
-            fit.factor * np.array(found),
+            fit.factor * forces,
             fit.reference,
             label=f"skin x {fit.factor:.3g} (E = {modulus:.3g} kPa)",
             reference_label=f"force/torque sensor, {axis}",
@@ -104,3 +121,19 @@ def scale(
     for name in ("summary_path", "plot"):
         if options[name]:
             out.print(f"wrote {options[name]}", highlight=False)
+
+
+def _part_of(recording: Recording, seconds: str | None) -> NDArray[np.bool_]:
+    """Readings from one time to another, after the first reading."""
+    if seconds is None:
+        return np.ones(len(recording), dtype=np.bool_)
+    ends = seconds.split(",")
+    if len(ends) != 2:
+        raise InputError(f"--seconds is {seconds!r}, expected two numbers such as 0,6.5")
+    low, high = as_floats("--seconds", ends)
+    part = (recording.time >= low) & (recording.time <= high)
+    if not part.any():
+        raise InputError(
+            f"--seconds is {seconds!r}, expected a part of 0 to {recording.time[-1]:.2f} s"
+        )
+    return np.asarray(part)

@@ -18,7 +18,7 @@ from skinfield.cli.options import (
 from skinfield.cli.report import console, table_of_contacts
 from skinfield.errors import InputError, as_floats
 
-DEFAULT_PRESSES = ("-13.9,8.1,1.5,6", "11.2,-13.6,1.0,4")  # mm, mm, N, mm
+DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
 
 
 @click.command(
@@ -31,7 +31,7 @@ nonlinear electrostatics of the pads; the reconstruction sees readings only.
 
 \b
   skinfield demo
-  skinfield demo --press 0,6,2,6 --solver tikhonov --grid 40 -o demo.pdf
+  skinfield demo --press 0,6,2,6 --solver tikhonov --grid 20 -o demo.pdf
   skinfield demo --quantity stress --mechanics half-space --solver inverse
 """,
 )
@@ -46,7 +46,7 @@ nonlinear electrostatics of the pads; the reconstruction sees readings only.
 @click.option("--noise", type=float, help="Of a reading, in the quantity's unit.")
 @click.option("--seed", default=0, show_default=True, help="Of the noise.")
 @click.option("-o", "--output", default="demo.png", show_default=True, help="Figure to write.")
-@model_options
+@model_options(grid=40)
 def demo(
     layout: str,
     presses: tuple[str, ...],

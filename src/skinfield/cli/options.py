@@ -59,10 +59,12 @@ def layer_options(function: F) -> F:
     return function
 
 
-def model_options(function: F) -> F:
-    """Options of grid, mechanics and solver."""
-    for option in (
-        click.option("--grid", default=20, show_default=True, help="Nodes on a side of the grid."),
+def model_options(grid: int) -> Callable[[F], F]:
+    """Options of grid (with its default), mechanics and solver, and of the elastomer."""
+    options = (
+        click.option(
+            "--grid", default=grid, show_default=True, help="Nodes on a side of the grid."
+        ),
         click.option(
             "--solver",
             type=click.Choice(list(SOLVERS)),
@@ -84,9 +86,14 @@ def model_options(function: F) -> F:
             show_default=True,
             help="What a taxel reads; auto takes what the recording's unit says.",
         ),
-    ):
-        function = option(function)
-    return layer_options(function)
+    )
+
+    def decorate(function: F) -> F:
+        for option in options:
+            function = option(function)
+        return layer_options(function)
+
+    return decorate
 
 
 def conditioning_options(function: F) -> F:

@@ -53,7 +53,7 @@ What was assumed, skipped or left out is said in notes.
 @click.option("--summary", "summary_path", help="Summary of the run: .json.")
 @click.option("--plot", help="Figure of the reading with the highest load: .png, .pdf or .svg.")
 @click.option("--reading", type=int, help="Draw and list this reading (from 0) instead.")
-@model_options
+@model_options(grid=20)
 @conditioning_options
 def reconstruct(recording: str, layout: str, patch: str | None, **options: Any) -> None:
     """Reconstruct a recording."""
