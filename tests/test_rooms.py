@@ -25,6 +25,7 @@ CORE = {"numpy", "scipy", "numba"}
 ELSEWHERE = {  # third-party packages outside the core, and the rooms that may import them
     "click": {"cli"},
     "rich": {"cli"},
+    "threadpoolctl": {"cli"},
     "matplotlib": {"figures"},
     "mpl_toolkits": {"figures"},
     "pyarrow": {"sinks", "sources"},

@@ -55,9 +55,15 @@ class LazyGroup(click.Group):
             formatter.write_dl([(name, lazy.help) for name, lazy in COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a command; an error that skinfield raises on purpose needs no traceback."""
+        """Run a command; an error that skinfield raises on purpose needs no traceback.
+
+        On one BLAS thread: products of a few megabytes lose more by waking others than they gain.
+        """
+        from threadpoolctl import threadpool_limits
+
         try:
-            return super().invoke(ctx)
+            with threadpool_limits(limits=1):
+                return super().invoke(ctx)
         except SkinfieldError as error:
             raise UserError(str(error)) from error
 
