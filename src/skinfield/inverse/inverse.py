@@ -48,7 +48,7 @@ def _solve(square: Floats, right: Floats) -> Floats:
     if not condition < SINGULAR:
         raise InputError(
             f"the {len(square)} x {len(square)} matrix has condition {condition:.1e}, expected "
-            f"below {SINGULAR:.0e}: pads wider than the grid's pitch cannot be inverted; use "
-            "quantity with pad_averaged=False, a coarser grid, or Tikhonov()"
+            f"below {SINGULAR:.0e}: taxels so far below nodes so close cannot tell them apart; "
+            "use a coarser grid, or Tikhonov()"
         )
     return np.asarray(np.linalg.solve(square, right), dtype=np.float64)

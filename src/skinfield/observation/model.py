@@ -26,7 +26,8 @@ class ObservationModel:
     grid : Grid
         The K nodes.
     virtual_matrix : function of (N, 2) array
-        The matrix (N, K) of taxels that would stand elsewhere in the plane.
+        The matrix (N, K) of taxels that would stand elsewhere in the plane, each a point: readings
+        that are interpolated between pads are no pad's mean.
     """
 
     matrix: Floats
@@ -60,12 +61,13 @@ class ObservationModel:
         """Model of a patch; `noise_std` is one number for all taxels or (L,)."""
 
         def virtual_matrix(taxels: Floats) -> Floats:
-            return quantity.matrix(mechanics, layer, grid, taxels, patch.pad_diameter)
+            return quantity.matrix(mechanics, layer, grid, taxels, pad_diameter=0.0)
 
         noise = as_floats("noise_std", noise_std)
         if noise.ndim == 0:
             noise = np.full(len(patch), float(noise))
-        return cls(virtual_matrix(patch.plane), noise, patch.plane, grid, virtual_matrix)
+        matrix = quantity.matrix(mechanics, layer, grid, patch.plane, patch.pad_diameter)
+        return cls(matrix, noise, patch.plane, grid, virtual_matrix)
 
     def subset(self, rows: NDArray[np.bool_]) -> "ObservationModel":
         """Model of some of the taxels, by a mask (L,)."""
