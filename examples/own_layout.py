@@ -8,7 +8,9 @@ from skinfield.figures import draw_estimate, save
 x, y = np.meshgrid(np.arange(8) * 4e-3, np.arange(8) * 4e-3)
 patch = sf.Patch(np.column_stack([x.ravel(), y.ravel()]), pad_diameter=3e-3, name="my array")
 layer = sf.Layer(thickness=1.5e-3, young_modulus=300e3, poisson_ratio=0.48)
-reconstruct = sf.Reconstructor(patch, layer, sf.Grid.square(patch, nodes=29), noise_std=0.001)
+solver = sf.GaussianField(length_scale=2e-3)  # how fast pressure may change
+grid = sf.Grid.square(patch, nodes=29)
+reconstruct = sf.Reconstructor(patch, layer, grid, solver=solver, noise_std=0.001)
 
 foot = sf.simulate.Cylinder(radius=4e-3, position=(15e-3, 11e-3), force=3.0)  # m, N
 press = sf.simulate.press(layer, [foot], extent=40e-3)
