@@ -1,4 +1,4 @@
-"""Data recorded by others lies beside the checkout, never in it; tests that need it skip without."""
+"""Data recorded by others lies beside the checkout; tests that need it skip without."""
 
 import os
 from pathlib import Path

@@ -38,7 +38,7 @@ def test_public_names_are_explained(name: str) -> None:
 def test_core_needs_no_extra() -> None:
     needed = importlib.metadata.requires("skinfield") or []
     core = {line.split(">")[0] for line in needed if "extra ==" not in line}
-    assert core <= {"numpy", "scipy", "numba", "click", "rich", "matplotlib"}
+    assert core <= {"numpy", "scipy", "numba", "threadpoolctl", "click", "rich", "matplotlib"}
 
 
 @pytest.fixture

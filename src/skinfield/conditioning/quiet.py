@@ -86,7 +86,9 @@ def judge(counts: Floats, start: int, stop: int, hold: float) -> QuietStretch:
     moving = ratio > MOVING
     allowed = max(1, int(0.02 * present.sum())) if present.sum() > 1 else 0
     still = bool(present.any() and moving.sum() <= allowed)
-    typical = float(np.percentile(ratio[present], 95, method="lower")) if present.any() else math.inf
+    typical = (
+        float(np.percentile(ratio[present], 95, method="lower")) if present.any() else math.inf
+    )
     return QuietStretch(start, stop, typical, moving, still, hold)
 
 
