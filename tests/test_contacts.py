@@ -148,9 +148,27 @@ def test_compiled_and_plain_code_agree() -> None:
         assert sorted(np.flatnonzero(plain == peak)) == sorted(part)
 
 
-def test_border_of_two_cells_that_touch_at_a_corner_is_closed() -> None:
+def test_the_border_of_cells_that_touch_at_a_corner_holds_both() -> None:
     loop = border(np.array([0, 4]), (3, 3))
     assert (loop[0] == loop[-1]).all()
+    x, y = loop.T
+    assert 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) == 2.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(hnp.arrays(bool, (5, 6)))
+def test_the_border_surrounds_the_region_and_its_holes(picture: np.ndarray) -> None:
+    from scipy.ndimage import binary_fill_holes, label
+
+    labels, count = label(picture, np.ones((3, 3)))
+    for region in range(1, count + 1):
+        mask = labels == region
+        loop = border(np.flatnonzero(mask), mask.shape)
+        assert (loop[0] == loop[-1]).all()
+        assert np.abs(np.diff(loop, axis=0)).sum(axis=1).tolist() == [1.0] * (len(loop) - 1)
+        x, y = loop.T
+        area = 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
+        assert area == binary_fill_holes(mask).sum()  # cells join by corners, holes by sides
 
 
 def test_fractions_are_checked() -> None:

@@ -70,6 +70,30 @@ def _flood(
     return parent
 
 
+def _walk(inside: NDArray[np.bool_], row: int, column: int) -> NDArray[np.int64]:
+    """Corners (column, row) of the way around a region, from the lower left one of a lowest cell.
+
+    The region stays on the left. Where two cells touch at a corner only, the way turns right, into
+    the other: such cells are neighbours.
+    """
+    rows, columns = inside.shape
+    way = np.empty((4 * rows * columns + 1, 2), dtype=np.int64)
+    x, y, dx, dy = column, row, 1, 0
+    way[0] = x, y
+    for length in range(1, len(way)):
+        x, y = x + dx, y + dy
+        way[length] = x, y
+        if x == column and y == row:
+            break
+        right_x, right_y = x + (dx + dy - 1) // 2, y + (dy - dx - 1) // 2
+        left_x, left_y = x + (dx - dy - 1) // 2, y + (dy + dx - 1) // 2
+        if 0 <= right_x < columns and 0 <= right_y < rows and inside[right_y, right_x]:
+            dx, dy = dy, -dx
+        elif not (0 <= left_x < columns and 0 <= left_y < rows and inside[left_y, left_x]):
+            dx, dy = -dy, dx
+    return way[: length + 1]
+
+
 @lru_cache(maxsize=1)
 def _compiled() -> Any:
     """`_flood` as machine code: it runs per reading, over every cell above the floor."""
@@ -78,43 +102,30 @@ def _compiled() -> Any:
     return njit(cache=True, nogil=True)(_flood)
 
 
+@lru_cache(maxsize=1)
+def _compiled_walk() -> Any:
+    """`_walk` as machine code: it runs per contact."""
+    from numba import njit
+
+    return njit(cache=True, nogil=True)(_walk)
+
+
 def border(cells: NDArray[np.int64], shape: tuple[int, int]) -> Floats:
-    """Corners of the longest loop around a region of cells, closed, in units of cells.
+    """Corners of the way around a connected region of cells, closed, in units of cells.
+
+    Parameters
+    ----------
+    cells : (N,) int array
+        Flat, sorted; connected by sides or corners.
+    shape : (rows, columns)
 
     Returns
     -------
     (N, 2) array
         Column and row coordinates; the centre of cell (row, column) is (column, row). The region
-        lies to the left of the way.
+        lies to the left of the way; holes are not walked around.
     """
-    inside = set(cells.tolist())
-    columns = shape[1]
-    following: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    for cell in inside:
-        r, c = divmod(cell, columns)
-        sides = (
-            ((0, -1), (c, r), (c + 1, r)),
-            ((1, 0), (c + 1, r), (c + 1, r + 1)),
-            ((0, 1), (c + 1, r + 1), (c, r + 1)),
-            ((-1, 0), (c, r + 1), (c, r)),
-        )
-        for (step_c, step_r), start, end in sides:
-            beside = c + step_c
-            outside = not 0 <= beside < columns or (r + step_r) * columns + beside not in inside
-            if outside:
-                following.setdefault(start, []).append(end)
-    best: list[tuple[int, int]] = []
-    while following:
-        start = next(iter(following))
-        loop = [start]
-        while True:
-            ends = following[loop[-1]]
-            end = ends.pop()
-            if not ends:
-                del following[loop[-1]]
-            loop.append(end)
-            if end == start:
-                break
-        if len(loop) > len(best):
-            best = loop
-    return np.array(best, dtype=np.float64) - 0.5
+    inside = np.zeros(shape, dtype=np.bool_)
+    inside.ravel()[cells] = True
+    row, column = divmod(int(cells[0]), shape[1])
+    return np.asarray(_compiled_walk()(inside, row, column) - 0.5)

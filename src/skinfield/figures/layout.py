@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, Ints
 from skinfield.figures.maps import MM, axis_names, draw_modules
 from skinfield.figures.style import (
     FAINT,
@@ -19,7 +19,6 @@ from skinfield.figures.style import (
 )
 from skinfield.layout import Patch, Skin
 from skinfield.layout.normals import facing_from_positions, nearest_distance
-from skinfield.layout.patch import Ints
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, as_floats, check_finite, check_shape
-from skinfield.layout.patch import Ints
+from skinfield.errors import Floats, Ints, as_floats, check_finite, check_shape
 
 FLAT = 0.01  # a skin whose taxels leave their plane by less than this part of its extent is flat
 SURE = 0.05  # the bulge, as a part of the extent, above which the convex side is told for certain

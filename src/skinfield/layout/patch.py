@@ -6,11 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
+from skinfield.errors import Floats, InputError, Ints, as_floats, check_finite, check_shape
 from skinfield.layout.hull import spans_plane
 from skinfield.layout.surface import Surface, surface_through
 
-Ints = NDArray[np.int64]
 PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
 
 

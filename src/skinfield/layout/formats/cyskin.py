@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, Floats, InputError
+from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Content, Draft
 from skinfield.layout.formats.faces import check_faces, longest_sides, reach
 from skinfield.layout.formats.pose import pose_from_tf
 from skinfield.layout.formats.text import listed, many, read_bytes, write_bytes
-from skinfield.layout.patch import Ints, Patch
+from skinfield.layout.patch import Patch
 from skinfield.layout.skin import Skin
 
 NAME = "cyskin"

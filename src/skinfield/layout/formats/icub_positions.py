@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, InputError
+from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.layout.finding import Finding
 from skinfield.layout.formats.draft import Content, Draft
 from skinfield.layout.formats.text import (
@@ -24,7 +24,6 @@ from skinfield.layout.formats.text import (
     spoilt,
     write_bytes,
 )
-from skinfield.layout.patch import Ints
 from skinfield.layout.skin import Skin
 
 NAME = "icub-positions"

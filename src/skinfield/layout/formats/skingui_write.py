@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, Ints
 from skinfield.layout.formats.text import write_bytes
 from skinfield.layout.formats.triangles import BOARDS, PADS, Board
 from skinfield.layout.normals import facing_from_positions
-from skinfield.layout.patch import Ints, Patch
+from skinfield.layout.patch import Patch
 from skinfield.layout.skin import Skin
 
 CHANNELS_OF_CARD = 192

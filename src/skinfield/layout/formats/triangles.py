@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, Ints
 from skinfield.layout.generators.templates import ICUB_TRIANGLE, TEN_PAD_TRIANGLE, ModuleTemplate
-from skinfield.layout.patch import Ints
 
 PADS = 12  # channels of a board, thermal ones included
 
