@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, Ints
 from skinfield.layout.finding import Finding
-from skinfield.layout.patch import Ints
 
 
 @dataclass(frozen=True, eq=False)
