@@ -1,0 +1,357 @@
+"""Make the pictures of README and docs, and print the numbers that they quote.
+
+  python docs/figures.py                                   all that need no outside data
+  python docs/figures.py --foot REC --force FT --foot-layout FILE    the real foot as well
+
+Presses are solved by `skinfield.simulate` on cells of 0.4 mm. An indenter that turns about its axis
+gives readings that depend on the taxel's distance alone, so each is solved once and then moved.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+import skinfield as sf
+from skinfield.cli import main as skinfield
+from skinfield.errors import Floats
+from skinfield.figures import draw_blindness, save
+from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
+from skinfield.layout.hull import inside_hull
+from skinfield.observation import Quantity
+from skinfield.simulate import Cylinder, Indenter, Sphere, press
+
+IMAGES = Path(__file__).parent / "images"
+PATCH = sf.layouts.hexagon72()
+LAYER = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
+QUANTITIES: dict[str, Quantity] = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}
+SHOWN = {"stress": (1e-3, "kPa"), "capacitance": (100.0, "%")}  # factor and unit of a figure
+COLOUR = {"stress": ORANGE, "capacitance": BLUE}
+SIGMAS = 5.0  # noise that a reading must exceed to count as seen
+FAR = np.linspace(0.0, 66e-3, 166)  # m; the farthest that a taxel is from a press
+BALL = Sphere(radius=6e-3, force=1.0)
+TAXEL, HOLE = np.array([0.0, 7.48e-3]), np.zeros(2)  # a taxel, and where six modules meet
+
+
+@lru_cache(maxsize=64)
+def profile(indenter: Indenter, quantity: str, layer: sf.Layer = LAYER) -> Floats:
+    """Readings of taxels at the distances FAR from an indenter at the origin."""
+    extent = 30e-3 if isinstance(indenter, Cylinder) else 14e-3
+    line = np.column_stack([FAR, np.zeros_like(FAR)])
+    return press(layer, [indenter], extent, 0.4e-3).readings(line, PATCH.pad_diameter, quantity)
+
+
+def readings(indenter: Indenter, places: Floats, quantity: str, layer: sf.Layer = LAYER) -> Floats:
+    """Readings (P, L) without noise of the patch, pressed at places (P, 2) m."""
+    distance = np.linalg.norm(PATCH.plane[None] - places[:, None], axis=2)
+    return np.interp(distance, FAR, profile(indenter, quantity, layer))
+
+
+def random_places(count: int, seed: int) -> Floats:
+    """Points (count, 2) m, evenly spread inside the hull of the taxels."""
+    points = np.random.default_rng(seed).uniform(-30e-3, 30e-3, size=(20 * count, 2))
+    return points[inside_hull(PATCH.plane, points)][:count]
+
+
+def summed(estimate: sf.Estimate) -> Floats:
+    """Normal force of the contacts of each reading, (T,) N."""
+    return np.array([sum(c.normal_force for c in found) for found in estimate.contacts])
+
+
+def misplaced(estimate: sf.Estimate, places: Floats) -> Floats:
+    """Distance (T,) m from the strongest contact to the true place; NaN where nothing is found."""
+    return np.array(
+        [
+            np.hypot(*(found[0].position[:2] - place)) if found else np.nan
+            for found, place in zip(estimate.contacts, places, strict=True)
+        ]
+    )
+
+
+def holes() -> None:
+    """Where a point is farthest from every taxel."""
+    from scipy.spatial import Voronoi
+
+    corners = Voronoi(PATCH.plane).vertices
+    corners = corners[inside_hull(PATCH.plane, corners)]
+    radius = np.linalg.norm(corners[:, None] - PATCH.plane, axis=2).min(axis=1)
+    found: dict[tuple[float, ...], float] = {}
+    for corner, size in sorted(zip(corners.tolist(), radius, strict=True), key=lambda c: -c[1]):
+        if all(np.hypot(x - corner[0], y - corner[1]) > 3e-3 for x, y in found):
+            found[tuple(corner)] = float(size)
+    click.echo("\nholes: place (mm), distance to the nearest taxel's centre (mm)")
+    for (x, y), size in list(found.items())[:8]:
+        click.echo(f"  {x * 1e3:6.1f} {y * 1e3:6.1f}   {size * 1e3:.2f}")
+
+
+def blindness(quantity: str) -> None:
+    """Draw the reading of the best taxel for a ball with 1 N at each place."""
+    grid = sf.Grid.window(PATCH, [-30e-3, -30e-3], [30e-3, 30e-3], 0.4e-3)
+    factor, unit = SHOWN[quantity]
+    best = readings(BALL, grid.plane, quantity).max(axis=1) * factor
+    floor = SIGMAS * QUANTITIES[quantity].typical_noise * factor
+    figure = draw_blindness(
+        grid,
+        best,
+        label="best taxel's reading of 1 N",
+        unit=unit,
+        line=[[0.0, 29e-3], [0.0, -29e-3]],
+        floor=floor,
+        floor_label=f"{SIGMAS:g} times the noise:",
+        title=f"A ball of 12 mm with 1 N, read as {quantity}",
+    )
+    save(figure, IMAGES / f"blind-{quantity}.png")
+    inside = inside_hull(PATCH.plane, grid.plane)
+    centre = float(best[np.linalg.norm(grid.plane, axis=1).argmin()])
+    low, median, high = np.quantile(best[inside], [0.05, 0.5, 1.0])
+    click.echo(
+        f"{quantity}: best {high:.2f}, median {median:.2f}, worst twentieth below {low:.3f}, "
+        f"centre {centre:.3f} {unit}; {np.mean(best[inside] < floor):.0%} of the patch below "
+        f"{floor:g} {unit}, {np.mean(0.2 * best[inside] < floor):.0%} at 0.2 N"
+    )
+
+
+def ring() -> None:
+    """Draw what a taxel reads at a distance from a press."""
+    kinds: dict[str, tuple[Indenter, str]] = {
+        "ball of 12 mm": (BALL, INK),
+        "ball of 6 mm": (replace(BALL, radius=3e-3), ORANGE),
+        "flat end of 12 mm": (Cylinder(radius=6e-3, force=1.0), BLUE),
+    }
+    near = FAR <= 14e-3
+    panels = [
+        ("stress", "Stress", "kPa, mean below the pad", None),
+        ("capacitance", "Capacitance", "%, of the same three presses", None),
+        ("capacitance", "Capacitance, enlarged", "grey: one σ of noise, 0.2 %", (-1.3, 1.3)),
+    ]
+    with style():
+        figure = new_figure(10.0, 3.5)
+        for index, (quantity, title, note, limits) in enumerate(panels):
+            axes = figure.add_axes((0.06 + index * 0.325, 0.15, 0.26, 0.62))
+            factor = SHOWN[quantity][0]
+            for label, (indenter, colour) in kinds.items():
+                curve = profile(indenter, quantity)[near] * factor
+                axes.plot(FAR[near] * 1e3, curve, color=colour, label=label)
+            axes.axhline(0.0, color=QUIET, lw=0.7)
+            axes.set(xlabel="distance from the press (mm)", xlim=(0, 14), ylim=limits)
+            axes.spines[["top", "right"]].set_visible(False)
+            add_title(axes, "abc"[index], title, note)
+            if limits:
+                axes.axhspan(-0.2, 0.2, color=FAINT, alpha=0.5, lw=0)
+            if index == 0:
+                axes.legend(frameon=False, fontsize=8)
+        save(figure, IMAGES / "ring.png")
+    click.echo("\n1 N at a distance: stress and ΔC/C₀ over the press, least ΔC/C₀ and where")
+    for label, (indenter, _) in kinds.items():
+        stress, change = profile(indenter, "stress"), profile(indenter, "capacitance")
+        click.echo(
+            f"  {label}: {stress[0] / 1e3:.1f} kPa, {change[0]:.2%}; {change.min():.2%} at "
+            f"{FAR[change.argmin()] * 1e3:.1f} mm"
+        )
+
+
+def across_a_hole() -> None:
+    """Draw force and place of a press that moves from a taxel into the hole."""
+    share = np.linspace(0.0, 1.0, 26)
+    places = TAXEL + share[:, None] * (HOLE - TAXEL)
+    away = np.linalg.norm(places - TAXEL, axis=1) * 1e3
+    draws = 20
+    with style():
+        figure = new_figure(10.0, 3.7)
+        force = figure.add_axes((0.065, 0.15, 0.4, 0.63))
+        place = figure.add_axes((0.565, 0.15, 0.4, 0.63))
+        click.echo("\nball of 12 mm, 1 N, from a taxel into the hole: force, place error, seen")
+        for name, quantity in QUANTITIES.items():
+            clean = np.repeat(readings(BALL, places, name), draws, axis=0)
+            noise = np.random.default_rng(0).normal(scale=quantity.typical_noise, size=clean.shape)
+            estimate = reconstructor(name)(clean + noise)
+            found = summed(estimate).reshape(-1, draws)
+            off = misplaced(estimate, np.repeat(places, draws, axis=0)).reshape(-1, draws) * 1e3
+            seen = np.isfinite(off).mean(axis=1)
+            off = np.where(seen[:, None] >= 0.5, off, np.nan)
+            for axes, values in ((force, found), (place, off)):
+                middle = np.array([np.median(v[np.isfinite(v)]) if np.isfinite(v).any() else np.nan
+                                   for v in values])  # fmt: skip
+                axes.plot(away, middle, color=COLOUR[name], label=name)
+                axes.plot(away, values, ".", color=COLOUR[name], ms=2, alpha=0.35)
+            for index in (0, 8, 14, 17, 20, 25):
+                click.echo(
+                    f"  {name} {away[index]:.1f} mm: {np.median(found[index]):.2f} N, "
+                    f"{np.nanmedian(off[index]) if seen[index] >= 0.5 else np.nan:.2f} mm, "
+                    f"{seen[index]:.0%}"
+                )
+        force.axhline(1.0, color=QUIET, lw=0.7)
+        for axes in (force, place):
+            axes.axvspan(0, 2.0, color=FAINT, alpha=0.5, lw=0)
+            axes.set(xlabel="distance from the taxel's centre (mm)", xlim=(0, away[-1]))
+            axes.spines[["top", "right"]].set_visible(False)
+        force.set(ylabel="force found of 1 N (N)", ylim=(0, None))
+        place.set(ylabel="error of place (mm)", ylim=(0, None))
+        force.legend(frameon=False, fontsize=8)
+        add_title(force, "a", "Force", "contacts summed; line: median of 20, grey: over the pad")
+        add_title(place, "b", "Place", "strongest contact; where half of the readings have one")
+        save(figure, IMAGES / "hole.png")
+
+
+def reconstructor(
+    quantity: str, solver: Any = None, nodes: int = 40, layer: sf.Layer = LAYER
+) -> sf.Reconstructor:
+    """Reconstruct with the quantity's typical noise."""
+    grid = sf.Grid.square(PATCH, nodes=nodes)
+    return sf.Reconstructor(PATCH, layer, grid, quantity=QUANTITIES[quantity], solver=solver)
+
+
+def stress_per_change() -> float:
+    """Calibrate wrongly: Pa per ΔC/C₀ from one press of 0.5 N on a taxel."""
+    reference = replace(BALL, force=0.5)
+    return float(profile(reference, "stress")[0] / profile(reference, "capacitance")[0])
+
+
+def random_presses() -> None:
+    """Print median errors over 60 presses: four indenters, four forces, random places."""
+    indenters: list[Indenter] = [
+        make(force=force)
+        for make, force in product(
+            (
+                lambda force: Sphere(radius=3e-3, force=force),
+                lambda force: Sphere(radius=6e-3, force=force),
+                lambda force: Sphere(radius=15e-3, force=force),
+                lambda force: Cylinder(radius=6e-3, force=force),
+            ),
+            (0.5, 1.0, 2.0, 3.0),
+        )
+    ]
+    places = random_places(60, seed=1)
+    pressed = [indenters[index % 16] for index in range(60)]
+    force = np.array([indenter.force for indenter in pressed])
+    click.echo("\n60 presses, typical noise: missed | contacts' force | field's force | place")
+    solvers: Sequence[tuple[Any, int]] = (
+        (sf.GaussianField(), 40), (sf.Tikhonov(), 40), (sf.Tikhonov(), 20), (sf.Inverse(), 20),
+    )  # fmt: skip
+    for name, taken in (*zip(QUANTITIES, QUANTITIES, strict=True), ("capacitance", "stress")):
+        clean = np.vstack(
+            [readings(i, p[None], name) for i, p in zip(pressed, places, strict=True)]
+        )
+        noise = np.random.default_rng(2).normal(size=clean.shape)
+        noisy = clean + QUANTITIES[name].typical_noise * noise
+        gain = 1.0 if taken == name else stress_per_change()
+        for solver, nodes in solvers:
+            estimate = reconstructor(taken, solver, nodes)(gain * noisy)
+            place = misplaced(estimate, places)
+            contacts, field = (
+                np.quantile(np.abs(found / force - 1), [0.5, 0.9])
+                for found in (summed(estimate), np.asarray(estimate.normal_force))
+            )
+            near, far = np.nanquantile(place, [0.5, 0.9]) * 1e3
+            click.echo(
+                f"  {name} as {taken}, {type(solver).__name__} {nodes}: "
+                f"{np.isnan(place).mean():.0%} | "
+                f"{contacts[0]:.0%} [{contacts[1]:.0%}] | {field[0]:.0%} [{field[1]:.0%}] | "
+                f"{near:.1f} [{far:.1f}] mm"
+            )
+
+
+def wrong_quantity() -> None:
+    """Draw the force found where readings of capacitance are taken as stress."""
+    kinds: dict[str, Indenter] = {
+        "ball 6 mm, 1 N": replace(BALL, radius=3e-3),
+        "ball 12 mm, 0.2 N": replace(BALL, force=0.2),
+        "ball 12 mm, 1 N": BALL,
+        "ball 12 mm, 3 N": replace(BALL, force=3.0),
+        "ball 30 mm, 1 N": replace(BALL, radius=15e-3),
+        "flat 6 mm, 1 N": Cylinder(radius=3e-3, force=1.0),
+        "flat 12 mm, 1 N": Cylinder(radius=6e-3, force=1.0),
+        "flat 24 mm, 5 N": Cylinder(radius=12e-3, force=5.0),
+    }
+    constant = stress_per_change()
+    places = random_places(300, seed=3)
+    places = places[np.linalg.norm(places, axis=1) < 18e-3][:60]
+    ways = {
+        "stress skin, read as stress": ("stress", "stress", 1.0),
+        "capacitive skin, read as capacitance": ("capacitance", "capacitance", 1.0),
+        "capacitive skin, read as stress": ("capacitance", "stress", constant),
+    }
+    colours, heights = (INK, BLUE, ORANGE), np.arange(len(kinds))[::-1]
+    click.echo(f"\nas stress: {constant / 1e3:.0f} kPa per unit; found/true: median [10 %, 90 %]")
+    with style():
+        figure = new_figure(10.0, 4.4)
+        axes = figure.add_axes((0.15, 0.12, 0.82, 0.69))
+        for row, (label, (true, taken, gain)) in enumerate(ways.items()):
+            rec = reconstructor(taken, nodes=30)
+            quantiles = []
+            for indenter in kinds.values():
+                estimate = rec(gain * readings(indenter, places, true))
+                quantiles.append(np.quantile(summed(estimate) / indenter.force, [0.1, 0.5, 0.9]))
+            low, middle, high = np.array(quantiles).T
+            at = heights + 0.22 * (1 - row)
+            axes.hlines(at, np.maximum(low, 0), high, color=colours[row], lw=2.2, alpha=0.45)
+            axes.plot(middle, at, "o", color=colours[row], ms=5, label=label)
+            for kind, (a, b, c) in zip(kinds, quantiles, strict=True):
+                click.echo(f"  {label}; {kind}: {b:.2f} [{a:.2f}, {c:.2f}]")
+        axes.axvline(1.0, color=QUIET, lw=0.8)
+        axes.set(xlabel="force found / true", yticks=heights, yticklabels=list(kinds))
+        axes.set_xlim(0, None)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=8, loc="lower right")
+        note = "contacts summed, no noise; dot: median of 60 places, bar: four fifths of them"
+        add_title(axes, "", "What the wrong quantity costs", note)
+        save(figure, IMAGES / "wrong-quantity.png")
+    click.echo("  ΔC/C₀ per MPa over the press:")
+    for kind, indenter in kinds.items():
+        ratio = profile(indenter, "capacitance")[0] / profile(indenter, "stress")[0] * 1e6
+        click.echo(f"    {kind}: {ratio:.2f}")
+
+
+def compressible() -> None:
+    """Print how the force comes out by Poisson's ratio, for capacitance."""
+    indenters: list[Indenter] = [BALL, Cylinder(radius=6e-3), Cylinder(radius=12e-3, force=5.0)]
+    places = random_places(300, seed=3)
+    places = places[np.linalg.norm(places, axis=1) < 18e-3][:60]
+    click.echo("\nν: contacts' force, field's force (found/true, medians of 60 places)")
+    for ratio in (0.5, 0.49, 0.45, 0.3):
+        layer = replace(LAYER, poisson_ratio=ratio)
+        rec = reconstructor("capacitance", nodes=30, layer=layer)
+        for indenter in indenters:
+            estimate = rec(readings(indenter, places, "capacitance", layer))
+            contacts = np.median(summed(estimate)) / indenter.force
+            field = np.median(np.asarray(estimate.normal_force)) / indenter.force
+            click.echo(f"  {ratio:g} {type(indenter).__name__}, {indenter.force:g} N: "
+                       f"{contacts:.2f} {field:.2f}")  # fmt: skip
+
+
+def real_foot(recording: str, force: str, layout: str) -> None:
+    """Draw the foot of a robot, and its force beside that of the sensor in its ankle."""
+    common = ["--layout", layout, "--poisson", "0.3"]
+    skinfield(["calibrate", "scale", recording, force, *common,
+               "--plot", str(IMAGES / "foot-force.png")], standalone_mode=False)  # fmt: skip
+    skinfield(["reconstruct", recording, *common, "--modulus-kpa", "45",
+               "--plot", str(IMAGES / "foot.png")], standalone_mode=False)  # fmt: skip
+
+
+@click.command()
+@click.option("--foot", help="Recording of an iCub's foot.")
+@click.option("--force", help="Recording of the force/torque sensor beside it.")
+@click.option("--foot-layout", help="Its layout.")
+def main(foot: str | None, force: str | None, foot_layout: str | None) -> None:
+    """Make all pictures."""
+    IMAGES.mkdir(exist_ok=True)
+    skinfield(["demo", "-o", str(IMAGES / "demo.png")], standalone_mode=False)
+    holes()
+    for quantity in QUANTITIES:
+        blindness(quantity)
+    ring()
+    across_a_hole()
+    random_presses()
+    wrong_quantity()
+    compressible()
+    if foot and force and foot_layout:
+        real_foot(foot, force, foot_layout)
+
+
+if __name__ == "__main__":
+    main()
