@@ -100,16 +100,16 @@ def _named(nu, alpha, top, base, antiplane, base_antiplane):
     }
 
 
-def ratios(nu: float, alpha):
+def ratios(nu, alpha, lib=np):
     """Closed forms written out plainly, for arrays; `propagate` is their witness."""
-    sinh, cosh, two = np.sinh(alpha), np.cosh(alpha), np.sinh(2 * alpha)
-    below = (3 - 4 * nu) * np.cosh(2 * alpha) + 2 * alpha**2 + 8 * nu**2 - 12 * nu + 5
+    sinh, cosh, two = lib.sinh(alpha), lib.cosh(alpha), lib.sinh(2 * alpha)
+    below = (3 - 4 * nu) * lib.cosh(2 * alpha) + 2 * alpha**2 + 8 * nu**2 - 12 * nu + 5
     stress = 4 * (1 - nu) / below
     out = {
         "normal": ((3 - 4 * nu) * two - 2 * alpha) / below,
         "tangential": ((3 - 4 * nu) * two + 2 * alpha) / below,
         "coupling": (2 * alpha**2 - 2 * (3 - 4 * nu) * (1 - 2 * nu) * sinh**2) / below,
-        "antiplane": np.tanh(alpha),
+        "antiplane": lib.tanh(alpha),
         "base_normal": stress * (alpha * sinh + 2 * (1 - nu) * cosh),
         "base_shear": stress * (2 * (1 - nu) * cosh - alpha * sinh),
         "base_shear_from_normal": stress * (alpha * cosh - (1 - 2 * nu) * sinh),

@@ -237,7 +237,7 @@ class BondedLayer:
 
 
 def _integrate(function: Kernel, offset: Floats, cell: float, pad: float) -> Floats:
-    return integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH + pad)
+    return integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH + pad, rim=pad)
 
 
 def _inverse_distances(x: Floats, y: Floats) -> tuple[Floats, ...]:

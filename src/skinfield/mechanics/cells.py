@@ -92,7 +92,7 @@ def integrate_with_pole(
     offset, cell, depth, reach
         See `integrate_over_cell`; `depth` is that of `smooth`.
     rim : float
-        Radius of the circle on which `sharp` is singular.
+        Radius of the circle on which `sharp` is singular, and above which `smooth` is.
     """
 
     def both(x: Floats, y: Floats) -> Floats:
@@ -103,7 +103,8 @@ def integrate_with_pole(
         near = np.hypot(place[:, 0], place[:, 1]) < rim + FAR * side
         inside = sharp_integral(place[near], side)
         out = np.empty((*inside.shape[:-1], len(place)))
-        out[..., near] = inside + integrate_over_cell(smooth, place[near], side, depth, reach)
+        rest = integrate_over_cell(smooth, place[near], side, depth, reach, rim)
+        out[..., near] = inside + rest
         out[..., ~near] = integrate_over_cell(both, place[~near], side, 0.0, reach, rim)
         return out
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from skinfield.errors import Floats
 
-DEGREE = 11  # of the polynomial on one panel
+DEGREE = 12  # of the polynomial on one panel
 PANEL = 0.25  # width of a panel; kernels are analytic within 1 (the layer's depth) of the real axis
 CHUNK = 1 << 14  # points per pass, so that its few arrays stay in cache
 
@@ -43,7 +43,7 @@ class RadialKernel:
     r"""The function :math:`K_n(\rho)/\rho^n`, :math:`K_n = \int_0^\infty f(a) J_n(a\rho)\,da`.
 
     Lengths are in units of the layer's thickness. Tabulated as polynomials on short panels,
-    interpolated at Chebyshev points (error near 1e-15 of the peak), zero beyond `reach`.
+    interpolated at Chebyshev points (error near 1e-14 of the peak), zero beyond `reach`.
 
     Parameters
     ----------
