@@ -6,7 +6,7 @@ import pytest
 import skinfield as sf
 from skinfield.conditioning import Calibration, CySkinCount, Exponential, ICubByte
 from skinfield.errors import InputError
-from skinfield.pipeline import Conditioning, condition, without_empty
+from skinfield.pipeline.conditioned import Conditioning, condition, without_empty
 from skinfield.reading import Recording
 
 PATCH = sf.layouts.icub_triangle()

@@ -1,6 +1,8 @@
 """What touches the robot: force, deformation and contacts from capacitive skin, in SI units."""
 
-from skinfield import simulate as simulate
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from skinfield.contacts import ContactFinder as ContactFinder
 from skinfield.fields import Contact as Contact
 from skinfield.fields import Estimate as Estimate
@@ -11,7 +13,6 @@ from skinfield.inverse import Tikhonov as Tikhonov
 from skinfield.layout import Grid as Grid
 from skinfield.layout import Patch as Patch
 from skinfield.layout import Skin as Skin
-from skinfield.layout import generators
 from skinfield.layout import load_layout as load_layout
 from skinfield.layout import save_layout as save_layout
 from skinfield.mechanics import BondedLayer as BondedLayer
@@ -22,4 +23,22 @@ from skinfield.observation import Capacitance as Capacitance
 from skinfield.observation import Gap as Gap
 from skinfield.pipeline import Reconstructor as Reconstructor
 
-layouts = generators  # patches from numbers: layouts.hexagon72()
+if TYPE_CHECKING:
+    from skinfield import simulate as simulate
+    from skinfield.layout import generators
+
+    layouts = generators
+
+_ON_DEMAND = {"layouts": "skinfield.layout.generators", "simulate": "skinfield.simulate"}
+
+
+def __getattr__(name: str) -> Any:
+    """Load what only some programs need when they first name it."""
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module 'skinfield' has no attribute {name!r}")
+    module = globals()[name] = importlib.import_module(_ON_DEMAND[name])
+    return module
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_ON_DEMAND})

@@ -116,7 +116,8 @@ Formats that hold one patch take one: choose it with --patch.
 @click.option("--patch", "patch", help="Name of the one patch to write.")
 def convert(text: str, output: str, name: str | None, patch: str | None) -> None:
     """Convert a layout."""
-    from skinfield.layout.formats import format_by_name, save_layout
+    from skinfield.layout import save_layout
+    from skinfield.layout.formats import format_by_name
 
     form = format_by_name(name) if name else None
     skin = skin_from_text(text)

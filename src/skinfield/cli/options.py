@@ -19,7 +19,7 @@ from skinfield.inverse import GaussianField, Inverse, PseudoInverse, Solver, Tik
 from skinfield.layout import Patch, Skin
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
 from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
-from skinfield.pipeline import Conditioning
+from skinfield.pipeline.conditioned import Conditioning
 
 F = TypeVar("F", bound=Callable[..., Any])
 

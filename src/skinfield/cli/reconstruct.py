@@ -24,7 +24,8 @@ from skinfield.cli.report import console, progress, say_notes, table_of_contacts
 from skinfield.errors import InputError
 from skinfield.fields import Estimate
 from skinfield.layout import Grid
-from skinfield.pipeline import Conditioned, Reconstructor, condition, without_empty
+from skinfield.pipeline import Reconstructor
+from skinfield.pipeline.conditioned import Conditioned, condition, without_empty
 
 CHUNK = 64  # readings per step of the progress bar; bounds the memory of the fields
 

@@ -34,8 +34,8 @@ class Quantity(Protocol):
         """Readings of taxels at (L, 2) m of the plane per Pa on each node: (L, K)."""
         ...
 
-    def linearise(self, readings: Floats, out: Floats) -> None:
-        """Write into `out` the readings of a linear sensor; both of any one shape."""
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """Readings of a linear sensor: `readings` themselves, or written into `out`."""
         ...
 
 
@@ -67,9 +67,9 @@ class BaseStress:
         stress = mechanics.base_stress(layer, _offsets(grid, taxels), grid.pitch, pad)
         return stress.reshape(len(taxels), len(grid))
 
-    def linearise(self, readings: Floats, out: Floats) -> None:
-        """Copy: stress is linear in the load at small strain."""
-        np.copyto(out, readings)
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """`readings`: stress is linear in the load at small strain."""
+        return readings
 
 
 @dataclass(frozen=True)
@@ -98,9 +98,9 @@ class Gap:
         inwards = mechanics.indentation(layer, _offsets(grid, taxels), grid.pitch, pad)
         return inwards.reshape(len(taxels), len(grid)) / layer.thickness
 
-    def linearise(self, readings: Floats, out: Floats) -> None:
-        """Copy: the gap is linear in the load at small strain."""
-        np.copyto(out, readings)
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """`readings`: the gap is linear in the load at small strain."""
+        return readings
 
 
 @dataclass(frozen=True)
@@ -145,10 +145,9 @@ class Capacitance:
         every linear solver.
         """
         if self.order == 1:
-            np.copyto(out, readings)
-            return
+            return readings
         np.add(readings, 1.0, out=out)
-        np.divide(readings, out, out=out)
+        return np.divide(readings, out, out=out)
 
     def forward(
         self,

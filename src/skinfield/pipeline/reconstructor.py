@@ -77,6 +77,7 @@ class Reconstructor:
         self.deformation = Deformation(self.grid, self.layer, self.mechanics)
         self._plans: OrderedDict[bytes, Plan] = OrderedDict()
         self.plan = self._plan_for(np.ones(len(patch), np.bool_))
+        self._operator = self.plan.operator
         self._linear = np.empty(len(patch), precision)
         self._run_in()
 
@@ -95,8 +96,7 @@ class Reconstructor:
         out : (4 K,) array of `precision`
             Pressure (K) Pa, then displacement x, y, z (K each) m.
         """
-        self.quantity.linearise(readings, self._linear)
-        np.dot(self.plan.operator, self._linear, out=out)
+        np.dot(self._operator, self.quantity.linearise(readings, self._linear), out=out)
 
     def __call__(
         self,
@@ -159,8 +159,8 @@ class Reconstructor:
 
     def _run(self, plan: Plan, table: Floats, rows: NDArray[np.int64], fields: Floats) -> Floats:
         """Fill the rows of `fields`; return their residuals (rows, valid taxels)."""
-        linear = np.empty((len(rows), int(plan.valid.sum())))
-        self.quantity.linearise(table[np.ix_(rows, plan.valid)], linear)
+        readings = table[np.ix_(rows, plan.valid)]
+        linear = self.quantity.linearise(readings, np.empty_like(readings))
         fields[rows] = (plan.operator @ linear.T.astype(self.precision)).T
         return np.asarray(linear - fields[rows][:, : len(self.grid)] @ plan.predict.T)
 

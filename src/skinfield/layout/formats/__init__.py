@@ -22,7 +22,6 @@ from skinfield.layout.formats import (
 from skinfield.layout.formats.draft import Content
 from skinfield.layout.formats.mend import mend
 from skinfield.layout.formats.text import read_bytes
-from skinfield.layout.patch import Patch
 from skinfield.layout.skin import Skin
 
 
@@ -51,17 +50,6 @@ FORMATS = cast(
     (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
 )
 """All known formats; where two write the same extension, the first is the usual one."""
-
-
-def load_layout(path: str | Path) -> Skin:
-    """Read a layout file of any known format; what was repaired stands in the skin's notes.
-
-    Raises
-    ------
-    FileError
-        When the file cannot be read, is of no known format, or holds no usable skin.
-    """
-    return read_layout(Path(path))[0]
 
 
 def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
@@ -93,31 +81,6 @@ def format_of(path: Path) -> Format:
     return min(fitting, key=lambda form: extension not in form.EXTENSIONS)
 
 
-def save_layout(
-    skin: Skin | Patch, path: str | Path, form: Format | None = None
-) -> tuple[str, ...]:
-    """Write a skin to a file; return what the format cannot hold, in sentences.
-
-    Parameters
-    ----------
-    skin : Skin or Patch
-    path : str or Path
-    form : a module of `skinfield.layout.formats`, optional
-        By default the usual format of the file's extension.
-
-    Raises
-    ------
-    InputError
-        When the extension is of no format, or the format cannot hold the skin.
-    FileError
-        When the file cannot be written.
-    """
-    path = Path(path)
-    if isinstance(skin, Patch):
-        skin = Skin((skin,), name=skin.name)
-    return (form or _format_by_extension(path)).write(skin, path)
-
-
 def format_by_name(name: str) -> Format:
     """Format of that NAME.
 
@@ -133,7 +96,8 @@ def format_by_name(name: str) -> Format:
     raise InputError(f"format is {name!r}, expected one of {known}")
 
 
-def _format_by_extension(path: Path) -> Format:
+def format_by_extension(path: Path) -> Format:
+    """Usual format of files of this name; an InputError lists the extensions that are known."""
     for form in FORMATS:
         if path.suffix.lower() in form.EXTENSIONS:
             return form
