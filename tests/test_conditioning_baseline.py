@@ -57,6 +57,33 @@ def test_whole_counts_never_claim_less_noise_than_quantisation():
     )
 
 
+def test_bytes_that_rarely_change_keep_their_noise():
+    counts = np.rint(240 + 0.34 * noise(400, 72))  # most readings are 240 exactly
+    wanted = np.std(counts)
+    found = estimate_baseline(counts, RATE, quiet=slice(None), convention=ICubByte()).noise_std
+    assert np.median(found) == pytest.approx(wanted, rel=0.05)
+    assert found.min() > 0.7 * wanted
+
+
+@pytest.mark.parametrize("pressed_from", [20, 50, 80])
+def test_a_press_is_no_noise_and_no_rest(pressed_from):
+    counts = 240 + 2 * noise(100, 72)
+    counts[pressed_from:, 5] -= 100  # all the while, in a recording too short to be quiet
+    b = estimate_baseline(counts, RATE, quiet=slice(None), convention=ICubByte())
+    assert b.stretch.moving.nonzero()[0].tolist() == [5]
+    assert b.noise_std[5] == pytest.approx(2.0, rel=0.5)
+    assert b.baseline[5] == pytest.approx(240.0, abs=4.0)
+    assert b.drift[5] == 0.0
+
+
+def test_a_short_recording_is_quiet_where_nobody_touches():
+    counts = 240 + 2 * noise(60, 72)
+    counts[32:] -= 50
+    q = quiet_stretch(counts, RATE, convention=ICubByte())
+    assert q.still
+    assert (q.start, q.stop) == (0, 30)
+
+
 def press(readings, start, stop, taxels, depth=120.0):
     pushed = np.zeros((readings, taxels))
     ramp = np.sin(np.linspace(0, np.pi, stop - start)) ** 2

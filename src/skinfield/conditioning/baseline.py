@@ -10,6 +10,7 @@ from skinfield.conditioning.quiet import (
     LEAST_READINGS,
     MOVING,
     QuietStretch,
+    fast_noise,
     judge,
     quiet_stretch,
     readings_per_value,
@@ -36,8 +37,10 @@ class Baseline:
     ----------
     baseline : (L,) array, counts
         Median, in the middle of the stretch; NaN for a taxel that answered less than half of it.
+        Of a taxel that moves, the least loaded readings, where a convention tells which.
     noise_std : (L,) array, counts
-        Of one reading, drift removed; at least 0.29 for whole counts.
+        Of one reading, drift removed; at least 0.29 for whole counts. Of a taxel that moves, from
+        reading to reading: what presses it is no noise.
     uncertainty : (L,) array, counts
         Standard error of the baseline.
     drift : (L,) array, counts/s
@@ -125,6 +128,12 @@ def estimate_baseline(
     x = x - (np.arange(len(x)) - (len(x) - 1) / 2.0)[:, None] * slope
     floor = present & _on_the_floor(window, convention)
     level, noise = _level_and_noise(x, window, floor)
+    moving = stretch.moving & present
+    if moving.any():
+        slope = np.where(moving, 0.0, slope)
+        noise[moving] = np.minimum(noise[moving], fast_noise(window[:, moving], stretch.hold))
+        if convention is not None:
+            level[moving] = _unpressed(window[:, moving], noise[moving], convention.direction)
     correlation = readings_per_independent(x)
     loaded = _loaded(level, noise, convention)
     span = f"readings {stretch.start} to {stretch.stop}"
@@ -149,11 +158,18 @@ def estimate_baseline(
 
 def _level_and_noise(x: Floats, window: Floats, floor: Bools) -> tuple[Floats, Floats]:
     """Of the readings without drift, `x`; where they lie on the floor, from the upper side."""
-    level, noise = level_and_noise(x)
+    whole = whole_numbers(window)
+    level, noise = level_and_noise(x, step=1.0 if whole else 0.0)
     if floor.any():
         upper = np.nanpercentile(window[:, floor], 84.134, axis=0)
         noise[floor] = np.maximum(upper - level[floor], _QUANTISATION)
-    return level, np.maximum(noise, _QUANTISATION) if whole_numbers(window) else noise
+    return level, np.maximum(noise, _QUANTISATION) if whole else noise
+
+
+def _unpressed(pressed: Floats, noise: Floats, direction: int) -> Floats:
+    """Level (L,) of taxels that were touched for up to 90 % of their readings (T, L)."""
+    lightest = np.nanpercentile(direction * pressed, 10.0, axis=0)
+    return np.asarray(direction * (lightest + 1.2816 * noise))
 
 
 def _chosen(counts: Floats, quiet: slice) -> QuietStretch:

@@ -104,7 +104,7 @@ def quiet_stretch(
     rate : float, 1/s
         Readings per second.
     seconds : float
-        Length of the stretch; a shorter recording is judged as a whole.
+        Length of the stretch; half of a recording that is shorter than twice that.
     convention : Convention, optional
         Tells which way pressure moves the counts: of several still stretches the least loaded one
         is then taken.
@@ -127,7 +127,8 @@ def quiet_stretch(
             f"counts hold {len(counts)} readings, expected at least {LEAST_READINGS}: "
             "noise and motion cannot be told apart in fewer"
         )
-    length = int(np.clip(round(seconds * rate), LEAST_READINGS, len(counts)))
+    longest = max(LEAST_READINGS, len(counts) // 2)  # so that a press can lie outside
+    length = int(np.clip(round(seconds * rate), LEAST_READINGS, longest))
     hold = readings_per_value(counts)
     starts = range(0, len(counts) - length + 1, max(1, length // 4))
     found = [judge(counts, start, start + length, hold) for start in starts]

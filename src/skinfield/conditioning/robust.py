@@ -69,19 +69,26 @@ def trend(x: Floats) -> Floats:
     return np.nan_to_num(rise / (len(x) - third))
 
 
-def level_and_noise(x: Floats) -> tuple[Floats, Floats]:
+def level_and_noise(x: Floats, step: float = 0.0) -> tuple[Floats, Floats]:
     """Median and noise of (T, L), each (L,).
 
     The noise is the standard deviation of the readings within 4 robust deviations (1.4826 MAD) of
     the median: the efficiency of a standard deviation, safe against touches, and no staircase on
-    quantised data as the MAD itself has.
+    quantised data as the MAD itself has. Readings within 2 steps of the median always count: where
+    most are equal the MAD is 0, and the few that differ are the noise.
+
+    Parameters
+    ----------
+    x : (T, L) array
+    step : float
+        Of the quantisation, in the unit of x.
     """
     middle = median(x)
     away = np.abs(x - middle)
     scale = 1.4826 * median(away)
     mostly_constant = scale < 1e-9
     scale = np.where(mostly_constant, 0.5 * deviation(x), scale)
-    return middle, deviation(np.where(away <= 4.0 * scale, x, np.nan))
+    return middle, deviation(np.where(away <= np.maximum(4.0 * scale, 2.0 * step), x, np.nan))
 
 
 def readings_per_independent(x: Floats) -> float:
