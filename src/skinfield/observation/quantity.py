@@ -138,7 +138,7 @@ class Capacitance:
         inwards = mechanics.indentation(layer, offsets, grid.pitch, pad, electrostatic=True)
         return inwards.reshape(len(taxels), len(grid)) / layer.thickness
 
-    def linearise(self, readings: Floats, out: Floats) -> None:
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
         """C / (1 + c): exact for a uniform gap, where C/C0 = 1/(1 - w/h); order 1 copies.
 
         The rest of the nonlinearity depends on the shape of the indentation and stays an error of
