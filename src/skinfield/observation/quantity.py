@@ -139,7 +139,7 @@ class Capacitance:
         return inwards.reshape(len(taxels), len(grid)) / layer.thickness
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
-        """C / (1 + c): exact for a uniform gap, where C/C0 = 1/(1 - w/h); order 1 copies.
+        """Strain c / (1 + c), exact for a uniform gap, C/C0 = 1/(1 - w/h); order 1: `readings`.
 
         The rest of the nonlinearity depends on the shape of the indentation and stays an error of
         every linear solver.
