@@ -3,74 +3,50 @@
   python docs/figures.py                                   all that need no outside data
   python docs/figures.py --foot REC --force FT --foot-layout FILE    the real foot as well
 
-Presses are solved by `skinfield.simulate` on cells of 0.4 mm. An indenter that turns about its axis
-gives readings that depend on the taxel's distance alone, so each is solved once and then moved.
+The presses are those of `presses.py` beside this file.
 """
 
+import csv
+import json
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
+from presses import (
+    BALL,
+    FAR,
+    LAYER,
+    PATCH,
+    QUANTITIES,
+    Indenter,
+    inner_places,
+    misplaced,
+    profile,
+    random_places,
+    readings,
+    reconstructor,
+    stress_per_change,
+    summed,
+)
 
 import skinfield as sf
 from skinfield.cli import main as skinfield
-from skinfield.errors import Floats
-from skinfield.figures import draw_blindness, save
+from skinfield.figures import draw_blindness, draw_timeline, save
 from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
 from skinfield.layout.hull import inside_hull
-from skinfield.observation import Quantity
-from skinfield.simulate import Cylinder, Indenter, Sphere, press
+from skinfield.simulate import Cylinder, Sphere
+from skinfield.sources import open_recording
 
 IMAGES = Path(__file__).parent / "images"
-PATCH = sf.layouts.hexagon72()
-LAYER = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
-QUANTITIES: dict[str, Quantity] = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}
 SHOWN = {"stress": (1e-3, "kPa"), "capacitance": (100.0, "%")}  # factor and unit of a figure
 COLOUR = {"stress": ORANGE, "capacitance": BLUE}
 SIGMAS = 5.0  # noise that a reading must exceed to count as seen
-FAR = np.linspace(0.0, 66e-3, 166)  # m; the farthest that a taxel is from a press
-BALL = Sphere(radius=6e-3, force=1.0)
+STANDING = 6.8  # s; then the robot tips over backwards
 TAXEL, HOLE = np.array([0.0, 7.48e-3]), np.zeros(2)  # a taxel, and where six modules meet
-
-
-@lru_cache(maxsize=64)
-def profile(indenter: Indenter, quantity: str, layer: sf.Layer = LAYER) -> Floats:
-    """Readings of taxels at the distances FAR from an indenter at the origin."""
-    extent = 30e-3 if isinstance(indenter, Cylinder) else 14e-3
-    line = np.column_stack([FAR, np.zeros_like(FAR)])
-    return press(layer, [indenter], extent, 0.4e-3).readings(line, PATCH.pad_diameter, quantity)
-
-
-def readings(indenter: Indenter, places: Floats, quantity: str, layer: sf.Layer = LAYER) -> Floats:
-    """Readings (P, L) without noise of the patch, pressed at places (P, 2) m."""
-    distance = np.linalg.norm(PATCH.plane[None] - places[:, None], axis=2)
-    return np.interp(distance, FAR, profile(indenter, quantity, layer))
-
-
-def random_places(count: int, seed: int) -> Floats:
-    """Points (count, 2) m, evenly spread inside the hull of the taxels."""
-    points = np.random.default_rng(seed).uniform(-30e-3, 30e-3, size=(20 * count, 2))
-    return points[inside_hull(PATCH.plane, points)][:count]
-
-
-def summed(estimate: sf.Estimate) -> Floats:
-    """Normal force of the contacts of each reading, (T,) N."""
-    return np.array([sum(c.normal_force for c in found) for found in estimate.contacts])
-
-
-def misplaced(estimate: sf.Estimate, places: Floats) -> Floats:
-    """Distance (T,) m from the strongest contact to the true place; NaN where nothing is found."""
-    return np.array(
-        [
-            np.hypot(*(found[0].position[:2] - place)) if found else np.nan
-            for found, place in zip(estimate.contacts, places, strict=True)
-        ]
-    )
 
 
 def holes() -> None:
@@ -175,8 +151,7 @@ def across_a_hole() -> None:
             seen = np.isfinite(off).mean(axis=1)
             off = np.where(seen[:, None] >= 0.5, off, np.nan)
             for axes, values in ((force, found), (place, off)):
-                middle = np.array([np.median(v[np.isfinite(v)]) if np.isfinite(v).any() else np.nan
-                                   for v in values])  # fmt: skip
+                middle = np.ma.median(np.ma.masked_invalid(values), axis=1).filled(np.nan)
                 axes.plot(away, middle, color=COLOUR[name], label=name)
                 axes.plot(away, values, ".", color=COLOUR[name], ms=2, alpha=0.35)
             for index in (0, 8, 14, 17, 20, 25):
@@ -198,34 +173,15 @@ def across_a_hole() -> None:
         save(figure, IMAGES / "hole.png")
 
 
-def reconstructor(
-    quantity: str, solver: Any = None, nodes: int = 40, layer: sf.Layer = LAYER
-) -> sf.Reconstructor:
-    """Reconstruct with the quantity's typical noise."""
-    grid = sf.Grid.square(PATCH, nodes=nodes)
-    return sf.Reconstructor(PATCH, layer, grid, quantity=QUANTITIES[quantity], solver=solver)
-
-
-def stress_per_change() -> float:
-    """Calibrate wrongly: Pa per ΔC/C₀ from one press of 0.5 N on a taxel."""
-    reference = replace(BALL, force=0.5)
-    return float(profile(reference, "stress")[0] / profile(reference, "capacitance")[0])
-
-
 def random_presses() -> None:
     """Print median errors over 60 presses: four indenters, four forces, random places."""
-    indenters: list[Indenter] = [
-        make(force=force)
-        for make, force in product(
-            (
-                lambda force: Sphere(radius=3e-3, force=force),
-                lambda force: Sphere(radius=6e-3, force=force),
-                lambda force: Sphere(radius=15e-3, force=force),
-                lambda force: Cylinder(radius=6e-3, force=force),
-            ),
-            (0.5, 1.0, 2.0, 3.0),
-        )
-    ]
+    shapes: tuple[Any, ...] = (
+        Sphere(radius=3e-3),
+        BALL,
+        Sphere(radius=15e-3),
+        Cylinder(radius=6e-3),
+    )
+    indenters = [replace(s, force=f) for s, f in product(shapes, (0.5, 1.0, 2.0, 3.0))]
     places = random_places(60, seed=1)
     pressed = [indenters[index % 16] for index in range(60)]
     force = np.array([indenter.force for indenter in pressed])
@@ -241,7 +197,8 @@ def random_presses() -> None:
         noisy = clean + QUANTITIES[name].typical_noise * noise
         gain = 1.0 if taken == name else stress_per_change()
         for solver, nodes in solvers:
-            estimate = reconstructor(taken, solver, nodes)(gain * noisy)
+            spread = gain * QUANTITIES[name].typical_noise
+            estimate = reconstructor(taken, solver, nodes, noise_std=spread)(gain * noisy)
             place = misplaced(estimate, places)
             contacts, field = (
                 np.quantile(np.abs(found / force - 1), [0.5, 0.9])
@@ -269,8 +226,7 @@ def wrong_quantity() -> None:
         "flat 24 mm, 5 N": Cylinder(radius=12e-3, force=5.0),
     }
     constant = stress_per_change()
-    places = random_places(300, seed=3)
-    places = places[np.linalg.norm(places, axis=1) < 18e-3][:60]
+    places = inner_places()
     ways = {
         "stress skin, read as stress": ("stress", "stress", 1.0),
         "capacitive skin, read as capacitance": ("capacitance", "capacitance", 1.0),
@@ -282,7 +238,7 @@ def wrong_quantity() -> None:
         figure = new_figure(10.0, 4.4)
         axes = figure.add_axes((0.15, 0.12, 0.82, 0.69))
         for row, (label, (true, taken, gain)) in enumerate(ways.items()):
-            rec = reconstructor(taken, nodes=30)
+            rec = reconstructor(taken, noise_std=gain * QUANTITIES[true].typical_noise)
             quantiles = []
             for indenter in kinds.values():
                 estimate = rec(gain * readings(indenter, places, true))
@@ -310,12 +266,11 @@ def wrong_quantity() -> None:
 def compressible() -> None:
     """Print how the force comes out by Poisson's ratio, for capacitance."""
     indenters: list[Indenter] = [BALL, Cylinder(radius=6e-3), Cylinder(radius=12e-3, force=5.0)]
-    places = random_places(300, seed=3)
-    places = places[np.linalg.norm(places, axis=1) < 18e-3][:60]
+    places = inner_places()
     click.echo("\nν: contacts' force, field's force (found/true, medians of 60 places)")
     for ratio in (0.5, 0.49, 0.45, 0.3):
         layer = replace(LAYER, poisson_ratio=ratio)
-        rec = reconstructor("capacitance", nodes=30, layer=layer)
+        rec = reconstructor("capacitance", layer=layer)
         for indenter in indenters:
             estimate = rec(readings(indenter, places, "capacitance", layer))
             contacts = np.median(summed(estimate)) / indenter.force
@@ -325,12 +280,50 @@ def compressible() -> None:
 
 
 def real_foot(recording: str, force: str, layout: str) -> None:
-    """Draw the foot of a robot, and its force beside that of the sensor in its ankle."""
+    """Draw a robot's foot, and its force beside that of the sensor above it.
+
+    One number, the modulus, is fitted while the robot stands.
+    """
     common = ["--layout", layout, "--poisson", "0.3"]
-    skinfield(["calibrate", "scale", recording, force, *common,
-               "--plot", str(IMAGES / "foot-force.png")], standalone_mode=False)  # fmt: skip
-    skinfield(["reconstruct", recording, *common, "--modulus-kpa", "45",
-               "--plot", str(IMAGES / "foot.png")], standalone_mode=False)  # fmt: skip
+    table, result = IMAGES / "foot.csv", IMAGES / "foot.json"
+    run("calibrate scale", recording, force, *common)
+    run("calibrate scale", recording, force, *common, "--seconds", f"0,{STANDING:g}",
+        "--summary", str(result))  # fmt: skip
+    modulus = json.loads(result.read_text())["modulus_kpa"]
+    run("reconstruct", recording, *common, "--modulus-kpa", f"{modulus:.0f}", "-o", str(table),
+        "--plot", str(IMAGES / "foot.png"))  # fmt: skip
+    with table.open() as lines:
+        rows = list(csv.DictReader(lines))
+    load: dict[int, float] = {}
+    for row in rows:
+        stamp = int(row["stamp_ns"])
+        load[stamp] = load.get(stamp, 0.0) + float(row["normal_force_N"] or 0.0)
+    table.unlink()
+    result.unlink()
+    stamps, skin = np.array(list(load)), np.array(list(load.values()))
+    sensor = open_recording(force)
+    time = (stamps - stamps[0]) * 1e-9
+    truth = np.interp(time, (sensor.stamp_ns - stamps[0]) * 1e-9, -sensor.counts[:, 2])
+    figure = draw_timeline(
+        time, skin, truth, label=f"skin, E = {modulus:.0f} kPa",
+        title=f"Foot of an iCub; modulus fitted while it stands, 0 to {STANDING:g} s",
+    )  # fmt: skip
+    save(figure, IMAGES / "foot-force.png")
+    click.echo("\nfoot: seconds, skin N, sensor N, rms N")
+    for start, end in ((0.0, STANDING), (STANDING, 7.4), (7.8, time[-1] + 1)):
+        part = (time >= start) & (time < end)
+        error = np.sqrt(np.mean((skin - truth)[part] ** 2))
+        click.echo(
+            f"  {start:g} to {end:.1f}: {skin[part].mean():.1f} {truth[part].mean():.1f} "
+            f"{error:.1f}"
+        )
+    highest = skin.argmax()
+    click.echo(f"  highest at {time[highest]:.2f}: {skin[highest]:.0f}, {truth[highest]:.0f}")
+
+
+def run(command: str, *arguments: str) -> None:
+    """Run a command of skinfield."""
+    skinfield([*command.split(), *arguments], standalone_mode=False)
 
 
 @click.command()
@@ -340,7 +333,7 @@ def real_foot(recording: str, force: str, layout: str) -> None:
 def main(foot: str | None, force: str | None, foot_layout: str | None) -> None:
     """Make all pictures."""
     IMAGES.mkdir(exist_ok=True)
-    skinfield(["demo", "-o", str(IMAGES / "demo.png")], standalone_mode=False)
+    run("demo", "-o", str(IMAGES / "demo.png"))
     holes()
     for quantity in QUANTITIES:
         blindness(quantity)
