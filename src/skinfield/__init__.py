@@ -1,7 +1,7 @@
 """What touches the robot: force, deformation and contacts from capacitive skin, in SI units."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+import importlib as _importlib
+import typing as _typing
 
 from skinfield.contacts import ContactFinder as ContactFinder
 from skinfield.fields import Contact as Contact
@@ -23,7 +23,7 @@ from skinfield.observation import Capacitance as Capacitance
 from skinfield.observation import Gap as Gap
 from skinfield.pipeline import Reconstructor as Reconstructor
 
-if TYPE_CHECKING:
+if _typing.TYPE_CHECKING:
     from skinfield import simulate as simulate
     from skinfield.layout import generators
 
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 _ON_DEMAND = {"layouts": "skinfield.layout.generators", "simulate": "skinfield.simulate"}
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> _typing.Any:
     """Load what only some programs need when they first name it."""
     if name not in _ON_DEMAND:
         raise AttributeError(f"module 'skinfield' has no attribute {name!r}")
-    module = globals()[name] = importlib.import_module(_ON_DEMAND[name])
+    module = globals()[name] = _importlib.import_module(_ON_DEMAND[name])
     return module
 
 
