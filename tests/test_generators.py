@@ -221,7 +221,7 @@ def test_every_generator_is_called_as_it_says(usage: str) -> None:
         ("rectangular:rows=2.5", "rows of rectangular is '2.5', expected a whole number"),
         ("rectangular:pitch_mm=wide", "pitch_mm of rectangular is 'wide', expected a number"),
         ("rectangular:rows=2,rows=3", "given twice"),
-        ("hexagon72:rows=2", "argument of hexagon72 is 'rows'"),
+        ("hexagon72:rows=2", "argument of hexagon72 is 'rows=2', expected none"),
         ("rectangular:rows=99999,columns=99999", "about 1e.10 taxels, expected at most 100000"),
         ("cylinder:pitch_mm=1e-6", "expected at most 100000"),
         ("cylinder:arc_angle_deg=361", "arc_angle is 6.3"),

@@ -64,8 +64,15 @@ def check_choice(name: str, value: str, choices: Iterable[str], why: str) -> Non
 
 
 def as_floats(name: str, values: ArrayLike) -> Floats:
-    """Convert to a float64 array, or raise InputError that names the argument."""
+    """Convert to a float64 array, or raise InputError that names the argument.
+
+    What a masked array hides becomes NaN.
+    """
     try:
+        if np.iscomplexobj(values):
+            raise TypeError("complex numbers have no order")
+        if isinstance(values, np.ma.MaskedArray):
+            return np.asarray(np.ma.filled(values.astype(np.float64), np.nan))
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} is {values!r}, expected numbers: {error}") from error

@@ -129,11 +129,10 @@ def estimate_baseline(
     floor = present & _on_the_floor(window, convention)
     level, noise = _level_and_noise(x, window, floor)
     moving = stretch.moving & present
-    if moving.any():
-        slope = np.where(moving, 0.0, slope)
-        noise[moving] = np.minimum(noise[moving], fast_noise(window[:, moving], stretch.hold))
-        if convention is not None:
-            level[moving] = _unpressed(window[:, moving], noise[moving], convention.direction)
+    slope = np.where(moving, 0.0, slope)
+    noise[moving] = np.minimum(noise[moving], fast_noise(window[:, moving], stretch.hold))
+    if convention is not None:
+        level[moving] = _unpressed(window[:, moving], noise[moving], convention.direction)
     correlation = readings_per_independent(x)
     loaded = _loaded(level, noise, convention)
     span = f"readings {stretch.start} to {stretch.stop}"

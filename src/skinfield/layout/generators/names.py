@@ -54,6 +54,8 @@ def by_name(text: str) -> Patch:
     values: dict[str, float] = {}
     for entry in filter(None, (part.strip() for part in given.split(","))):
         flag, _, value = (part.strip() for part in entry.partition("="))
+        if not parameters:
+            raise InputError(f"argument of {name} is {entry!r}, expected none: it has no settings")
         check_choice(f"argument of {name}", flag, parameters, f"it is called as {_usage(name)}")
         argument, kind, unit = parameters[flag]
         if argument in values:
