@@ -19,7 +19,7 @@ from skinfield.inverse.operator import InverseOperator, propagated_std
 from skinfield.observation import ObservationModel
 
 ROOT = Path(__file__).resolve().parents[1]
-PUBLIC = [name for name in vars(skinfield) if not name.startswith("_")]
+PUBLIC = [name for name in dir(skinfield) if not name.startswith("_")]
 
 
 def test_types_are_shipped() -> None:
