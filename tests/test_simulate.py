@@ -89,5 +89,11 @@ def test_bad_indenters_are_named() -> None:
         press(LAYER, [Sphere(radius=1e-3, position=(1.0, 0.0))])
     with pytest.raises(InputError, match="indenters is empty"):
         press(LAYER, [])
+    with pytest.raises(InputError, match=r"indenters\[1\] at \(0.0, 0.0\) m lies behind"):
+        press(LAYER, [BALL, BALL])
+    with pytest.raises(
+        InputError, match=r"indenters\[0\] with 100 N sinks .* into a layer of 2 mm"
+    ):
+        press(LAYER, [Sphere(radius=6e-3, force=100.0)], 30e-3, 1e-3)
     with pytest.raises(InputError, match="quantity is 'volts', expected one of"):
         press(LAYER, [BALL], 20e-3, 1e-3).readings([[0, 0]], 4e-3, "volts")

@@ -132,21 +132,49 @@ def press(
     grid = Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin)
     x, y = grid.plane.T.reshape(2, count, count)
     each = np.stack([indenter.height(x, y) for indenter in indenters])
-    for index, height in enumerate(each):
-        if not np.isfinite(height).any():
-            raise InputError(
-                f"indenters[{index}] at {indenters[index].position} m covers no cell, expected it "
-                f"within {extent / 2:g} m of the origin and wider than {cell:g} m"
-            )
+    bodies = each.argmin(axis=0)
+    _check_places(indenters, each, bodies, extent, cell)
     kernel = indentation_kernel(mechanics, layer, cell, cell, count - 1, count - 1)
     forces = np.array([indenter.force for indenter in indenters]) / grid.cell_area
-    bodies = each.argmin(axis=0)
     start = np.zeros((count, count))
-    for body, indenter in enumerate(indenters):
+    for body, force in enumerate(forces):
         near = np.isfinite(each[body]) & (bodies == body)
         guess = near & (each[body] <= max(0.1 * layer.thickness, float(each[body][near].min())))
-        start[guess] = indenter.force / grid.cell_area / guess.sum()
+        start[guess] = force / guess.sum()
     pressure, approach = solve_contact(
         LatticeConvolution(kernel), each.min(axis=0), bodies, start, forces
     )
+    _check_depth(indenters, approach, layer)
     return Press(grid, layer, mechanics, tuple(indenters), pressure.ravel(), approach)
+
+
+def _check_places(
+    indenters: Sequence[Indenter],
+    heights: Floats,
+    bodies: NDArray[np.int64],
+    extent: float,
+    cell: float,
+) -> None:
+    """Each indenter must have cells (rows, columns), and be the lowest on some of them."""
+    for index, indenter in enumerate(indenters):
+        under = np.isfinite(heights[index])
+        if not under.any():
+            raise InputError(
+                f"indenters[{index}] at {indenter.position} m covers no cell, expected it "
+                f"within {extent / 2:g} m of the origin and wider than {cell:g} m"
+            )
+        if not under[bodies == index].any():
+            raise InputError(
+                f"indenters[{index}] at {indenter.position} m lies behind the others, "
+                "expected them apart: each must be the lowest somewhere"
+            )
+
+
+def _check_depth(indenters: Sequence[Indenter], approach: Floats, layer: Layer) -> None:
+    deepest = int(approach.argmax())
+    if approach[deepest] >= layer.thickness:
+        raise InputError(
+            f"indenters[{deepest}] with {indenters[deepest].force:g} N sinks "
+            f"{approach[deepest] * 1e3:.3g} mm into a layer of {layer.thickness * 1e3:g} mm, "
+            "expected less than its thickness: press lighter, or with a wider body"
+        )
