@@ -216,9 +216,9 @@ class FourierSum:
 
     def _wide_gaussians(self, offset):
         """2/sqrt(pi) times the integral over t > 1 of exp(-k² t²), over the cell and the pad."""
-        inverse, weight = np.polynomial.legendre.leggauss(96)
+        inverse, weight = np.polynomial.legendre.leggauss(int(32 + 4 * self.pad))
         inverse, weight = (inverse + 1) / 2, weight / 2  # of the width t
-        count = 16 + int(6 * self.pad)
+        count = 16 + int(3 * self.pad)
         radial, share = np.polynomial.legendre.leggauss(count)
         r, angle = self.pad * np.sqrt((radial + 1) / 2), np.arange(2 * count) * np.pi / count
         x = offset[:, :1, None] + np.outer(r, np.cos(angle)).ravel()[:, None]

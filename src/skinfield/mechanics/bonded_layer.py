@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from skinfield.errors import Floats, check_positive, check_range, check_shape
+from skinfield.errors import Floats, check_finite, check_positive, check_range, check_shape
 from skinfield.mechanics.cells import Kernel, integrate_over_cell, integrate_with_pole
 from skinfield.mechanics.elastomer import Layer
 from skinfield.mechanics.love import inverse_distance_integrals
@@ -19,7 +19,7 @@ SLOW_CUTOFF = 46.0  # transforms that fall as exp(-alpha)
 FAST_CUTOFF = 26.0  # transforms that fall as exp(-2 alpha)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def _table(
     nu: float, covered: bool, name: str, order: int, pad: float, smooth: bool
 ) -> RadialKernel:
@@ -271,6 +271,7 @@ def _scaled(
     """Check, and express lengths in thicknesses; the pad becomes its radius."""
     offset = np.asarray(offset, dtype=np.float64)
     check_shape("offset", offset, (None, 2), "from the cell's centre to each point, in the plane")
+    check_finite("offset", offset, "a point without a place feels nothing")
     check_positive("cell", cell, "the side of the loaded square, in metres")
     check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
     h = layer.thickness

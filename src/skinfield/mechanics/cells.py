@@ -1,6 +1,7 @@
 """Integrals of radial and tensor kernels over square cells."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,6 +120,14 @@ def squares(cell: float, widest: float) -> tuple[Floats, float]:
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2), cell / count
 
 
+@lru_cache(maxsize=LARGEST_ORDER)
+def _rule(points: int) -> tuple[Floats, Floats, Floats]:
+    """Nodes x and y, and weights, on the square from -1 to 1: each (points²,)."""
+    node, weight = np.polynomial.legendre.leggauss(points)
+    x, y = np.meshgrid(node, node)
+    return x.ravel(), y.ravel(), np.outer(weight, weight).ravel()
+
+
 def _integrate_over_square(
     function: Kernel, offset: Floats, cell: float, depth: float, reach: float, rim: float
 ) -> Floats:
@@ -128,10 +137,9 @@ def _integrate_over_square(
     order[distance > reach + cell] = 0
     shape = np.shape(function(np.ones((1, 1)), np.ones((1, 1))))[:-2]
     out = np.zeros((*shape, len(offset)))
+    scales = (cell / 2, cell / 2, cell**2 / 4)
     for points in np.unique(order[order > 0]):
-        node, weight = np.polynomial.legendre.leggauss(int(points))
-        x, y = (grid.ravel() * cell / 2 for grid in np.meshgrid(node, node))
-        area = np.outer(weight, weight).ravel() * cell**2 / 4
+        x, y, area = (part * scale for part, scale in zip(_rule(int(points)), scales, strict=True))
         rows = np.flatnonzero(order == points)
         for start in range(0, len(rows), 4096):
             part = rows[start : start + 4096]

@@ -72,10 +72,8 @@ class RadialKernel:
         node = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
         rho = (np.arange(panels)[:, None] + (node + 1) / 2) * PANEL
         values = self.quadrature(rho.ravel()).reshape(panels, DEGREE + 1)
-        cosines = np.cos(np.arange(DEGREE + 1)[:, None] * np.arccos(node)) * 2 / (DEGREE + 1)
-        cosines[0] /= 2
-        # Powers are safe here: on panels this short the terms fall sixteenfold per degree.
-        return np.apply_along_axis(np.polynomial.chebyshev.cheb2poly, 0, cosines @ values.T)
+        # Powers are safe here: on panels this short their terms fall sixteenfold per degree.
+        return np.linalg.solve(np.vander(node, increasing=True), values.T)
 
     def quadrature(self, rho: Floats) -> Floats:
         """The kernel at rho > 0 (N,) by direct quadrature of the transform."""
@@ -83,7 +81,7 @@ class RadialKernel:
         for start in range(0, len(rho), 128):
             part = rho[start : start + 128]
             half_waves = self.cutoff * (float(part.max()) + self.width) / np.pi
-            alpha, weight = gauss_legendre(0.0, self.cutoff, panels=int(16 + half_waves / 6))
+            alpha, weight = gauss_legendre(0.0, self.cutoff, panels=int(16 + half_waves / 8))
             values = bessel(self.order, np.outer(part, alpha)) @ (weight * self.transform(alpha))
             out[start : start + 128] = values / part**self.order
         return out
