@@ -1,0 +1,132 @@
+"""What README and the guide show runs as it stands, and what they link to is there."""
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib
+import pytest
+from click.testing import CliRunner
+
+from skinfield.cli import main
+
+ROOT = Path(__file__).resolve().parents[1]
+README, GUIDE = ROOT / "README.md", ROOT / "docs" / "getting-started.md"
+PAGES = [README, ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+OUTSIDE = "right_foot"  # recordings of others, which are not in the project
+
+
+def blocks(page: Path) -> Iterator[tuple[str, str, str]]:
+    """Language, file name and text of the fenced blocks of a page, in order."""
+    fence = re.compile(r"^```(\w*) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+    yield from fence.findall(page.read_text(encoding="utf-8"))
+
+
+def run_command(line: str) -> str:
+    words = shlex.split(line, comments=True)
+    assert words[0] == "skinfield", f"{line!r} is no command of skinfield"
+    result = CliRunner().invoke(main, words[1:])
+    assert result.exit_code == 0, f"{line}\n{result.output}"
+    return result.output
+
+
+def follow(page: Path) -> tuple[int, int]:
+    """Run a page from top to bottom; return how many snippets and commands there were."""
+    names: dict[str, object] = {}
+    snippets = commands = 0
+    for language, name, text in blocks(page):
+        if name:
+            Path(name).write_text(text, encoding="utf-8")
+        elif language == "python":
+            exec(compile(text, str(page), "exec"), names)
+            snippets += 1
+        elif language == "sh":
+            for line in text.splitlines():
+                if line.startswith("skinfield") and OUTSIDE not in line:
+                    run_command(line)
+                    commands += 1
+    return snippets, commands
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.chdir(tmp_path)
+    with matplotlib.rc_context({"backend": "agg"}):
+        yield
+
+
+def test_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert follow(README) == (1, 4)
+    printed = capsys.readouterr().out
+    assert "(1600,) (1600, 3)" in printed
+    for picture in ("press.png", "hexagon.png"):
+        assert Path(picture).stat().st_size > 10_000
+
+
+def test_readme_library_use_finds_the_ball(capsys: pytest.CaptureFixture[str]) -> None:
+    code = next(text for language, _, text in blocks(README) if language == "python")
+    names: dict[str, object] = {}
+    exec(compile(code, str(README), "exec"), names)
+    capsys.readouterr()
+    contacts = names["est"].contacts  # type: ignore[attr-defined]
+    assert sum(contact.normal_force for contact in contacts) == pytest.approx(1.5, rel=0.4)
+    assert contacts[0].position == pytest.approx([-16e-3, 8e-3, 0.0], abs=2.5e-3)
+
+
+def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> None:
+    snippets, commands = follow(GUIDE)
+    assert snippets >= 6
+    assert commands >= 4
+    modulus, highest = re.search(  # fitted in Python; of the contacts in the file
+        r"modulus ([\d.]+) kPa.*?([\d.]+) N at most", capsys.readouterr().out, re.DOTALL
+    ).groups()  # type: ignore[union-attr]
+    assert float(modulus) == pytest.approx(150.0, rel=0.2)
+    assert float(highest) == pytest.approx(2.0, rel=0.2)
+
+
+def test_setup_commands_are_those_of_the_script() -> None:
+    from runpy import run_path
+
+    known = run_path(str(ROOT / "dev.py"))["COMMANDS"]
+    for page in PAGES:
+        named = re.findall(r"python3 dev\.py (\w+)", page.read_text(encoding="utf-8"))
+        assert set(named) <= set(known), page.name
+    lines = [text.strip() for language, _, text in blocks(README) if language == "sh"]
+    assert lines[:2] == ["python3 dev.py demo", "python3 dev.py test"]
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors of the headings of a page, as they are made of their words."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    heads = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8"))
+    for link in links:
+        if link.startswith(("https://", "http://")):
+            continue
+        path, _, anchor = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        assert target.exists(), f"{page.name} links to {link}, which is not there"
+        if anchor:
+            assert anchor in anchors(target), f"{page.name} links to {link}: no such heading"
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    for page in PAGES:
+        if page.parent.name == "docs" and page.name != "index.md":
+            assert f"({page.name})" in index, f"{page.name} is not in the index"
+
+
+def test_pictures_are_small_and_used() -> None:
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    pictures = list((ROOT / "docs" / "images").glob("*"))
+    assert pictures
+    for picture in pictures:
+        assert picture.stat().st_size < 400_000, picture.name
+        assert f"images/{picture.name}" in text, f"{picture.name} is on no page"
