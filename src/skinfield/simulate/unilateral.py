@@ -50,24 +50,26 @@ def solve_contact(
     count = len(forces)
     members = [reachable & (bodies == body) for body in range(count)]
     pressure = np.where(reachable, pressure, 0.0)
-    direction = np.zeros_like(pressure)
+    direction, unit = np.zeros_like(pressure), np.zeros_like(pressure)
+    unit[0, 0] = 1.0
+    own = float(indent(unit)[0, 0])
     previous, conjugate = 1.0, 0.0
     for _ in range(most_iterations):
         gap = indent(pressure) + level
         touching = pressure > 0
         approach = np.array([gap[m & touching].mean() for m in members])
         gap = np.where(reachable, gap - approach[bodies], 0.0)
-        work = float(np.sum(gap[touching] ** 2))
-        direction = np.where(touching, gap + conjugate * work / previous * direction, 0.0)
-        previous = work
-        curved = indent(direction)
-        curved -= np.array([curved[m & touching].mean() for m in members])[bodies]
-        step = np.sum(gap[touching] * direction[touching]) / np.sum(
-            curved[touching] * direction[touching]
-        )
         error = _complementarity(pressure, gap, approach, forces)
         if error < tolerance:
             return pressure, approach
+        work = float(np.sum(gap[touching] ** 2))
+        direction = np.where(touching, gap + conjugate * work / previous * direction, 0.0)
+        previous = work or 1.0
+        curved = indent(direction)
+        curved -= np.array([curved[m & touching].mean() for m in members])[bodies]
+        curvature = float(np.sum(curved[touching] * direction[touching]))
+        # Bodies that touch one cell each leave no direction; the cells they overlap still ask.
+        step = float(np.sum(gap[touching] * direction[touching])) / curvature if work else 1 / own
         pressure = np.maximum(pressure - step * direction, 0.0)
         overlap = reachable & (pressure == 0.0) & (gap < 0.0)
         conjugate = 0.0 if overlap.any() else 1.0
