@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from skinfield.cli.inputs import LAYOUT_HELP
 from skinfield.cli.options import conditioning_options, model_options
-from skinfield.cli.reconstruct import prepare
+from skinfield.cli.reconstruct import Job, prepare
 from skinfield.cli.report import console, progress, say_notes
-from skinfield.errors import InputError, as_floats
+from skinfield.errors import Floats, InputError, as_floats
 from skinfield.reading import Recording
 
 
@@ -34,8 +34,8 @@ def calibrate() -> None:
     help=f"""Fit one number, the elastomer's modulus, so that the reconstructed normal force follows
 a force/torque sensor that was recorded beside the skin.
 
-RECORDING is the skin's, FORCE that of the sensor (a yarpdatadumper log of fx fy fz mx my mz, or a
-CSV with as many columns). {LAYOUT_HELP}
+RECORDING is the skin's, FORCE that of the sensor: a yarpdatadumper log of fx fy fz mx my mz, or a
+CSV with columns time_s,fx,fy,fz. {LAYOUT_HELP}
 
 All forces of a linear reconstruction scale with the modulus, so the fit is least squares in one
 factor. It is made on the first half of the recording and judged on the second, and on all of it;
@@ -86,21 +86,13 @@ def scale(
     reference = column_of(sensor, axis)
     job = prepare(recording, layout, patch, **options)
     say_notes(job.conditioned.notes)
-    found: list[float] = []
-    with progress() as bar:
-        task = bar.add_task("reconstructing", total=len(job))
-        for _, batch in job.estimates():
-            if summed == "contacts":
-                found += [sum(c.normal_force for c in contacts) for contacts in batch.contacts]
-            else:
-                found += np.asarray(batch.normal_force).tolist()
-            bar.update(task, advance=len(batch))
+    found = _forces(job, summed)
     part = _part_of(job.conditioned.recording, seconds)
-    stamps, forces = job.conditioned.recording.stamp_ns[part], np.array(found)[part]
+    stamps, forces = job.conditioned.recording.stamp_ns[part], found[part]
     fit = fit_scale(stamps, forces, sensor.stamp_ns, reference)
     modulus = options["modulus_kpa"] * fit.factor
     out = console()
-    out.print(fit.sentences(modulus), highlight=False)
+    out.print(fit.sentences(modulus), highlight=False, soft_wrap=True)
     result = fit.numbers() | {"modulus_kpa": modulus, "recording": recording, "force": force}
     if options["summary_path"]:
         from skinfield.sinks import write_summary
@@ -120,7 +112,21 @@ def scale(
         save(figure, options["plot"])
     for name in ("summary_path", "plot"):
         if options[name]:
-            out.print(f"wrote {options[name]}", highlight=False)
+            out.print(f"wrote {options[name]}", highlight=False, soft_wrap=True)
+
+
+def _forces(job: Job, summed: str) -> Floats:
+    """Normal force of every reading, (T,) N."""
+    found: list[float] = []
+    with progress() as bar:
+        task = bar.add_task("reconstructing", total=len(job))
+        for _, batch in job.estimates():
+            if summed == "contacts":
+                found += [sum(c.normal_force for c in contacts) for contacts in batch.contacts]
+            else:
+                found += np.asarray(batch.normal_force).tolist()
+            bar.update(task, advance=len(batch))
+    return np.array(found)
 
 
 def _part_of(recording: Recording, seconds: str | None) -> NDArray[np.bool_]:

@@ -97,7 +97,7 @@ def demo(
     )
     save(figure, output)
     _report(reconstructor, estimate, balls, readings, prepared)
-    console().print(f"wrote {output}", highlight=False)
+    console().print(f"wrote {output}", highlight=False, soft_wrap=True)
 
 
 def _press_of(text: str) -> tuple[float, float, float, float]:
@@ -144,4 +144,5 @@ def _report(
         f"{estimate.grid.shape[0]} x {estimate.grid.shape[1]} nodes, "
         f"{estimate.latency * 1e3:.1f} ms with contacts; prepared once in {prepared:.1f} s",
         highlight=False,
+        soft_wrap=True,
     )

@@ -175,6 +175,7 @@ def _report(job: Job, run: Run, options: dict[str, Any]) -> None:
         f"{patch.name} ({dead} left out), {recording.skipped} lines skipped; "
         f"{run.latency / len(job) * 1e3:.2f} ms per reading",
         highlight=False,
+        soft_wrap=True,
     )
     when = float(recording.time[index])
     title = f"reading {index} at {when:.2f} s: {run.load[index]:.2f} N in {len(shown.contacts)}"
@@ -187,7 +188,7 @@ def _report(job: Job, run: Run, options: dict[str, Any]) -> None:
         _plot(job, run, options["plot"])
     for name in ("output", "fields_path", "summary_path", "plot"):
         if options[name]:
-            out.print(f"wrote {options[name]}", highlight=False)
+            out.print(f"wrote {options[name]}", highlight=False, soft_wrap=True)
 
 
 def _summary(job: Job, run: Run, options: dict[str, Any]) -> dict[str, Any]:

@@ -27,6 +27,7 @@ from skinfield.sources.recordings.lines import Grammar, Progress
 
 TIMES = {"time_s": 10**9, "stamp_ns": 1}  # ns in the unit
 IGNORED = {"", "reading", "sample", "index", "seq", "unnamed: 0"}
+WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")  # of a force/torque sensor; three do, too
 CHANNELS = 1 << 20  # more than any robot has: a typing error, not a port
 LAYOUT = "a line of names such as time_s,taxel_0,taxel_1 above lines of numbers"
 
@@ -72,6 +73,8 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
         skip=header.line,
     )
     unit, source, notes = _comments(head, header.line)
+    if _is_wrench([header.names[place] for place in at]):
+        unit, notes = "N, N m", ()
     gathered = gather(head.path, grammar, at, progress)
     recording = recording_from(gathered, uid=uid, unit=unit, source=source, notes=notes)
     return recording if channel is None else _spread(recording, channel)
@@ -104,6 +107,8 @@ def _columns(
     if not values:
         raise FileError(f"{where}: no column of values, expected {LAYOUT}")
     at = np.array([header.names.index(name) for name in values], np.int64)
+    if _is_wrench(values):
+        return at, None, None
     channels = [_channel(name) for name in values]
     if all(channel is not None for channel in channels):
         rows = np.array(channels, np.int64)
@@ -116,9 +121,13 @@ def _columns(
         odd = odd if len(odd) <= 40 else odd[:40] + "..."
         raise FileError(
             f"{where}: column {odd!r} is not a time, taxel_<channel> or uid_<uid>, expected "
-            f"{LAYOUT}; to read other columns name them: columns=[...]"
+            f"{LAYOUT}, or time_s,fx,fy,fz of a force sensor; to read other columns name them: columns=[...]"
         )
     return at, uid, None
+
+
+def _is_wrench(values: Sequence[str]) -> bool:
+    return tuple(name.lower() for name in values) in (WRENCH, WRENCH[:3])
 
 
 def _named(column: int | str, values: list[str], where: str) -> str:
