@@ -121,7 +121,8 @@ def _columns(
         odd = odd if len(odd) <= 40 else odd[:40] + "..."
         raise FileError(
             f"{where}: column {odd!r} is not a time, taxel_<channel> or uid_<uid>, expected "
-            f"{LAYOUT}, or time_s,fx,fy,fz of a force sensor; to read other columns name them: columns=[...]"
+            f"{LAYOUT}, or time_s,fx,fy,fz of a force sensor; "
+            "to read other columns name them: columns=[...]"
         )
     return at, uid, None
 
