@@ -17,6 +17,7 @@ from skinfield.cli.options import (
 )
 from skinfield.cli.report import console, table_of_contacts
 from skinfield.errors import InputError, as_floats
+from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
 
@@ -59,7 +60,7 @@ def demo(
     from skinfield.figures import check_name, draw_estimate, save
     from skinfield.layout import Grid
     from skinfield.pipeline import Reconstructor
-    from skinfield.simulate import Sphere, press
+    from skinfield.simulate import press
 
     check_name(output)
     patch = patch_of(skin_from_text(layout), None)
@@ -67,11 +68,7 @@ def demo(
     name = "capacitance" if options["quantity"] == "auto" else options["quantity"]
     quantity = QUANTITIES[name]()
     spread = quantity.typical_noise if noise is None else noise
-    numbers = [_press_of(text) for text in presses or DEFAULT_PRESSES]
-    balls = [
-        Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
-        for x, y, force, radius in numbers
-    ]
+    balls = [_ball_of(text) for text in presses or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
     true = press(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
     clean = true.readings(patch.plane, patch.pad_diameter, name)
@@ -100,12 +97,12 @@ def demo(
     console().print(f"wrote {output}", highlight=False, soft_wrap=True)
 
 
-def _press_of(text: str) -> tuple[float, float, float, float]:
+def _ball_of(text: str) -> Sphere:
     parts = text.split(",")
     if len(parts) != 4:
         raise InputError(f"--press is {text!r}, expected x,y,force,radius in mm, mm, N, mm")
-    x, y, force, radius = as_floats("--press", parts)
-    return float(x), float(y), float(force), float(radius)
+    x, y, force, radius = as_floats("--press", parts).tolist()
+    return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
 def _report(
