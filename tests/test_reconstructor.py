@@ -170,6 +170,57 @@ def test_to_xarray_has_units_and_shape() -> None:
         assert data["x"].values[-1] == pytest.approx(GRID.plane[:, 0].max())
 
 
+@pytest.mark.parametrize("solver", [sf.Tikhonov(), sf.GaussianField(), sf.PseudoInverse()])
+def test_a_window_sees_its_part_of_the_whole(solver: object) -> None:
+    """The same lattice over the whole patch, cut to the window, is the window's answer."""
+    window = sf.Grid.window(PATCH, (-0.006, -0.012), (0.009, 0.003), pitch=3e-3)
+    whole = sf.Grid.window(PATCH, (-0.030, -0.030), (0.030, 0.030), pitch=3e-3)
+    inside = [int(np.argmin(np.linalg.norm(whole.plane - node, axis=1))) for node in window.plane]
+    assert whole.plane[inside] == pytest.approx(window.plane)
+    both = [
+        sf.Reconstructor(PATCH, LAYER, grid, quantity=sf.BaseStress(), solver=solver)(STRESS)
+        for grid in (window, whole)
+    ]
+    peak = both[1].pressure.max()
+    # Solvers may count nodes beyond the taxels a little: the whole has some, the window none.
+    assert both[0].pressure == pytest.approx(both[1].pressure[inside], abs=0.02 * peak)
+    deepest = np.abs(both[1].displacement).max()
+    assert both[0].displacement == pytest.approx(both[1].displacement[inside], abs=0.02 * deepest)
+
+
+def test_a_press_beside_a_window_is_not_pushed_into_it() -> None:
+    x, y = PATCH.plane[30]
+    away = sf.Grid.window(PATCH, (-x - 4e-3, -y - 4e-3), (-x + 4e-3, -y + 4e-3), pitch=1e-3)
+    estimate = sf.Reconstructor(PATCH, LAYER, away, quantity=sf.BaseStress())(STRESS)
+    assert estimate.contacts == ()
+    assert abs(estimate.normal_force) < 0.1
+    here = sf.Grid.window(PATCH, (x - 5e-3, y - 5e-3), (x + 5e-3, y + 5e-3), pitch=1e-3)
+    estimate = sf.Reconstructor(PATCH, LAYER, here, quantity=sf.BaseStress())(STRESS)
+    assert 0.9 < estimate.contacts[0].normal_force / 1.5 < 1.6
+
+
+def test_a_window_that_no_taxel_sees_is_refused() -> None:
+    far = sf.Grid.window(PATCH, (0.1, 0.1), (0.12, 0.12), pitch=2e-3)
+    with pytest.raises(InputError, match=r"nearest node is .* mm from any taxel of 'hexagon72'"):
+        sf.Reconstructor(PATCH, LAYER, far)
+
+
+def test_a_capacitance_that_cannot_be_is_named() -> None:
+    rec = sf.Reconstructor(PATCH, LAYER, GRID)
+    with pytest.raises(InputError, match=r"readings\[0, 4\] is -1.0, expected above -1"):
+        rec(np.r_[np.zeros(4), -1.0, np.zeros(67)])
+    with pytest.raises(InputError, match=r"stamp_ns has shape \(3,\), expected one, or \(1,\)"):
+        rec(np.zeros(72), stamp_ns=np.arange(3))
+
+
+def test_noise_alone_gives_contacts_at_the_stated_rate() -> None:
+    for quantity in (sf.Capacitance(), sf.BaseStress()):
+        rec = sf.Reconstructor(PATCH, LAYER, GRID, quantity=quantity)
+        spread = quantity.typical_noise
+        noise = np.random.default_rng(5).normal(scale=spread, size=(4000, 72))
+        assert sum(bool(found) for found in rec(noise).contacts) <= 10  # 1e-3, and three sigma
+
+
 def test_a_single_estimate_says_that_it_is_single() -> None:
     estimate = REC(STRESS)
     with pytest.raises(InputError, match="one reading has no length"):

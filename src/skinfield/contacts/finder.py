@@ -28,7 +28,7 @@ class ContactFinder:
     ----------
     false_alarm_rate : float
         Readings of an idle patch in which a contact may be seen. A peak must exceed the noise's
-        quantile at this rate over as many independent chances as there are taxels.
+        quantile at this rate over as many chances as there are cells that feel it.
     relative_height : float
         A peak must reach this fraction of the highest: linear solvers ring beside a press.
     prominence : float
@@ -63,7 +63,8 @@ class ContactFinder:
         tuple of Contact
             By falling normal force.
         """
-        sigmas = _significance(self.false_alarm_rate, noise.factor.shape[1])
+        chances = max(int(np.count_nonzero(noise.std)), 1)
+        sigmas = _significance(self.false_alarm_rate, chances)
         highest = float(pressure.max())
         needed = np.maximum(sigmas * noise.std, self.relative_height * highest)
         if not (pressure > needed).any():

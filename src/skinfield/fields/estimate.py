@@ -89,6 +89,7 @@ class Estimate:
             raise InputError(
                 "an estimate of one reading cannot be indexed: it is the reading's own"
             )
+        share = self.pressure[index].size / self.pressure.size
         return replace(
             self,
             pressure=self.pressure[index],
@@ -98,7 +99,7 @@ class Estimate:
             contacts=self.contacts[index],
             residual=self.residual[index],
             valid=self.valid[index],
-            latency=self.latency / len(self),
+            latency=self.latency * share,
             stamp_ns=np.broadcast_to(self.stamp_ns, len(self))[index],
         )
 

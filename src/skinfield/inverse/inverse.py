@@ -44,11 +44,16 @@ class Inverse:
 
 
 def _solve(square: Floats, right: Floats) -> Floats:
-    condition = float(np.linalg.cond(square, 1))
-    if not condition < SINGULAR:
+    from scipy.linalg import lapack
+
+    factors, pivots, _ = lapack.dgetrf(square)
+    reciprocal, _ = lapack.dgecon(factors, float(np.abs(square).sum(axis=0).max()))
+    if not reciprocal > 1 / SINGULAR:
+        condition = 1 / max(reciprocal, 1e-99)
         raise InputError(
             f"the {len(square)} x {len(square)} matrix has condition {condition:.1e}, expected "
             f"below {SINGULAR:.0e}: taxels so far below nodes so close cannot tell them apart; "
             "use a coarser grid, or Tikhonov()"
         )
-    return np.asarray(np.linalg.solve(square, right), dtype=np.float64)
+    solution, _ = lapack.dgetrs(factors, pivots, right)
+    return np.asarray(solution, dtype=np.float64)

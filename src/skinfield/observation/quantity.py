@@ -28,6 +28,11 @@ class Quantity(Protocol):
         """Standard deviation of one reading where nobody has measured it, in `unit`."""
         ...
 
+    @property
+    def lowest(self) -> float:
+        """No reading can be as low as this, in `unit`; minus infinity where any can."""
+        ...
+
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats:
@@ -58,6 +63,7 @@ class BaseStress:
     symbol = "stress"
     unit = "Pa"
     typical_noise = 400.0
+    lowest = -np.inf
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
@@ -89,6 +95,7 @@ class Gap:
     symbol = "indentation / thickness"
     unit = "1"
     typical_noise = 0.002
+    lowest = -np.inf
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
@@ -125,6 +132,7 @@ class Capacitance:
     symbol = "ΔC/C₀"
     unit = "1"
     typical_noise = 0.002
+    lowest = -1.0  # a pad cannot lose all its capacitance
 
     def __post_init__(self) -> None:
         check_choice("order", str(self.order), ("1", "2", "3"), "terms of the series")

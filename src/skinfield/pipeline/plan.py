@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, Ints
 from skinfield.fields import PressureNoise
 from skinfield.inverse import Solver
 from skinfield.observation import Deformation, ObservationModel
@@ -20,8 +20,8 @@ class Plan:
     ----------
     operator : (4 K, L') array, Fortran order
         From linearised readings to pressure (K), then displacement x (K), y (K), z (K).
-    predict : (L', K) array
-        From pressure back to readings.
+    explained : (L', L') array
+        From linearised readings to what the pressure predicts of them.
     noise : PressureNoise
     pressure_std : (K,) array, Pa
         As the solver states it.
@@ -30,7 +30,7 @@ class Plan:
     """
 
     operator: NDArray[Any]
-    predict: Floats
+    explained: Floats
     noise: PressureNoise
     pressure_std: Floats
     valid: NDArray[np.bool_]
@@ -41,13 +41,19 @@ def make_plan(
     deformation: Deformation,
     solver: Solver,
     valid: NDArray[np.bool_],
+    nodes: Ints,
     dtype: type[np.floating[Any]],
 ) -> Plan:
-    """Fold resampling, inversion and displacement into one matrix."""
+    """Fold resampling, inversion and displacement into one matrix, for some nodes of the model."""
     part = model if valid.all() else model.subset(valid)
     inverse = solver.prepare(part)
-    displacement = deformation(inverse.matrix.T)  # (L', K, 3)
-    blocks = [inverse.matrix, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
-    operator = np.asfortranarray(np.concatenate(blocks), dtype=dtype)
-    noise = PressureNoise(inverse.matrix * part.noise_std)
-    return Plan(operator, part.matrix, noise, inverse.pressure_std, valid)
+    displacement = deformation(inverse.matrix.T)[:, nodes]  # (L', K, 3)
+    pressure = inverse.matrix[nodes]
+    blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
+    return Plan(
+        operator=np.asfortranarray(np.concatenate(blocks), dtype=dtype),
+        explained=part.matrix @ inverse.matrix,
+        noise=PressureNoise(pressure * part.noise_std),
+        pressure_std=inverse.pressure_std[nodes],
+        valid=valid,
+    )

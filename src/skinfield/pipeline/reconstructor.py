@@ -15,6 +15,7 @@ from skinfield.layout import Grid, Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Deformation, ObservationModel, Quantity
 from skinfield.pipeline.plan import Plan, make_plan
+from skinfield.pipeline.support import support_of
 
 PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
@@ -29,7 +30,8 @@ class Reconstructor:
     layer : Layer, optional
         Default `Layer()`: 2 mm of incompressible silicone of 150 kPa.
     grid : Grid, optional
-        Where the answer is wanted. Default 40 x 40 nodes over the patch.
+        Where the answer is wanted. Default 40 x 40 nodes over the patch. Pressure outside of a
+        window is sought as well, so that the window need not explain it.
     mechanics : Mechanics, optional
         Default `BondedLayer()`; `HalfSpace()` as in the paper.
     quantity : Quantity, optional
@@ -71,10 +73,11 @@ class Reconstructor:
                 "make the grid from the very patch that is reconstructed"
             )
         noise = self.quantity.typical_noise if noise_std is None else noise_std
+        support, self._nodes = support_of(self.grid, self.layer)
         self.model = ObservationModel.of(
-            patch, self.layer, self.grid, self.mechanics, self.quantity, noise
+            patch, self.layer, support, self.mechanics, self.quantity, noise
         )
-        self.deformation = Deformation(self.grid, self.layer, self.mechanics)
+        self.deformation = Deformation(support, self.layer, self.mechanics)
         self._plans: OrderedDict[bytes, Plan] = OrderedDict()
         self.plan = self._plan_for(np.ones(len(patch), np.bool_))
         self._operator = self.plan.operator
@@ -127,6 +130,9 @@ class Reconstructor:
         """
         start = time.perf_counter()
         table, mask = self._checked(readings, valid)
+        stamps = np.asarray(stamp_ns, dtype=np.int64)
+        if stamps.shape not in ((), (len(table),)):
+            raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         nodes = len(self.grid)
         fields = np.empty((len(table), 4 * nodes))
         residual = np.full(table.shape, np.nan)
@@ -152,7 +158,7 @@ class Reconstructor:
             contacts=tuple(contacts),
             residual=residual,
             valid=mask,
-            stamp_ns=np.asarray(stamp_ns, dtype=np.int64),
+            stamp_ns=stamps,
             latency=time.perf_counter() - start,
         )
         return estimate[0] if np.ndim(readings) == 1 else estimate
@@ -162,7 +168,7 @@ class Reconstructor:
         readings = table[np.ix_(rows, plan.valid)]
         linear = self.quantity.linearise(readings, np.empty_like(readings))
         fields[rows] = (plan.operator @ linear.T.astype(self.precision)).T
-        return np.asarray(linear - fields[rows][:, : len(self.grid)] @ plan.predict.T)
+        return np.asarray(linear - linear @ plan.explained.T)
 
     def _run_in(self) -> None:
         """Load what is compiled, so that the first reading is as fast as the next."""
@@ -183,6 +189,14 @@ class Reconstructor:
             raise InputError(
                 f"readings[{row}, {taxel}] is {table[row, taxel]}, expected finite numbers: "
                 "mark a taxel that did not answer with NaN"
+            )
+        impossible = np.argwhere(table <= self.quantity.lowest)
+        if len(impossible):
+            row, taxel = impossible[0]
+            raise InputError(
+                f"readings[{row}, {taxel}] is {table[row, taxel]}, expected above "
+                f"{self.quantity.lowest:g} ({len(impossible)} are not): no skin reads that; mark "
+                "such taxels with NaN, and check the gain"
             )
         mask = ~np.isnan(table)
         if valid is not None:
@@ -207,7 +221,7 @@ class Reconstructor:
             if len(self._plans) >= PLANS_KEPT:
                 self._plans.popitem(last=False)
             self._plans[key] = make_plan(
-                self.model, self.deformation, self.solver, valid, self.precision
+                self.model, self.deformation, self.solver, valid, self._nodes, self.precision
             )
         self._plans.move_to_end(key)
         return self._plans[key]
