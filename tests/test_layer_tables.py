@@ -67,7 +67,7 @@ def test_flat_punch_by_the_integral_equation(shared_data: Path) -> None:
 
 
 def test_hayes_own_numbers_are_met_within_their_accuracy(shared_data: Path) -> None:
-    """The table of 1972 is exact to 0.1 % up to a = 0.8 h and falls 3 % short at a = 8 h."""
+    """The table of 1972 is exact to 0.1 % up to a = 0.6 h and falls 3 % short at a = 8 h."""
     for row in punch_rows(shared_data):
         a = row["a_over_h"]
         excess = (
