@@ -172,3 +172,33 @@ def test_help_teaches(words: tuple[str, ...]) -> None:
     assert code == 0
     assert "Usage:" in said
     assert len(said) > 300
+
+
+def test_numbers_that_make_no_sense_are_refused(press_csv: Path, tmp_path: Path) -> None:
+    base = ("reconstruct", press_csv, "--layout", "hexagon72")
+    for words, message in [
+        ((*base, "--noise", "-1"), "noise_std is -1.0, expected"),
+        ((*base, "--noise", "nan"), "noise_std is nan, expected"),
+        ((*base, "--smooth-ms", "-1"), "--smooth-ms is -1.0, expected 0"),
+        ((*base, "--gain", "0"), "gain is 0.0, expected"),
+        ((*base, "--patch", "3"), "3"),
+        (("demo", "--noise", "-1", "-o", tmp_path / "d.png"), "--noise is -1.0, expected"),
+        (("demo", "--seed", "-1", "-o", tmp_path / "d.png"), "--seed"),
+    ]:
+        code, said = run(*words)
+        assert code == 2, said
+        assert message in " ".join(said.split()), said
+
+
+def test_what_is_not_used_and_what_cannot_be_is_noted(press_csv: Path, tmp_path: Path) -> None:
+    code, said = run("reconstruct", press_csv, "--layout", "hexagon72", "--gain", 5, "--grid", 5)
+    assert code == 0, said
+    said = " ".join(said.split())
+    assert "board, gain and calibration are not used" in said
+    assert "cells of 13.5 mm are wider than the taxels' distance of 5.5 mm" in said
+    lines = press_csv.read_text().splitlines()
+    table = tmp_path / "low.csv"
+    table.write_text("\n".join([*lines[:-1], ",".join(["2.98", *["-3"] * 72])]) + "\n")
+    code, said = run("reconstruct", table, "--layout", "hexagon72")
+    assert code == 0, said
+    assert "72 values are -1 or less" in " ".join(said.split())

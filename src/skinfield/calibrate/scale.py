@@ -41,7 +41,8 @@ class ScaleFit:
         The factor that the first half alone gives.
     rms, held_out_rms : float, N
         Error over all readings with `factor`; over the second half with `first_half`.
-    mean_reference : float, N
+    mean_reference, reference_std : float, N
+        A constant would be off by `reference_std`: a skin that does worse has not been tried.
     correlation : float
         Of the two forces over time.
     reference : (T,) array, N
@@ -54,6 +55,7 @@ class ScaleFit:
     rms: float
     held_out_rms: float
     mean_reference: float
+    reference_std: float
     correlation: float
     reference: Floats
 
@@ -66,6 +68,7 @@ class ScaleFit:
             "rms_N": self.rms,
             "held_out_rms_N": self.held_out_rms,
             "mean_reference_N": self.mean_reference,
+            "reference_std_N": self.reference_std,
             "correlation": self.correlation,
         }
 
@@ -79,7 +82,9 @@ class ScaleFit:
             f"error over all readings: {self.rms:.1f} N rms, {share:.0f} % of the mean "
             f"{self.mean_reference:.1f} N; correlation {self.correlation:.2f}\n"
             f"fitted on the first half, judged on the second: {self.held_out_rms:.1f} N rms, "
-            f"{held:.0f} %"
+            f"{held:.0f} %\n"
+            f"the reference itself varies by {self.reference_std:.1f} N: a constant would be that "
+            "far off"
         )
 
 
@@ -135,6 +140,7 @@ def fit_scale(
         rms=_rms(factor * skin - sensor),
         held_out_rms=_rms(first * skin[middle:] - sensor[middle:]),
         mean_reference=float(sensor.mean()),
+        reference_std=float(sensor.std()),
         correlation=float(np.corrcoef(skin, sensor)[0, 1]) if varies else float("nan"),
         reference=aligned,
     )

@@ -93,7 +93,11 @@ def scale(
     modulus = options["modulus_kpa"] * fit.factor
     out = console()
     out.print(fit.sentences(modulus), highlight=False, soft_wrap=True)
+    model = {name: options[name] for name in ("grid", "poisson", "thickness_mm", "solver")}
+    held = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in model.items())
+    out.print(f"the modulus holds for {held} only", highlight=False)
     result = fit.numbers() | {"modulus_kpa": modulus, "recording": recording, "force": force}
+    result |= model
     if options["summary_path"]:
         from skinfield.sinks import write_summary
 

@@ -16,7 +16,7 @@ from skinfield.cli.options import (
     patch_of,
 )
 from skinfield.cli.report import console, table_of_contacts
-from skinfield.errors import InputError, as_floats
+from skinfield.errors import InputError, as_floats, check_positive
 from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
@@ -45,7 +45,9 @@ nonlinear electrostatics of the pads; the reconstruction sees readings only.
     help="A ball: place mm, force N, radius mm; may be given several times.",
 )
 @click.option("--noise", type=float, help="Of a reading, in the quantity's unit.")
-@click.option("--seed", default=0, show_default=True, help="Of the noise.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the noise."
+)
 @click.option("-o", "--output", default="demo.png", show_default=True, help="Figure to write.")
 @model_options(grid=40)
 def demo(
@@ -68,6 +70,7 @@ def demo(
     name = "capacitance" if options["quantity"] == "auto" else options["quantity"]
     quantity = QUANTITIES[name]()
     spread = quantity.typical_noise if noise is None else noise
+    check_positive("--noise", spread, "no reading is exact")
     balls = [_ball_of(text) for text in presses or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
     true = press(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))

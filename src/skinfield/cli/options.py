@@ -147,7 +147,9 @@ def conditioning_from_options(
         "icub": ICubByte(no_load=no_load),
         "cyskin": CySkinCount(),
     }
-    smooth: Filter = Exponential(time_constant=smooth_ms * 1e-3) if smooth_ms > 0 else NoFilter()
+    if not 0.0 <= smooth_ms < float("inf"):
+        raise InputError(f"--smooth-ms is {smooth_ms!r}, expected 0 (no filter) or more")
+    smooth: Filter = Exponential(time_constant=smooth_ms * 1e-3) if smooth_ms else NoFilter()
     return Conditioning(
         board=conventions[board],
         gain=gain,
@@ -158,9 +160,9 @@ def conditioning_from_options(
 
 
 def patch_of(skin: Skin, name: str | None) -> Patch:
-    """The patch that is meant: the only one, or the one that is named."""
+    """The patch that is meant: the only one, or the one of this name or number (from 0)."""
     if name is not None:
-        return skin[name]
+        return skin[int(name)] if name.isdecimal() else skin[name]
     if len(skin) > 1:
         raise InputError(
             f"{skin.name} has {len(skin)} patches, expected one: choose with --patch from "

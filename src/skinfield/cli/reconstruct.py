@@ -20,7 +20,7 @@ from skinfield.cli.options import (
     model_options,
     patch_of,
 )
-from skinfield.cli.report import console, progress, say_notes, table_of_contacts
+from skinfield.cli.report import console, plural, progress, say_notes, table_of_contacts
 from skinfield.errors import InputError
 from skinfield.fields import Estimate
 from skinfield.layout import Grid
@@ -171,15 +171,17 @@ def _report(job: Job, run: Run, options: dict[str, Any]) -> None:
     seconds = float(recording.time[-1])
     dead = int((~job.conditioned.valid.any(axis=0)).sum())
     out.print(
-        f"{recording.source}: {len(job)} readings in {seconds:.2f} s, {len(patch)} taxels of "
-        f"{patch.name} ({dead} left out), {recording.skipped} lines skipped; "
+        f"{recording.source}: {plural(len(job), 'reading')} in {seconds:.2f} s, "
+        f"{len(patch)} taxels of {patch.name} ({dead} left out), {recording.skipped} lines skipped; "
         f"{run.latency / len(job) * 1e3:.2f} ms per reading",
         highlight=False,
         soft_wrap=True,
     )
     when = float(recording.time[index])
-    title = f"reading {index} at {when:.2f} s: {run.load[index]:.2f} N in {len(shown.contacts)}"
-    out.print(table_of_contacts(shown.contacts, f"{title} contacts"))
+    found = plural(len(shown.contacts), "contact")
+    title = f"reading {index} at {when:.2f} s: {run.load[index]:.2f} N in {found}"
+    out.print(table_of_contacts(shown.contacts, title))
+    say_notes(doubts(job.reconstructor, shown))
     if options["summary_path"]:
         from skinfield.sinks import write_summary
 
@@ -189,6 +191,29 @@ def _report(job: Job, run: Run, options: dict[str, Any]) -> None:
     for name in ("output", "fields_path", "summary_path", "plot"):
         if options[name]:
             out.print(f"wrote {options[name]}", highlight=False, soft_wrap=True)
+
+
+def doubts(reconstructor: Reconstructor, shown: Estimate) -> list[str]:
+    """What about an estimate cannot be, and what to try."""
+    found, grid, layer = [], shown.grid, reconstructor.layer
+    if grid.pitch > reconstructor.patch.pitch:
+        found.append(
+            f"cells of {grid.pitch * 1e3:.1f} mm are wider than the taxels' distance of "
+            f"{reconstructor.patch.pitch * 1e3:.1f} mm: a finer --grid gives other forces"
+        )
+    deepest = float(shown.indentation.max()) / layer.thickness
+    if deepest > 0.8:
+        found.append(
+            f"an indentation of {deepest:.1f} times the thickness is beyond a linear model: the "
+            "gain, the modulus or Poisson's ratio does not fit this skin"
+        )
+    if shown.pressure.min() < -0.5 * shown.pressure.max():
+        found.append(
+            f"pressure falls to {shown.pressure.min() / 1e3:.0f} kPa beside "
+            f"{shown.pressure.max() / 1e3:.0f} kPa, and nothing pulls: if the elastomer is a foam "
+            "or a fabric, try --poisson 0.3"
+        )
+    return found
 
 
 def _summary(job: Job, run: Run, options: dict[str, Any]) -> dict[str, Any]:

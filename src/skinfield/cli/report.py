@@ -36,6 +36,11 @@ def say_notes(notes: Iterable[str]) -> None:
         shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
 
 
+def plural(count: int, noun: str) -> str:
+    """Such as "1 contact" and "3 contacts"."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def table_of_contacts(contacts: Sequence[Contact], title: str) -> Table:
     """Contacts with force, place, area, peak."""
     table = Table(title=title, title_justify="left")

@@ -19,7 +19,7 @@ from skinfield.conditioning import (
     strain_from_relative_capacitance,
     valid_from_counts,
 )
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, check_positive
 from skinfield.layout import Patch
 from skinfield.mechanics import Layer
 from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
@@ -54,6 +54,15 @@ class Conditioning:
     calibration: Calibration | None = None
     filter: Filter = field(default_factory=NoFilter)
     noise_std: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.noise_std is not None:
+            check_positive("noise_std", self.noise_std, "no reading is exact")
+        if self.gain is not None and not (np.isfinite(self.gain) and self.gain):
+            raise InputError(
+                f"gain is {self.gain!r}, expected a finite number other than 0: counts per unit "
+                "of ΔC/C₀, negative where pressure lowers them"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,9 +120,18 @@ def condition(
                 "its file says"
             )
         change, (noise, _, notes) = recording.counts, _noise(recording, None)
+        if how.board is not None or how.gain is not None or how.calibration is not None:
+            notes += (f"in {recording.unit} already: board, gain and calibration are not used",)
     else:
         change, noise, notes = _change_from_counts(recording, patch, how)
         change, noise = _in_quantity(change, noise, layer, quantity)
+    impossible = change <= quantity.lowest
+    if impossible.any():
+        change = np.where(impossible, np.nan, change)
+        notes += (
+            f"{int(impossible.sum())} values are {quantity.lowest:g} or less, which no skin reads: "
+            "invalid; check gain and baseline",
+        )
     if how.noise_std is not None:
         noise = np.full(len(patch), how.noise_std)
     rate = recording.rate if np.isfinite(recording.rate) else 50.0
@@ -183,7 +201,7 @@ def _board_of(counts: Floats) -> tuple[Convention, tuple[str, ...]]:
         return CySkinCount(), (said,)
     raise InputError(
         f"counts range from {lowest:g} to {highest:g}, expected 0 to 255 (iCub) or 0 to 65535 "
-        "(CySkin): say which board sent them, or give a calibration"
+        "(CySkin): say which board sent them (--board), or give a calibration (--calibration)"
     )
 
 
