@@ -172,8 +172,8 @@ def _report(job: Job, run: Run, options: dict[str, Any]) -> None:
     dead = int((~job.conditioned.valid.any(axis=0)).sum())
     out.print(
         f"{recording.source}: {plural(len(job), 'reading')} in {seconds:.2f} s, "
-        f"{len(patch)} taxels of {patch.name} ({dead} left out), {recording.skipped} lines skipped; "
-        f"{run.latency / len(job) * 1e3:.2f} ms per reading",
+        f"{len(patch)} taxels of {patch.name} ({dead} left out), "
+        f"{recording.skipped} lines skipped; {run.latency / len(job) * 1e3:.2f} ms per reading",
         highlight=False,
         soft_wrap=True,
     )
