@@ -81,7 +81,7 @@ def set_up(what: str) -> None:
         if status := install(pip, what):
             STAMP.write_text(stamp)
             raise SystemExit(f"dev.py: pip failed with status {status}; its reason stands above")
-        STAMP.write_text("\n".join([str(ROOT), project, f"{done} {what}", *sorted(contents())]))
+        STAMP.write_text("\n".join([str(ROOT), project, f"{done} . {what}", *sorted(contents())]))
 
 
 def contents() -> set[str]:

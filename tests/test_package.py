@@ -68,13 +68,13 @@ def dev(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> types.ModuleType:
 
 
 def test_set_up_installs_once_and_only_what_is_missing(dev: types.ModuleType) -> None:
-    for what in (".", ".", ".[test]", ".", ".[test]"):
+    for what in (".[lint]", ".", ".[test]", ".", ".[lint]"):
         dev.set_up(what)
-    assert dev.installed == [".", ".[test]"]
+    assert dev.installed == [".[lint]", ".[test]"]
     (dev.ROOT / "pyproject.toml").write_text("second")
     dev.set_up(".")
     dev.set_up(".")
-    assert dev.installed == [".", ".[test]", "."]
+    assert dev.installed == [".[lint]", ".[test]", "."]
 
 
 @pytest.mark.parametrize("lost", ["tool", "python"])
