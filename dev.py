@@ -7,9 +7,9 @@
   python3 dev.py lint           look for mistakes and at the formatting (ruff)
   python3 dev.py types          check the types (mypy)
 
-The first call makes .venv beside this file and installs there what the command needs, which takes
-a minute or two. Later calls start at once, until pyproject.toml changes. Nothing outside of .venv
-is touched; delete it to start anew. The sources are used where they are: an edit counts at once.
+The first call makes .venv beside this file and installs there what the command needs: a minute or
+two. Later calls start at once, until pyproject.toml changes. Nothing else is touched; to start
+anew, delete .venv.
 """
 
 from __future__ import annotations
@@ -86,9 +86,7 @@ def set_up(what: str) -> None:
 
 def contents() -> set[str]:
     """Find the programs and packages in .venv; none if its Python does not start or is too old."""
-    ask = (
-        f"import sys, sysconfig as s; print(sys.version_info >= {OLDEST} and s.get_path('purelib'))"
-    )
+    ask = f"import sys,sysconfig as s;print(sys.version_info >= {OLDEST} and s.get_path('purelib'))"
     try:
         answer = subprocess.check_output([PYTHON, "-c", ask], stderr=subprocess.DEVNULL, text=True)
         found = [path for folder in (BIN, Path(answer.strip())) for path in folder.iterdir()]
