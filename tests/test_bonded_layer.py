@@ -98,20 +98,6 @@ def test_pads_against_plane_waves(nu: float, pad: float, cell: float) -> None:
     assert_close(COVERED.indentation(*place) * E / H, waves.over_pad(offset, True), floor)
 
 
-def test_wide_pad_over_a_thin_layer() -> None:
-    """A pad of 10 mm on 0.5 mm: the brute mean over the pad of what points see."""
-    layer, cell, pad = Layer(0.5e-3, E, 0.45), 1e-3, 10e-3
-    offset = np.array([[0.0, 0.0], [4.6e-3, 1e-3], [7e-3, 2e-3]])
-    node, weight = np.polynomial.legendre.leggauss(120)
-    r, angle = pad / 2 * np.sqrt((node + 1) / 2), np.arange(240) * np.pi / 120
-    ring = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1)
-    around = (offset[:, None, None] + ring).reshape(-1, 2)
-    mean = np.repeat(weight / 2, 240) / 240
-    for method, tolerance in ((FREE.base_stress, 2e-5), (FREE.indentation, 2e-3)):
-        points = method(layer, around, cell).reshape(3, -1) @ mean
-        np.testing.assert_allclose(method(layer, offset, cell, pad), points, rtol=tolerance)
-
-
 def lattice(cell: float, reach: float) -> np.ndarray:
     axis = np.arange(-int(reach / cell), int(reach / cell) + 1) * cell
     return np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
