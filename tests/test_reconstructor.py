@@ -41,7 +41,8 @@ def test_a_press_on_a_taxel_is_found(quantity: str, solver: object) -> None:
     readings = readings + np.random.default_rng(0).normal(scale=noise, size=72)
     contact = rec(readings).contacts[0]
     assert np.linalg.norm(contact.position[:2] - PATCH.plane[30]) < 1.2e-3
-    assert 0.9 < contact.normal_force / 1.5 < 1.5  # a linear field spreads it too far or too little
+    # On a taxel a smooth field is too wide, and reads high; between taxels it reads low.
+    assert 0.9 < contact.normal_force / 1.5 < 1.6
 
 
 def test_fields_are_the_parts_put_together() -> None:

@@ -11,7 +11,7 @@ from skinfield.mechanics import LatticeConvolution
 from skinfield.mechanics.lattice import lattice, mirrored
 from skinfield.observation import ObservationModel
 
-PITCHES = 0.2  # of the taxels, per length scale: between presses on a taxel and beside
+PITCHES = 0.25  # of the taxels, per length scale: between presses on a taxel and beside
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class GaussianField:
     snr : float, dimensionless
         Amplitude of the expected readings over their noise; lower is smoother.
     length_scale : float, m, optional
-        Of the Matérn-3/2 covariance. Default 0.2 times the distance of neighbouring taxels.
+        Of the Matérn-3/2 covariance. Default a quarter of the distance of neighbouring taxels.
 
     Notes
     -----
