@@ -208,10 +208,11 @@ def doubts(reconstructor: Reconstructor, shown: Estimate) -> list[str]:
             "gain, the modulus or Poisson's ratio does not fit this skin"
         )
     if shown.pressure.min() < -0.5 * shown.pressure.max():
+        foam = ": if the elastomer is a foam or a fabric, try --poisson 0.3"
         found.append(
             f"pressure falls to {shown.pressure.min() / 1e3:.0f} kPa beside "
-            f"{shown.pressure.max() / 1e3:.0f} kPa, and nothing pulls: if the elastomer is a foam "
-            "or a fabric, try --poisson 0.3"
+            f"{shown.pressure.max() / 1e3:.0f} kPa, and nothing pulls"
+            f"{foam if layer.poisson_ratio > 0.45 else '; linear solvers do not know that'}"
         )
     return found
 
