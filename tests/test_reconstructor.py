@@ -143,9 +143,25 @@ def test_bad_readings_are_named(readings: object, message: str) -> None:
         REC(readings)
 
 
-def test_a_grid_of_another_patch_is_refused() -> None:
-    with pytest.raises(InputError, match="grid lies on patch 'hexagon72', expected 'hexagon72'"):
-        sf.Reconstructor(sf.layouts.hexagon72(), LAYER, GRID)
+def test_a_grid_may_come_from_another_patch_of_the_same_surface_only() -> None:
+    twin = sf.Reconstructor(
+        sf.layouts.hexagon72(),
+        LAYER,
+        GRID,
+        quantity=sf.BaseStress(),
+        solver=sf.Tikhonov(),
+        noise_std=400.0,
+    )
+    assert twin(STRESS).pressure == pytest.approx(REC(STRESS).pressure)
+    assert twin(STRESS).grid.positions == pytest.approx(GRID.positions)
+    raised = sf.Patch(PATCH.positions + np.array([0, 0, 2e-3]))
+    with pytest.raises(
+        InputError, match="grid lies on patch 'hexagon72', whose surface is up to 2"
+    ):
+        sf.Reconstructor(raised, LAYER, GRID)
+
+
+def test_valid_has_the_shape_of_the_readings() -> None:
     with pytest.raises(InputError, match=r"valid has shape \(3,\), expected \(72,\)"):
         REC(STRESS, valid=np.ones(3))
 

@@ -8,12 +8,11 @@ import numpy as np
 
 from skinfield.cli.inputs import skin_from_text
 from skinfield.cli.options import (
-    MECHANICS,
     QUANTITIES,
-    SOLVERS,
     layer_from_options,
     model_options,
     patch_of,
+    reconstructor_from_options,
 )
 from skinfield.cli.report import console, table_of_contacts
 from skinfield.errors import InputError, as_floats, check_positive
@@ -60,8 +59,6 @@ def demo(
 ) -> None:
     """Simulate, reconstruct, compare."""
     from skinfield.figures import check_name, draw_estimate, save
-    from skinfield.layout import Grid
-    from skinfield.pipeline import Reconstructor
     from skinfield.simulate import press
 
     check_name(output)
@@ -77,15 +74,7 @@ def demo(
     clean = true.readings(patch.plane, patch.pad_diameter, name)
     readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
     start = time.perf_counter()
-    reconstructor = Reconstructor(
-        patch,
-        layer,
-        Grid.square(patch, nodes=options["grid"]),
-        mechanics=MECHANICS[options["mechanics"]](),
-        quantity=quantity,
-        solver=SOLVERS[options["solver"]](),
-        noise_std=spread,
-    )
+    reconstructor = reconstructor_from_options(patch, layer, quantity, spread, options)
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
     figure = draw_estimate(

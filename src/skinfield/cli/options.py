@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import click
+from numpy.typing import ArrayLike
 
 from skinfield.conditioning import (
     Convention,
@@ -16,9 +17,10 @@ from skinfield.conditioning import (
 )
 from skinfield.errors import InputError
 from skinfield.inverse import GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
-from skinfield.layout import Patch, Skin
+from skinfield.layout import Grid, Patch, Skin
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
 from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.pipeline import Reconstructor
 from skinfield.pipeline.conditioned import Conditioning
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -129,6 +131,21 @@ def conditioning_options(function: F) -> F:
 def layer_from_options(thickness_mm: float, modulus_kpa: float, poisson: float) -> Layer:
     """Elastomer, in SI units."""
     return Layer(thickness_mm * 1e-3, modulus_kpa * 1e3, poisson)
+
+
+def reconstructor_from_options(
+    patch: Patch, layer: Layer, quantity: Quantity, noise_std: ArrayLike, options: dict[str, Any]
+) -> Reconstructor:
+    """Reconstruction with the chosen grid, mechanics and solver."""
+    return Reconstructor(
+        patch,
+        layer,
+        Grid.square(patch, nodes=options["grid"]),
+        mechanics=MECHANICS[options["mechanics"]](),
+        quantity=quantity,
+        solver=SOLVERS[options["solver"]](),
+        noise_std=noise_std,
+    )
 
 
 def conditioning_from_options(

@@ -10,20 +10,18 @@ import numpy as np
 
 from skinfield.cli.inputs import LAYOUT_HELP, skin_from_text
 from skinfield.cli.options import (
-    MECHANICS,
     OF_UNIT,
     QUANTITIES,
-    SOLVERS,
     conditioning_from_options,
     conditioning_options,
     layer_from_options,
     model_options,
     patch_of,
+    reconstructor_from_options,
 )
 from skinfield.cli.report import console, plural, progress, say_notes, table_of_contacts
 from skinfield.errors import InputError
 from skinfield.fields import Estimate
-from skinfield.layout import Grid
 from skinfield.pipeline import Reconstructor
 from skinfield.pipeline.conditioned import Conditioned, condition, without_empty
 
@@ -116,14 +114,8 @@ def prepare(recording: str, layout: str, patch_name: str | None, **options: Any)
     name = OF_UNIT[readings.unit] if options["quantity"] == "auto" else options["quantity"]
     quantity = QUANTITIES[name]()
     conditioned = without_empty(condition(readings, patch, layer, quantity, how))
-    reconstructor = Reconstructor(
-        patch,
-        layer,
-        Grid.square(patch, nodes=options["grid"]),
-        mechanics=MECHANICS[options["mechanics"]](),
-        quantity=quantity,
-        solver=SOLVERS[options["solver"]](),
-        noise_std=conditioned.noise_std,
+    reconstructor = reconstructor_from_options(
+        patch, layer, quantity, conditioned.noise_std, options
     )
     return Job(reconstructor, conditioned, name)
 

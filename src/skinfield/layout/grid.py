@@ -17,6 +17,7 @@ from skinfield.errors import (
 )
 from skinfield.layout.patch import Patch
 
+SAME = 1e-6  # of the pitch: nodes on two patches of one surface
 COVER = 2.5  # pitches from the nearest taxel up to which a node counts as measured
 
 
@@ -77,6 +78,26 @@ class Grid:
         count = np.maximum(np.round((high - low) / pitch).astype(int), 1)
         origin = (low + high) / 2 - (count - 1) * pitch / 2
         return cls(patch, (int(count[1]), int(count[0])), pitch, origin)
+
+    def on(self, patch: Patch) -> "Grid":
+        """Grid whose nodes stand at the same places on another patch of the same surface.
+
+        Raises
+        ------
+        InputError
+            If the other patch has another surface, so that the nodes would stand elsewhere.
+        """
+        if patch is self.patch:
+            return self
+        moved = Grid(patch, self.shape, self.pitch, self.origin)
+        apart = float(np.abs(moved.positions - self.positions).max())
+        if apart > SAME * self.pitch:
+            raise InputError(
+                f"grid lies on patch {self.patch.name!r}, whose surface is up to "
+                f"{apart * 1e3:.3g} mm from that of {patch.name!r}, expected the same surface: "
+                "make the grid from the patch that is reconstructed"
+            )
+        return moved
 
     def __len__(self) -> int:
         return self.shape[0] * self.shape[1]

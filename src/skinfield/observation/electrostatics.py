@@ -13,6 +13,7 @@ which is v + v² + v³ for a uniform gap, as 1/(1 - v) - 1 demands.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -133,6 +134,7 @@ def charge_series(strain: GapStrain, thickness: float, order: int) -> Floats:
     return total
 
 
+@lru_cache(maxsize=16)
 def _pad_kernel(radius: float) -> RadialKernel:
     """S averaged over a pad, as a kernel per area in squared thicknesses."""
     return RadialKernel(

@@ -61,17 +61,12 @@ class Reconstructor:
     ) -> None:
         self.patch = patch
         self.layer = Layer() if layer is None else layer
-        self.grid = Grid.square(patch) if grid is None else grid
+        self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
         self.solver = GaussianField() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
         self.precision = precision
-        if self.grid.patch is not patch:
-            raise InputError(
-                f"grid lies on patch {self.grid.patch.name!r}, expected {patch.name!r}: "
-                "make the grid from the very patch that is reconstructed"
-            )
         noise = self.quantity.typical_noise if noise_std is None else noise_std
         support, self._nodes = support_of(self.grid, self.layer)
         self.model = ObservationModel.of(
