@@ -1,0 +1,20 @@
+"""Emulated electronics: from the change of each taxel's capacitance to counts in time."""
+
+from skinfield.simulate.electronics.array import TaxelArray as TaxelArray
+from skinfield.simulate.electronics.board import Board as Board
+from skinfield.simulate.electronics.board import ConverterBoard as ConverterBoard
+from skinfield.simulate.electronics.board import CySkinBoard as CySkinBoard
+from skinfield.simulate.electronics.board import ICubBoard as ICubBoard
+from skinfield.simulate.electronics.board import LinearBoard as LinearBoard
+from skinfield.simulate.electronics.defects import Defect as Defect
+from skinfield.simulate.electronics.defects import Defects as Defects
+from skinfield.simulate.electronics.delivery import Delivery as Delivery
+from skinfield.simulate.electronics.delivery import Sampling as Sampling
+from skinfield.simulate.electronics.electronics import Electronics as Electronics
+from skinfield.simulate.electronics.noise import Noise as Noise
+from skinfield.simulate.electronics.presets import cyskin_electronics as cyskin_electronics
+from skinfield.simulate.electronics.presets import icub_electronics as icub_electronics
+from skinfield.simulate.electronics.presets import ideal_electronics as ideal_electronics
+from skinfield.simulate.electronics.recording import recording as recording
+from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
+from skinfield.simulate.electronics.wiring import CrossTalk as CrossTalk

@@ -1,0 +1,215 @@
+"""From a level in counts, as a continuous number, to what a board sends."""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.conditioning import (
+    CapacitanceConverter,
+    Convention,
+    CySkinCount,
+    ICubByte,
+    rest_capacitance,
+)
+from skinfield.errors import Floats, as_floats, check_positive
+from skinfield.mechanics import Layer
+
+PAD_CAPACITANCE = rest_capacitance(Layer(), 4e-3)
+"""F, of a round 4 mm pad under 2 mm of silicone: 0.167 pF."""
+AD7147_FARADS = 16e-12 / 65536
+"""F per count of the converter on these boards: 16 bits over about 16 pF, 0.244 fF."""
+
+
+class Board(Protocol):
+    """A maker's board. A *level* is the count that a board without steps and clamps would send."""
+
+    @property
+    def convention(self) -> Convention | None:
+        """What its counts mean, for whoever reads them."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Of its counts, one of `skinfield.reading.UNITS`."""
+        ...
+
+    @property
+    def rest(self) -> float:
+        """Level of an unloaded taxel whose baseline is exact."""
+        ...
+
+    @property
+    def gain(self) -> float:
+        """Counts per unit of ΔC/C₀, sign included, of a taxel of nominal gain."""
+        ...
+
+    @property
+    def step(self) -> float:
+        """Distance of neighbouring counts; 0 where there are no steps."""
+        ...
+
+    def counts_from_level(self, level: Floats) -> Floats:
+        """What is sent: in steps, and within the clamps. NaN stays NaN."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class ICubBoard:
+    """One byte per taxel, by the firmware's rule.
+
+    Parameters
+    ----------
+    convention : ICubByte
+        Its `no_load` and `shift`; 240 and 2 are the settings on robots.
+    rest_capacitance : float, F
+        C₀ of a pad; default that of a 4 mm pad under 2 mm of silicone.
+    farads_per_count : float, F
+        Of the converter, before the shift. The default is that of the AD7147.
+    """
+
+    convention: ICubByte = field(default_factory=ICubByte)
+    rest_capacitance: float = PAD_CAPACITANCE
+    farads_per_count: float = AD7147_FARADS
+
+    @property
+    def unit(self) -> str:
+        """See `Board.unit`."""
+        return "count"
+
+    @property
+    def size(self) -> int:
+        """Converter's counts per count that is sent."""
+        return 1 << self.convention.shift
+
+    @property
+    def rest(self) -> float:
+        """See `Board.rest`: in the middle of the differences that are sent as `no_load`."""
+        return self.convention.no_load + (self.size - 1) / (2.0 * self.size)
+
+    @property
+    def gain(self) -> float:
+        """See `Board.gain`."""
+        return self.convention.gain(self.rest_capacitance, self.farads_per_count)
+
+    @property
+    def step(self) -> float:
+        """See `Board.step`."""
+        return 1.0
+
+    def counts_from_level(self, level: Floats) -> Floats:
+        """See `Board.counts_from_level`: the converter rounds, the board shifts and clamps."""
+        difference = np.rint((self.rest - as_floats("level", level)) * self.size)
+        return self.convention.counts_from_difference(difference)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CySkinBoard:
+    """A 16-bit word per taxel, clipped at 0.
+
+    Parameters
+    ----------
+    convention : CySkinCount
+    gain : float, counts per unit of ΔC/C₀
+        Assumed: presses of up to about 20 000 counts are on record, and firm ones change C₀ by
+        some 0.7.
+    """
+
+    convention: CySkinCount = field(default_factory=CySkinCount)
+    gain: float = 30e3
+
+    def __post_init__(self) -> None:
+        check_positive("gain", self.gain, "counts per unit of ΔC/C₀; pressure raises the count")
+
+    @property
+    def unit(self) -> str:
+        """See `Board.unit`."""
+        return "count"
+
+    @property
+    def rest(self) -> float:
+        """See `Board.rest`."""
+        return self.convention.rest
+
+    @property
+    def step(self) -> float:
+        """See `Board.step`."""
+        return 1.0
+
+    def counts_from_level(self, level: Floats) -> Floats:
+        """See `Board.counts_from_level`."""
+        return self.convention.counts_from_difference(level)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConverterBoard:
+    """The counts of a capacitance-to-digital converter, as they are.
+
+    Parameters
+    ----------
+    convention : CapacitanceConverter
+    rest_capacitance : float, F
+        C₀ of a pad.
+    """
+
+    convention: CapacitanceConverter
+    rest_capacitance: float = PAD_CAPACITANCE
+
+    @property
+    def unit(self) -> str:
+        """See `Board.unit`."""
+        return "count"
+
+    @property
+    def rest(self) -> float:
+        """See `Board.rest`: of C₀ and what it rides on."""
+        converter = self.convention
+        return (self.rest_capacitance + converter.parasitic - converter.low) / converter.step
+
+    @property
+    def gain(self) -> float:
+        """See `Board.gain`."""
+        return self.convention.gain(self.rest_capacitance)
+
+    @property
+    def step(self) -> float:
+        """See `Board.step`."""
+        return 1.0
+
+    def counts_from_level(self, level: Floats) -> Floats:
+        """See `Board.counts_from_level`."""
+        return self.convention.counts_from_capacitance(
+            self.convention.capacitance_from_counts(level)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearBoard:
+    """No steps and no clamps: readings are ΔC/C₀ as they are."""
+
+    convention: None = None
+
+    @property
+    def unit(self) -> str:
+        """See `Board.unit`."""
+        return "dC/C0"
+
+    @property
+    def rest(self) -> float:
+        """See `Board.rest`."""
+        return 0.0
+
+    @property
+    def gain(self) -> float:
+        """See `Board.gain`."""
+        return 1.0
+
+    @property
+    def step(self) -> float:
+        """See `Board.step`."""
+        return 0.0
+
+    def counts_from_level(self, level: ArrayLike) -> Floats:
+        """See `Board.counts_from_level`."""
+        return as_floats("level", level)

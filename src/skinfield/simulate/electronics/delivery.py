@@ -1,0 +1,117 @@
+"""When taxels are converted, when their readings arrive, and which never do."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, check_positive, check_range
+from skinfield.simulate.electronics.wiring import INPUTS, Wiring
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """Instants of a recording.
+
+    Attributes
+    ----------
+    time : (T,) array, s
+        Start of each cycle of conversions, since the start of the recording.
+    skew : (L,) array, s
+        By how much later than the cycle a taxel is converted.
+    stamp_ns : (T,) int64 array, ns
+        When the reading was received, by the receiver's clock; never falls.
+    delivered : (T,) bool array
+        False for a reading that is lost on the way as a whole.
+    """
+
+    time: Floats
+    skew: Floats
+    stamp_ns: NDArray[np.int64]
+    delivered: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def instants(self) -> Floats:
+        """When each taxel is converted, (T, L) s: where to evaluate what presses."""
+        return np.asarray(self.time[:, None] + self.skew)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delivery:
+    """Clock and transport.
+
+    Parameters
+    ----------
+    rate : float, 1/s
+        Cycles of conversion. 20: the boards of the iCub send every 50 ms, and CySkin's EtherCAT
+        boards too.
+    conversion_time : float, s
+        From one taxel of a converter to the next. 0: all at once.
+    free_running : bool
+        The first cycle begins at a random moment of a period, not at the start of the recording.
+    delay : float, s
+        From the start of a cycle to its stamp, at least.
+    jitter : float, s
+        Mean of an exponentially distributed further delay. 0: none.
+    lost_readings : float
+        Probability that a reading of the whole patch is lost: its row is missing.
+    lost_messages : float
+        Probability that one converter's part of a reading is lost.
+    holds : bool
+        The port then repeats what that converter sent last, as YARP's does; else it shows NaN.
+    """
+
+    rate: float = 20.0
+    conversion_time: float = 0.0
+    free_running: bool = False
+    delay: float = 0.0
+    jitter: float = 0.0
+    lost_readings: float = 0.0
+    lost_messages: float = 0.0
+    holds: bool = True
+
+    def __post_init__(self) -> None:
+        check_positive("rate", self.rate, "readings per second")
+        for name in ("conversion_time", "delay", "jitter"):
+            check_range(name, getattr(self, name), 0.0, 1e6, "in seconds; 0 is off")
+        for name in ("lost_readings", "lost_messages"):
+            check_range(name, getattr(self, name), 0.0, 1.0, "a probability; 0 is off")
+        if INPUTS * self.conversion_time > 1.0 / self.rate:
+            raise InputError(
+                f"conversion_time is {self.conversion_time:g} s, expected at most "
+                f"{1.0 / (INPUTS * self.rate):g}: {INPUTS} taxels are converted within a period "
+                f"of {1.0 / self.rate:g} s"
+            )
+
+    def sampling(
+        self, wiring: Wiring, duration: float, rng: np.random.Generator, start_ns: int
+    ) -> Sampling:
+        """Instants of a recording of `duration`, s, that starts at `start_ns`."""
+        check_positive("duration", duration, "of the recording, in seconds")
+        parts = rng.spawn(3)
+        first = parts[0].random() / self.rate if self.free_running else 0.0
+        readings = max(1, int(np.ceil((duration - first) * self.rate - 1e-9)))
+        time = first + np.arange(readings) / self.rate
+        late = self.delay + self.jitter * parts[1].standard_exponential(readings)
+        arrival = np.maximum.accumulate(time + late)  # no message overtakes another
+        return Sampling(
+            time,
+            np.asarray(self.conversion_time * wiring.stage, dtype=np.float64),
+            start_ns + np.rint(arrival * 1e9).astype(np.int64),
+            parts[2].random(readings) >= self.lost_readings,
+        )
+
+    def lose(self, counts: Floats, wiring: Wiring, rng: np.random.Generator) -> Floats:
+        """Counts (T, L) as the port shows them where messages are lost; the first never is."""
+        if self.lost_messages == 0.0:
+            return counts
+        lost = rng.random((len(counts), wiring.converters)) < self.lost_messages
+        lost[0] = False
+        if not self.holds:
+            return np.where(lost[:, wiring.converter], np.nan, counts)
+        fresh = np.where(lost, 0, np.arange(len(counts))[:, None])
+        latest = np.maximum.accumulate(fresh, axis=0)
+        return np.asarray(np.take_along_axis(counts, latest[:, wiring.converter], axis=0))

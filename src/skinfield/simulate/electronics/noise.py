@@ -1,0 +1,85 @@
+"""Noise of readings: white, common to a converter, flicker, and a walk."""
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from skinfield.errors import Floats, check_range
+from skinfield.simulate.electronics.wiring import Wiring
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noise:
+    """What readings of an untouched skin do. Each is off at 0.
+
+    Parameters
+    ----------
+    white : float, counts
+        Standard deviation of a reading, of the median taxel; independent from reading to reading.
+    spread : float
+        Of the logarithm of `white` from taxel to taxel.
+    common : float, counts
+        Standard deviation of white noise that all taxels of one converter share.
+    flicker : float, counts
+        Bias instability B of 1/f noise of each taxel: power spectral density B²/(2πf), one-sided,
+        and an Allan deviation of B √(2 ln 2 / π), the same at every averaging time.
+    walk : float, counts/√s
+        Random walk K of each taxel: its standard deviation after t is K √t, its Allan deviation
+        K √(τ/3).
+
+    Notes
+    -----
+    White noise σ at a rate r has an Allan deviation of σ / √(r τ). The three names are those of
+    IEEE Std 952.
+    """
+
+    white: float = 0.0
+    spread: float = 0.0
+    common: float = 0.0
+    flicker: float = 0.0
+    walk: float = 0.0
+
+    def __post_init__(self) -> None:
+        for setting in fields(self):
+            value = getattr(self, setting.name)
+            check_range(setting.name, value, 0.0, 1e9, "a standard deviation; 0 is off")
+
+    def draw(self, taxels: int, rng: np.random.Generator) -> Floats:
+        """White noise of each taxel, (L,) counts."""
+        return np.asarray(self.white * np.exp(self.spread * rng.standard_normal(taxels)))
+
+    def sample(
+        self, white: Floats, wiring: Wiring, readings: int, rate: float, rng: np.random.Generator
+    ) -> Floats:
+        """Noise of `readings` at `rate`, 1/s, (T, L) counts, given `white` of each taxel (L,)."""
+        shape = (readings, len(white))
+        parts = rng.spawn(4)  # so that one kind switched off leaves the others as they were
+        noise = np.zeros(shape)
+        if white.any():
+            noise += white * parts[0].standard_normal(shape)
+        if self.common:
+            shared = parts[1].standard_normal((readings, wiring.converters))
+            noise += self.common * shared[:, wiring.converter]
+        if self.flicker:
+            noise += self.flicker * unit_flicker(shape, parts[2])
+        if self.walk:
+            steps = parts[3].standard_normal(shape)
+            steps[0] = 0.0
+            noise += self.walk / math.sqrt(rate) * np.cumsum(steps, axis=0)
+        return noise
+
+
+def unit_flicker(shape: tuple[int, int], rng: np.random.Generator) -> Floats:
+    """1/f noise (T, L) of power spectral density 1/(2πf), one-sided, whatever the rate.
+
+    White noise of twice the length is shaped in the frequency domain, and half of it kept, so that
+    the end does not join the start. Below one cycle per twice the length there is nothing.
+    """
+    length = 2 * max(shape[0], 2)
+    spectrum = np.fft.rfft(rng.standard_normal((length, shape[1])), axis=0)
+    cycles = np.arange(len(spectrum)) / length  # per sample
+    # White noise of variance 1 has a one-sided density of 2 per cycle per sample.
+    spectrum[1:] *= np.sqrt(1.0 / (2.0 * np.pi * cycles[1:]) / 2.0)[:, None]
+    spectrum[0] = 0.0
+    return np.asarray(np.fft.irfft(spectrum, n=length, axis=0)[: shape[0]])
