@@ -16,7 +16,7 @@ from skinfield.mechanics import (
     indentation_kernel,
 )
 from skinfield.observation.electrostatics import capacitance_change, gap_strain
-from skinfield.simulate.indenter import Indenter
+from skinfield.simulate.indenters import Indenter
 from skinfield.simulate.unilateral import solve_contact
 
 
