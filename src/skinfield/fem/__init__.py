@@ -1,0 +1,12 @@
+"""Finite elements: an independent judge that shares nothing with the layer's Green's functions.
+
+Needs scikit-fem: pip install 'skinfield[fem]'.
+"""
+
+from skinfield.fem.indent import apply_pressure as apply_pressure
+from skinfield.fem.indent import indent as indent
+from skinfield.fem.profiles import ConeProfile as ConeProfile
+from skinfield.fem.profiles import FlatProfile as FlatProfile
+from skinfield.fem.profiles import Profile as Profile
+from skinfield.fem.profiles import SphereProfile as SphereProfile
+from skinfield.fem.solution import AxisymmetricSolution as AxisymmetricSolution

@@ -1,0 +1,87 @@
+"""Quadratic functions of the radius: what the surface and the base know of themselves."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from skinfield.errors import Floats
+
+GAUSS, GAUSS_WEIGHT = (a / 2 for a in np.polynomial.legendre.leggauss(4))
+GAUSS = GAUSS + 0.5
+
+
+def shapes(place: Floats) -> Floats:
+    """Quadratic shape functions (..., 3) of start, middle and end at places 0 to 1."""
+    start, end = (1 - place) * (1 - 2 * place), place * (2 * place - 1)
+    return np.stack([start, 4 * place * (1 - place), end], axis=-1)
+
+
+def slopes(place: Floats) -> Floats:
+    """Derivatives (..., 3) of `shapes`."""
+    return np.stack([4 * place - 3, 4 - 8 * place, 4 * place - 1], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Nodes of a line of quadratic elements: ends at even indices, middles between them.
+
+    Attributes
+    ----------
+    nodes : (2n + 1,) array
+        Radii, increasing from the axis.
+    """
+
+    nodes: Floats
+
+    @property
+    def elements(self) -> Floats:
+        """Radii of start, middle and end of each element, (n, 3)."""
+        return np.stack([self.nodes[:-2:2], self.nodes[1::2], self.nodes[2::2]], axis=-1)
+
+    @cached_property
+    def mass(self) -> Floats:
+        """Integrals over the plane of products of shape functions, (2n + 1, 2n + 1)."""
+        local = np.einsum("eg,gi,gj->eij", self._areas, shapes(GAUSS), shapes(GAUSS))
+        total = np.zeros((len(self.nodes), len(self.nodes)))
+        for element, block in enumerate(local):
+            part = slice(2 * element, 2 * element + 3)
+            total[part, part] += block
+        return total
+
+    @property
+    def _areas(self) -> Floats:
+        radius = self.elements @ shapes(GAUSS).T
+        return 2 * np.pi * radius * (self.elements @ slopes(GAUSS).T) * GAUSS_WEIGHT
+
+    def loads(self, pressure: Floats) -> Floats:
+        """Nodal forces of a pressure (elements, 4) at the Gauss points of each element."""
+        local = np.einsum("eg,eg,gi->ei", self._areas, pressure, shapes(GAUSS))
+        total = np.zeros(len(self.nodes))
+        np.add.at(total, np.arange(len(local))[:, None] * 2 + np.arange(3), local)
+        return total
+
+    @property
+    def gauss_radii(self) -> Floats:
+        """Radii (elements, 4) at which `loads` wants the pressure."""
+        return self.elements @ shapes(GAUSS).T
+
+    def density(self, forces: Floats) -> Floats:
+        """Nodal values of the traction whose consistent nodal forces are given."""
+        return np.asarray(np.linalg.solve(self.mass, forces))
+
+    def at(self, values: Floats, radius: Floats) -> Floats:
+        """The quadratic function with the given nodal values; zero beyond the rim."""
+        corners = self.nodes[::2]
+        element = np.clip(np.searchsorted(corners, radius, "right") - 1, 0, len(corners) - 2)
+        local = 2 * element[..., None] + np.arange(3)
+        ends, place = self.nodes[local], np.full(radius.shape, 0.5)
+        for _ in range(4):  # nodes that moved leave the middle of their element
+            miss = np.sum(shapes(place) * ends, axis=-1) - radius
+            place = np.clip(place - miss / np.sum(slopes(place) * ends, axis=-1), 0.0, 1.0)
+        inside = np.sum(shapes(place) * values[local], axis=-1)
+        return np.where(radius <= corners[-1], inside, 0.0)
+
+    def integral(self, values: Floats) -> float:
+        """Of a quadratic function over the plane."""
+        return float(np.sum(self.mass @ values))
