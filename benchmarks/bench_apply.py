@@ -20,9 +20,9 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 from numba import njit
-from paper_algorithm import reconstruct_as_paper
 
 import skinfield as sf
+from skinfield.experiments.paper_algorithm import reconstruct_as_paper
 
 
 @njit(fastmath=True)

@@ -1,13 +1,12 @@
 """The paper's equations, one by one, and the numbers of the authors' own program."""
 
-import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.experiments import paper_algorithm
 from skinfield.inverse import Inverse
 from skinfield.mechanics import HalfSpace, Layer
 from skinfield.mechanics.love import rectangle_normal_displacement
@@ -27,14 +26,6 @@ INTO = np.diag([1.0, 1.0, -1.0])  # the paper's z points into the skin in (15) t
 PLACES = np.array([[1e-3, 0.5e-3], [-0.2e-3, 3e-3], [7e-3, -4e-3]])
 RNG = np.random.default_rng(2)
 FORCE = np.array([0.3, -0.2, 0.9])  # N, z into the skin: pushing
-
-
-def paper_algorithm():
-    file = Path(__file__).resolve().parents[1] / "benchmarks" / "paper_algorithm.py"
-    spec = importlib.util.spec_from_file_location("paper_algorithm", file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def test_stress_8_9_11() -> None:
@@ -108,7 +99,7 @@ def lattice_patch() -> sf.Patch:
 
 @pytest.mark.parametrize("nodes", [10, 17])
 def test_the_pipeline_is_the_papers_algorithm(nodes: int) -> None:
-    reference, patch, layer = paper_algorithm(), lattice_patch(), Layer(H, E, 0.5)
+    reference, patch, layer = paper_algorithm, lattice_patch(), Layer(H, E, 0.5)
     grid = sf.Grid.square(patch, nodes)
     readings = RNG.normal(5e3, 2e3, len(patch))
     rec = sf.Reconstructor(

@@ -8,12 +8,9 @@ alone, without skinfield's mechanics, so that it is a second opinion as well as 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import Delaunay
 
-from skinfield import Layer
-
-Floats = NDArray[np.float64]
+from skinfield.errors import Floats
+from skinfield.mechanics import Layer
 
 
 class Reconstruction(NamedTuple):
@@ -26,19 +23,21 @@ class Reconstruction(NamedTuple):
 
 def virtual_readings(readings: Floats, taxels_xy: Floats, nodes: Floats) -> Floats:
     """Section III-B, steps 1 to 3: convex combinations, zero for nodes outside the hull."""
+    from scipy.spatial import Delaunay
+
     triangulation = Delaunay(taxels_xy)
     triangle = triangulation.find_simplex(nodes, tol=1e-9)
     affine = triangulation.transform[triangle]
     first = np.einsum("nij,nj->ni", affine[:, :2], nodes - affine[:, 2])
     weights = np.column_stack([first, 1.0 - first.sum(axis=1)])
     virtual = np.sum(weights * readings[triangulation.simplices[triangle]], axis=1)
-    return np.where(triangle >= 0, virtual, 0.0)
+    return np.asarray(np.where(triangle >= 0, virtual, 0.0))
 
 
 def stress_matrix(offset: Floats, thickness: float) -> Floats:
     """Elements (11) in their correct form, Pa/N, for offsets (N, N, 2)."""
     square = np.sum(offset**2, axis=-1)
-    return 3.0 * thickness**3 / (2.0 * np.pi * (square + thickness**2) ** 2.5)
+    return np.asarray(3.0 * thickness**3 / (2.0 * np.pi * (square + thickness**2) ** 2.5))
 
 
 def displacements(

@@ -1,0 +1,37 @@
+"""Numbers as the report says them, and figures as bytes."""
+
+from collections.abc import Sequence
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+from skinfield.figures.style import number
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DPI = 130.0  # of the report's pictures: sharp on a tablet, and a report of a few megabytes
+
+
+def png_of(figure: "Figure") -> bytes:
+    """Bytes of a PNG file; the same figure gives the same bytes."""
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def share_in_words(share: float, interval: tuple[float, float]) -> str:
+    """Such as "10 % [6–17 %]": a rate and its 95 % interval."""
+    low, high = interval
+    return f"{100 * share:.0f} % [{100 * low:.0f}–{100 * high:.0f} %]"
+
+
+def spread_in_words(values: Sequence[float], unit: str, scale: float = 1.0) -> str:
+    """Such as "0.12 to 0.19 mm": the ends of some numbers."""
+    low, high = min(values) * scale, max(values) * scale
+    ends = number(low, 2) if number(low, 2) == number(high, 2) else ""
+    return f"{ends or f'{number(low, 2)} to {number(high, 2)}'} {unit}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Such as "a, b and c"."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
