@@ -17,4 +17,6 @@ from skinfield.simulate.electronics.presets import icub_electronics as icub_elec
 from skinfield.simulate.electronics.presets import ideal_electronics as ideal_electronics
 from skinfield.simulate.electronics.recording import recording as recording
 from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
+from skinfield.simulate.electronics.thermal_pads import ThermalPads as ThermalPads
+from skinfield.simulate.electronics.thermal_pads import firmware_drift as firmware_drift
 from skinfield.simulate.electronics.wiring import CrossTalk as CrossTalk

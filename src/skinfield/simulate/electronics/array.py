@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from skinfield.conditioning import Calibration
 from skinfield.errors import Floats, InputError, as_floats, check_shape
 from skinfield.layout import Patch
+from skinfield.simulate.electronics.board import ICubBoard
 from skinfield.simulate.electronics.defects import Defect, Kinds
 from skinfield.simulate.electronics.delivery import Sampling
 from skinfield.simulate.electronics.wiring import Wiring, wiring
@@ -36,6 +37,8 @@ class TaxelArray:
     baseline : (L,) array, counts
         Level of the unloaded taxel at the reference temperature.
     drift : (L,) array, counts/K
+    pad_error : (converters,) array, converter counts
+        Of the thermal pads.
     white_noise : (L,) array, counts
         Standard deviation.
     defect : (L,) int8 array
@@ -49,6 +52,7 @@ class TaxelArray:
     gain: Floats
     baseline: Floats
     drift: Floats
+    pad_error: Floats
     white_noise: Floats
     defect: Kinds
     stops_after: Floats
@@ -59,6 +63,8 @@ class TaxelArray:
             check_shape(name, column, (len(self.patch),), "one per taxel of the patch")
             column.setflags(write=False)
             object.__setattr__(self, name, column)
+        pads = (self.wiring.converters,)
+        check_shape("pad_error", self.pad_error, pads, "one per converter of the patch")
 
     def __len__(self) -> int:
         return len(self.patch)
@@ -135,9 +141,9 @@ class TaxelArray:
             If a shape is another, or a number is not finite.
         """
         change = self._changes(change)
-        level = self._level(change, temperature)
-        noise, joints, losses = rng.spawn(3)
+        noise, joints, losses, pads = rng.spawn(4)
         rate = self.electronics.delivery.rate
+        level = self._cold_level(change) + self._warmed(len(change), temperature, pads)
         level += self.electronics.noise.sample(
             self.white_noise, self.wiring, len(level), rate, noise
         )
@@ -154,17 +160,27 @@ class TaxelArray:
             )
         return change
 
-    def _level(self, change: Floats, temperature: ArrayLike | None) -> Floats:
-        """What the converter is offered, (T, L) counts: no noise, no defects yet."""
+    def _cold_level(self, change: Floats) -> Floats:
+        """What the converter is offered at the reference temperature, (T, L) counts."""
         mixed = change if self.mixing is None else change @ self.mixing.T
-        level = self.baseline + self.gain * mixed
+        return np.asarray(self.baseline + self.gain * mixed)
+
+    def _warmed(
+        self, readings: int, temperature: ArrayLike | None, rng: np.random.Generator
+    ) -> Floats:
+        """What the temperature adds to that, (T, L) counts, less what the board takes off."""
+        settings = self.electronics
         if temperature is None:
-            return level
-        temperature = as_floats("temperature", temperature)
-        check_shape("temperature", temperature, (len(change),), "one per reading, in kelvin")
-        drift = self.electronics.drift
-        warmth = drift.warmth(temperature, self.electronics.delivery.rate)
-        return np.asarray(level + warmth[:, None] * self.drift)
+            warmth = np.zeros(readings)
+        else:
+            temperature = as_floats("temperature", temperature)
+            check_shape("temperature", temperature, (readings,), "one per reading, in kelvin")
+            warmth = settings.drift.warmth(temperature, settings.delivery.rate)
+        added = warmth[:, None] * self.drift
+        if settings.thermal_pads is not None and isinstance(settings.board, ICubBoard):
+            remainder = settings.thermal_pads.remainder(warmth, self.pad_error, self.wiring, rng)
+            added = added - remainder / settings.board.size
+        return np.asarray(added)
 
     def _spoiled(self, level: Floats, rng: np.random.Generator) -> Floats:
         """Counts as sent, (T, L), the defects included."""

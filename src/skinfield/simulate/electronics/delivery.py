@@ -23,12 +23,15 @@ class Sampling:
         When the reading was received, by the receiver's clock; never falls.
     delivered : (T,) bool array
         False for a reading that is lost on the way as a whole.
+    logged_every_ns : int, ns
+        Period of a logger that reads the port; 0: readings are logged as they arrive.
     """
 
     time: Floats
     skew: Floats
     stamp_ns: NDArray[np.int64]
     delivered: NDArray[np.bool_]
+    logged_every_ns: int = 0
 
     def __len__(self) -> int:
         return len(self.time)
@@ -37,6 +40,20 @@ class Sampling:
     def instants(self) -> Floats:
         """When each taxel is converted, (T, L) s: where to evaluate what presses."""
         return np.asarray(self.time[:, None] + self.skew)
+
+    @property
+    def logged(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Row of the sampling, and stamp in ns, of each reading of the recording, both (R,).
+
+        A logger with a period of its own logs the newest reading that is there, again and again
+        until the next one comes, and stamps it by its own tick.
+        """
+        rows = np.flatnonzero(self.delivered)
+        if self.logged_every_ns == 0 or not len(rows):
+            return rows, self.stamp_ns[rows]
+        arrived = self.stamp_ns[rows]
+        ticks = np.arange(arrived[0], arrived[-1] + 1, self.logged_every_ns, dtype=np.int64)
+        return rows[np.searchsorted(arrived, ticks, side="right") - 1], ticks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +79,9 @@ class Delivery:
         Probability that one converter's part of a reading is lost.
     holds : bool
         The port then repeats what that converter sent last, as YARP's does; else it shows NaN.
+    logged_at : float, 1/s
+        Rate of a logger that reads the port by a clock of its own, and so repeats readings where
+        it is faster than the board: 50 on recordings of the iCub. 0: each is logged as it arrives.
     """
 
     rate: float = 20.0
@@ -72,11 +92,13 @@ class Delivery:
     lost_readings: float = 0.0
     lost_messages: float = 0.0
     holds: bool = True
+    logged_at: float = 0.0
 
     def __post_init__(self) -> None:
         check_positive("rate", self.rate, "readings per second")
         for name in ("conversion_time", "delay", "jitter"):
             check_range(name, getattr(self, name), 0.0, 1e6, "in seconds; 0 is off")
+        check_range("logged_at", self.logged_at, 0.0, 1e6, "readings per second; 0 is off")
         for name in ("lost_readings", "lost_messages"):
             check_range(name, getattr(self, name), 0.0, 1.0, "a probability; 0 is off")
         if INPUTS * self.conversion_time > 1.0 / self.rate:
@@ -102,6 +124,7 @@ class Delivery:
             np.asarray(self.conversion_time * wiring.stage, dtype=np.float64),
             start_ns + np.rint(arrival * 1e9).astype(np.int64),
             parts[2].random(readings) >= self.lost_readings,
+            round(1e9 / self.logged_at) if self.logged_at else 0,
         )
 
     def lose(self, counts: Floats, wiring: Wiring, rng: np.random.Generator) -> Floats:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from skinfield.errors import check_range
+from skinfield.errors import InputError, check_range
 from skinfield.layout import Patch
 from skinfield.simulate.electronics.array import TaxelArray
 from skinfield.simulate.electronics.board import Board, ICubBoard
@@ -12,6 +12,7 @@ from skinfield.simulate.electronics.defects import Defects
 from skinfield.simulate.electronics.delivery import Delivery
 from skinfield.simulate.electronics.noise import Noise
 from skinfield.simulate.electronics.thermal import ThermalDrift
+from skinfield.simulate.electronics.thermal_pads import ThermalPads
 from skinfield.simulate.electronics.wiring import CrossTalk, wiring
 
 
@@ -33,6 +34,8 @@ class Electronics:
         Standard deviation of the baselines around the board's rest.
     cross_talk : CrossTalk
     drift : ThermalDrift
+    thermal_pads : ThermalPads, optional
+        Of an `ICubBoard`, for patches of ten-pad triangles.
     noise : Noise
     defects : Defects
     delivery : Delivery
@@ -45,6 +48,7 @@ class Electronics:
     baseline_spread: float = 0.0
     cross_talk: CrossTalk = field(default_factory=CrossTalk)
     drift: ThermalDrift = field(default_factory=ThermalDrift)
+    thermal_pads: ThermalPads | None = None
     noise: Noise = field(default_factory=Noise)
     defects: Defects = field(default_factory=Defects)
     delivery: Delivery = field(default_factory=Delivery)
@@ -53,6 +57,11 @@ class Electronics:
         for name in ("gain_spread", "converter_gain_spread"):
             check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
         check_range("baseline_spread", self.baseline_spread, 0.0, 1e9, "in counts; 0 is off")
+        if self.thermal_pads is not None and not isinstance(self.board, ICubBoard):
+            raise InputError(
+                f"thermal_pads is given with {self.board!r}, expected an ICubBoard: the correction "
+                "is that of its firmware"
+            )
 
     def manufacture(self, patch: Patch, rng: np.random.Generator) -> TaxelArray:
         """Draw the taxels of a patch.
@@ -61,7 +70,10 @@ class Electronics:
         set otherwise, leaves the others as they were.
         """
         wired, taxels = wiring(patch), len(patch)
-        gains, bases, drifts, noises, defects, stops = rng.spawn(6)
+        pads = self.thermal_pads
+        if pads is not None:
+            pads.check_wiring(wired)
+        gains, bases, drifts, noises, defects, stops, warmth = rng.spawn(7)
         shared = gains.standard_normal(wired.converters)[wired.converter]
         own = gains.standard_normal(taxels)
         spread = self.converter_gain_spread * shared + self.gain_spread * own
@@ -71,6 +83,7 @@ class Electronics:
             gain=self.board.gain * np.exp(spread),
             baseline=self.board.rest + self.baseline_spread * bases.standard_normal(taxels),
             drift=self.drift.draw(wired, drifts),
+            pad_error=np.zeros(wired.converters) if pads is None else pads.draw(wired, warmth),
             white_noise=self.noise.draw(taxels, noises),
             defect=self.defects.draw(taxels, defects),
             stops_after=self.defects.stuck_within * stops.random(taxels),

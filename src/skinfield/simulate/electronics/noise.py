@@ -22,7 +22,7 @@ class Noise:
     common : float, counts
         Standard deviation of white noise that all taxels of one converter share.
     flicker : float, counts
-        Bias instability B of 1/f noise of each taxel: power spectral density B²/(2πf), one-sided,
+        Bias instability B of 1/f noise of each taxel: power spectral density B²/(πf), one-sided,
         and an Allan deviation of B √(2 ln 2 / π), the same at every averaging time.
     walk : float, counts/√s
         Random walk K of each taxel: its standard deviation after t is K √t, its Allan deviation
@@ -71,7 +71,7 @@ class Noise:
 
 
 def unit_flicker(shape: tuple[int, int], rng: np.random.Generator) -> Floats:
-    """1/f noise (T, L) of power spectral density 1/(2πf), one-sided, whatever the rate.
+    """1/f noise (T, L) of power spectral density 1/(πf), one-sided, whatever the rate.
 
     White noise of twice the length is shaped in the frequency domain, and half of it kept, so that
     the end does not join the start. Below one cycle per twice the length there is nothing.
@@ -80,6 +80,6 @@ def unit_flicker(shape: tuple[int, int], rng: np.random.Generator) -> Floats:
     spectrum = np.fft.rfft(rng.standard_normal((length, shape[1])), axis=0)
     cycles = np.arange(len(spectrum)) / length  # per sample
     # White noise of variance 1 has a one-sided density of 2 per cycle per sample.
-    spectrum[1:] *= np.sqrt(1.0 / (2.0 * np.pi * cycles[1:]) / 2.0)[:, None]
+    spectrum[1:] *= np.sqrt(1.0 / (np.pi * cycles[1:]) / 2.0)[:, None]
     spectrum[0] = 0.0
     return np.asarray(np.fft.irfft(spectrum, n=length, axis=0)[: shape[0]])

@@ -22,13 +22,13 @@ def icub_electronics() -> Electronics:
         drift=ThermalDrift(
             per_kelvin=0.3, converter_spread=0.1, taxel_spread=0.1, time_constant=120.0
         ),
-        noise=Noise(white=3.1, spread=0.5, common=0.3, flicker=0.3, walk=0.02),
+        noise=Noise(white=3.1, spread=0.5, flicker=0.3, walk=0.02),
         delivery=Delivery(
             rate=20.0,
             conversion_time=0.7e-3,
             free_running=True,
             delay=10e-3,
-            jitter=0.05e-3,
+            jitter=0.03e-3,
             lost_readings=1e-3,
         ),
     )
@@ -43,11 +43,12 @@ def cyskin_electronics() -> Electronics:
         board=CySkinBoard(),
         gain_spread=0.05,
         converter_gain_spread=0.1,
+        baseline_spread=20.0,
         cross_talk=CrossTalk(neighbours=0.01),
         drift=ThermalDrift(
             per_kelvin=-50.0, converter_spread=17.0, taxel_spread=17.0, time_constant=120.0
         ),
-        noise=Noise(white=85.0, spread=0.3, common=10.0, flicker=10.0, walk=2.0),
+        noise=Noise(white=85.0, spread=0.3, flicker=10.0, walk=2.0),
         delivery=Delivery(
             rate=20.0, conversion_time=0.7e-3, free_running=True, delay=10e-3, jitter=1e-3
         ),

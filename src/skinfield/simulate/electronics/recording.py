@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import check_shape
+from skinfield.errors import InputError, check_shape
 from skinfield.reading import Recording
 from skinfield.simulate.electronics.array import TaxelArray
 from skinfield.simulate.electronics.delivery import Sampling
@@ -35,14 +35,24 @@ def recording(
     Returns
     -------
     Recording
-        One column per taxel, by uid; the rows that were delivered.
+        One column per taxel, by uid; one row per reading that was logged.
+
+    Raises
+    ------
+    InputError
+        If every reading was lost on the way, or `change` has not a row per cycle.
     """
     counts = array.counts(change, temperature, rng)
     check_shape("change", counts, (len(sampling), len(array)), "one row per cycle of sampling")
-    kept = sampling.delivered
+    rows, stamps = sampling.logged
+    if not len(rows):
+        raise InputError(
+            f"delivered is False for all {len(sampling)} readings, expected some: record longer, "
+            "or lower lost_readings"
+        )
     return Recording(
-        sampling.stamp_ns[kept],
-        counts[kept],
+        stamps,
+        counts[rows],
         array.patch.uid.copy(),
         array.electronics.board.unit,
         source,

@@ -1,0 +1,113 @@
+"""The iCub's thermal pads: they feel warmth alone, and the board corrects the others by them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import Floats, InputError, as_floats, check_range
+from skinfield.simulate.electronics.wiring import INPUTS, Wiring
+
+GAINS = (70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77)
+"""Of the firmware, skin type 0, per channel of a triangle: 128ths of the drift of its pad."""
+PAD, UNUSED = 6, 10
+"""Channels of the pad that the firmware goes by, and of the one that it does not."""
+
+
+def firmware_drift(
+    pad_difference: ArrayLike, gains: ArrayLike = GAINS, *, negated_first: bool = False
+) -> Floats:
+    """What the firmware takes off a taxel for the warmth of its pad, converter counts; bit-exact.
+
+    ± ((|T - T_b| >> 2) · gain) >> 5, with the sign of T - T_b.
+
+    Parameters
+    ----------
+    pad_difference : array, converter counts
+        T - T_b of the pad, whole numbers.
+    gains : array of int
+        Broadcast against it.
+    negated_first : bool
+        Shift the negated product, as the mtb4 boards do, instead of negating the shifted one, as
+        the mtb3 boards do: rounds negative drifts the other way.
+    """
+    pad = as_floats("pad_difference", pad_difference)
+    product = np.floor(np.abs(pad) / 4.0) * np.asarray(gains)
+    sign = np.where(pad < 0, -1.0, 1.0)
+    if negated_first:
+        return np.asarray(np.floor(sign * product / 32.0))
+    return np.asarray(sign * np.floor(product / 32.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThermalPads:
+    """Thermal drift by the pattern of the firmware's gains, and the firmware's correction of it.
+
+    What remains is rounding, the noise of the pad, and the faults of a pad, which shift every
+    taxel of a triangle. A mismatch of taxel and gain is `ThermalDrift`, added to this.
+
+    Parameters
+    ----------
+    per_kelvin : float, converter counts/K
+        Of the pad. Assumed.
+    noise : float, converter counts
+        Standard deviation of a reading of the pad. Assumed.
+    failed : float
+        Probability that a pad has a fault. 0: none.
+    failed_by : float, converter counts
+        What a pad with a fault reads too little.
+    gains : tuple of 12 int
+    negated_first : bool
+        See `firmware_drift`.
+    """
+
+    per_kelvin: float = 10.0
+    noise: float = 2.0
+    failed: float = 0.0
+    failed_by: float = 200.0
+    gains: tuple[int, ...] = GAINS
+    negated_first: bool = False
+
+    def __post_init__(self) -> None:
+        check_range("per_kelvin", self.per_kelvin, -1e4, 1e4, "converter counts per kelvin")
+        check_range("noise", self.noise, 0.0, 1e4, "converter counts; 0 is off")
+        check_range("failed", self.failed, 0.0, 1.0, "a probability; 0 is off")
+        check_range("failed_by", self.failed_by, -1e5, 1e5, "converter counts")
+        if len(self.gains) != INPUTS:
+            raise InputError(
+                f"gains has {len(self.gains)} entries, expected {INPUTS}: one per channel"
+            )
+
+    def check_wiring(self, wiring: Wiring) -> None:
+        """Raise InputError if a taxel is where a thermal pad has to be."""
+        taken = np.flatnonzero((wiring.stage == PAD) | (wiring.stage == UNUSED))
+        if len(taken):
+            raise InputError(
+                f"taxel {taken[0]} is at channel {wiring.stage[taken[0]]} of its triangle, "
+                f"expected thermal pads at {PAD} and {UNUSED}: use a patch of ten-pad triangles, "
+                "or no thermal pads"
+            )
+
+    def draw(self, wiring: Wiring, rng: np.random.Generator) -> Floats:
+        """Error of the pad of each converter, (converters,) converter counts."""
+        bad = rng.random(wiring.converters) < self.failed
+        return np.where(bad, -float(self.failed_by), 0.0)
+
+    def remainder(
+        self, warmth: Floats, error: Floats, wiring: Wiring, rng: np.random.Generator
+    ) -> Floats:
+        """Drift less correction, (T, L) converter counts.
+
+        Parameters
+        ----------
+        warmth : (T,) array, K
+            Above the reference.
+        error : (converters,) array, converter counts
+            Of the pads, from `draw`.
+        """
+        gains = np.array(self.gains, dtype=np.float64)[wiring.stage]
+        drift = self.per_kelvin * warmth[:, None]
+        noise = self.noise * rng.standard_normal((len(warmth), wiring.converters))
+        pads: NDArray[np.float64] = np.rint(drift + error + noise)[:, wiring.converter]
+        taken = firmware_drift(pads, gains, negated_first=self.negated_first)
+        return np.asarray(drift * gains / 128.0 - taken)
