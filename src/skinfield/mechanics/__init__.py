@@ -7,3 +7,6 @@ from skinfield.mechanics.lattice import LatticeConvolution as LatticeConvolution
 from skinfield.mechanics.lattice import displacement_kernel as displacement_kernel
 from skinfield.mechanics.lattice import indentation_kernel as indentation_kernel
 from skinfield.mechanics.protocol import Mechanics as Mechanics
+from skinfield.mechanics.viscoelastic import PronySeries as PronySeries
+from skinfield.mechanics.viscoelastic import StandardLinearSolid as StandardLinearSolid
+from skinfield.mechanics.viscoelastic import Viscoelastic as Viscoelastic

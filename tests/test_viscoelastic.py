@@ -1,0 +1,199 @@
+"""Load histories of viscoelastic solids against closed forms, an ODE solver and Ting's contact."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+
+from skinfield.errors import InputError
+from skinfield.mechanics.viscoelastic import (
+    PronySeries,
+    StandardLinearSolid,
+    lagged,
+    loop_area,
+)
+
+SOLID = StandardLinearSolid(relaxed_fraction=0.7, time_constant=0.8)
+SERIES = PronySeries(((0.1, 0.05), (0.15, 0.6), (0.2, 9.0)))
+
+
+def irregular_history(seed, samples=40, duration=8.0):
+    rng = np.random.default_rng(seed)
+    time = np.sort(rng.uniform(0, duration, samples))
+    return time, rng.uniform(-1.0, 2.0, samples)
+
+
+def test_a_step_of_force_creeps_as_the_standard_solid_does():
+    time = np.array([0.0, 0.0, 0.3, 1.0, 5.0, 60.0])
+    force = np.array([0.0, 2.0, 2.0, 2.0, 2.0, 2.0])
+    slow = 0.8 / 0.7  # retardation time, τ E₀ / E∞
+    closed = 2.0 * (1.0 - 0.3 * np.exp(-time / slow))
+    closed[0] = 0.0
+    assert SOLID.effective_force(time, force) == pytest.approx(closed, rel=1e-13)
+    assert SOLID.effective_force(time[1:], force[1:]) == pytest.approx(closed[1:], rel=1e-13)
+    assert SOLID.creep(time[1:]) * 2.0 == pytest.approx(closed[1:], rel=1e-13)
+
+
+def test_a_ramp_of_force_has_its_closed_form_at_any_sampling():
+    slow = 0.8 / 0.7
+
+    def closed(t):
+        return 3.0 * (t - 0.3 * slow * (1.0 - np.exp(-t / slow)))
+
+    coarse = np.array([0.0, 4.0])
+    fine = np.concatenate([[0.0], np.sort(np.random.default_rng(0).uniform(0, 4, 999)), [4.0]])
+    assert SOLID.effective_force(coarse, 3.0 * coarse)[-1] == pytest.approx(closed(4.0), rel=1e-13)
+    assert SOLID.effective_force(fine, 3.0 * fine) == pytest.approx(closed(fine), abs=1e-12)
+
+
+def test_a_step_of_depth_relaxes_to_the_relaxed_modulus():
+    time = np.array([0.0, 0.5, 2.0, 50.0])
+    expected = (1.0 - 0.3 * (1.0 - np.exp(-time / 0.8))) / 0.7
+    assert SOLID.relaxing_force(time, np.ones(4)) == pytest.approx(expected, rel=1e-13)
+    assert SOLID.relaxation(time) == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_series_agrees_with_an_ode_solver_on_an_irregular_history(seed):
+    time, force = irregular_history(seed)
+    part, tau = np.array(SERIES.branches).T
+
+    def dashpots(t, x):
+        strain = np.interp(t, time, force) + part @ x  # in units of σ / E₀
+        return (strain - x) / tau
+
+    strain = [force[0]]  # the first value is a step: dashpots have not moved
+    state = np.zeros(3)
+    for start, stop, value in zip(time[:-1], time[1:], force[1:], strict=True):
+        done = solve_ivp(dashpots, (start, stop), state, rtol=1e-10, atol=1e-12)
+        state = done.y[:, -1]
+        strain.append(value + part @ state)
+    relaxed = np.array(strain) * SERIES.relaxed_modulus_fraction
+    assert SERIES.effective_force(time, force) == pytest.approx(relaxed, abs=1e-8)
+
+
+def test_creep_and_relaxation_are_each_other_s_inverse():
+    for t in (0.1, 1.0, 20.0):  # ∫ E(t - s) dJ(s) = 1
+        slope = [(part / tau, tau) for part, tau in SERIES.retardation]
+
+        def integrand(s, t=t, slope=slope):
+            rate = sum(height * np.exp(-s / tau) for height, tau in slope)
+            return SERIES.relaxation(t - s) * rate * SERIES.relaxed_modulus_fraction
+
+        smooth = quad(integrand, 0.0, t, epsabs=1e-12, points=[0.05, 0.5] if t > 0.5 else None)[0]
+        assert SERIES.relaxation(t) * SERIES.creep(0.0) + smooth == pytest.approx(1.0, abs=1e-9)
+
+
+def test_one_branch_of_a_series_is_the_standard_solid():
+    time, force = irregular_history(4)
+    series = PronySeries(((0.3, 0.8),))
+    assert series.effective_force(time, force) == pytest.approx(
+        SOLID.effective_force(time, force), abs=1e-13
+    )
+
+
+@pytest.mark.parametrize("solid", [SOLID, SERIES], ids=["solid", "series"])
+@pytest.mark.parametrize("frequency", [0.05, 0.3, 2.0])
+def test_cycles_have_the_loss_tangent_and_the_loop_of_the_complex_modulus(solid, frequency):
+    period = 1.0 / frequency
+    cycles = int(60 / period) + 3  # until what was at the start is forgotten
+    time = np.linspace(0, cycles * period, cycles * 400 + 1)
+    depth = np.sin(2 * np.pi * frequency * time)
+    force = solid.relaxing_force(time, depth)
+    last = slice(-401, -1)
+    wave = np.exp(-2j * np.pi * frequency * time[last])
+    ratio = (force[last] @ wave) / (depth[last] @ wave)
+    assert ratio.imag / ratio.real == pytest.approx(solid.loss_tangent(frequency), rel=2e-4)
+    assert ratio.real == pytest.approx(solid.storage_modulus(frequency), rel=2e-4)
+    lost = np.pi * solid.loss_modulus(frequency)
+    assert loop_area(force[last], depth[last]) == pytest.approx(lost, rel=5e-4)
+
+
+@given(seed=st.integers(0, 999), extra=st.integers(1, 30))
+def test_more_samples_of_the_same_history_change_nothing(seed, extra):
+    time, force = irregular_history(seed, samples=6)
+    more = np.sort(np.append(time, np.linspace(time[0], time[-1], extra)))
+    there = np.searchsorted(more, time)
+    many = SERIES.effective_force(more, np.interp(more, time, force))
+    assert many[there] == pytest.approx(SERIES.effective_force(time, force), abs=1e-12)
+
+
+@given(seed=st.integers(0, 999))
+def test_the_effective_force_never_exceeds_the_largest_force_so_far(seed):
+    time, force = irregular_history(seed)
+    effective = SERIES.effective_force(time, np.abs(force))
+    assert (effective <= np.maximum.accumulate(np.abs(force)) + 1e-12).all()
+    assert (effective >= -1e-12).all()
+
+
+def test_several_histories_at_once_are_each_by_itself():
+    time = irregular_history(0)[0]
+    forces = np.random.default_rng(5).normal(size=(len(time), 2, 3))
+    together = SERIES.effective_force(time, forces)
+    alone = SERIES.effective_force(time, forces[:, 1, 2])
+    assert together[:, 1, 2] == pytest.approx(alone, abs=1e-14)
+
+
+def test_an_elastic_solid_remembers_nothing():
+    time, force = irregular_history(1)
+    elastic = StandardLinearSolid(relaxed_fraction=1.0)
+    assert (elastic.effective_force(time, force) == force).all()
+    assert (elastic.relaxing_force(time, force) == force).all()
+    assert elastic.loss_tangent(1.0) == 0.0
+
+
+def sphere_after_ting(solid, rise, samples=3000):
+    """Time, contact radius and force of a sphere on a half-space whose radius rises and falls.
+
+    Ting (1966): F(t) = ∫ E(t - s) d(a³), to the moment at which the radius was, while it grew, what
+    it is at t. Radius and force in units of the largest radius and of the elastic force there.
+    """
+    time = np.linspace(0.0, 2.0 * rise, samples)
+    grows = time <= rise
+    radius = np.sqrt(np.where(grows, time, 2.0 * rise - time) / rise)
+    early, cube = time[grows], radius[grows] ** 3
+    until = np.where(grows, time, np.interp(radius, radius[grows], early))
+    middle = 0.5 * (early[1:] + early[:-1])
+    share = np.clip((until[:, None] - early[:-1]) / np.diff(early), 0.0, 1.0)
+    memory = solid.relaxation(np.maximum(time[:, None] - middle, 0.0))
+    return time, radius, (memory * share) @ np.diff(cube), grows
+
+
+@pytest.mark.parametrize(("rise", "worst"), [(0.1, 0.011), (1.0, 0.051), (10.0, 0.021)])
+def test_contact_is_exact_while_it_grows_and_off_by_a_stated_part_while_it_shrinks(rise, worst):
+    solid = StandardLinearSolid(relaxed_fraction=0.85, time_constant=1.0)
+    time, radius, force, grows = sphere_after_ting(solid, rise)
+    error = np.abs(solid.effective_force(time, force) - radius**3)
+    assert error[grows].max() < 1e-7
+    assert 0.9 * worst < error[~grows].max() < worst
+
+
+def test_a_lag_follows_its_closed_form_from_any_start():
+    time = np.linspace(0, 5, 11)
+    assert lagged(time, np.full(11, 3.0), 2.0, start=1.0) == pytest.approx(
+        3.0 - 2.0 * np.exp(-time / 2.0), rel=1e-13
+    )
+    assert (lagged(time, time, 0.0) == time).all()
+    assert lagged(time, time, 1e-12)[1:] == pytest.approx(time[1:], abs=1e-11)
+    assert lagged(time, time, 1e12)[-1] == pytest.approx(12.5e-12, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: StandardLinearSolid(0.0), "relaxed_fraction is 0.0, expected"),
+        (lambda: StandardLinearSolid(0.5, -1.0), "time_constant is -1.0, expected"),
+        (lambda: PronySeries(((0.6, 1.0), (0.4, 2.0))), "sum to less than 1, not 1"),
+        (lambda: PronySeries(((0.1, 0.0),)), "times above 0"),
+        (lambda: PronySeries((0.1, 1.0)), "terms has shape"),
+        (lambda: SOLID.effective_force([0, 1, 0.5], [1, 2, 3]), r"time\[2\] is 0.5 s after 1.0 s"),
+        (lambda: SOLID.effective_force([0, 1], [1, np.nan]), r"values\[1\] is nan"),
+        (lambda: SOLID.effective_force([0, 1], [1, 2, 3]), "values has shape"),
+        (lambda: SOLID.creep(-1.0), "seconds from 0"),
+        (lambda: loop_area([1, 2], [1]), "depth has shape"),
+    ],
+)
+def test_errors_say_what_was_expected(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
