@@ -49,7 +49,7 @@ class Scale:
     log_x: bool = False
     log_y: bool = False
     x_limits: tuple[float, float] | None = None
-    y_limits: tuple[float, float] | None = None
+    y_limits: tuple[float | None, float | None] | None = None
     x_ticks: tuple[float, ...] | None = None
     marks: bool = True
 
