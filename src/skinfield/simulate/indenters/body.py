@@ -67,8 +67,8 @@ class Body:
             )
         if self.force is not None and self.depth is not None:
             raise InputError(
-                f"force is {self.force!r} and depth is {self.depth!r}, expected one of the two: "
-                "the other follows from it, so set it to None"
+                f"force is {self.force!r} and depth is {self.depth!r}, expected one of the two "
+                "and None for the other, which follows from it"
             )
         if self.depth is not None:
             check_positive("depth", self.depth, "of the lowest point below the surface, in metres")
