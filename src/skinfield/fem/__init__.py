@@ -5,6 +5,8 @@ Needs scikit-fem: pip install 'skinfield[fem]'.
 
 from skinfield.fem.indent import apply_pressure as apply_pressure
 from skinfield.fem.indent import indent as indent
+from skinfield.fem.indent_large import LargeStrainPath as LargeStrainPath
+from skinfield.fem.indent_large import indent_large as indent_large
 from skinfield.fem.profiles import ConeProfile as ConeProfile
 from skinfield.fem.profiles import FlatProfile as FlatProfile
 from skinfield.fem.profiles import Profile as Profile

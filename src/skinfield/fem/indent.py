@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
 from skinfield.fem.grading import graded, towards
-from skinfield.fem.linear import LinearSection
+from skinfield.fem.linear import LinearSection, law_of
 from skinfield.fem.profiles import Profile
 from skinfield.fem.section import Section, mesh_section
 from skinfield.fem.shape import Shape
@@ -93,7 +93,7 @@ def apply_pressure(
     mesh = mesh_around([radius / h], radius / h, finest, COARSEST)
     places = mesh.trace.gauss_radii
     loaded = np.where(places < radius / h, pressure(places.ravel() * h).reshape(places.shape), 0.0)
-    linear = LinearSection.prepare(layer, mesh)
+    linear = LinearSection.prepare(law_of(layer, mesh))
     found = linear_solution(layer, linear, mesh.trace.loads(loaded / layer.young_modulus), 0.0)
     return replace(found, depth=float(found.indentation(np.zeros(1))[0]))
 
@@ -145,7 +145,7 @@ def _solve(
     heights = shape.heights(nodes)
     near = np.flatnonzero(np.isfinite(heights) & (nodes <= reach))
     near = near[near > 0]  # the axis has no area: a pressure near it gives its node no force
-    linear = LinearSection.prepare(layer, mesh)
+    linear = LinearSection.prepare(law_of(layer, mesh))
     flexibility = linear.flexibility(near)
     if depth is None:
         sunk, pushes = push_with_force(flexibility, heights[near], (force or 0.0) / newton)

@@ -39,11 +39,12 @@ class LinearSection:
     factor: Any
 
     @classmethod
-    def prepare(cls, layer: Layer, section: Section) -> "LinearSection":
+    def prepare(cls, law: Elasticity) -> "LinearSection":
         """Assemble and factorise."""
         from scipy.sparse.linalg import splu
 
-        stiffness = law_of(layer, section).stiffness(np.zeros(section.unknowns))
+        section = law.section
+        stiffness = law.stiffness(np.zeros(section.unknowns))
         free = free_unknowns(section)
         return cls(section, stiffness, splu(stiffness[free][:, free].tocsc()))
 

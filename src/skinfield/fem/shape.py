@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.fem.profiles import Profile
@@ -61,3 +62,58 @@ class Shape:
                     outside = middle
             found.append(float(inside))
         return found
+
+
+STEEPEST = 3.0  # rise over run; beyond it a flank goes on straight
+STEP = 1e-5  # thicknesses, of differences
+
+
+@dataclass(frozen=True)
+class SmoothShape:
+    """A body that goes on for ever, so that a node may pass its edge on the way to its place.
+
+    Where the body is not, or is steeper than `STEEPEST`, it goes on from the nearest radius where
+    it is at that slope.
+
+    Parameters
+    ----------
+    shape : Shape
+    starts, stops : (n,) arrays
+        Radii between which the body is taken as it is.
+    """
+
+    shape: Shape
+    starts: Floats
+    stops: Floats
+
+    @classmethod
+    def of(cls, shape: Shape) -> "SmoothShape":
+        """Find the flat enough parts of a body."""
+        radius = np.linspace(0.0, REACH, 8 * SAMPLES)
+        heights = shape.heights(radius)
+        there = np.isfinite(heights[1:]) & np.isfinite(heights[:-1])
+        rise = np.abs(np.diff(np.where(np.isfinite(heights), heights, 0.0)))
+        rise = there & (rise <= STEEPEST * np.diff(radius))
+        inside = np.concatenate([[False], rise, [False]])
+        starts, stops = inside[1:] & ~inside[:-1], inside[:-1] & ~inside[1:]
+        return cls(shape, radius[starts], radius[stops])
+
+    def held(self, radius: Floats) -> NDArray[np.bool_]:
+        """Whether the body is taken as it is at radii (N,)."""
+        return np.asarray(np.abs(radius - self._nearest(radius)) < 1e-12)
+
+    def heights(self, radius: Floats) -> Floats:
+        """Above the lowest point, at radii (N,)."""
+        nearest = self._nearest(radius)
+        return self.shape.heights(nearest) + STEEPEST * np.abs(radius - nearest)
+
+    def derivatives(self, radius: Floats) -> tuple[Floats, Floats, Floats]:
+        """Height, slope and curvature at radii (N,)."""
+        radius = np.abs(radius)
+        below, here, above = (self.heights(np.abs(radius + d)) for d in (-STEP, 0.0, STEP))
+        return here, (above - below) / (2 * STEP), (above - 2 * here + below) / STEP**2
+
+    def _nearest(self, radius: Floats) -> Floats:
+        inside = np.clip(radius[:, None], self.starts, self.stops)
+        best = np.abs(inside - radius[:, None]).argmin(axis=1)
+        return np.asarray(inside[np.arange(len(radius)), best])
