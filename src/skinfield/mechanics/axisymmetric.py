@@ -1,0 +1,299 @@
+r"""Exact indentation of the bonded layer by a body of revolution, without friction.
+
+With E* = E/(1 - nu²) and the pressure's Hankel transform written as
+
+.. math:: \hat p(k) = 2 E^* \int_0^a \varphi(t) \cos(kt)\, dt
+
+there is no pressure outside a, and the surface follows the body inside if (Lebedev and Ufliand
+1958; Hayes, Keer, Herrmann and Mockros 1972)
+
+.. math:: \varphi(x) - \frac{2}{\pi}\int_0^a \varphi(t) \int_0^\infty [1 - X(kh)]
+          \cos kx \cos kt \, dk\, dt = \delta - g(x),
+
+X the layer's normal response relative to the half-space's (`LayerTransfer.normal`) and g the
+body's `springs`. On the half-space X = 1 and phi is the answer itself. The kernel is analytic, so
+Gauss-Legendre nodes converge geometrically. Nothing here is shared with the lattice solver but X.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import Floats, InputError, as_floats, check_positive
+from skinfield.mechanics.elastomer import Layer
+from skinfield.mechanics.profiles import Profile
+from skinfield.mechanics.radial import bessel, gauss_legendre
+from skinfield.mechanics.transfer import LayerTransfer
+
+CUTOFF = 26.0  # of k h: 1 - X falls as exp(-2 k h)
+WIDEST = 60.0  # contact radius over thickness that the nodes are chosen for
+NODES = 64  # of the integrals over the contact that give pressure and displacement
+
+
+@dataclass(frozen=True, eq=False)
+class Indentation:
+    """A body of revolution at rest on the layer.
+
+    Attributes
+    ----------
+    layer : Layer
+    profile : Profile or None
+        None is a flat end with a sharp edge.
+    contact_radius : float, m
+    depth : float, m
+        Of the body's lowest point below the undeformed surface.
+    force : float, N
+    """
+
+    layer: Layer
+    profile: Profile | None
+    contact_radius: float
+    depth: float
+    force: float
+    _wave: Floats
+    _missing: Floats  # share of each wave number times 1 - X
+    _spectrum: Floats  # integral of phi cos(kx)
+
+    @property
+    def modulus(self) -> float:
+        """E* = E/(1 - nu²), Pa."""
+        return self.layer.young_modulus / (1.0 - self.layer.poisson_ratio**2)
+
+    @property
+    def mean_pressure(self) -> float:
+        """Over the contact, Pa."""
+        return self.force / (np.pi * self.contact_radius**2)
+
+    @cached_property
+    def _base(self) -> np.polynomial.Chebyshev:
+        """What the rigid base adds to phi, an analytic function of x."""
+        a = self.contact_radius
+        degree = 24 + int(8 * a / self.layer.thickness)
+
+        def added(x: Floats) -> Floats:
+            return np.asarray(
+                2 / np.pi * np.cos(np.outer(x, self._wave)) @ (self._missing * self._spectrum)
+            )
+
+        return np.polynomial.Chebyshev.interpolate(added, degree, domain=[0.0, a])
+
+    def springs(self, x: ArrayLike) -> Floats:
+        """The function phi, m, at 0 <= x <= contact radius."""
+        x = as_floats("x", x)
+        return self.depth - _springs(self.profile, x) + self._base(x)
+
+    def _slope(self, x: Floats) -> Floats:
+        own = 0.0 if self.profile is None else self.profile.springs_slope(x)
+        return np.asarray(self._base.deriv()(x) - own)
+
+    def pressure(self, r: ArrayLike) -> Floats:
+        r"""Contact pressure, Pa, at the distances r in m; zero outside the contact.
+
+        Abel's inversion :math:`\frac{E^*}{\pi}\left[\frac{\varphi(a)}{\sqrt{a^2 - r^2}} -
+        \int_r^a \frac{\varphi'(x)}{\sqrt{x^2 - r^2}} dx\right]`. Infinite at the edge of a flat
+        end and at the tip of a cone.
+        """
+        r = as_floats("r", r)
+        a = self.contact_radius
+        inside = np.abs(r) < a
+        near = np.maximum(np.abs(np.where(inside, r, 0.0)), 1e-9 * a)
+        within = -self._integral(near)
+        if self.profile is None:
+            within = within + self.springs([a]) / np.sqrt(a**2 - near**2)
+        elif self.profile.springs_slope(np.zeros(1))[0] > 0.0:
+            within = np.where(r == 0.0, np.inf, within)
+        edge = np.inf if self.profile is None else 0.0
+        return np.where(inside, self.modulus / np.pi * within, np.where(np.abs(r) == a, edge, 0.0))
+
+    def _integral(self, r: Floats) -> Floats:
+        """Integral of phi' / sqrt(x² - r²) from r to a, with x = r cosh(w), for r of any shape."""
+        a, kink = self.contact_radius, 0.0 if self.profile is None else self.profile.kink
+        node, weight = np.polynomial.legendre.leggauss(NODES)
+        u, weight = (node + 1.0) / 2.0, weight / 2.0
+        turn = np.arccosh(np.maximum(kink / r, 1.0))[..., None]
+        end = np.arccosh(a / r)[..., None]
+        before = self._slope(r[..., None] * np.cosh(turn * u)) @ weight * turn[..., 0]
+        # Behind a kink phi' starts as a square root, which the substitution u² takes away.
+        wide = end - turn
+        beyond = self._slope(np.minimum(r[..., None] * np.cosh(turn + wide * u**2), a))
+        return np.asarray(before + beyond @ (2.0 * u * weight) * wide[..., 0])
+
+    def indentation(self, r: ArrayLike) -> Floats:
+        """Displacement of the surface into the skin, m, at the distances r in m, anywhere."""
+        r = np.abs(as_floats("r", r))
+        a = self.contact_radius
+        flat = r.ravel()
+        outside = flat > a
+        out = self.depth - _height(self.profile, np.minimum(flat, a))
+        if outside.any():
+            far = flat[outside]
+            own = 2.0 / np.pi * self._over_contact(far)
+            rest = bessel(0, np.outer(far, self._wave)) @ (self._missing * self._spectrum)
+            out[outside] = own - 2.0 / np.pi * rest
+        return np.asarray(out.reshape(r.shape))
+
+    def _over_contact(self, r: Floats) -> Floats:
+        """Integral of phi / sqrt(r² - x²) over the contact for r beyond it, with x = r sin(w)."""
+        kink = 0.0 if self.profile is None else self.profile.kink
+        node, weight = np.polynomial.legendre.leggauss(NODES)
+        u, weight = (node + 1.0) / 2.0, weight / 2.0
+        turn, end = np.arcsin(kink / r)[:, None], np.arcsin(self.contact_radius / r)[:, None]
+        wide = end - turn
+        a = self.contact_radius
+        before = self.springs(r[:, None] * np.sin(turn * u)) @ weight * turn[:, 0]
+        beyond = self.springs(np.minimum(r[:, None] * np.sin(turn + wide * u**2), a))
+        return np.asarray(before + beyond @ (2.0 * u * weight) * wide[:, 0])
+
+    def base_stress(self, r: ArrayLike) -> Floats:
+        """Normal stress on the layer's base, Pa, positive in compression, at r in m."""
+        r = np.abs(as_floats("r", r))
+        h = self.layer.thickness
+        transfer = LayerTransfer(self.layer.poisson_ratio)
+        nodes, share = gauss_legendre(0.0, 46.0 / h, 80 + int(12 * self.contact_radius / h))
+        x, weight = _rule(self.contact_radius, h, self.profile)
+        hankel = np.cos(np.outer(nodes, x)) @ (weight * self.springs(x))
+        across = share * nodes * transfer.base_normal(nodes * h) * hankel
+        sums = bessel(0, np.outer(r.ravel(), nodes)) @ across
+        return np.asarray((self.modulus / np.pi * sums).reshape(r.shape))
+
+
+def indent_to_radius(layer: Layer, profile: Profile | None, contact_radius: float) -> Indentation:
+    """The body pressed until the contact has the given radius; a flat end to a unit depth of 1 m.
+
+    Parameters
+    ----------
+    layer : Layer
+        Any Poisson's ratio; a thickness of many contact radii is the half-space.
+    profile : Profile or None
+        None is a flat end with a sharp edge, whose response is proportional to its depth.
+    contact_radius : float, m
+
+    Raises
+    ------
+    InputError
+        If the contact is wider than the body, narrower than its flat part, or above 60
+        thicknesses.
+    """
+    return _solve(layer, profile, contact_radius, 1.0)
+
+
+def indent_to_depth(layer: Layer, profile: Profile, depth: float) -> Indentation:
+    """The body pressed to a depth in m; see `indent_to_radius`."""
+    check_positive("depth", depth, "of the body's lowest point, in metres")
+    return _search(layer, profile, lambda state: state.depth, depth)
+
+
+def indent_by_force(layer: Layer, profile: Profile, force: float) -> Indentation:
+    """The body pressed with a force in N; see `indent_to_radius`."""
+    check_positive("force", force, "into the skin, in newtons")
+    return _search(layer, profile, lambda state: state.force, force)
+
+
+def punch(
+    layer: Layer, radius: float, *, depth: float | None = None, force: float | None = None
+) -> Indentation:
+    """A flat end with a sharp edge, pressed to a depth in m or with a force in N."""
+    if (depth is None) == (force is None):
+        raise InputError(f"depth is {depth!r} and force {force!r}, expected exactly one of them")
+    unit = _solve(layer, None, radius, 1.0)
+    if force is not None:
+        check_positive("force", force, "into the skin, in newtons")
+        depth = force / unit.force
+    assert depth is not None
+    check_positive("depth", depth, "of the flat end, in metres")
+    return _solve(layer, None, radius, depth)
+
+
+def kappa(a_over_h: float, poisson_ratio: float) -> float:
+    """Hayes' factor F (1 - nu²)/(2 E a w) of a flat end on the layer; 1 on the half-space."""
+    state = _solve(Layer(1.0, 1.0, poisson_ratio), None, a_over_h, 1.0)
+    return state.force / (2.0 * state.modulus * a_over_h)
+
+
+def _springs(profile: Profile | None, x: Floats) -> Floats:
+    return np.zeros_like(x) if profile is None else profile.springs(x)
+
+
+def _height(profile: Profile | None, r: Floats) -> Floats:
+    return np.zeros_like(r) if profile is None else profile.height(r)
+
+
+def _rule(a: float, h: float, profile: Profile | None) -> tuple[Floats, Floats]:
+    """Nodes and weights over the contact that resolve the layer's kernel and the body's kink."""
+    kink = 0.0 if profile is None else profile.kink
+    node, weight = np.polynomial.legendre.leggauss(24 + int(6 * a / h))
+    u, weight = (node + 1.0) / 2.0, weight / 2.0
+    if kink == 0.0:
+        return a * u, a * weight
+    behind, share = kink + (a - kink) * u**2, 2.0 * (a - kink) * u * weight
+    return np.hstack([kink * u, behind]), np.hstack([kink * weight, share])
+
+
+def _solve(layer: Layer, profile: Profile | None, a: float, depth: float) -> Indentation:
+    """Solve the integral equation; the depth is the given one for a flat end alone."""
+    _check_radius(layer, profile, a)
+    h = layer.thickness
+    t, weight = _rule(a, h, profile)
+    wave, share = gauss_legendre(0.0, CUTOFF / h, panels=60 + int(10 * a / h))
+    missing = -share * LayerTransfer(layer.poisson_ratio).normal_rest(wave * h)
+    cosine = np.cos(np.outer(t, wave))
+    kernel = 2.0 / np.pi * (cosine * missing) @ cosine.T * weight
+    right = np.column_stack([np.ones(len(t)), _springs(profile, t)])
+    flat, body = np.linalg.solve(np.eye(len(t)) - kernel, right).T
+    if profile is not None:
+        across = 2.0 / np.pi * (np.cos(a * wave) * missing) @ cosine.T * weight
+        edge = float(profile.springs(np.array([a]))[0] + across @ body)
+        depth = edge / float(1.0 + across @ flat)
+    phi = depth * flat - body
+    modulus = layer.young_modulus / (1.0 - layer.poisson_ratio**2)
+    force = 2.0 * modulus * float(weight @ phi)
+    spectrum = (weight * phi) @ cosine
+    return Indentation(layer, profile, a, depth, force, wave, missing, spectrum)
+
+
+def _check_radius(layer: Layer, profile: Profile | None, a: float) -> None:
+    check_positive("contact_radius", a, "in metres")
+    if profile is not None and not profile.kink < a < profile.reach:
+        raise InputError(
+            f"contact_radius is {a!r} m, expected above {profile.kink:g} and below "
+            f"{profile.reach:g} m, where {profile!r} has its surface"
+        )
+    if a > WIDEST * layer.thickness:
+        raise InputError(
+            f"contact_radius is {a!r} m on a layer of {layer.thickness!r} m, expected at most "
+            f"{WIDEST:g} thicknesses: beyond, `thin_layer` has the limits"
+        )
+
+
+def _search(
+    layer: Layer, profile: Profile, measure: Callable[[Indentation], float], value: float
+) -> Indentation:
+    """The state at which a measure of it that rises with the contact's radius has the value."""
+    from scipy.optimize import brentq
+
+    kink = profile.kink
+    widest = min(WIDEST * layer.thickness, profile.reach)
+    last = float(np.log((widest - kink) * (1.0 - 1e-12)))
+
+    def excess(level: float) -> float:  # of ln(a - kink), in which depth and force are gentle
+        state = _solve(layer, profile, kink + float(np.exp(level)), 1.0)
+        return float(np.log(measure(state) / value))
+
+    low = min(float(np.log(0.1 * layer.thickness)), last - 1.0)
+    high = min(low + 1.0, last)
+    while excess(low) > 0.0:
+        high, low = low, low - 2.0
+        if low < last - 50.0:
+            raise InputError(f"the depth or force is {value!r}, expected more: no contact is left")
+    while excess(high) < 0.0:
+        if high == last:
+            raise InputError(
+                f"the depth or force is {value!r} (m or N), expected less: {profile!r} would touch "
+                f"beyond its own size or beyond {WIDEST:g} thicknesses of {layer.thickness!r} m"
+            )
+        low, high = high, min(high + 1.0, last)
+    level = brentq(excess, low, high, xtol=1e-14, rtol=1e-14)
+    return _solve(layer, profile, kink + float(np.exp(level)), 1.0)

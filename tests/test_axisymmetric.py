@@ -1,0 +1,223 @@
+"""The exact layer solver against closed forms, tables, and a forward sum over its pressure."""
+
+import csv
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.special import ellipkm1, j0
+
+from skinfield.errors import InputError
+from skinfield.mechanics import Layer
+from skinfield.mechanics.axisymmetric import (
+    indent_by_force,
+    indent_to_depth,
+    indent_to_radius,
+    kappa,
+    punch,
+)
+from skinfield.mechanics.hertz import FlatPunch, HertzSphere, SneddonCone, SneddonSphere
+from skinfield.mechanics.profiles import Ball, Paraboloid, PowerLaw, RoundedFlat, Taper
+from skinfield.mechanics.transfer import LayerTransfer
+
+A = 10e-3  # radius of most contacts, m
+BODIES = [
+    Paraboloid(radius=3 * A),
+    Ball(radius=1.4 * A),
+    Taper(slope=0.4),
+    PowerLaw(exponent=4.0, scale=2 * A),
+    RoundedFlat(flat_radius=0.6 * A, edge_radius=0.8 * A),
+    None,
+]
+BY_NAME = pytest.mark.parametrize("body", BODIES, ids=lambda body: type(body).__name__)
+PLACES = np.array([0.05, 0.5, 0.8, 0.95, 1.2, 3.0])
+
+
+def graded(*cuts: float):
+    """Nodes and weights on the angles 0 to pi/2, crowded at cuts, where integrands may break."""
+    nodes, weights = [], []
+    u, share = np.polynomial.legendre.leggauss(60)
+    u, share = (u + 1) / 2, share / 2
+    for low, high in pairwise(sorted({0.0, *cuts, np.pi / 2})):
+        half = (high - low) / 2
+        for end, way, inner in ((low, half, low > 0), (high, -half, high < np.pi / 2)):
+            power = 4 if inner else 1
+            nodes.append(end + way * u**power)
+            weights.append(half * power * u ** (power - 1) * share)
+    return np.hstack(nodes), np.hstack(weights)
+
+
+def disc_rule(kink: float = 0.0):
+    """Radii in a unit disc, and weights of 2 pi r dr, for pressures with a kink."""
+    angle, weight = graded(np.arcsin(kink))
+    return np.sin(angle), weight * 2 * np.pi * np.sin(angle) * np.cos(angle)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_a_thick_layer_is_the_half_space(nu: float) -> None:
+    """Depth, force, pressure and surface of four bodies; the layer is 1e9 radii thick."""
+    a, layer, star = 1e-9, Layer(1.0, 1.0, nu), 1 / (1 - nu**2)
+    pairs = [
+        (Paraboloid(radius=3 * a), HertzSphere(radius=3 * a, modulus=star, contact_radius=a)),
+        (Ball(radius=1.4 * a), SneddonSphere(radius=1.4 * a, modulus=star, contact_radius=a)),
+        (Taper(slope=0.4), SneddonCone(slope=0.4, modulus=star, contact_radius=a)),
+        (None, FlatPunch(contact_radius=a, modulus=star, approach=1.0)),
+    ]
+    for body, closed in pairs:
+        state, r = indent_to_radius(layer, body, a), a * PLACES
+        assert state.depth == pytest.approx(closed.depth, rel=1e-8)
+        assert state.force == pytest.approx(closed.force, rel=1e-8)
+        np.testing.assert_allclose(state.pressure(r), closed.pressure(r), rtol=1e-7)
+        np.testing.assert_allclose(state.indentation(r), closed.indentation(r), rtol=1e-7)
+
+
+def forward(state, r: float, kink: float) -> float:
+    """Displacement of the state's own pressure: half-space by rings, the rest by Hankel sums."""
+    nu, h = state.layer.poisson_ratio, state.layer.thickness
+
+    angle, weight = graded(np.arcsin(kink / A), np.arcsin(min(r / A, 1.0)))
+    other = A * np.sin(angle)
+    less = np.maximum(((r - other) / (r + other)) ** 2, 1e-300)  # 1 - m
+    ring = state.pressure(other) * other * 4 * ellipkm1(less) / (r + other) * A * np.cos(angle)
+    own = weight @ ring
+    k = (np.arange(2600) + 0.5) * 0.01 / h
+    others, weight = disc_rule(kink / A)
+    hankel = j0(np.outer(k, A * others)) @ (weight * state.pressure(A * others)) * A**2
+    rest = np.sum(LayerTransfer(nu).normal_rest(k * h) * hankel * j0(k * r)) * 0.01 / h
+    return float((own + rest) / (np.pi * state.modulus))
+
+
+@BY_NAME
+@pytest.mark.parametrize(("nu", "h"), [(0.5, 0.5), (0.3, 2.0)])
+def test_the_pressure_makes_the_surface_follow_the_body(body, nu: float, h: float) -> None:
+    """A sum that knows nothing of the integral equation gives depth less height, and outside."""
+    state = indent_to_radius(Layer(h * A, 1.0, nu), body, A)
+    kink = 0.0 if body is None else body.kink
+    scale = state.depth
+    for r in (0.3 * A, 0.9 * A, 1.4 * A):
+        assert forward(state, r, kink) == pytest.approx(
+            float(state.indentation(r)), abs=3e-6 * scale
+        )
+
+
+@BY_NAME
+@pytest.mark.parametrize(("nu", "h"), [(0.5, 0.3), (0.45, 1.0), (0.0, 5.0)])
+def test_pressure_and_base_stress_carry_the_force(body, nu: float, h: float) -> None:
+    state = indent_to_radius(Layer(h * A, 1e5, nu), body, A)
+    r, weight = disc_rule(0.0 if body is None else body.kink / A)
+    assert weight @ state.pressure(A * r) * A**2 == pytest.approx(state.force, rel=1e-6)
+    assert state.mean_pressure * np.pi * A**2 == pytest.approx(state.force, rel=1e-12)
+    far, step = np.linspace(0, A + 24 * h * A, 1501, retstep=True)
+    base = np.trapezoid(state.base_stress(far) * 2 * np.pi * far, dx=float(step))
+    assert base == pytest.approx(state.force, rel=1e-3)
+
+
+@BY_NAME
+def test_the_surface_is_whole_at_the_edge(body) -> None:
+    state = indent_to_radius(Layer(0.7 * A, 1.0, 0.5), body, A)
+    inside, outside = state.indentation([A, A * (1 + 1e-10)])
+    assert outside == pytest.approx(inside, abs=5e-5 * state.depth)
+    if body is not None:
+        assert state.springs([A])[0] == pytest.approx(0.0, abs=1e-12)
+        assert state.pressure([A * (1 - 1e-9)])[0] < 1e-3 * state.mean_pressure
+
+
+def test_force_is_the_slope_of_the_energy() -> None:
+    layer, body = Layer(0.6, 1.0, 0.48), Ball(radius=1.5)
+    r, weight = disc_rule()
+
+    def energy(depth: float) -> float:
+        state = indent_to_depth(layer, body, depth)
+        a = state.contact_radius
+        return float(weight @ (state.pressure(a * r) * state.indentation(a * r))) * a**2 / 2
+
+    slope = (energy(0.2002) - energy(0.1998)) / 4e-4
+    assert slope == pytest.approx(indent_to_depth(layer, body, 0.2).force, rel=1e-5)
+
+
+@pytest.mark.parametrize("body", BODIES[:-1], ids=lambda body: type(body).__name__)
+@pytest.mark.parametrize("nu", [0.2, 0.5])
+def test_depth_and_force_lead_to_the_radius(body, nu: float) -> None:
+    layer = Layer(0.5 * A, 2e5, nu)
+    for a in (0.61 * A, 1.3 * A):
+        state = indent_to_radius(layer, body, a)
+        by_depth = indent_to_depth(layer, body, state.depth)
+        by_force = indent_by_force(layer, body, state.force)
+        assert by_depth.contact_radius == pytest.approx(a, rel=1e-8)
+        assert by_force.contact_radius == pytest.approx(a, rel=1e-8)
+        assert by_force.force == pytest.approx(state.force, rel=1e-9)
+
+
+def test_limits_of_families() -> None:
+    """A power law of 2 is the paraboloid; a sharper rim tends to the flat punch."""
+    layer = Layer(0.8, 1.0, 0.5)
+    square = indent_to_radius(layer, PowerLaw(exponent=2.0, scale=6.0), 1.0)
+    parabola = indent_to_radius(layer, Paraboloid(radius=3.0), 1.0)
+    assert square.force == pytest.approx(parabola.force, rel=1e-12)
+    flat = punch(layer, 1.0, depth=0.01)
+    stiff = [
+        indent_to_depth(layer, RoundedFlat(flat_radius=1.0, edge_radius=rim), 0.01).force
+        for rim in (1e-2, 1e-4)
+    ]
+    assert abs(stiff[1] / flat.force - 1) < abs(stiff[0] / flat.force - 1) / 10
+    assert stiff[1] == pytest.approx(flat.force, rel=1e-3)
+
+
+def test_flat_end_is_linear() -> None:
+    layer = Layer(0.8, 1.0, 0.5)
+    one = punch(layer, 1.0, depth=0.01)
+    assert punch(layer, 1.0, force=3 * one.force).depth == pytest.approx(0.03, rel=1e-12)
+    np.testing.assert_allclose(
+        punch(layer, 1.0, depth=0.03).pressure(PLACES), 3 * one.pressure(PLACES), rtol=1e-12
+    )
+
+
+def test_more_nodes_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Doubling every quadrature moves force and pressure by less than 1e-9."""
+    from skinfield.mechanics import axisymmetric
+
+    cases = [(body, nu, h) for body in BODIES for nu in (0.3, 0.5) for h in (0.1, 1.0)]
+    before = [indent_to_radius(Layer(h * A, 1.0, nu), body, A) for body, nu, h in cases]
+    first = [state.pressure(A * PLACES[:4]) for state in before]
+    rule = axisymmetric._rule
+    monkeypatch.setattr(axisymmetric, "_rule", lambda a, h, body: rule(a, h / 2, body))
+    monkeypatch.setattr(axisymmetric, "CUTOFF", 34.0)
+    for (body, nu, h), state, pressure in zip(cases, before, first, strict=True):
+        after = indent_to_radius(Layer(h * A, 1.0, nu), body, A)
+        assert after.force == pytest.approx(state.force, rel=1e-9)
+        np.testing.assert_allclose(after.pressure(A * PLACES[:4]), pressure, rtol=1e-8)
+
+
+def table(shared_data, name: str) -> list[dict[str, float]]:
+    with (shared_data / "tables" / name).open() as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def test_tables_are_met_to_their_last_digit(shared_data) -> None:
+    for row in table(shared_data, "hayes_flat_punch_kappa.csv"):
+        for nu in (0.3, 0.45, 0.5):
+            wanted = row[f"kappa_computed_nu{nu:.2f}"]
+            assert kappa(row["a_over_h"], nu) == pytest.approx(wanted, rel=5e-6)
+    for row in table(shared_data, "paraboloid_bonded_layer_nu0.5.csv"):
+        a, radius = row["a_over_h"], 20 * row["a_over_h"]
+        state = indent_to_radius(Layer(1.0, 1.0, 0.5), Paraboloid(radius=radius), a)
+        hertz = HertzSphere.from_depth(radius=radius, modulus=4 / 3, depth=state.depth)
+        assert state.depth == pytest.approx(row["delta_over_h"], rel=5e-6)
+        assert hertz.contact_radius == pytest.approx(row["chi"], rel=5e-6)
+        assert state.force / hertz.force == pytest.approx(row["F_over_FHertz_exact"], rel=5e-6)
+
+
+def test_bad_values_are_named() -> None:
+    layer, ball = Layer(1.0, 1.0, 0.5), Ball(radius=2.0)
+    with pytest.raises(InputError, match=r"contact_radius is 2.5 m"):
+        indent_to_radius(layer, ball, 2.5)
+    with pytest.raises(InputError, match=r"contact_radius is 0.5 m, expected above 0.6"):
+        indent_to_radius(layer, RoundedFlat(flat_radius=0.6, edge_radius=0.1), 0.5)
+    with pytest.raises(InputError, match="60 thicknesses"):
+        indent_to_radius(layer, None, 61.0)
+    with pytest.raises(InputError, match="expected less"):
+        indent_to_depth(layer, Paraboloid(radius=1.0), 1e6)
+    with pytest.raises(InputError, match="exactly one"):
+        punch(layer, 1.0)
+    with pytest.raises(InputError, match="force is -1"):
+        indent_by_force(layer, ball, -1.0)
