@@ -75,11 +75,6 @@ class TaxelArray:
         return wiring(self.patch)
 
     @cached_property
-    def mixing(self) -> Floats | None:
-        """Matrix (L, L) of the cross-talk; None where there is none."""
-        return self.electronics.cross_talk.mixing(self.patch)
-
-    @cached_property
     def calibration(self) -> Calibration:
         """The true one: gain, baseline, and the noise of a reading from one to the next.
 
@@ -101,10 +96,23 @@ class TaxelArray:
         )
 
     def with_defects(self, rows: Mapping[Defect, ArrayLike]) -> "TaxelArray":
-        """Array in which the taxels of the given rows have the given defects as well."""
+        """Array in which the taxels of the given rows have the given defects as well.
+
+        Raises
+        ------
+        InputError
+            If a row is none of the patch's.
+        """
         defect = self.defect.copy()
         for kind, which in rows.items():
-            defect[np.asarray(which)] = kind
+            chosen = np.asarray(which)
+            inside = chosen.dtype.kind in "iu" and ((chosen >= 0) & (chosen < len(self))).all()
+            if chosen.size and not inside:
+                raise InputError(
+                    f"rows of {kind!r} are {which!r}, expected whole numbers from 0 to "
+                    f"{len(self) - 1}: rows of patch {self.patch.name!r}"
+                )
+            defect[chosen.astype(np.int64)] = kind
         return replace(self, defect=defect)
 
     def sample_times(
@@ -162,8 +170,8 @@ class TaxelArray:
 
     def _cold_level(self, change: Floats) -> Floats:
         """What the converter is offered at the reference temperature, (T, L) counts."""
-        mixed = change if self.mixing is None else change @ self.mixing.T
-        return np.asarray(self.baseline + self.gain * mixed)
+        shown = self.electronics.cross_talk.shown(change, self.wiring)
+        return np.asarray(self.baseline + self.gain * shown)
 
     def _warmed(
         self, readings: int, temperature: ArrayLike | None, rng: np.random.Generator

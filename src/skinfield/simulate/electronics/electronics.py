@@ -68,8 +68,15 @@ class Electronics:
 
         Each property has its own stream of random numbers, so that one that is switched off, or
         set otherwise, leaves the others as they were.
+
+        Raises
+        ------
+        InputError
+            If the patch has not the taxels that the matrix of the cross-talk, or the thermal pads,
+            ask for.
         """
         wired, taxels = wiring(patch), len(patch)
+        self.cross_talk.check_patch(patch)
         pads = self.thermal_pads
         if pads is not None:
             pads.check_wiring(wired)

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints, check_finite, check_range, check_shape
+from skinfield.errors import Floats, Ints, as_floats, check_finite, check_range, check_shape
 from skinfield.layout import Patch
 
 INPUTS = 12
@@ -25,10 +24,14 @@ class Wiring:
         return int(self.converter.max()) + 1
 
     @property
-    def neighbours(self) -> NDArray[np.bool_]:
-        """Pairs (L, L) at one converter whose stages follow on each other."""
-        same = self.converter[:, None] == self.converter
-        return np.asarray(same & (np.abs(self.stage[:, None] - self.stage) == 1))
+    def neighbours(self) -> Ints:
+        """Pairs (P, 2) of rows at one converter whose stages follow on each other."""
+        order = np.lexsort([self.stage, self.converter])
+        before, after = order[:-1], order[1:]
+        same = self.converter[before] == self.converter[after]
+        next_ = self.stage[after] - self.stage[before] == 1
+        pairs = np.column_stack([before, after])[same & next_]
+        return np.asarray(pairs, dtype=np.int64)
 
 
 def wiring(patch: Patch) -> Wiring:
@@ -66,15 +69,24 @@ class CrossTalk:
     def __post_init__(self) -> None:
         check_range("neighbours", self.neighbours, 0.0, 0.5, "a part of the neighbour's change")
         if self.matrix is not None:
-            check_finite("matrix", np.asarray(self.matrix), "what taxels pick up of each other")
+            matrix = np.array(as_floats("matrix", self.matrix))
+            check_finite("matrix", matrix, "what taxels pick up of each other")
+            matrix.setflags(write=False)
+            object.__setattr__(self, "matrix", matrix)
 
-    def mixing(self, patch: Patch) -> Floats | None:
-        """Matrix (L, L) from the changes of the taxels to what they show; None for no mixing."""
-        if self.neighbours == 0.0 and self.matrix is None:
-            return None
-        mixing = np.eye(len(patch)) + self.neighbours * wiring(patch).neighbours
+    def check_patch(self, patch: Patch) -> None:
+        """Raise InputError unless the matrix is one of the patch's taxels."""
         if self.matrix is not None:
             size = (len(patch), len(patch))
             check_shape("matrix", self.matrix, size, "a row and a column per taxel of the patch")
-            mixing += self.matrix
-        return mixing
+
+    def shown(self, change: Floats, wiring: Wiring) -> Floats:
+        """What taxels show, (T, L), of changes (T, L)."""
+        shown = change.copy()
+        if self.neighbours:
+            before, after = wiring.neighbours.T
+            shown[:, before] += self.neighbours * change[:, after]
+            shown[:, after] += self.neighbours * change[:, before]
+        if self.matrix is not None:
+            shown += change @ self.matrix.T
+        return shown
