@@ -1,5 +1,6 @@
 """From contact to readings: measurement read backwards, with its own grid and contact solver."""
 
+from skinfield.simulate import electronics as electronics
 from skinfield.simulate.indenters import Bar as Bar
 from skinfield.simulate.indenters import Cone as Cone
 from skinfield.simulate.indenters import Cylinder as Cylinder
