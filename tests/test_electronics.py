@@ -1,6 +1,8 @@
 """Emulated electronics: the chain read backwards, and each effect by its statistics."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -255,3 +257,14 @@ def test_conventions_are_those_of_the_boards():
     assert isinstance(icub_electronics().board.convention, ICubByte)
     assert isinstance(cyskin_electronics().board.convention, CySkinCount)
     assert icub_electronics().board.gain == pytest.approx(-171.0, abs=0.5)
+
+
+def test_the_page_s_example_runs_and_gives_back_the_press():
+    page = (Path(__file__).parents[1] / "docs" / "electronics.md").read_text(encoding="utf-8")
+    names = {}
+    (code,) = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    exec(compile(code, "electronics.md", "exec"), names)
+    change, back, kept = names["change"], names["back"], names["sampling"].delivered
+    held = (names["rec"].time > 3.0) & (names["rec"].time < 3.9)
+    assert change.max() > 0.1
+    assert back[held, 3].mean() == pytest.approx(change[kept][held, 3].mean(), abs=0.02)
