@@ -107,6 +107,23 @@ def test_steps_do_not_shift_the_mean(board):
     assert counts.mean() == pytest.approx(expected, abs=0.02 * max(board.step, 0.1))
 
 
+@boards
+@given(seed=st.integers(0, 2**32 - 1), size=st.floats(-1, 50), noise=st.floats(0, 1e3))
+def test_whatever_happens_a_board_sends_what_it_can(board, seed, size, noise):
+    some = Defects(absent=0.1, dead=0.1, stuck=0.1, flickering=0.1, saturated=0.1)
+    made = replace(icub_electronics(), board=board, defects=some)
+    made = replace(made, noise=replace(made.noise, white=noise, walk=noise))
+    array = made.manufacture(HEXAGON, rng(seed))
+    change = size * rng(seed + 1).random((5, 72))
+    counts = array.counts(change, 250.0 + 20.0 * np.arange(5), rng(seed + 2))
+    assert (np.isnan(counts) == (array.defect == Defect.ABSENT)).all()
+    sent = counts[~np.isnan(counts)]
+    if board.convention is not None:
+        assert (sent == np.rint(sent)).all()
+        assert sent.min() >= board.convention.lowest
+        assert sent.max() <= board.convention.highest
+
+
 def test_a_converter_too_coarse_for_its_pad_moves_by_one_count_at_most():
     made = Electronics(board=ConverterBoard(convention=CapacitanceConverter()))
     array = made.manufacture(HEXAGON, rng())

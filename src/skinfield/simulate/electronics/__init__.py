@@ -15,6 +15,7 @@ from skinfield.simulate.electronics.noise import Noise as Noise
 from skinfield.simulate.electronics.presets import cyskin_electronics as cyskin_electronics
 from skinfield.simulate.electronics.presets import icub_electronics as icub_electronics
 from skinfield.simulate.electronics.presets import ideal_electronics as ideal_electronics
+from skinfield.simulate.electronics.recording import by_channel as by_channel
 from skinfield.simulate.electronics.recording import recording as recording
 from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
 from skinfield.simulate.electronics.thermal_pads import ThermalPads as ThermalPads

@@ -23,15 +23,16 @@ class Sampling:
         When the reading was received, by the receiver's clock; never falls.
     delivered : (T,) bool array
         False for a reading that is lost on the way as a whole.
-    logged_every_ns : int, ns
-        Period of a logger that reads the port; 0: readings are logged as they arrive.
+    ticks_ns : (R,) int64 array, ns, or None
+        When a logger with a clock of its own reads the port; None: readings are logged as they
+        arrive.
     """
 
     time: Floats
     skew: Floats
     stamp_ns: NDArray[np.int64]
     delivered: NDArray[np.bool_]
-    logged_every_ns: int = 0
+    ticks_ns: NDArray[np.int64] | None = None
 
     def __len__(self) -> int:
         return len(self.time)
@@ -45,15 +46,15 @@ class Sampling:
     def logged(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Row of the sampling, and stamp in ns, of each reading of the recording, both (R,).
 
-        A logger with a period of its own logs the newest reading that is there, again and again
+        A logger with a clock of its own logs the newest reading that is there, again and again
         until the next one comes, and stamps it by its own tick.
         """
         rows = np.flatnonzero(self.delivered)
-        if self.logged_every_ns == 0 or not len(rows):
+        if self.ticks_ns is None or not len(rows):
             return rows, self.stamp_ns[rows]
-        arrived = self.stamp_ns[rows]
-        ticks = np.arange(arrived[0], arrived[-1] + 1, self.logged_every_ns, dtype=np.int64)
-        return rows[np.searchsorted(arrived, ticks, side="right") - 1], ticks
+        newest = np.searchsorted(self.stamp_ns[rows], self.ticks_ns, side="right") - 1
+        there = newest >= 0
+        return rows[newest[there]], self.ticks_ns[there]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +73,7 @@ class Delivery:
     delay : float, s
         From the start of a cycle to its stamp, at least.
     jitter : float, s
-        Mean of an exponentially distributed further delay. 0: none.
+        Mean of an exponentially distributed further delay, of a logger's ticks too. 0: none.
     lost_readings : float
         Probability that a reading of the whole patch is lost: its row is missing.
     lost_messages : float
@@ -113,19 +114,24 @@ class Delivery:
     ) -> Sampling:
         """Instants of a recording of `duration`, s, that starts at `start_ns`."""
         check_positive("duration", duration, "of the recording, in seconds")
-        parts = rng.spawn(3)
-        first = parts[0].random() / self.rate if self.free_running else 0.0
+        phase, late, lost, logger = rng.spawn(4)
+        first = phase.random() / self.rate if self.free_running else 0.0
         readings = max(1, int(np.ceil((duration - first) * self.rate - 1e-9)))
         time = first + np.arange(readings) / self.rate
-        late = self.delay + self.jitter * parts[1].standard_exponential(readings)
-        arrival = np.maximum.accumulate(time + late)  # no message overtakes another
-        return Sampling(
-            time,
-            np.asarray(self.conversion_time * wiring.stage, dtype=np.float64),
-            start_ns + np.rint(arrival * 1e9).astype(np.int64),
-            parts[2].random(readings) >= self.lost_readings,
-            round(1e9 / self.logged_at) if self.logged_at else 0,
-        )
+        arrival = self._stamps(time + self.delay, late, start_ns)
+        ticks = None
+        if self.logged_at:
+            span = (arrival[-1] - arrival[0]) * 1e-9
+            grid = np.arange(int(span * self.logged_at) + 1) / self.logged_at
+            ticks = self._stamps(grid, logger, int(arrival[0]))
+        delivered = lost.random(readings) >= self.lost_readings
+        skew = np.asarray(self.conversion_time * wiring.stage, dtype=np.float64)
+        return Sampling(time, skew, arrival, delivered, ticks)
+
+    def _stamps(self, time: Floats, rng: np.random.Generator, start_ns: int) -> NDArray[np.int64]:
+        """Times, s, as stamps that are late by the jitter; no message overtakes another."""
+        late = time + self.jitter * rng.standard_exponential(len(time))
+        return start_ns + np.rint(np.maximum.accumulate(late) * 1e9).astype(np.int64)
 
     def lose(self, counts: Floats, wiring: Wiring, rng: np.random.Generator) -> Floats:
         """Counts (T, L) as the port shows them where messages are lost; the first never is."""
