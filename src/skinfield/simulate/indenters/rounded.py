@@ -13,8 +13,8 @@ import numpy as np
 from skinfield.errors import Floats, check_range
 from skinfield.simulate.indenters.body import Body
 
-TOUCH = 1e-13
-"""Metres within which a line counts as touching: rounding, a thousandth of an atom."""
+TOUCH = 1e-15
+"""Metres within which a line counts as touching: rounding, and no more."""
 
 
 @dataclass(frozen=True, kw_only=True)

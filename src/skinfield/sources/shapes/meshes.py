@@ -1,6 +1,7 @@
 """Triangle meshes: STL, OBJ and PLY, read by trimesh."""
 
 import io
+import logging
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -89,6 +90,8 @@ def _triangles(path: Path, content: bytes) -> tuple[Floats, Any]:
                 f"{path} is cut off: it says {count} triangles and has room for "
                 f"{(len(content) - 84) // 50}, expected a whole binary STL"
             )
+    log, unheard = logging.getLogger("trimesh"), logging.NullHandler()
+    log.addHandler(unheard)  # nobody who listens to no log is told of normals, which do not matter
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -103,8 +106,10 @@ def _triangles(path: Path, content: bytes) -> tuple[Floats, Any]:
         raise FileError(
             f"{path} cannot be read as {ending.upper()}, expected a triangle mesh: {error}"
         ) from error
-    if vertices.ndim != 2 or faces.ndim != 2 or not len(faces):
-        raise FileError(f"{path} holds no triangles, expected a mesh: is it cut off?")
+    finally:
+        log.removeHandler(unheard)
+    if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or not len(faces):
+        raise FileError(f"{path} holds no triangles in space, expected a mesh: is it cut off?")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise FileError(
             f"{path} has triangles with corner {faces.max()} and only {len(vertices)} corners, "

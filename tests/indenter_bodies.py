@@ -1,0 +1,81 @@
+"""Surfaces of the indenters as points and triangles, from their sizes alone."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+TURN = np.linspace(0.0, 2 * np.pi, 721)[:-1]
+FILLET = np.linspace(0.0, np.pi / 2, 61)
+HIGH = 20e-3  # how far up the walls go, m
+
+
+def turned(radius: Floats, height: Floats) -> Floats:
+    """Points of a surface of revolution about z from its meridian."""
+    circle = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
+    rings = [np.column_stack([r * circle, np.full(len(circle), z)])
+             for r, z in zip(radius, height, strict=True)]  # fmt: skip
+    return np.vstack(rings)
+
+
+def fillet_profile(half_width: float, edge: float, tip: bool, slope: float) -> tuple:
+    """Meridian (r, z) of a cylinder (no tip) or cone with edges of a radius, up to the wall."""
+    core = half_width - edge
+    if not tip:
+        r = core + edge * np.sin(FILLET)
+        return np.append(r, half_width), np.append(edge - edge * np.cos(FILLET), HIGH)
+    flank = np.arctan(slope)  # from the plane
+    nose = np.linspace(0.0, flank, 61)
+    shoulder = np.linspace(flank, np.pi / 2, 61)
+    r = np.concatenate([edge * np.sin(nose), core + edge * np.sin(shoulder), [half_width]])
+    z = np.concatenate([edge - edge * np.cos(nose),
+                        edge + slope * core - edge * np.cos(shoulder), [HIGH]])  # fmt: skip
+    return r, z
+
+
+def hull(points: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Triangles of the convex hull."""
+    from scipy.spatial import ConvexHull
+
+    found = ConvexHull(points)
+    return points, found.simplices.astype(np.int64)
+
+
+def swept_ring(inner: float, outer: float, edge: float) -> tuple[Floats, NDArray[np.int64]]:
+    """Triangles of a tube's end: inner wall, fillets, face, outer wall."""
+    r = np.concatenate([[inner], (inner + edge - edge * np.sin(FILLET))[::-1],
+                        outer - edge + edge * np.sin(FILLET), [outer]])  # fmt: skip
+    z = np.concatenate([[HIGH], (edge - edge * np.cos(FILLET))[::-1],
+                        edge - edge * np.cos(FILLET), [HIGH]])  # fmt: skip
+    points, around = turned(r, z), len(TURN)
+    ring, step = np.meshgrid(np.arange(len(r) - 1), np.arange(around), indexing="ij")
+    a, b = ring * around + step, ring * around + (step + 1) % around
+    quads = np.stack([a, b, b + around, a + around], axis=-1).reshape(-1, 4)
+    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int64)
+
+
+def rounded_box_points(length: float, width: float, edge: float) -> Floats:
+    """Corners of a bar's face with edges of a radius, and of its top."""
+    polar, turn = np.meshgrid(np.linspace(0, np.pi / 2, 25), np.linspace(0, np.pi / 2, 25))
+    x = length / 2 - edge + edge * np.sin(polar) * np.cos(turn)
+    y = width / 2 - edge + edge * np.sin(polar) * np.sin(turn)
+    z = edge - edge * np.cos(polar)
+    corner = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    corner = np.vstack([corner, corner * [1, 1, 0] + [0, 0, HIGH]])
+    return np.vstack([corner * [a, b, 1] for a in (1, -1) for b in (1, -1)])
+
+
+def rod_points(radius: float, length: float, edge: float) -> Floats:
+    """A lying rod: a cylinder with filleted ends, turned about its axis."""
+    along = np.concatenate([length / 2 - edge + edge * np.sin(FILLET)])
+    around = radius - edge + edge * np.cos(FILLET)
+    standing = turned(around, along)
+    lying = np.column_stack([standing[:, 2], standing[:, 0], standing[:, 1] + radius])
+    return np.vstack([lying, lying * [-1, 1, 1]])
+
+
+def wedge_points(half_angle: float, length: float, width: float) -> Floats:
+    """A sharp wedge with walls above its shoulders."""
+    shoulder = width / 2 / np.tan(half_angle)
+    profile = [(0.0, 0.0), (width / 2, shoulder), (-width / 2, shoulder),
+               (width / 2, HIGH), (-width / 2, HIGH)]  # fmt: skip
+    return np.array([(s * length / 2, y, z) for s in (1, -1) for y, z in profile])

@@ -1,0 +1,263 @@
+"""Shapes from files: what was written is found again, and garbage is said to be garbage."""
+
+import io
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from skinfield.errors import FileError, InputError
+from skinfield.simulate import Cylinder
+from skinfield.sources.shapes import load_height_map, load_mesh
+
+trimesh = pytest.importorskip("trimesh")
+MM = 1e-3
+X, Y = np.meshgrid(*[np.linspace(-7 * MM, 7 * MM, 41)] * 2)
+
+
+def put(path: Path, content: bytes) -> Path:
+    path.write_bytes(content)
+    return path
+
+
+def bytes_of(mesh, kind: str) -> bytes:
+    found = mesh.export(file_type=kind)
+    return found if isinstance(found, bytes) else found.encode()
+
+
+def png(array: np.ndarray, mode: str | None = None) -> bytes:
+    buffer = io.BytesIO()
+    image = Image.fromarray(array) if mode is None else Image.fromarray(array).convert(mode)
+    image.save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+PUNCH = trimesh.creation.cylinder(radius=5.0, height=8.0, sections=256)
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "obj", "ply"])
+def test_a_mesh_in_millimetres_is_the_body(tmp_path: Path, kind: str) -> None:
+    path = put(tmp_path / f"punch.{kind[:3]}", bytes_of(PUNCH, kind))
+    found = load_mesh(path)
+    assert np.ptp(found.vertices, axis=0) == pytest.approx([10 * MM, 10 * MM, 8 * MM], rel=1e-6)
+    assert found.vertices[:, 2].min() == 0.0
+    want = Cylinder(radius=5 * MM).height(X, Y)
+    inside = np.hypot(X, Y) < 4.99 * MM
+    assert found.height(X, Y)[inside] == pytest.approx(want[inside], abs=1e-9)
+    assert np.isinf(found.height(X, Y)[np.hypot(X, Y) > 5 * MM]).all()
+
+
+def test_a_mesh_is_turned_with_its_face_down(tmp_path: Path) -> None:
+    """A cone: its point is on one end, so that each direction shows another face."""
+    cone = trimesh.creation.cone(radius=5.0, height=4.0, sections=64)  # its point at +z
+    path = put(tmp_path / "cone.stl", bytes_of(cone, "stl"))
+    upright, turned = load_mesh(path), load_mesh(path, down=(0, 0, 1))
+    assert upright.height(X, Y)[20, 20] == 0.0
+    assert upright.height(X, Y)[20, 26] == pytest.approx(0.0, abs=1e-9)
+    assert turned.height(X, Y)[20, 20] == pytest.approx(0.0, abs=1e-9)
+    assert turned.height(X, Y)[20, 26] == pytest.approx(0.8 * X[20, 26], rel=0.01)
+    lying = load_mesh(path, down=(1, 0, 0))
+    assert np.ptp(lying.vertices, axis=0) == pytest.approx([4 * MM, 10 * MM, 10 * MM], rel=0.01)
+    askew = load_mesh(path, down=(1, 2, 3))
+    edges = [np.ptp(m.vertices @ np.ones(3)) for m in (askew,)]  # a rotation keeps lengths
+    assert np.isfinite(edges).all()
+    a, b = (np.linalg.norm(m.vertices[m.faces[:, 0]] - m.vertices[m.faces[:, 1]], axis=1)
+            for m in (askew, upright))  # fmt: skip
+    assert a == pytest.approx(b, rel=1e-9)
+
+
+def test_a_mesh_of_another_unit_is_noticed(tmp_path: Path) -> None:
+    metres = put(tmp_path / "m.stl", bytes_of(PUNCH.copy().apply_scale(1e-3), "stl"))
+    with pytest.raises(FileError, match=r"measures 1e-05 m .* is it in metres"):
+        load_mesh(metres)
+    assert np.ptp(load_mesh(metres, unit=1.0).vertices[:, 2]) == pytest.approx(8 * MM)
+    with pytest.raises(FileError, match=r"measures 10 m .* is it in millimetres"):
+        load_mesh(put(tmp_path / "mm.stl", bytes_of(PUNCH, "stl")), unit=1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.txt", b"", "another ending"),
+        ("a.stl", b"", "no triangles|cannot be read"),
+        ("a.stl", bytes_of(PUNCH, "stl")[:500], "is cut off: it says .* triangles"),
+        ("a.stl", b"solid x\nfacet normal 0 0 1\nouter", "no triangles|cannot be read"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "corner|cannot be read"),
+        ("a.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite|corner"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "cannot be read|no triangles"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\n"
+                  b"property float y\nproperty float z\nend_header\n1 2 3\n", "a.ply"),
+    ],
+)  # fmt: skip
+def test_a_broken_mesh_is_said_to_be_broken(
+    tmp_path: Path, name: str, content: bytes, said: str
+) -> None:
+    with pytest.raises(FileError, match=said):
+        load_mesh(put(tmp_path / name, content))
+
+
+def test_triangles_without_area_are_of_no_matter(tmp_path: Path) -> None:
+    text = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 4 0 3\nf 1 2 3\nf 1 1 1\nf 1 2 2\nf 1 2 4\n"
+    found = load_mesh(put(tmp_path / "a.obj", text.encode()))
+    place = np.array([-1 * MM]), np.array([-1 * MM])
+    assert found.height(*place) == pytest.approx([0.0], abs=1e-12)
+
+
+def test_a_picture_is_upright_and_white_touches_first(tmp_path: Path) -> None:
+    grey = np.zeros((4, 6), dtype=np.uint8)
+    grey[0] = 255  # the top row
+    grey[3, 0] = 51
+    found = load_height_map(put(tmp_path / "a.png", png(grey)), 0.5 * MM, 2 * MM)
+    assert found.lowest == pytest.approx((0.0, 0.75 * MM))
+    x, y = np.array([-1.25 * MM]), np.array([-0.75 * MM])
+    assert found.height(x, y) == pytest.approx([0.8 * 2 * MM])
+    assert found.height(-x, y) == pytest.approx([2 * MM])
+    stamp = load_height_map(tmp_path / "a.png", 0.5 * MM, 2 * MM, invert=True)
+    assert stamp.height(-x, y) == pytest.approx([0.0])
+    assert stamp.height(x, y) == pytest.approx([0.4 * MM])
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.linspace(0, 255, 64).astype(np.uint8).reshape(8, 8),
+        np.linspace(0, 65535, 64).astype(np.uint16).reshape(8, 8),
+        np.linspace(0, 255, 64).astype(np.uint8).reshape(8, 8, 1).repeat(3, axis=2),
+    ],
+    ids=["8 bit", "16 bit", "RGB"],
+)
+def test_every_depth_of_picture_is_read(tmp_path: Path, array: np.ndarray) -> None:
+    path = put(tmp_path / "a.png", png(array))
+    found = load_height_map(path, MM, MM)
+    step = 1 / 255 if array.dtype == np.uint8 else 1 / 65535
+    want = np.linspace(1, 0, 64).reshape(8, 8)[::-1] * MM
+    assert found.heights == pytest.approx(want, abs=1.01 * step * MM)
+
+
+def test_where_a_picture_is_transparent_there_is_no_body(tmp_path: Path) -> None:
+    colours = np.full((5, 5, 4), 255, dtype=np.uint8)
+    colours[:, :2, 3] = 0
+    found = load_height_map(put(tmp_path / "a.png", png(colours)), MM, MM)
+    assert np.isinf(found.heights[:, :2]).all()
+    assert (found.heights[:, 2:] == 0).all()
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.csv", "one.npz", "named.npz"])
+def test_tables_hold_millimetres(tmp_path: Path, name: str) -> None:
+    heights = np.array([[0.0, 1.0, 2.0], [0.5, np.nan, 2.5]])
+    path = tmp_path / name
+    if name == "a.npy":
+        np.save(path, heights)
+    elif name == "a.csv":
+        np.savetxt(path, heights, delimiter=",")
+    elif name == "one.npz":
+        np.savez_compressed(path, z=heights)
+    else:
+        np.savez(path, heights=heights, other=np.zeros(3))
+    found = load_height_map(path, MM)
+    want = np.where(np.isnan(heights), np.inf, heights * MM)
+    np.testing.assert_allclose(found.heights, want, rtol=1e-12)
+    with pytest.raises(InputError, match="relief or invert is given"):
+        load_height_map(path, MM, MM)
+
+
+def vast_png() -> bytes:
+    """A picture of 60000 x 60000 pixels in a few bytes."""
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        check = struct.pack(">I", zlib.crc32(kind + body))
+        return struct.pack(">I", len(body)) + kind + body + check
+
+    head = struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
+    body = zlib.compress(bytes(1000))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
+
+
+def vast_npz() -> bytes:
+    """An archive whose one array claims 10^12 numbers, and unpacks to 20 MB of zeros."""
+    head = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        head, {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**6)}
+    )
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("heights.npy", head.getvalue() + bytes(20_000_000))
+    return packed.getvalue()
+
+
+def saved(array: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "said"),
+    [
+        ("a.png", vast_png, "cannot be read|samples"),
+        ("a.png", lambda: png(np.zeros((2001, 2001), np.uint8)), "holds 4004001 samples"),
+        ("a.png", lambda: SEEDS[".png"][:50], "cannot be read"),
+        ("a.png", lambda: b"GIF89a", "expected a PNG"),
+        ("a.npy", lambda: saved(np.zeros(5)), r"shape \(5,\)"),
+        ("a.npy", lambda: saved(np.array(["a"])), "expected numbers"),
+        ("a.npy", lambda: saved(np.full((2, 2), np.nan)), "none of them finite"),
+        ("a.npy", lambda: saved(np.zeros((9, 9)))[:200], "cannot be read"),
+        ("a.npz", vast_npz, "holds 1000000000000 samples"),
+        ("a.npz", lambda: b"PK\x03\x04", "cannot be read"),
+        ("a.csv", lambda: b"1,2\n3", "cannot be read"),
+        ("a.csv", lambda: b"", "cannot be read|holds 0 samples"),
+        ("a.csv", lambda: b"1,x\n", "cannot be read"),
+    ],
+)
+def test_a_broken_height_map_is_said_to_be_broken(
+    tmp_path: Path, name: str, make: Callable[[], bytes], said: str
+) -> None:
+    path = put(tmp_path / name, make())
+    with pytest.raises(FileError, match=said):
+        load_height_map(path, MM, MM if name == "a.png" else None)
+
+
+SEEDS = {
+    ".stl": bytes_of(trimesh.creation.icosphere(0, radius=5.0), "stl"),
+    ".obj": bytes_of(trimesh.creation.icosphere(0, radius=5.0), "obj"),
+    ".ply": bytes_of(trimesh.creation.icosphere(0, radius=5.0), "ply"),
+    ".png": png(np.arange(64, dtype=np.uint8).reshape(8, 8)),
+    ".npy": saved(np.arange(64.0).reshape(8, 8)),
+    ".csv": b"1,2,3\n4,5,6\n",
+}
+
+
+@settings(max_examples=60)
+@given(data=st.data())
+@pytest.mark.parametrize("ending", SEEDS)
+def test_any_bytes_give_a_shape_or_a_clear_error(
+    ending: str, data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    good = SEEDS[ending]
+    if data.draw(st.booleans()):
+        start = data.draw(st.integers(0, len(good)))
+        end = data.draw(st.integers(start, len(good)))
+        content = good[:start] + data.draw(st.binary(max_size=40)) + good[end:]
+    else:
+        content = data.draw(st.binary(max_size=300))
+    path = put(tmp_path_factory.getbasetemp() / f"fuzz{ending}", content)
+    try:
+        if ending in (".stl", ".obj", ".ply"):
+            found = load_mesh(path)
+        else:
+            found = load_height_map(path, MM, MM if ending == ".png" else None)
+    except FileError as error:
+        found, said = None, str(error)
+    if found is None:
+        assert str(path) in said
+        return
+    height = found.height(X, Y)
+    assert not np.isnan(height).any()
+    assert height.min() >= 0.0
