@@ -25,6 +25,9 @@ COMMANDS = {
     ),
     "calibrate": Lazy("skinfield.cli.calibrate", "calibrate", "Fit the skin to known loads."),
     "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
+    "experiments": Lazy(
+        "skinfield.cli.experiments", "experiments", "Make the paper's figures anew, with a report."
+    ),
 }
 
 

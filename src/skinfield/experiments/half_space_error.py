@@ -10,7 +10,6 @@ from skinfield.experiments.section import Picture, Section, Table, Verdict
 from skinfield.experiments.settings import Settings
 from skinfield.experiments.words import png_of, spread_in_words
 from skinfield.figures.panels import Line, Panel, Scale, draw_panels
-from skinfield.layout import Grid
 from skinfield.mechanics import HalfSpace, LatticeConvolution, Layer, Mechanics
 from skinfield.mechanics.lattice import lattice, mirrored
 from skinfield.simulate import Press, Sphere
@@ -60,8 +59,8 @@ def half_space_error(settings: Settings) -> Section:
     return Section(
         name="half-space",
         title="What the half-space costs",
-        claim="The elastomer is treated as an elastic half-space, with displacements made to vanish "
-        "at its base by subtraction; the error is not discussed.",
+        claim="The elastomer is treated as an elastic half-space, with displacements made to "
+        "vanish at its base by subtraction; the error is not discussed.",
         sentences=tuple(_sentences(errors, linear, settings)),
         pictures=(_picture(errors),),
         tables=(_table(errors),),
@@ -155,8 +154,8 @@ def _sentences(errors: list[Error], linear: list[Error], settings: Settings) -> 
         f"{_ends(linear, 'stress')} (at a point by {_ends(linear, 'point_stress')}), its peak by "
         f"{_ends(linear, 'stress_peak')}; its "
         f"displacement, corrected as in (17), by {_ends(linear, 'displacement')}.",
-        f"The half-sphere of 1.2 cm under 1.8 N goes {ball.depth * 1e3:.2f} mm into the layer; on a "
-        f"half-space Hertz has {ball.half_space_depth * 1e3:.2f} mm, in a layer of "
+        f"The half-sphere of 1.2 cm under 1.8 N goes {ball.depth * 1e3:.2f} mm into the layer; on "
+        f"a half-space Hertz has {ball.half_space_depth * 1e3:.2f} mm, in a layer of "
         f"{thickness * 1e3:g} mm.",
     ]
     if missing:

@@ -41,9 +41,11 @@ class Method:
 
 
 POINT = BaseStress(pad_averaged=False)
-PAPER = Method("paper: inverse, half-space", Inverse(), HalfSpace(), POINT)
+PRINTED = HalfSpace(psi=0.25)  # the paper's constant in (25) and (26), "in all the experiments"
+PAPER = Method("paper: inverse, half-space", Inverse(), PRINTED, POINT)
+PAPER_EXACT = Method("paper's inverse, exact Ψ", Inverse(), HalfSpace(), POINT)
 PAPER_GENERAL = Method(
-    "paper: pseudo-inverse, half-space", PseudoInverse(resample=True), HalfSpace(), POINT
+    "paper: pseudo-inverse, half-space", PseudoInverse(resample=True), PRINTED, POINT
 )
 PAPER_ON_LAYER = Method("paper's inverse, layer", Inverse(), BondedLayer(), POINT)
 FIELD = Method("ours: Gaussian field, layer", GaussianField(), BondedLayer(), BaseStress())
@@ -51,4 +53,3 @@ FIELD_HALF_SPACE = Method("Gaussian field, half-space", GaussianField(), HalfSpa
 FIELD_CHANGE = Method(
     "ours: Gaussian field, layer, capacitance", GaussianField(), BondedLayer(), Capacitance()
 )
-METHODS = (PAPER, PAPER_GENERAL, PAPER_ON_LAYER, FIELD_HALF_SPACE, FIELD)

@@ -1,6 +1,7 @@
 """Figure 8: one press on grids of 10 x 10 to 40 x 40, and whether smoother is truer."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,8 +20,8 @@ FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
 AROUND = 8e-3  # m: of the press, in which a field is looked at
 METHODS = (PAPER, PAPER_ON_LAYER, FIELD)
 CLAIM = (
-    "Between three taxels, 1.8 N: the surface is smoother the finer the grid; on 40 × 40 nodes with "
-    "72 taxels it is oversampled, yet mimics the elastomer."
+    "Between three taxels, 1.8 N: the surface is smoother the finer the grid; on 40 × 40 nodes "
+    "with 72 taxels it is oversampled, yet mimics the elastomer."
 )
 
 
@@ -134,7 +135,7 @@ def _row(scores: list[Score], name: str, scale: float = 1.0) -> str:
 
 def _verdict(scores: list[Score]) -> Verdict:
     paper = [float(np.median(score.roughness)) for score in _chosen(scores, PAPER)]
-    falls = all(after < before for before, after in zip(paper, paper[1:], strict=False))
+    falls = all(after < before for before, after in pairwise(paper))
     return Verdict(
         "8",
         "the finer the grid, the smoother the surface",

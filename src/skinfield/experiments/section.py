@@ -90,6 +90,13 @@ class Section:
 
 
 @dataclass(frozen=True)
+class Missing:
+    """Why there is no section: what it needs is not at hand."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
 class Experiment:
     """A section yet to be made.
 
@@ -100,15 +107,15 @@ class Experiment:
     figures : tuple of str
         Of the paper, such as "fig3": it is chosen by these, too.
     make : function of Settings
-        The section, or None where what it needs is not at hand. A module's function: it is sent
-        to other processes.
+        The section, or why there is none. A module's function, or a partial of one: it is sent to
+        other processes.
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
 
     name: str
     figures: tuple[str, ...]
-    make: Callable[[Settings], Section | None]
+    make: Callable[[Settings], Section | Missing]
     alone: bool = False
 
 

@@ -19,9 +19,9 @@ from skinfield.figures.style import number, plus_minus
 PREPARED_LAPS = 100  # per lap of the paper's algorithm
 NEGLIGIBLE = 0.1  # of the mean: a standard deviation below it is
 CLAIM = (
-    "The time grows exponentially with the resolution; its standard deviation is almost negligible; "
-    "most of it is the inversion, and the rest takes less than 0.4 ms on 20 × 20 and about 1.4 ms "
-    "on 40 × 40 nodes."
+    "The time grows exponentially with the resolution; its standard deviation is almost "
+    "negligible; most of it is the inversion, and the rest takes less than 0.4 ms on 20 × 20 and "
+    "about 1.4 ms on 40 × 40 nodes."
 )
 
 

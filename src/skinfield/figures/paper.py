@@ -39,7 +39,9 @@ class FieldPanel:
     presses: Sequence[tuple[float, float, float]] = ()
 
 
-def draw_fields(panels: Sequence[Sequence[FieldPanel]], label: str) -> "Figure":
+def draw_fields(
+    panels: Sequence[Sequence[FieldPanel]], label: str, *, window: Floats | None = None
+) -> "Figure":
     """Figure of fields in rows; each panel has its own scale, and a circle at each true contact.
 
     Parameters
@@ -48,6 +50,8 @@ def draw_fields(panels: Sequence[Sequence[FieldPanel]], label: str) -> "Figure":
         As many in each row.
     label : str
         Of the values, with their unit.
+    window : (2, 2) array, m, optional
+        Low and high corner of what is shown. Default all pads and cells.
 
     Raises
     ------
@@ -63,7 +67,8 @@ def draw_fields(panels: Sequence[Sequence[FieldPanel]], label: str) -> "Figure":
     room = (WIDTH - LEFT) / columns
     side = room - BAR - SIDE_GAP
     each = np.array([extent_of(panel.grid) for line in panels for panel in line])
-    span = np.array([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+    whole = np.array([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+    span = whole if window is None else window
     width, height = np.ptp(span, axis=0)
     high = side * float(height / width)
     page = len(panels) * (high + HEAD) + FOOT + 0.1

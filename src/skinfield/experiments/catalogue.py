@@ -1,0 +1,16 @@
+"""All experiments, in the order of the page: one more is one file, and one line here."""
+
+from skinfield.experiments.detection import detection
+from skinfield.experiments.half_space_error import half_space_error
+from skinfield.experiments.imposed import imposed
+from skinfield.experiments.resolutions import resolutions
+from skinfield.experiments.section import Experiment
+from skinfield.experiments.timing import timing
+
+EXPERIMENTS = (
+    Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
+    Experiment("detection", ("fig6", "fig7"), detection),
+    Experiment("resolutions", ("fig8",), resolutions),
+    Experiment("timing", ("fig9",), timing, alone=True),
+    Experiment("half-space", ("model",), half_space_error),
+)
