@@ -3,6 +3,7 @@
 Needs scikit-fem: pip install 'skinfield[fem]'.
 """
 
+from skinfield.fem.electrostatics import pad_capacitance as pad_capacitance
 from skinfield.fem.indent import apply_pressure as apply_pressure
 from skinfield.fem.indent import indent as indent
 from skinfield.fem.indent_large import LargeStrainPath as LargeStrainPath

@@ -31,7 +31,7 @@ class SphereProfile:
 
 @dataclass(frozen=True, kw_only=True)
 class FlatProfile:
-    """A flat end of a radius in m, or a ring; its edges may be rounded.
+    """A flat end of a radius in m, or a ring; its edges may be rounded and its sides may lean.
 
     Parameters
     ----------
@@ -40,11 +40,15 @@ class FlatProfile:
         Of the rounding, within `radius`.
     inner_radius : float, m
         Of the hole of a ring.
+    flank : float
+        Rise over run of the sides above the rounding: elastomer that wells up against a steep side
+        needs one to lie against. By default the body ends at `radius`.
     """
 
     radius: float
     edge_radius: float = 0.0
     inner_radius: float = 0.0
+    flank: float = np.inf
 
     def __post_init__(self) -> None:
         check_positive("radius", self.radius, "of the flat end, in metres")
@@ -52,16 +56,20 @@ class FlatProfile:
         sides = 2 if self.inner_radius else 1
         most = (self.radius - self.inner_radius) / sides
         check_range("edge_radius", self.edge_radius, 0.0, most, "the rounding lies within the end")
+        check_range("flank", self.flank, 0.0, np.inf, "rise over run of the sides")
 
     def __call__(self, radius: Floats) -> Floats:
         """Height (N,) m at radii (N,) m."""
-        inside = radius <= self.radius
         beyond = radius - (self.radius - self.edge_radius)
         if self.inner_radius:
-            inside &= radius >= self.inner_radius
             beyond = np.maximum(beyond, self.inner_radius + self.edge_radius - radius)
-        beyond = np.clip(beyond, 0.0, self.edge_radius)
-        return np.where(inside, self.edge_radius - np.sqrt(self.edge_radius**2 - beyond**2), np.inf)
+        if np.isinf(self.flank):
+            bend = np.clip(beyond, 0.0, self.edge_radius)
+            side = np.where(beyond <= self.edge_radius * (1 + 1e-12), 0.0, np.inf)
+        else:  # the rounding ends where it is as steep as the side
+            bend = np.clip(beyond, 0.0, self.edge_radius * np.sin(np.arctan(self.flank)))
+            side = self.flank * np.maximum(beyond - bend, 0.0)
+        return self.edge_radius - np.sqrt(self.edge_radius**2 - bend**2) + side
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -64,7 +64,7 @@ class Shape:
         return found
 
 
-STEEPEST = 3.0  # rise over run; beyond it a flank goes on straight
+STEEPEST = 6.0  # rise over run; beyond it a flank goes on straight
 STEP = 1e-5  # thicknesses, of differences
 
 
