@@ -36,6 +36,7 @@ FINE = CapacitanceConverter(low=4e-12, high=30e-12, step=2e-16)
 BOARDS = [
     ICubBoard(),
     ICubBoard(convention=ICubByte(no_load=245, shift=0)),
+    ICubBoard(convention=ICubByte(shift=5)),
     CySkinBoard(),
     ConverterBoard(convention=FINE),
     LinearBoard(),
@@ -117,6 +118,9 @@ def test_whatever_happens_a_board_sends_what_it_can(board, seed, size, noise):
     change = size * rng(seed + 1).random((5, 72))
     counts = array.counts(change, 250.0 + 20.0 * np.arange(5), rng(seed + 2))
     assert (np.isnan(counts) == (array.defect == Defect.ABSENT)).all()
+    shorted = counts[:, array.defect == Defect.SATURATED]
+    if board.convention is not None:
+        assert board.convention.saturated(shorted).all()
     sent = counts[~np.isnan(counts)]
     if board.convention is not None:
         assert (sent == np.rint(sent)).all()
@@ -238,7 +242,11 @@ def test_wiring_follows_modules_and_channels():
         (lambda: Delivery(rate=50.0, conversion_time=3e-3), "conversion_time is 0.003 s, expected"),
         (lambda: Delivery(lost_readings=2.0), "lost_readings is 2.0, expected"),
         (lambda: CySkinBoard(gain=-1.0), "gain is -1.0, expected"),
-        (lambda: untouched(Electronics(), 0), "no row"),
+        (lambda: untouched(Electronics(), 0), "at least one reading"),
+        (
+            lambda: untouched(Electronics(), 1)[0].counts([[np.nan] * 72], None, rng()),
+            r"change\[\(0, 0\)\] is nan",
+        ),
         (lambda: untouched(Electronics(), 3)[0].counts(np.zeros((3, 71)), None, rng()), "change"),
         (
             lambda: untouched(Electronics(), 3)[0].counts(np.zeros((3, 72)), [300.0], rng()),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.conditioning import Calibration
-from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
 from skinfield.layout import Patch
 from skinfield.simulate.electronics.board import ICubBoard
 from skinfield.simulate.electronics.defects import Defect, Kinds
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from skinfield.simulate.electronics.electronics import Electronics
 
 PER_TAXEL = ("gain", "baseline", "drift", "white_noise", "defect", "stops_after")
+OVERLOAD = 1e9  # counts: beyond the clamp of any board
 NOISELESS = 1e-6  # of ΔC/C₀: stands for no noise, which a calibration cannot hold
 
 
@@ -161,11 +162,9 @@ class TaxelArray:
     def _changes(self, change: ArrayLike) -> Floats:
         change = as_floats("change", change)
         check_shape("change", change, (None, len(self)), "ΔC/C₀, one row per reading")
-        if not len(change) or not np.isfinite(change).all():
-            raise InputError(
-                f"change of shape {change.shape} has no row or holds numbers that are not finite, "
-                "expected ΔC/C₀ of every taxel in every reading"
-            )
+        if not len(change):
+            raise InputError(f"change has shape {change.shape}, expected at least one reading")
+        check_finite("change", change, "what a taxel feels is known, even if it does not answer")
         return change
 
     def _cold_level(self, change: Floats) -> Floats:
@@ -183,6 +182,7 @@ class TaxelArray:
         else:
             temperature = as_floats("temperature", temperature)
             check_shape("temperature", temperature, (readings,), "one per reading, in kelvin")
+            check_finite("temperature", temperature, "the surroundings have one at any time")
             warmth = settings.drift.warmth(temperature, settings.delivery.rate)
         added = warmth[:, None] * self.drift
         if settings.thermal_pads is not None and isinstance(settings.board, ICubBoard):
@@ -194,7 +194,8 @@ class TaxelArray:
         """Counts as sent, (T, L), the defects included."""
         settings = self.electronics
         direction, rate = math.copysign(1.0, settings.board.gain), settings.delivery.rate
-        full = 4.0 * abs(settings.board.gain)
+        clamps = settings.quantised and settings.board.step > 0
+        full = OVERLOAD if clamps else 4.0 * abs(settings.board.gain)
         loose = np.flatnonzero(self.defect == Defect.FLICKERING)
         if len(loose):
             open_ = settings.defects.open(len(level), len(loose), rate, rng)
