@@ -92,11 +92,8 @@ class Case:
                 "skin is; another model is what a solver assumes"
             )
         readings = np.array(as_floats("readings", self.readings))
-        if (
-            readings.ndim not in (1, 2)
-            or readings.shape[-1] != len(self.patch)
-            or not readings.size
-        ):
+        wide = readings.ndim in (1, 2) and readings.shape[-1] == len(self.patch)
+        if not wide or not len(readings):
             raise InputError(
                 f"readings has shape {readings.shape}, expected ({len(self.patch)},) or "
                 f"(draws, {len(self.patch)}): one column per taxel"
@@ -140,6 +137,7 @@ class Case:
         if not isinstance(press.mechanics, BondedLayer):
             raise InputError("press.mechanics is no BondedLayer, expected what the skin truly is")
         where = Pose(*pose)
+        typical = quantity_by_name(quantity).typical_noise
         taxels = where.back(patch.plane)
         return cls(
             name=name,
@@ -147,7 +145,7 @@ class Case:
             layer=press.layer,
             quantity=quantity,
             readings=press.readings(taxels, patch.pad_diameter, quantity),
-            noise_std=quantity_by_name(quantity).typical_noise if noise_std is None else noise_std,
+            noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
             truth=posed(truth_of_press(press), where),
             mechanics=press.mechanics,
         )

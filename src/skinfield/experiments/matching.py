@@ -68,8 +68,8 @@ def matched(
     beyond = gate * (min(apart.shape) + 1)
     rows, columns = linear_sum_assignment(np.where(apart <= gate, apart, beyond))
     matches = tuple(
-        Match(int(i), int(j), float(apart[i, j]), true[i].force, float(found[j].normal_force))
-        for i, j in zip(rows, columns, strict=True)
+        Match(i, j, float(apart[i, j]), true[i].force, float(found[j].normal_force))
+        for i, j in zip(rows.tolist(), columns.tolist(), strict=True)
         if apart[i, j] <= gate
     )
     return matches, len(true) - len(matches), len(found) - len(matches)

@@ -50,7 +50,7 @@ class Lattice:
         total = np.zeros(self.shape)
         for right in offsets:
             for up in offsets:
-                total += self._shared(plane + [right, up], force)
+                total += self._shared(plane + np.array([right, up]), force)
         return total
 
     def _shared(self, points: Floats, force: Floats) -> Floats:

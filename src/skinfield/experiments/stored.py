@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, Floats, Ints, check_shape
+from skinfield.errors import FileError, Floats, check_shape
 
 Shape = tuple[int | None, ...]
 
@@ -45,7 +45,7 @@ class Stored:
         """As `floats`, None where the key is missing."""
         return self.floats(key, shape) if key in self.arrays else None
 
-    def optional_integers(self, key: str, count: int) -> Ints | None:
+    def optional_integers(self, key: str, count: int) -> Any:
         """Whole numbers (count,), None where the key is missing."""
         if key not in self.arrays:
             return None
