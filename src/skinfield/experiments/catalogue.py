@@ -1,8 +1,11 @@
 """All experiments, in the order of the page: one more is one file, and one line here."""
 
+from functools import partial
+
 from skinfield.experiments.detection import detection
 from skinfield.experiments.half_space_error import half_space_error
 from skinfield.experiments.imposed import imposed
+from skinfield.experiments.recorded import RECORDED, recorded
 from skinfield.experiments.resolutions import resolutions
 from skinfield.experiments.section import Experiment
 from skinfield.experiments.timing import timing
@@ -13,4 +16,5 @@ EXPERIMENTS = (
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("half-space", ("model",), half_space_error),
+    *(Experiment(f"real-{name}", ("real-data",), partial(recorded, name)) for name in RECORDED),
 )

@@ -128,13 +128,13 @@ def _sentences(found: Found) -> list[str]:
         f"highest taxel {shared[2]}, ours {shared[1]}, and a matched filter that knows the shape "
         f"{shared[3]}.",
         f"The contact finder's own threshold, stated as one false alarm in {1 / nominal:.0f} idle "
-        f"readings, gave {1e3 * alarms:.2f} in 1000.",
+        f"readings, gave {alarms} in {settings.size.quiet}.",
         _average_sentence(found),
     ]
 
 
-def _finder_alarms(found: Found) -> tuple[float, float]:
-    """Share of idle readings with a cell above `ContactFinder`'s threshold, and its stated rate."""
+def _finder_alarms(found: Found) -> tuple[int, float]:
+    """Number of idle readings with a cell above `ContactFinder`'s threshold, and its stated rate."""
     from scipy.special import ndtri
 
     each = found.chosen([f"{FIELD.name}, 40 × 40"])[0]
@@ -142,7 +142,7 @@ def _finder_alarms(found: Found) -> tuple[float, float]:
     nominal = reconstruct.finder.false_alarm_rate
     cells = int(np.count_nonzero(reconstruct.plan.noise.std))
     alarms = found.quiet[each.label] > -ndtri(nominal / cells)
-    return float(alarms.mean()), float(nominal)
+    return int(alarms.sum()), float(nominal)
 
 
 def _needed(shares: Floats) -> int | None:

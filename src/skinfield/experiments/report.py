@@ -4,6 +4,7 @@ import base64
 import csv
 import json
 import platform
+import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -119,6 +120,7 @@ def page_of(run: Run) -> str:
         "is_number": is_number,
         "kind": kind_of_verdict,
         "time": time_in_words,
+        "tied": tied,
     }
     return environment.get_template("report.html").render(
         run=run,
@@ -131,6 +133,13 @@ def page_of(run: Run) -> str:
 def embedded(png: bytes) -> str:
     """A picture as an address that holds it."""
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def tied(words: str) -> str:
+    """Words whose numbers stay on the line of their unit."""
+    return re.sub(
+        r"(?<=\d) (?=(?:%|N|mm|cm|kPa|ms|s|×)(?![A-Za-z]))|(?<=×) (?=\d)", "\u00a0", words
+    )
 
 
 def is_number(cell: Cell) -> bool:

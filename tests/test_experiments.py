@@ -1,0 +1,253 @@
+"""The paper's experiments: their parts against closed forms, other methods and known numbers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.errors import InputError
+from skinfield.experiments.catalogue import EXPERIMENTS
+from skinfield.experiments.half_space_error import depth_on_half_space, error_of, widened
+from skinfield.experiments.imposed_found import half_width
+from skinfield.experiments.imposed_truth import (
+    ADJACENT,
+    DEPTH,
+    LAYER,
+    SEPARATE,
+    discs_of,
+    truth_of,
+    truth_on_own_grid,
+)
+from skinfield.experiments.methods import FIELD, PAPER
+from skinfield.experiments.paper_algorithm import reconstruct_as_paper
+from skinfield.experiments.presses import BALL, PLACES, TIPS, paper_patch, readings, sites
+from skinfield.experiments.rates import Trial, known_shape, noisy
+from skinfield.experiments.resolutions import roughness
+from skinfield.experiments.run import chosen
+from skinfield.experiments.settings import SMOKE, Settings, size_by_name
+from skinfield.experiments.statistics import FieldPeak, highest_taxel, roc, threshold, wilson
+from skinfield.experiments.timing import Times, exponents
+from skinfield.simulate import press
+
+SETTINGS = Settings(size=SMOKE)
+LAYER_OF_PAPER = SETTINGS.layer
+
+
+def test_wilson_interval_of_the_textbook() -> None:
+    low, high = wilson(10, 20)
+    assert (low, high) == pytest.approx((0.2993, 0.7007), abs=1e-4)  # Newcombe (1998)
+    assert wilson(0, 20)[0] == 0.0
+    assert wilson(20, 20) == pytest.approx((0.8389, 1.0), abs=1e-4)
+
+
+def test_wilson_interval_holds_the_rate_as_often_as_it_says() -> None:
+    hits = np.random.default_rng(0).binomial(100, 0.2, size=2000)
+    held = np.mean([low <= 0.2 <= high for low, high in (wilson(int(h), 100) for h in hits)])
+    assert 0.93 < held < 0.97
+
+
+def test_threshold_is_exceeded_at_its_rate() -> None:
+    rng = np.random.default_rng(1)
+    level = threshold(rng.normal(size=200_000), 1e-2)
+    assert level == pytest.approx(2.326, abs=0.02)  # the normal distribution's quantile
+    assert np.mean(rng.normal(size=200_000) > level) == pytest.approx(1e-2, rel=0.1)
+
+
+def test_roc_of_two_normal_distributions() -> None:
+    from scipy.special import ndtr, ndtri
+
+    rng, alarms = np.random.default_rng(2), np.array([0.01, 0.1, 0.5])
+    found = roc(rng.normal(size=100_000), rng.normal(size=50_000) + 1.5, alarms)
+    assert found == pytest.approx(ndtr(1.5 + ndtri(alarms)), abs=0.01)
+
+
+def test_highest_of_72_idle_taxels_is_gumbel_like() -> None:
+    from scipy.special import ndtri
+
+    quiet = np.random.default_rng(3).normal(size=(100_000, 72))
+    level = threshold(highest_taxel(quiet), 1e-3)
+    assert level == pytest.approx(-ndtri(1 - (1 - 1e-3) ** (1 / 72)), abs=0.08)
+
+
+def test_statistic_of_the_field_is_the_highest_pressure_of_an_estimate() -> None:
+    for method in (PAPER, FIELD):
+        reconstruct = method.prepared(paper_patch(), LAYER_OF_PAPER, 12, 1e3)
+        values = np.random.default_rng(4).normal(scale=1e3, size=(5, 72))
+        estimate = reconstruct(values)
+        inside = reconstruct.plan.noise.std > 0
+        assert FieldPeak(reconstruct)(values) == pytest.approx(
+            estimate.pressure[:, inside].max(axis=1)
+        )
+        scaled = (estimate.pressure / np.where(inside, reconstruct.plan.noise.std, np.inf)).max(1)
+        assert FieldPeak(reconstruct, in_deviations=True)(values) == pytest.approx(scaled)
+
+
+def test_paper_method_in_the_package_is_the_paper_algorithm_written_anew() -> None:
+    """On readings that vanish at the rim: only there do the two differ, by nodes that read 0."""
+    patch, nodes = paper_patch(), 20
+    reconstruct = PAPER.prepared(patch, LAYER_OF_PAPER, nodes, 1e3)
+    values = 1e3 * np.exp(-np.sum(patch.plane**2, axis=1) / (2 * 7e-3**2))
+    grid = reconstruct.grid
+    again = reconstruct_as_paper(values, patch.plane, grid.plane, LAYER_OF_PAPER, grid.cell_area)
+    estimate = reconstruct(values)
+    ours = estimate.pressure * grid.cell_area
+    assert np.linalg.norm(ours - again.force) < 0.01 * np.linalg.norm(again.force)
+    sunk = estimate.indentation
+    assert np.linalg.norm(sunk - again.normal) < 0.01 * np.linalg.norm(again.normal)
+
+
+def test_readings_of_a_moved_press_are_those_of_a_press_in_place() -> None:
+    place = np.array([[3e-3, -4e-3]])
+    patch = paper_patch()
+    moved = readings(BALL, patch, LAYER_OF_PAPER, 0.5, 0.3e-3, place, "stress")
+    body = replace(BALL.body, force=0.5, position=(3e-3, -4e-3))
+    in_place = press(LAYER_OF_PAPER, [body], 24e-3, 0.3e-3)
+    direct = in_place.base_stress(patch.plane, patch.pad_diameter)
+    assert moved is not None
+    assert np.abs(moved[0] - direct).max() < 0.01 * direct.max()
+
+
+def test_a_tip_that_sinks_through_is_left_out() -> None:
+    cylinder = next(tip for tip in TIPS if tip.name == "cylinder 0.3 cm")
+    assert cylinder.pressed(LAYER_OF_PAPER, 3.0, 0.4e-3) is None
+    trial = Trial(cylinder, PLACES[0], 3.0, "stress")
+    assert noisy(trial, SETTINGS, 0) is None
+
+
+@pytest.mark.parametrize(
+    ("place", "neighbours", "distance"),
+    [(PLACES[0], 1, 0.0), (PLACES[1], 2, 2.75e-3), (PLACES[2], 3, 3.175e-3)],
+)
+def test_sites_are_where_they_say(place: str, neighbours: int, distance: float) -> None:
+    found = sites(paper_patch())[place]
+    assert len(found) > 10
+    apart = np.sort(np.linalg.norm(found[:, None] - paper_patch().plane[None], axis=2), axis=1)
+    assert apart[:, :neighbours] == pytest.approx(distance, abs=0.02e-3)
+    assert (apart[:, neighbours] > distance + 1e-3).all()
+
+
+def test_noise_is_independent_of_the_trial_before_and_shrinks_when_averaged() -> None:
+    trial = Trial(BALL, PLACES[0], 0.2, "stress")
+    clean = trial.clean(SETTINGS, 100, 9)
+    once, many = noisy(trial, SETTINGS, 9), noisy(trial, SETTINGS, 9, averaged=100)
+    assert clean is not None
+    assert once is not None
+    assert many is not None
+    assert np.std(once - clean) == pytest.approx(3.8e3, rel=0.03)
+    assert np.std(many - clean) == pytest.approx(380.0, rel=0.03)
+    assert np.array_equal(once, noisy(trial, SETTINGS, 9))
+
+
+def test_matched_filter_peaks_at_its_own_shape() -> None:
+    known = known_shape(SETTINGS, "stress")
+    shape = known.templates[700:701]
+    assert known(shape)[0] == pytest.approx(np.linalg.norm(shape))
+    assert known(shape)[0] >= known(-shape)[0]
+
+
+def test_half_space_depths_are_hertz_and_boussinesq() -> None:
+    assert depth_on_half_space(BALL, 1.0, LAYER_OF_PAPER) == pytest.approx(1.7406e-3, rel=1e-3)
+    flat = next(tip for tip in TIPS if tip.name == "cylinder 1.2 cm")
+    assert depth_on_half_space(flat, 1.0, LAYER_OF_PAPER) == pytest.approx(0.625e-3, rel=1e-6)
+
+
+def test_half_space_error_is_that_of_thick_and_thin_contacts() -> None:
+    """Stress suffers under narrow contacts, displacement under wide ones; brackets of both."""
+    errors = {}
+    for tip in TIPS:
+        solved = tip.pressed(LAYER_OF_PAPER, 0.5, 0.4e-3)
+        assert solved is not None
+        errors[tip.name] = error_of(tip, 0.5, LAYER_OF_PAPER, solved)
+    ball, flat = errors["half-sphere 1.2 cm"], errors["cylinder 1.2 cm"]
+    assert 0.19 < ball.point_stress < 0.23
+    assert 0.10 < ball.displacement < 0.13
+    assert 0.04 < flat.point_stress < 0.08
+    assert 0.30 < flat.displacement < 0.40
+
+
+def test_a_thick_layer_is_a_half_space() -> None:
+    thick = replace(LAYER_OF_PAPER, thickness=20e-3)
+    tip = TIPS[2]
+    solved = tip.pressed(thick, 0.2, 0.3e-3)
+    assert solved is not None
+    assert error_of(tip, 0.2, thick, solved).displacement < 0.08
+
+
+def test_widening_keeps_the_force() -> None:
+    solved = BALL.pressed(LAYER_OF_PAPER, 0.5, 0.4e-3)
+    assert solved is not None
+    wide = widened(solved, 30e-3)
+    assert wide.shape[0] == wide.shape[1] == pytest.approx(75, abs=1)
+    assert wide.sum() * solved.grid.cell_area == pytest.approx(0.5)
+
+
+def test_half_width_of_a_gaussian() -> None:
+    grid = sf.Grid.square(paper_patch(), nodes=60)
+    bump = np.exp(-np.sum((grid.plane - [1e-3, 2e-3]) ** 2, axis=1) / (2 * (3e-3) ** 2))
+    width = half_width(grid, bump, np.array([1e-3, 2e-3]), 12e-3)
+    assert width == pytest.approx(2.3548 * 3e-3, rel=0.02)
+
+
+def test_roughness_of_a_plane_and_of_a_spike() -> None:
+    grid = sf.Grid.square(paper_patch(), nodes=15)
+    near = np.linalg.norm(grid.plane, axis=1) < 12e-3
+    assert roughness(grid, 1.0 + 20 * grid.plane[:, 0], near) == pytest.approx(0.0, abs=1e-12)
+    spike = np.zeros(len(grid))
+    spike[len(grid) // 2] = 1.0
+    bends = near.sum() * 2
+    assert roughness(grid, spike, near) == pytest.approx(np.sqrt(12 / bends), rel=1e-9)
+
+
+def test_discs_are_neighbours_or_far_apart() -> None:
+    for case, low, high in ((ADJACENT, 5.4e-3, 5.6e-3), (SEPARATE, 20e-3, 35e-3)):
+        places = discs_of(paper_patch())[case]
+        sides = np.linalg.norm(places - np.roll(places, 1, axis=0), axis=1)
+        assert ((low < sides) & (sides < high)).all()
+
+
+def test_imposed_depth_is_there_and_in_equilibrium_with_the_base() -> None:
+    truth = truth_of(LAYER, SEPARATE, SETTINGS)
+    away = np.linalg.norm(truth.grid.plane[:, None] - truth.places[None], axis=2).min(axis=1)
+    under = away < 1.5e-3
+    assert truth.indentation[under] == pytest.approx(DEPTH, rel=1e-3)
+    assert (truth.pressure >= 0).all()
+    pressure, indentation = truth.on(sf.Grid.square(paper_patch(), nodes=40))
+    assert pressure.sum() * sf.Grid.square(paper_patch(), nodes=40).cell_area == pytest.approx(
+        truth.force, rel=1e-9
+    )
+    assert indentation.max() <= DEPTH * (1 + 1e-6)
+
+
+def test_truth_on_its_own_grid_obeys_the_paper_formulas() -> None:
+    reconstruct = PAPER.prepared(paper_patch(), LAYER_OF_PAPER, 20, 10.0)
+    truth = truth_on_own_grid(reconstruct, ADJACENT, LAYER_OF_PAPER)
+    pushed = truth.pressure != 0
+    assert truth.indentation[pushed] == pytest.approx(DEPTH)
+    assert truth.readings == pytest.approx(reconstruct.model.matrix @ truth.pressure)
+
+
+def test_exponents_tell_a_power_law_from_an_exponential() -> None:
+    def times(mean) -> list[Times]:
+        return [
+            Times(n, np.full(2, mean(n**2)), np.ones(2), np.ones(2)) for n in (10, 20, 30, 40)
+        ]
+
+    power, about_power, about_exponential = exponents(times(lambda k: 1e-9 * k**2.5))
+    assert power == pytest.approx(2.5)
+    assert about_power < 1e-9 < about_exponential
+    _, about_power, about_exponential = exponents(times(lambda k: 1e-9 * np.exp(k / 400)))
+    assert about_exponential < 1e-9 < about_power
+
+
+def test_parts_are_chosen_by_name_or_figure() -> None:
+    assert chosen([]) == EXPERIMENTS
+    assert [each.name for each in chosen(["fig3", " FIG6 "])] == ["imposed", "detection"]
+    with pytest.raises(InputError, match="'fig10' names no experiment, expected some of imposed"):
+        chosen(["fig10"])
+
+
+def test_sizes_have_names() -> None:
+    assert size_by_name("smoke") is SMOKE
+    with pytest.raises(InputError, match="size is 'tiny', expected one of full, short, smoke"):
+        size_by_name("tiny")
