@@ -43,7 +43,6 @@ def cyskin_electronics() -> Electronics:
         board=CySkinBoard(),
         gain_spread=0.05,
         converter_gain_spread=0.1,
-        baseline_spread=20.0,
         cross_talk=CrossTalk(neighbours=0.01),
         drift=ThermalDrift(
             per_kelvin=-50.0, converter_spread=17.0, taxel_spread=17.0, time_constant=120.0
