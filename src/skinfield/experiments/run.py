@@ -11,7 +11,6 @@ from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
 
-import skinfield
 from skinfield.errors import InputError
 from skinfield.experiments.catalogue import EXPERIMENTS
 from skinfield.experiments.report import Run, read_section, write_report, write_section
@@ -146,7 +145,7 @@ def fingerprint(experiment: Experiment, settings: Settings) -> str:
 @lru_cache(maxsize=1)
 def _program() -> str:
     """Digest of skinfield's own sources."""
-    root = Path(skinfield.__file__).parent
+    root = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for file in sorted(root.rglob("*.py")):
         digest.update(str(file.relative_to(root)).encode() + file.read_bytes())

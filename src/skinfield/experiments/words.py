@@ -1,22 +1,9 @@
 """Numbers as the report says them, and figures as bytes."""
 
 from collections.abc import Sequence
-from io import BytesIO
-from typing import TYPE_CHECKING
 
+from skinfield.figures.png import png_of as png_of
 from skinfield.figures.style import number
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-DPI = 130.0  # of the report's pictures: sharp on a tablet, and a report of a few megabytes
-
-
-def png_of(figure: "Figure") -> bytes:
-    """Bytes of a PNG file; the same figure gives the same bytes."""
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
-    return buffer.getvalue()
 
 
 def share_in_words(share: float, interval: tuple[float, float]) -> str:

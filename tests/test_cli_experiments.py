@@ -1,0 +1,99 @@
+"""`skinfield experiments`: one command, from nothing to a report, and on from where it stopped."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from skinfield.cli.main import main
+from skinfield.experiments import run as running
+from skinfield.experiments.section import Experiment, Missing, Section
+from skinfield.experiments.settings import SMOKE, Settings
+
+SETTINGS = Settings(size=SMOKE)
+
+
+def invoke(*words: str):
+    return CliRunner().invoke(main, ["experiments", *words])
+
+
+def quick(settings: Settings) -> Section:
+    return Section("x", "Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
+
+
+def absent(settings: Settings) -> Missing:
+    return Missing("nothing there")
+
+
+def test_one_part_from_nothing_and_kept(tmp_path: Path, monkeypatch) -> None:
+    words = ("--size", "smoke", "--only", "model", "--workers", "1", "-o", str(tmp_path))
+    first = invoke(*words)
+    assert first.exit_code == 0, first.output
+    assert first.output.split() == ["wrote", str(tmp_path / "report.html")]
+    names = {file.name for file in (tmp_path / "half-space").iterdir()}
+    assert names == {"section.json", "errors.csv", "errors.png"}
+    page = (tmp_path / "report.html").read_text()
+    monkeypatch.setattr(running, "made", lambda *_: pytest.fail("made again"))
+    assert invoke(*words).exit_code == 0
+    again = (tmp_path / "report.html").read_text()
+    assert (
+        page.split("<main>")[1].split("</main>")[0] == again.split("<main>")[1].split("</main>")[0]
+    )
+
+
+def test_other_settings_are_made_anew(tmp_path: Path) -> None:
+    each = Experiment("part", (), quick)
+    marks = {running.fingerprint(each, Settings(size=SMOKE, seed=seed)) for seed in (0, 0, 1)}
+    assert len(marks) == 2
+
+
+def test_parts_run_side_by_side_on_one_thread_each_and_missing_ones_are_named(
+    tmp_path: Path,
+) -> None:
+    parts = (
+        Experiment("first", (), quick),
+        Experiment("second", (), quick),
+        Experiment("absent", (), absent),
+        Experiment("last", (), quick, alone=True),
+    )
+    seen: list[tuple[str, int, int]] = []
+    before = os.environ.get("OMP_NUM_THREADS")
+    running.run(parts, SETTINGS, tmp_path, 2, lambda *step: seen.append(step))
+    assert os.environ.get("OMP_NUM_THREADS") == before
+    results = json.loads((tmp_path / "results.json").read_text())
+    assert [section["name"] for section in results["sections"]] == ["first", "second", "last"]
+    assert results["sections"][0]["sentences"] == ["threads 1"]
+    assert results["missing"] == ["nothing there"]
+    assert seen[0] == ("", 0, 4)
+    assert [done for _, done, _ in seen] == [0, 1, 2, 3, 4]
+    assert seen[-1][0] == "last"  # what measures time waits for all others
+
+
+def test_a_name_that_is_none(tmp_path: Path) -> None:
+    result = invoke("--only", "fig12", "-o", str(tmp_path))
+    assert result.exit_code == 2
+    assert "'fig12' names no experiment, expected some of imposed, fig3" in " ".join(
+        result.output.split()
+    )
+
+
+def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    assert invoke("--only", "model", "-o", str(file)).exit_code == 2
+    below = invoke(
+        "--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below")
+    )
+    assert below.exit_code == 2
+    assert "cannot be written" in below.output
+
+
+def test_recorded_data_without_a_folder_is_said(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.delenv("SKINFIELD_SHARED_DATA", raising=False)
+    result = invoke(
+        "--only", "real-tables", "--size", "smoke", "--workers", "1", "-o", str(tmp_path)
+    )
+    assert result.exit_code == 0, result.output
+    assert "no folder of recordings was given" in (tmp_path / "report.html").read_text()

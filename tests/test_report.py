@@ -1,0 +1,193 @@
+"""The report: one page that needs nothing else, and files that say the same."""
+
+import csv
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from skinfield.errors import FileError, InputError
+from skinfield.experiments.report import (
+    Run,
+    cell_in_words,
+    kind_of_verdict,
+    page_of,
+    read_section,
+    tied,
+    time_in_words,
+    write_report,
+    write_section,
+)
+from skinfield.experiments.section import Picture, Section, Table, Verdict
+from skinfield.experiments.settings import SMOKE, Settings
+from skinfield.experiments.words import listed, share_in_words, spread_in_words
+
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
+TABLE = Table(
+    "numbers",
+    "Caption & <more>",
+    ("name", "force (N)", "n"),
+    (("a, b", 0.12345, 3), ("c", None, 4)),
+)
+SECTION = Section(
+    name="part",
+    title="A part",
+    claim="The paper says 0.2 N <b>.",
+    sentences=("Found 3 % & more.", "<script>alert(1)</script>"),
+    pictures=(Picture("first", "What it shows", PNG),),
+    tables=(TABLE, Table("hidden", "Not shown", ("x (mm)",), ((1.0,),), shown=False)),
+    verdicts=(Verdict("4", "claim", "measured", "does not hold"),),
+    seconds=12.0,
+)
+RUN = Run(Settings(size=SMOKE), (SECTION,), ("recorded data: no folder",), 75.0)
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and all text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.words = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag) -> None:
+        assert self.open.pop() == tag, f"</{tag}> closes something else"
+
+    def handle_data(self, data) -> None:
+        self.words += data
+
+
+def test_page_is_well_formed_and_loads_nothing() -> None:
+    page = Page(page_of(RUN))
+    assert not page.open
+    for tag, found in page.tags:
+        assert tag not in ("script", "link", "iframe")
+        assert not any(name.startswith("on") for name in found)
+        if "src" in found:
+            assert found["src"].startswith("data:image/png;base64,")
+        if "href" in found:
+            assert found["href"].startswith("#") or "://" not in found["href"]
+    assert "url(" not in page_of(RUN)
+
+
+def test_page_has_an_entry_of_contents_for_each_section_and_no_id_twice() -> None:
+    page = Page(page_of(RUN))
+    ids = [found["id"] for _, found in page.tags if found.get("id")]
+    links = {f["href"] for tag, f in page.tags if tag == "a" and f["href"].startswith("#")}
+    assert len(ids) == len(set(ids))
+    assert {"#part", "#headline", "#settings"} <= links <= {f"#{name}" for name in ids}
+
+
+def test_text_is_text_whatever_its_signs() -> None:
+    page = page_of(RUN)
+    assert "<script>" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    assert "Caption &amp; &lt;more&gt;" in page
+
+
+def test_page_tells_verdict_missing_parts_time_and_settings() -> None:
+    words = " ".join(Page(page_of(RUN)).words.split())
+    for part in (
+        "does not hold",
+        "Not in this report: recorded data: no folder",
+        "1 min 15 s",
+        "2 mm, 100 kPa, Poisson's ratio 0.5",
+        "numpy",
+        "0.123",
+    ):
+        assert part in words
+    assert "Not shown" not in words
+
+
+def test_files_are_read_back_equal(tmp_path: Path) -> None:
+    write_section(SECTION, tmp_path, "mark")
+    assert read_section("part", tmp_path, "mark") == SECTION
+    assert read_section("part", tmp_path, "another mark") is None
+    assert read_section("other", tmp_path, "mark") is None
+    with (tmp_path / "part" / "numbers.csv").open(newline="") as file:
+        assert list(csv.reader(file)) == [
+            ["name", "force (N)", "n"],
+            ["a, b", "0.12345", "3"],
+            ["c", "", "4"],
+        ]
+
+
+def test_a_section_that_was_cut_short_is_made_again(tmp_path: Path) -> None:
+    write_section(SECTION, tmp_path, "mark")
+    (tmp_path / "part" / "first.png").unlink()
+    assert read_section("part", tmp_path, "mark") is None
+
+
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.binary(max_size=200) | st.recursive(
+    st.none() | st.integers() | st.text(max_size=4),
+    lambda inner: st.lists(inner, max_size=3)
+    | st.dictionaries(st.sampled_from(["fingerprint", "name", "tables", "pictures"]), inner),
+    max_leaves=6,
+).map(lambda value: json.dumps(value).encode()))  # fmt: skip
+def test_garbage_in_a_section_is_no_section(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "part").mkdir(exist_ok=True)
+    (tmp_path / "part" / "section.json").write_bytes(content)
+    assert read_section("part", tmp_path, "mark") is None
+
+
+def test_results_are_json_without_nan(tmp_path: Path) -> None:
+    odd = Section("odd", "t", "", (), (), (Table("n", "c", ("x",), ((float("nan"),),)),))
+    page = write_report(Run(Settings(size=SMOKE), (SECTION, odd), (), 1.0), tmp_path)
+    assert page.name == "report.html"
+    results = json.loads((tmp_path / "results.json").read_text())
+    assert results["sections"][1]["tables"][0]["rows"] == [[None]]
+    assert results["settings"]["layer"]["thickness"] == 2e-3
+    assert results["sections"][0]["verdicts"][0]["verdict"] == "does not hold"
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileError, match="cannot be written"):
+        write_section(SECTION, tmp_path / "file", "mark")
+    with pytest.raises(FileError, match="cannot be written"):
+        write_report(RUN, tmp_path / "file")
+
+
+def test_a_table_with_a_short_row_is_refused() -> None:
+    with pytest.raises(InputError, match="row 1 of table 't' has 1 cells, expected 2"):
+        Table("t", "", ("a", "b"), ((1, 2), (1,)))
+
+
+@pytest.mark.parametrize(
+    ("cell", "words"),
+    [
+        (1234.5, "1234"),
+        (-0.012345, "−0.0123"),
+        (7, "7"),
+        (None, "–"),
+        (float("nan"), "–"),
+        ("x", "x"),
+    ],
+)
+def test_cells(cell, words) -> None:
+    assert cell_in_words(cell) == words
+
+
+def test_words() -> None:
+    assert listed(["a"]) == "a"
+    assert listed(["a", "b", "c"]) == "a, b and c"
+    assert share_in_words(0.1, (0.055, 0.174)) == "10 % [6–17 %]"
+    assert spread_in_words([0.1e-3, 0.2e-3], "mm", 1e3) == "0.10 to 0.20 mm"
+    assert spread_in_words([2.0, 2.0], "%") == "2.0 %"
+    assert [time_in_words(s) for s in (0.512, 12.3, 185)] == ["0.51 s", "12 s", "3 min 5 s"]
+    assert tied("0.2 N on 20 × 20 nodes, 3 more") == "0.2\u00a0N on 20\u00a0×\u00a020 nodes, 3 more"
+    kinds = ["holds", "holds only in part", "does not hold", "not tried"]
+    assert [kind_of_verdict(words) for words in kinds] == ["yes", "partly", "no", "none"]
