@@ -211,6 +211,8 @@ def test_a_matrix_of_cross_talk_is_added():
     matrix = np.zeros((72, 72))
     matrix[3, 60] = -0.1
     made = replace(ideal_electronics(), cross_talk=CrossTalk(matrix=matrix))
+    assert made == replace(ideal_electronics(), cross_talk=CrossTalk(matrix=matrix.tolist()))
+    assert made != ideal_electronics() == ideal_electronics()
     shown = made.manufacture(HEXAGON, rng()).counts(np.eye(72)[60:61], None, rng())[0]
     assert shown[[3, 60]] == pytest.approx([-0.1, 1.0])
     assert np.count_nonzero(shown) == 2

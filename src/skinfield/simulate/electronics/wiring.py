@@ -1,8 +1,9 @@
 """Which converter a taxel hangs on, when in a cycle it is converted, and what it picks up there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, Ints, as_floats, check_finite, check_range, check_shape
 from skinfield.layout import Patch
@@ -51,7 +52,7 @@ def wiring(patch: Patch) -> Wiring:
     return Wiring(converter.astype(np.int64), (channel % INPUTS).astype(np.int64))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class CrossTalk:
     """Part of the change of other taxels that a taxel shows in addition to its own.
 
@@ -60,25 +61,28 @@ class CrossTalk:
     neighbours : float
         Of those at the stages before and after it at the same converter. 0: none.
     matrix : (L, L) array, optional
-        Added to that: row i is what taxel i picks up of each other one.
+        Added to that: row i is what taxel i picks up of each other one. Kept as rows of a tuple,
+        so that settings can be compared.
     """
 
     neighbours: float = 0.0
-    matrix: Floats | None = None
+    matrix: ArrayLike | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         check_range("neighbours", self.neighbours, 0.0, 0.5, "a part of the neighbour's change")
         if self.matrix is not None:
             matrix = np.array(as_floats("matrix", self.matrix))
             check_finite("matrix", matrix, "what taxels pick up of each other")
-            matrix.setflags(write=False)
-            object.__setattr__(self, "matrix", matrix)
+            check_shape("matrix", matrix, (None, None), "a row and a column per taxel")
+            object.__setattr__(self, "matrix", tuple(map(tuple, matrix.tolist())))
 
     def check_patch(self, patch: Patch) -> None:
         """Raise InputError unless the matrix is one of the patch's taxels."""
         if self.matrix is not None:
             size = (len(patch), len(patch))
-            check_shape("matrix", self.matrix, size, "a row and a column per taxel of the patch")
+            check_shape(
+                "matrix", np.asarray(self.matrix), size, "a row and a column per taxel of the patch"
+            )
 
     def shown(self, change: Floats, wiring: Wiring) -> Floats:
         """What taxels show, (T, L), of changes (T, L)."""
@@ -88,5 +92,5 @@ class CrossTalk:
             shown[:, before] += self.neighbours * change[:, after]
             shown[:, after] += self.neighbours * change[:, before]
         if self.matrix is not None:
-            shown += change @ self.matrix.T
+            shown += change @ np.asarray(self.matrix).T
         return shown
