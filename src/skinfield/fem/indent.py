@@ -18,7 +18,7 @@ from skinfield.mechanics import Layer
 
 MARGIN = 12.0  # thicknesses of layer around the contact; what is felt falls as exp(-0.8 r/h)
 FINEST = 0.01  # thicknesses; the elements at the edge of the contact
-COARSEST = 0.07
+COARSEST = 0.05
 
 
 def indent(
