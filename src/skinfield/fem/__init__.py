@@ -4,12 +4,12 @@ Needs scikit-fem: pip install 'skinfield[fem]'.
 """
 
 from skinfield.fem.electrostatics import pad_capacitance as pad_capacitance
-from skinfield.fem.indent import apply_pressure as apply_pressure
-from skinfield.fem.indent import indent as indent
-from skinfield.fem.indent_large import LargeStrainPath as LargeStrainPath
-from skinfield.fem.indent_large import indent_large as indent_large
+from skinfield.fem.large_strain import LargeStrainPath as LargeStrainPath
+from skinfield.fem.large_strain import indent_large as indent_large
 from skinfield.fem.profiles import ConeProfile as ConeProfile
 from skinfield.fem.profiles import FlatProfile as FlatProfile
 from skinfield.fem.profiles import Profile as Profile
 from skinfield.fem.profiles import SphereProfile as SphereProfile
+from skinfield.fem.small_strain import apply_pressure as apply_pressure
+from skinfield.fem.small_strain import indent as indent
 from skinfield.fem.solution import AxisymmetricSolution as AxisymmetricSolution

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skinfield.errors import InputError, check_positive
-from skinfield.fem.indent import check_load, contact_edges, indent, mesh_around
 from skinfield.fem.linear import LinearSection, law_of
 from skinfield.fem.newton import Balance, Newton, NoBalance
 from skinfield.fem.profiles import Profile
 from skinfield.fem.section import Section
 from skinfield.fem.shape import Shape, SmoothShape
+from skinfield.fem.small_strain import check_load, contact_edges, indent, mesh_around
 from skinfield.fem.solution import AxisymmetricSolution
 from skinfield.fem.trace import Trace
 from skinfield.fem.unilateral import push_to_depth, push_with_force
