@@ -1,0 +1,281 @@
+"""The cells of a press: the grid that is handed out, and finer windows where bodies touch."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.layout import Grid
+from skinfield.mechanics import LatticeConvolution, Layer, Mechanics
+from skinfield.mechanics.lattice import (
+    interpolation,
+    kept_indentation_kernel,
+    kept_surface_kernel,
+)
+
+PAD = 3  # nodes around the grid, so that every cell has a full stencil of interpolation
+POINT = 9  # a load far away is one on a square of a ninth of a cell
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of the grid's cells, each cut into split x split squares.
+
+    Attributes
+    ----------
+    row, column : int
+        Its first cell.
+    rows, columns : int
+        Cells along y and x.
+    split : int
+        Odd, so that the middle square of a cell has the cell's centre.
+    """
+
+    row: int
+    column: int
+    rows: int
+    columns: int
+    split: int = 1
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Squares along y and x."""
+        return self.rows * self.split, self.columns * self.split
+
+    @property
+    def size(self) -> int:
+        """Number of squares."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def cells(self) -> tuple[slice, slice]:
+        """Its cells in a picture (rows, columns) of the grid."""
+        return slice(self.row, self.row + self.rows), slice(self.column, self.column + self.columns)
+
+    def steps(self) -> tuple[Floats, Floats]:
+        """Centres of the squares along y and x, in cells from the grid's first node."""
+        inside = [(np.arange(n) + 0.5) / self.split - 0.5 for n in self.shape]
+        return inside[0] + self.row, inside[1] + self.column
+
+    def means(self, values: Floats) -> Floats:
+        """Mean over each cell, (..., rows, columns), of values on the squares."""
+        return coarsened(values, self.split)
+
+    def centres(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values on the squares in the middle of each cell, (..., rows, columns)."""
+        middle, every = self.split // 2, self.split
+        return values[..., middle::every, middle::every]
+
+    def grown(self, margin: int, shape: tuple[int, int]) -> "Window":
+        """With so many cells more on every side, as far as the grid of `shape` goes."""
+        row, column = max(self.row - margin, 0), max(self.column - margin, 0)
+        last = min(self.row + self.rows + margin, shape[0])
+        right = min(self.column + self.columns + margin, shape[1])
+        return Window(row, column, last - row, right - column, self.split)
+
+    def embedded(self, values: Floats, larger: "Window") -> Floats:
+        """Values on the squares of a larger window of the same split, 0 beyond."""
+        out = np.zeros((*values.shape[:-2], *larger.shape))
+        top = (self.row - larger.row) * self.split
+        left = (self.column - larger.column) * self.split
+        out[..., top : top + self.shape[0], left : left + self.shape[1]] = values
+        return out
+
+
+def coarsened(values: Floats, factor: int) -> Floats:
+    """Mean over blocks of factor x factor of the last two axes."""
+    rows, columns = (n // factor for n in values.shape[-2:])
+    blocks = values.reshape(*values.shape[:-2], rows, factor, columns, factor)
+    return np.asarray(blocks.mean(axis=(-3, -1)))
+
+
+def resplit(values: Floats, split: int, wanted: int) -> Floats:
+    """Loads per area on squares of another split; both are powers of 3."""
+    if split >= wanted:
+        return coarsened(values, split // wanted)
+    factor = wanted // split
+    return np.repeat(np.repeat(values, factor, axis=-2), factor, axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """The grid on a medium, with responses between its cells and between windows.
+
+    Within a window responses are exact for uniform squares. Between windows, and from a window to
+    the grid's cells far from it, loads are carried to the cells' centres with all moments up to
+    the fifth, convolved there, and interpolated likewise (Brandt and Lubrecht 1990).
+    """
+
+    grid: Grid
+    layer: Layer
+    mechanics: Mechanics
+
+    @property
+    def whole(self) -> Window:
+        """All cells, uncut."""
+        return Window(0, 0, *self.grid.shape)
+
+    def axes(self, window: Window) -> tuple[Floats, Floats]:
+        """Centres of a window's squares along y and x, m."""
+        along, across = window.steps()
+        pitch, origin = self.grid.pitch, self.grid.origin
+        return origin[1] + along * pitch, origin[0] + across * pitch
+
+    def side(self, window: Window) -> float:
+        """Of the squares of a window, m."""
+        return self.grid.pitch / window.split
+
+    def near(self, window: Window) -> LatticeConvolution:
+        """Pressure on a window's squares to indentation there."""
+        side = self.side(window)
+        rows, columns = window.shape
+        kernel = kept_indentation_kernel(
+            self.mechanics, self.layer, side, side, rows - 1, columns - 1
+        )
+        return LatticeConvolution(kernel)
+
+    def near_surface(self, window: Window) -> Floats:
+        """Kernel (3, 3, ...) of displacement per traction on a window's squares."""
+        side = self.side(window)
+        rows, columns = window.shape
+        return kept_surface_kernel(self.mechanics, self.layer, side, side, rows - 1, columns - 1)
+
+    @cached_property
+    def far(self) -> LatticeConvolution:
+        """Force at the padded grid's nodes, N, to indentation at them."""
+        point = self.grid.pitch / POINT
+        rows, columns = (n + 2 * PAD for n in self.grid.shape)
+        kernel = kept_indentation_kernel(
+            self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
+        )
+        return LatticeConvolution(kernel / point**2)
+
+    @cached_property
+    def far_surface(self) -> Floats:
+        """Kernel (3, 3, ...) of displacement per force at the padded grid's nodes."""
+        point = self.grid.pitch / POINT
+        rows, columns = (n + 2 * PAD for n in self.grid.shape)
+        kernel = kept_surface_kernel(
+            self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
+        )
+        return np.asarray(kernel / point**2)
+
+    def stencils(self, window: Window) -> tuple[Floats, Floats]:
+        """Weights of the padded grid's nodes for a window's squares, along y and x."""
+        along, across = (
+            interpolation(steps + PAD, n + 2 * PAD)
+            for steps, n in zip(window.steps(), self.grid.shape, strict=True)
+        )
+        return along, across
+
+    def carried(self, window: Window, loads: Floats) -> Floats:
+        """Forces at the padded grid's nodes, N, that act as loads per area on the squares do."""
+        along, across = self.stencils(window)
+        return np.asarray(along.T @ (loads * self.side(window) ** 2) @ across)
+
+
+class Indenting:
+    """From pressure on the squares of several windows, one after the other, to indentation."""
+
+    def __init__(self, skin: Skin, windows: list[Window]) -> None:
+        self.skin, self.windows = skin, windows
+        self.near = [skin.near(window) for window in windows]
+        self.stencils = [skin.stencils(window) for window in windows] if len(windows) > 1 else []
+        ends = np.cumsum([0, *(window.size for window in windows)])
+        self.parts = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+
+    def __call__(self, pressure: Floats) -> Floats:
+        """Indentation (N,) m of a pressure (N,) Pa."""
+        out = np.empty(pressure.shape)
+        pictures = self.pictures(pressure)
+        for part, near, picture in zip(self.parts, self.near, pictures, strict=True):
+            out[part] = near(picture).ravel()
+        for source, picture in enumerate(pictures if self.stencils else []):
+            if not picture.any():
+                continue
+            area = self.skin.side(self.windows[source]) ** 2
+            along, across = self.stencils[source]
+            sunk = self.skin.far(along.T @ (picture * area) @ across)
+            for index, (rows, columns) in enumerate(self.stencils):
+                if index != source:
+                    out[self.parts[index]] += (rows @ sunk @ columns.T).ravel()
+        return out
+
+    def pictures(self, values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Of each window, (rows, columns)."""
+        return [
+            values[part].reshape(window.shape)
+            for part, window in zip(self.parts, self.windows, strict=True)
+        ]
+
+    def own(self) -> Floats:
+        """Indentation (N,) m of each square per Pa on itself."""
+        out = np.empty(self.parts[-1].stop)
+        for part, window in zip(self.parts, self.windows, strict=True):
+            side = self.skin.side(window)
+            kernel = kept_indentation_kernel(self.skin.mechanics, self.skin.layer, side, side, 0, 0)
+            out[part] = kernel[0, 0]
+        return out
+
+
+class Sliding:
+    """From tangential traction (2, N) on the squares of windows to displacement (2, N) there."""
+
+    def __init__(self, skin: Skin, windows: list[Window]) -> None:
+        self.skin = skin
+        self.indenting = Indenting(skin, windows)
+        kernels = [skin.near_surface(window) for window in windows]
+        self.near = [[LatticeConvolution(k[:2, j]) for j in (0, 1)] for k in kernels]
+        self.far = [LatticeConvolution(skin.far_surface[:2, j]) for j in (0, 1)]
+        self.own = np.concatenate(
+            [
+                np.full(window.size, kernel[0, 0, window.shape[0] - 1, window.shape[1] - 1])
+                for window, kernel in zip(windows, kernels, strict=True)
+            ]
+        )
+
+    def __call__(self, traction: Floats) -> Floats:
+        """Displacement (2, N) m of a traction (2, N) Pa."""
+        out = np.zeros(traction.shape)
+        for along in (0, 1):
+            pictures = self.indenting.pictures(traction[along])
+            for index, (near, picture) in enumerate(zip(self.near, pictures, strict=True)):
+                part = self.indenting.parts[index]
+                out[:, part] += near[along](picture).reshape(2, -1)
+                self._reach_others(out, index, picture, along)
+        return out
+
+    def _reach_others(self, out: Floats, source: int, picture: Floats, along: int) -> None:
+        """Add what the traction in one window does in the others."""
+        stencils, parts = self.indenting.stencils, self.indenting.parts
+        if not stencils or not picture.any():
+            return
+        moved = self.far[along](self.skin.carried(self.indenting.windows[source], picture))
+        for index, (rows, columns) in enumerate(stencils):
+            if index != source:
+                out[:, parts[index]] += (rows @ moved @ columns.T).reshape(2, -1)
+
+
+def touched(windows: list[Window], masks: list[NDArray[np.bool_]]) -> list[Window | None]:
+    """Smallest window of cells around each mask of squares; None around none."""
+    out: list[Window | None] = []
+    for window, mask in zip(windows, masks, strict=True):
+        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
+            out.append(None)
+            continue
+        top, left = rows[0] // window.split, columns[0] // window.split
+        bottom, right = rows[-1] // window.split, columns[-1] // window.split
+        out.append(
+            Window(
+                int(window.row + top),
+                int(window.column + left),
+                int(bottom - top + 1),
+                int(right - left + 1),
+            )
+        )
+    return out

@@ -1,0 +1,303 @@
+"""From bodies above the skin to the pressure below them: coarse first, then fine where they touch.
+
+The grid's own cells only tell where touch is. There each contact gets a window of finer squares,
+three, nine, 27 or 81 to a cell, so that a small one is seen as well as a large one, and the whole
+is solved again. If the contact then reaches a window's border, or a body overlaps the skin outside,
+the windows grow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.mechanics import Layer
+from skinfield.mechanics.contact import (
+    Contact,
+    ContactProblem,
+    edge_softness,
+    solve_contact,
+)
+from skinfield.simulate.cover import cover
+from skinfield.simulate.indenters import Indenter
+from skinfield.simulate.plane import Indenting, Skin, Window, resplit, touched
+
+ACROSS = 48  # squares across a contact
+FINEST = 81  # squares along a cell
+MOST = 100_000  # squares of all windows
+APART = 4  # cells between windows: nearer ones are one
+ROUNDS = 12
+COARSE = 1e-2  # residual that tells where touch is
+
+
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """Bodies over the squares of windows; arrays (N,) run through the windows.
+
+    Attributes
+    ----------
+    skin : Skin
+    windows : list of Window
+    each : (bodies, N) array, m
+        Height of each body above its lowest point.
+    coverages, grown : (bodies, N) array
+        See `Cover`.
+    bodies : (N,) int array
+        The one that can touch.
+    """
+
+    skin: Skin
+    windows: list[Window]
+    each: Floats
+    coverages: Floats
+    grown: Floats
+    bodies: NDArray[np.int64]
+
+    @property
+    def area(self) -> Floats:
+        """Of each square, (N,) m²."""
+        return np.concatenate(
+            [np.full(window.size, self.skin.side(window) ** 2) for window in self.windows]
+        )
+
+    def chosen(self, values: Floats) -> Floats:
+        """Of values (bodies, N) that of the body that can touch, (N,)."""
+        return np.asarray(np.take_along_axis(values, self.bodies[None], axis=0)[0])
+
+    def nearest(self, body: int) -> NDArray[np.bool_]:
+        """The square (N,) under the lowest part of a body."""
+        out = np.zeros(len(self.bodies), dtype=bool)
+        out[self.each[body].argmin()] = True
+        return out
+
+    @property
+    def coverage(self) -> Floats:
+        """Fraction of each square below the body that can touch, (N,)."""
+        return self.chosen(self.coverages)
+
+    @property
+    def softness(self) -> Floats:
+        """Of sharp edges, (N,), see `edge_softness`."""
+        return edge_softness(self.chosen(self.grown))
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """A solution on windows."""
+
+    laid: Laid
+    indenting: Indenting
+    contact: Contact
+
+
+def settle(skin: Skin, indenters: Sequence[Indenter]) -> Settled:
+    """Solve for the contact of all bodies at once."""
+    whole = _lay(skin, indenters, [skin.whole])
+    _check_places(skin, indenters, whole)
+    coarse = settled = _solve(whole, indenters, _first_push(whole, indenters), COARSE)
+    margin = 2
+    for _ in range(ROUNDS):
+        windows = _windows(settled, margin)
+        laid = _lay(skin, indenters, windows, settled.contact.approach)
+        settled = _solve(laid, indenters, _carried_over(settled, laid))
+        _check_depth(indenters, settled.contact.approach, skin.layer)
+        if _leaks(settled, coarse):
+            margin += 3
+            continue
+        margin = 1
+        if not _finer(settled, margin):
+            return settled
+    raise SkinfieldError(
+        f"touch did not settle in {ROUNDS} windows, expected it to after a few: "
+        "use a wider extent or finer cells"
+    )
+
+
+def _lay(
+    skin: Skin, indenters: Sequence[Indenter], windows: list[Window], approach: Floats | None = None
+) -> Laid:
+    parts = []
+    for window in windows:
+        y, x = skin.axes(window)
+        covers = [cover(indenter, y, x, skin.side(window)) for indenter in indenters]
+        parts.append([[c.height.ravel(), c.coverage.ravel(), c.grown.ravel()] for c in covers])
+    each, coverages, grown = np.moveaxis(np.concatenate(parts, axis=2), 1, 0)
+    deep = np.zeros(len(indenters)) if approach is None else approach
+    bodies = (each - deep[:, None]).argmin(axis=0)
+    return Laid(skin, windows, each, coverages, grown, bodies)
+
+
+def _solve(
+    laid: Laid, indenters: Sequence[Indenter], start: Floats, tolerance: float | None = None
+) -> Settled:
+    indenting = Indenting(laid.skin, laid.windows)
+    number = [(np.nan if i.force is None else i.force, np.nan if i.depth is None else i.depth)
+              for i in indenters]  # fmt: skip
+    forces, depths = np.array(number, dtype=np.float64).T
+    problem = ContactProblem(
+        indenting,
+        indenting.own(),
+        laid.chosen(laid.each),
+        laid.bodies,
+        laid.area,
+        forces,
+        depths,
+    )
+    softness = laid.softness
+    if tolerance is None:
+        contact = solve_contact(problem, start, softness)
+    else:
+        contact = solve_contact(problem, start, softness, tolerance)
+    return Settled(laid, indenting, contact)
+
+
+def _first_push(laid: Laid, indenters: Sequence[Indenter]) -> Floats:
+    """Each force spread over the cells within a tenth of a thickness above the lowest point."""
+    start = np.zeros(len(laid.bodies))
+    near = max(0.1 * laid.skin.layer.thickness, 0.0)
+    for body, indenter in enumerate(indenters):
+        if indenter.force is None:
+            continue
+        own = np.isfinite(laid.each[body]) & (laid.bodies == body)
+        guess = own & (laid.each[body] <= max(near, float(laid.each[body][own].min())))
+        start[guess] = indenter.force / laid.area[guess].sum()
+    return start
+
+
+def _windows(settled: Settled, margin: int) -> list[Window]:
+    """Windows around all contacts, each cut as finely as its smallest contact asks for."""
+    laid, grid = settled.laid, settled.laid.skin.grid
+    found: list[tuple[Window, float]] = []
+    for body in range(len(laid.each)):
+        mask = (settled.contact.pressure > 0) & (laid.bodies == body)
+        masks = [picture > 0 for picture in settled.indenting.pictures(mask)]
+        if not mask.any():  # the body may touch within a cell, or not at all
+            masks = [picture > 0 for picture in settled.indenting.pictures(laid.nearest(body))]
+        for window, squares, part in zip(
+            touched(laid.windows, masks), masks, laid.windows, strict=True
+        ):
+            if window is not None:
+                extent = max(int(squares.any(axis=axis).sum()) for axis in (0, 1))
+                found.append((window.grown(margin, grid.shape), extent / part.split))
+    return _cut(_merged(found))
+
+
+def _merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
+    """Join windows that are less than `APART` cells from each other; the smaller width counts."""
+    found = list(found)
+    index = 0
+    while index < len(found):
+        one, width = found[index]
+        for other_index in range(index + 1, len(found)):
+            other, narrower = found[other_index]
+            gap = max(
+                max(one.row, other.row) - min(one.row + one.rows, other.row + other.rows),
+                max(one.column, other.column)
+                - min(one.column + one.columns, other.column + other.columns),
+            )
+            if gap < APART:
+                row, column = min(one.row, other.row), min(one.column, other.column)
+                bottom = max(one.row + one.rows, other.row + other.rows)
+                right = max(one.column + one.columns, other.column + other.columns)
+                joined = Window(row, column, bottom - row, right - column)
+                found[index] = (joined, min(width, narrower))
+                del found[other_index]
+                index = -1
+                break
+        index += 1
+    return found
+
+
+def _cut(found: list[tuple[Window, float]]) -> list[Window]:
+    """Split windows for `ACROSS` squares over each width, in cells, but `MOST` squares in all."""
+    splits = []
+    for _, width in found:
+        split = 1
+        while split * width < ACROSS and split < FINEST:
+            split *= 3
+        splits.append(split)
+    cells = [window.rows * window.columns for window, _ in found]
+    while True:
+        sizes = [c * s**2 for c, s in zip(cells, splits, strict=True)]
+        largest = int(np.argmax(sizes))
+        if sum(sizes) <= MOST or splits[largest] == 1:
+            break
+        splits[largest] //= 3
+    return [replace(window, split=s) for (window, _), s in zip(found, splits, strict=True)]
+
+
+def _carried_over(settled: Settled, laid: Laid) -> Floats:
+    """A start on other windows from a solution, spread over the cells."""
+    picture = np.zeros(laid.skin.grid.shape)
+    for window, pressure in zip(
+        settled.laid.windows, settled.indenting.pictures(settled.contact.pressure), strict=True
+    ):
+        picture[window.cells] = window.means(pressure)
+    return np.concatenate(
+        [resplit(picture[window.cells], 1, window.split).ravel() for window in laid.windows]
+    )
+
+
+def _leaks(settled: Settled, coarse: Settled) -> bool:
+    """Whether touch reaches a window's border, or a body is in the skin outside of all windows."""
+    laid, contact = settled.laid, settled.contact
+    skin, shape = laid.skin, laid.skin.grid.shape
+    outside = np.ones(shape, dtype=bool)
+    sunk = np.zeros(shape)
+    for window, pressure in zip(
+        laid.windows, settled.indenting.pictures(contact.pressure), strict=True
+    ):
+        outside[window.cells] = False
+        sunk += skin.far(skin.carried(window, pressure))[3:-3, 3:-3]
+        for inner, line in (
+            (window.row > 0, pressure[0]),
+            (window.row + window.rows < shape[0], pressure[-1]),
+            (window.column > 0, pressure[:, 0]),
+            (window.column + window.columns < shape[1], pressure[:, -1]),
+        ):
+            if inner and line.any():
+                return True
+    height = (coarse.laid.each - contact.approach[:, None]).min(axis=0).reshape(shape)
+    gap = np.where(outside, height + sunk, np.inf)
+    return bool(gap.min() < -1e-4 * np.abs(contact.approach).max())
+
+
+def _finer(settled: Settled, margin: int) -> bool:
+    """Whether a contact came out so small that its window should be cut again."""
+    wanted = max(window.split for window in _windows(settled, margin))
+    return wanted > max(window.split for window in settled.laid.windows)
+
+
+def _check_places(skin: Skin, indenters: Sequence[Indenter], whole: Laid) -> None:
+    """Each body must have cells, and be the lowest on some of them."""
+    for index, indenter in enumerate(indenters):
+        under = np.isfinite(whole.each[index])
+        if not under.any():
+            grid = skin.grid
+            raise InputError(
+                f"indenters[{index}] at {indenter.position} m covers no cell, expected it within "
+                f"{grid.shape[0] * grid.pitch / 2:g} m of the origin and wider than "
+                f"{grid.pitch:g} m"
+            )
+        if not under[whole.bodies == index].any():
+            raise InputError(
+                f"indenters[{index}] at {indenter.position} m lies behind the others, "
+                "expected them apart: each must be the lowest somewhere"
+            )
+
+
+def _check_depth(indenters: Sequence[Indenter], approach: Floats, layer: Layer) -> None:
+    thickness = layer.thickness
+    deepest = int(approach.argmax())
+    if approach[deepest] >= thickness:
+        raise InputError(
+            f"indenters[{deepest}] with {_load(indenters[deepest])} sinks "
+            f"{approach[deepest] * 1e3:.3g} mm into a layer of {thickness * 1e3:g} mm, "
+            "expected less than its thickness: press lighter, or with a wider body"
+        )
+
+
+def _load(indenter: Indenter) -> str:
+    return f"{indenter.depth:g} m" if indenter.force is None else f"{indenter.force:g} N"
