@@ -135,6 +135,16 @@ def test_a_clipped_scale_gives_its_noise_from_above():
     assert any("floor of the scale" in note for note in b.notes)
 
 
+def test_taxels_below_the_floor_of_the_scale_rest_too_until_they_are_pressed():
+    """At -0.7 deviations three readings in four are 0, and so is the median step."""
+    counts = CySkinCount().counts_from_difference(90 * noise(400, 40) - 63)
+    assert (counts == 0).mean() > 0.7
+    assert quiet_stretch(counts, RATE, seconds=4).still
+    swell = np.sin(np.linspace(0, np.pi, 400))[:, None] * 3000
+    pressed = CySkinCount().counts_from_difference(90 * noise(400, 40) - 63 + swell)
+    assert quiet_stretch(pressed, RATE, seconds=8).moving.sum() > 20
+
+
 def test_absent_taxels_have_no_baseline_and_are_named():
     counts = 240 + 2 * noise(200, 6)
     counts[:, 2] = np.nan

@@ -67,10 +67,19 @@ def fast_noise(counts: Floats, hold: float) -> Floats:
     """Standard deviation of what changes from value to value of (T, L) counts, (L,).
 
     From the median absolute difference of readings that lie a whole value apart, so that neither
-    slow motion nor repeated readings enter; half a count at least, for quantised data.
+    slow motion nor repeated readings enter; half a count at least, for quantised data. Where most
+    readings are clamped to one value that median is 0, so the smaller nine tenths of the
+    differences count by their mean square too: less than the median's figure on normal noise, and
+    free of the few large ones of a touch.
     """
     lag = max(1, math.ceil(hold))
-    spread = 1.4826 * median(np.abs(counts[lag:] - counts[:-lag])) / math.sqrt(2.0)
+    difference = np.abs(counts[lag:] - counts[:-lag])
+    usual = 1.4826 * median(difference)
+    there = np.nan_to_num(difference, nan=np.inf)
+    there = np.sort(there, axis=0)[: max(1, int(0.9 * len(there)))]
+    finite = np.isfinite(there)
+    square = np.sum(there**2, axis=0, where=finite) / np.maximum(finite.sum(axis=0), 1)
+    spread = np.fmax(usual, np.sqrt(square)) / math.sqrt(2.0)
     return np.maximum(spread, 0.5) if whole_numbers(counts) else spread
 
 
