@@ -4,7 +4,6 @@ import json
 import os
 from pathlib import Path
 
-import pytest
 from click.testing import CliRunner
 
 from skinfield.cli.main import main
@@ -23,30 +22,62 @@ def quick(settings: Settings) -> Section:
     return Section("x", "Quick", "", (f"threads {os.environ.get('OMP_NUM_THREADS')}",))
 
 
+SEEN: list[int] = []
+
+
+def sometimes(settings: Settings) -> Section | Missing:
+    return quick(settings) if SEEN else Missing("not yet")
+
+
+def failing(settings: Settings) -> Section:
+    raise ZeroDivisionError("on purpose")
+
+
 def absent(settings: Settings) -> Missing:
     return Missing("nothing there")
 
 
-def test_one_part_from_nothing_and_kept(tmp_path: Path, monkeypatch) -> None:
+def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
     words = ("--size", "smoke", "--only", "model", "--workers", "1", "-o", str(tmp_path))
     first = invoke(*words)
     assert first.exit_code == 0, first.output
     assert first.output.split() == ["wrote", str(tmp_path / "report.html")]
     names = {file.name for file in (tmp_path / "half-space").iterdir()}
-    assert names == {"section.json", "errors.csv", "errors.png"}
+    assert names == {"task.json", "section.json", "errors.csv", "errors.png"}
     page = (tmp_path / "report.html").read_text()
-    monkeypatch.setattr(running, "made", lambda *_: pytest.fail("made again"))
+    stamp = (tmp_path / "half-space" / "section.json").stat().st_mtime_ns
     assert invoke(*words).exit_code == 0
+    assert (tmp_path / "half-space" / "section.json").stat().st_mtime_ns == stamp
     again = (tmp_path / "report.html").read_text()
     assert (
         page.split("<main>")[1].split("</main>")[0] == again.split("<main>")[1].split("</main>")[0]
     )
 
 
-def test_other_settings_are_made_anew(tmp_path: Path) -> None:
+def test_other_settings_are_made_anew() -> None:
     each = Experiment("part", (), quick)
-    marks = {running.fingerprint(each, Settings(size=SMOKE, seed=seed)) for seed in (0, 0, 1)}
-    assert len(marks) == 2
+    tasks = [running.task_of(each, Settings(size=SMOKE, seed=seed)) for seed in (0, 0, 1)]
+    assert len({task.fingerprint for task in tasks}) == 2
+
+
+def test_what_was_missing_is_looked_for_again(tmp_path: Path) -> None:
+    part = Experiment("part", (), sometimes)
+    running.run((part,), SETTINGS, tmp_path)
+    assert json.loads((tmp_path / "results.json").read_text())["sections"] == []
+    SEEN.append(1)
+    running.run((part,), SETTINGS, tmp_path)
+    assert len(json.loads((tmp_path / "results.json").read_text())["sections"]) == 1
+
+
+def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
+    parts = (Experiment("bad", (), failing), Experiment("good", (), quick))
+    monkeypatch.setattr(running, "chosen", lambda names: parts)
+    result = invoke("--size", "smoke", "--workers", "1", "-o", str(tmp_path))
+    assert result.exit_code == 2
+    assert "bad.failed.txt" in "".join(result.output.split())
+    page = (tmp_path / "report.html").read_text()
+    assert "bad failed: ZeroDivisionError" in page
+    assert "Quick" in page
 
 
 def test_parts_run_side_by_side_on_one_thread_each_and_missing_ones_are_named(
@@ -87,7 +118,7 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
         "--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below")
     )
     assert below.exit_code == 2
-    assert "cannot be written" in below.output
+    assert "cannot be made" in below.output
 
 
 def test_recorded_data_without_a_folder_is_said(tmp_path: Path, monkeypatch) -> None:

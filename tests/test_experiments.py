@@ -229,9 +229,7 @@ def test_truth_on_its_own_grid_obeys_the_paper_formulas() -> None:
 
 def test_exponents_tell_a_power_law_from_an_exponential() -> None:
     def times(mean) -> list[Times]:
-        return [
-            Times(n, np.full(2, mean(n**2)), np.ones(2), np.ones(2)) for n in (10, 20, 30, 40)
-        ]
+        return [Times(n, np.full(2, mean(n**2)), np.ones(2), np.ones(2)) for n in (10, 20, 30, 40)]
 
     power, about_power, about_exponential = exponents(times(lambda k: 1e-9 * k**2.5))
     assert power == pytest.approx(2.5)

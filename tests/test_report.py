@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError
@@ -110,11 +110,9 @@ def test_page_tells_verdict_missing_parts_time_and_settings() -> None:
 
 
 def test_files_are_read_back_equal(tmp_path: Path) -> None:
-    write_section(SECTION, tmp_path, "mark")
-    assert read_section("part", tmp_path, "mark") == SECTION
-    assert read_section("part", tmp_path, "another mark") is None
-    assert read_section("other", tmp_path, "mark") is None
-    with (tmp_path / "part" / "numbers.csv").open(newline="") as file:
+    write_section(SECTION, tmp_path)
+    assert read_section(tmp_path) == SECTION
+    with (tmp_path / "numbers.csv").open(newline="") as file:
         assert list(csv.reader(file)) == [
             ["name", "force (N)", "n"],
             ["a, b", "0.12345", "3"],
@@ -122,25 +120,30 @@ def test_files_are_read_back_equal(tmp_path: Path) -> None:
         ]
 
 
-def test_a_section_that_was_cut_short_is_made_again(tmp_path: Path) -> None:
-    write_section(SECTION, tmp_path, "mark")
-    (tmp_path / "part" / "first.png").unlink()
-    assert read_section("part", tmp_path, "mark") is None
+def test_a_section_that_was_cut_short_says_so(tmp_path: Path) -> None:
+    write_section(SECTION, tmp_path)
+    (tmp_path / "first.png").unlink()
+    with pytest.raises(FileError, match="remove its folder, and it is made again"):
+        read_section(tmp_path)
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-@given(st.binary(max_size=200) | st.recursive(
+GARBAGE = st.recursive(
     st.none() | st.integers() | st.text(max_size=4),
-    lambda inner: st.lists(inner, max_size=3)
-    | st.dictionaries(st.sampled_from(["fingerprint", "name", "tables", "pictures"]), inner),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.sampled_from(["name", "tables", "pictures", "verdicts"]), inner)
+    ),
     max_leaves=6,
-).map(lambda value: json.dumps(value).encode()))  # fmt: skip
-def test_garbage_in_a_section_is_no_section(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "part").mkdir(exist_ok=True)
-    (tmp_path / "part" / "section.json").write_bytes(content)
-    assert read_section("part", tmp_path, "mark") is None
+)
+
+
+@settings(max_examples=80, deadline=None)
+@given(content=st.binary(max_size=200) | GARBAGE.map(lambda value: json.dumps(value).encode()))
+def test_garbage_in_a_section_is_no_section(tmp_path_factory, content: bytes) -> None:
+    folder = tmp_path_factory.mktemp("part")
+    (folder / "section.json").write_bytes(content)
+    with pytest.raises(FileError, match="is no section of a report"):
+        read_section(folder)
 
 
 def test_results_are_json_without_nan(tmp_path: Path) -> None:
@@ -155,8 +158,6 @@ def test_results_are_json_without_nan(tmp_path: Path) -> None:
 
 def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(FileError, match="cannot be written"):
-        write_section(SECTION, tmp_path / "file", "mark")
     with pytest.raises(FileError, match="cannot be written"):
         write_report(RUN, tmp_path / "file")
 

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from skinfield.cli.report import console, progress
+from skinfield.errors import SkinfieldError
 
 SIZES = ("smoke", "short", "full")
 
@@ -83,5 +84,8 @@ def experiments(
         def show(name: str, done: int, of: int) -> None:
             bar.update(task, completed=done, total=of, description=name or "experiments")
 
-        page = run(wanted, settings, Path(output), workers, show)
-    console().print(f"wrote {page}", highlight=False, soft_wrap=True)
+        finished = run(wanted, settings, Path(output), workers, show)
+    console().print(f"wrote {finished.page}", highlight=False, soft_wrap=True)
+    if finished.failures:
+        named = ", ".join(f"{name} (see {file})" for name, file in finished.failures)
+        raise SkinfieldError(f"the report lacks what failed: {named}")

@@ -1,10 +1,9 @@
 """All experiments, in the order of the page: one more is one file, and one line here."""
 
-from functools import partial
-
 from skinfield.experiments.detection import detection
 from skinfield.experiments.half_space_error import half_space_error
 from skinfield.experiments.imposed import imposed
+from skinfield.experiments.judged import judged
 from skinfield.experiments.recorded import RECORDED, recorded
 from skinfield.experiments.resolutions import resolutions
 from skinfield.experiments.section import Experiment
@@ -16,5 +15,6 @@ EXPERIMENTS = (
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("half-space", ("model",), half_space_error),
-    *(Experiment(f"real-{name}", ("real-data",), partial(recorded, name)) for name in RECORDED),
+    Experiment("agreement", ("fem",), judged),
+    *(Experiment(f"real-{name}", ("real-data",), recorded, (name,)) for name in RECORDED),
 )

@@ -31,7 +31,8 @@ from skinfield.experiments.section import Section, Table, Verdict
 from skinfield.experiments.settings import Settings
 from skinfield.experiments.words import share_in_words
 
-COUNTS = (1, 2, 4, 8, 15, 30, 60, 120)  # readings averaged
+COUNTS = (1, 2, 4, 6, 8, 11, 15, 22, 30, 43, 60, 85, 120)  # readings averaged
+QUICK, SHARED = COUNTS.index(15), COUNTS.index(30)  # quoted in words
 RELIABLE = 0.99
 CLAIM = (
     "With 0.2 N over a taxel the contact cannot be isolated from noise, whatever the grid; "
@@ -108,7 +109,7 @@ def _sentences(found: Found) -> list[str]:
     paper = [found.rate(PAPER.name, n, PLACES[0], 0.5).share for n in settings.size.grids]
     ours = found.rate(FIELD.name, 40, PLACES[0], 0.5)
     raw = found.rate(RAW, 0, PLACES[0], 0.5).share
-    shared = [f"{100 * share[5]:.0f} %" for share in found.averages[PLACES[1]].values()]
+    shared = [f"{100 * share[SHARED]:.0f} %" for share in found.averages[PLACES[1]].values()]
     alarms, nominal = _finder_alarms(found)
     return [
         f"{settings.size.presses} noisy presses per indenter, place and load; thresholds are set "
@@ -124,9 +125,9 @@ def _sentences(found: Found) -> list[str]:
         f"{share_in_words(ours.share, ours.interval)}.",
         f"Over a taxel the highest reading alone, {100 * raw:.0f} %, detects as well as any field. "
         "Between taxels, where several share the press, a method that adds them up gains: with "
-        f"{COUNTS[5]} readings of 0.2 N averaged between two, the paper's finds {shared[0]}, the "
-        f"highest taxel {shared[2]}, ours {shared[1]}, and a matched filter that knows the shape "
-        f"{shared[3]}.",
+        f"{COUNTS[SHARED]} readings of 0.2 N averaged between two, the paper's finds {shared[0]}, "
+        f"the highest taxel {shared[2]}, ours {shared[1]}, and a matched filter that knows the "
+        f"shape {shared[3]}.",
         f"The contact finder's own threshold, stated as one false alarm in {1 / nominal:.0f} idle "
         f"readings, gave {alarms} in {settings.size.quiet}.",
         _average_sentence(found),
@@ -134,7 +135,7 @@ def _sentences(found: Found) -> list[str]:
 
 
 def _finder_alarms(found: Found) -> tuple[int, float]:
-    """Number of idle readings with a cell above `ContactFinder`'s threshold, and its stated rate."""
+    """Idle readings with a cell above `ContactFinder`'s threshold, and its stated rate."""
     from scipy.special import ndtri
 
     each = found.chosen([f"{FIELD.name}, 40 × 40"])[0]
@@ -164,8 +165,8 @@ def _average_sentence(found: Found) -> str:
     return (
         f"Averaging works as long as the noise is independent from reading to reading: for "
         f"{100 * RELIABLE:.0f} % at 0.2 N it takes, in readings, {'; '.join(parts)}. At "
-        f"{rate:g} readings per second, {COUNTS[4]} take {COUNTS[4] / rate:.1f} s; an exponential "
-        f"filter of 0.1 s does as much as averaging {1 / factor**2:.0f}."
+        f"{rate:g} readings per second, {COUNTS[QUICK]} take {COUNTS[QUICK] / rate:.1f} s; an "
+        f"exponential filter of 0.1 s does as much as averaging {1 / factor**2:.0f}."
     )
 
 

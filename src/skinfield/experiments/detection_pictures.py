@@ -133,7 +133,7 @@ def picture_of_averages(
         y="share of presses found",
         log_x=True,
         y_limits=(-0.02, 1.02),
-        x_ticks=tuple(x[::2]),
+        x_ticks=tuple(x[::3]),
     )
     caption = (
         "Presses of 0.2 N found when readings with independent noise are averaged, at "

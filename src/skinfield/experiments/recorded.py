@@ -10,7 +10,7 @@ from skinfield.experiments.settings import Settings
 RECORDED = tuple(name for name, _ in FINDINGS)
 
 
-def recorded(name: str, settings: Settings) -> Section | Missing:
+def recorded(settings: Settings, name: str) -> Section | Missing:
     """The section of one kind of recording, or why it is missing."""
     if not settings.data:
         return Missing(

@@ -40,40 +40,33 @@ class Run:
     seconds: float
 
 
-def write_section(section: Section, folder: Path, fingerprint: str) -> None:
-    """Write a section's PNG and CSV files, and last its JSON file, which says that it is whole.
+def write_section(section: Section, own: Path) -> None:
+    """Write a section's PNG, CSV and JSON files into its own folder, which is there."""
+    for picture in section.pictures:
+        (own / f"{picture.name}.png").write_bytes(picture.png)
+    for table in section.tables:
+        with (own / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerows([table.columns, *table.rows])
+    _write_json(own / SECTION, section_as_json(section))
+
+
+def read_section(own: Path) -> Section:
+    """Section as `write_section` wrote it.
 
     Raises
     ------
     FileError
-        If a file cannot be written.
+        If files are missing or are something else.
     """
-    own = folder / section.name
-    try:
-        own.mkdir(parents=True, exist_ok=True)
-        (own / SECTION).unlink(missing_ok=True)
-        for picture in section.pictures:
-            (own / f"{picture.name}.png").write_bytes(picture.png)
-        for table in section.tables:
-            with (own / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerows([table.columns, *table.rows])
-        entry = {"fingerprint": fingerprint, **section_as_json(section)}
-        _write_json(own / SECTION, entry)
-    except OSError as error:
-        raise FileError(f"{own} cannot be written: {error.strerror or error}") from error
-
-
-def read_section(name: str, folder: Path, fingerprint: str) -> Section | None:
-    """Section as an earlier run wrote it; None where there is none with this fingerprint."""
-    own = folder / name
     try:
         entry = json.loads((own / SECTION).read_text(encoding="utf-8"))
-        if entry["fingerprint"] != fingerprint:
-            return None
         return section_from_json(entry, lambda picture: (own / f"{picture}.png").read_bytes())
-    except (OSError, ValueError, KeyError, TypeError):  # missing, cut short, or somebody else's
-        return None
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise FileError(
+            f"{own / SECTION} is no section of a report ({error}), expected one that this program "
+            "wrote: remove its folder, and it is made again"
+        ) from error
 
 
 def write_report(run: Run, folder: Path) -> Path:

@@ -1,25 +1,30 @@
 """The whole of the experiments: choose, compute what is not there yet, write the report."""
 
 import hashlib
-import os
+import shutil
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from multiprocessing import get_context
 from pathlib import Path
 
-from skinfield.errors import InputError
+from skinfield.campaign import Outcome, Task, stored
+from skinfield.campaign import run as run_campaign
+from skinfield.errors import FileError, InputError
 from skinfield.experiments.catalogue import EXPERIMENTS
 from skinfield.experiments.report import Run, read_section, write_report, write_section
 from skinfield.experiments.section import Experiment, Missing, Section
 from skinfield.experiments.settings import Settings
 
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-Outcome = Section | Missing
 Progress = Callable[[str, int, int], None]  # what is done, how many, of how many
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Where the report is, and which parts failed: (name, file with the reason)."""
+
+    page: Path
+    failures: tuple[tuple[str, Path], ...]
 
 
 def chosen(names: Sequence[str]) -> tuple[Experiment, ...]:
@@ -49,8 +54,8 @@ def run(
     folder: Path,
     workers: int = 1,
     progress: Progress = lambda name, done, of: None,
-) -> Path:
-    """Compute what `folder` does not hold yet, and write the report; its path comes back.
+) -> Finished:
+    """Compute what `folder` does not hold yet, and write the report.
 
     Parameters
     ----------
@@ -69,77 +74,61 @@ def run(
         If the folder cannot be written.
     """
     start = time.perf_counter()
-    marks = {each.name: fingerprint(each, settings) for each in experiments}
+    tasks = {each.name: task_of(each, settings) for each in experiments}
+    for task in tasks.values():
+        _forget_missing(task, folder)
+    together = [tasks[each.name] for each in experiments if not each.alone]
+    by_itself = [tasks[each.name] for each in experiments if each.alone]
     found: dict[str, Outcome] = {}
-    for each in experiments:
-        kept = read_section(each.name, folder, marks[each.name])
-        if kept is not None:
-            found[each.name] = kept
-    total = len(experiments)
-    progress("", len(found), total)
-    todo = [each for each in experiments if each.name not in found]
-    for name, outcome in _outcomes(todo, settings, workers):
-        if isinstance(outcome, Section):
-            write_section(outcome, folder, marks[name])
-        found[name] = outcome
-        progress(name, len(found), total)
-    outcomes = [found[each.name] for each in experiments]
-    result = Run(
-        settings,
-        tuple(outcome for outcome in outcomes if isinstance(outcome, Section)),
-        tuple(outcome.reason for outcome in outcomes if isinstance(outcome, Missing)),
-        time.perf_counter() - start,
-    )
-    return write_report(result, folder)
+    progress("", 0, len(tasks))
+    for group, processes in ((together, workers), (by_itself, 1)):
+        for event in run_campaign(group, folder, workers=processes):
+            found[event.outcome.name] = event.outcome
+            progress(event.outcome.name, len(found), len(tasks))
+    result = _gathered([found[name] for name in tasks], settings)
+    page = write_report(replace(result, seconds=time.perf_counter() - start), folder)
+    failures = [(name, folder / f"{name}.failed.txt") for name in tasks if found[name].failure]
+    return Finished(page, tuple(failures))
 
 
-def made(experiment: Experiment, settings: Settings) -> Outcome:
-    """Run one experiment, with its wall time."""
-    start = time.perf_counter()
-    outcome = experiment.make(settings)
-    if isinstance(outcome, Section):
-        return replace(outcome, name=experiment.name, seconds=time.perf_counter() - start)
-    return outcome
+def _gathered(outcomes: Sequence[Outcome], settings: Settings) -> Run:
+    sections: list[Section] = []
+    missing: list[str] = []
+    for outcome in outcomes:
+        reason = (outcome.result or {}).get("missing")
+        if outcome.failure:
+            missing.append(f"{outcome.name} failed: {outcome.failure.strip().splitlines()[-1]}")
+        elif reason is not None:
+            missing.append(reason)
+        else:
+            sections.append(replace(read_section(outcome.folder), seconds=outcome.seconds))
+    return Run(settings, tuple(sections), tuple(missing), 0.0)
 
 
-def _outcomes(
-    todo: Sequence[Experiment], settings: Settings, workers: int
-) -> Iterator[tuple[str, Outcome]]:
-    together = [each for each in todo if not each.alone]
-    if workers > 1 and len(together) > 1:
-        with _one_thread_each(), ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-            jobs: dict[Future[Outcome], str] = {
-                pool.submit(made, each, settings): each.name for each in together
-            }
-            for job in as_completed(jobs):
-                yield jobs[job], job.result()
-    else:
-        for each in together:
-            yield each.name, made(each, settings)
-    for each in todo:
-        if each.alone:
-            yield each.name, made(each, settings)
+def task_of(experiment: Experiment, settings: Settings) -> Task:
+    """The experiment as a task; other settings and another program make another one."""
+    return Task(experiment.name, make_section, (experiment, settings), version=_program())
 
 
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that are started here use one thread: workers fill the cores themselves."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
+def make_section(folder: Path, experiment: Experiment, settings: Settings) -> dict[str, str]:
+    """Run one experiment and write its section into `folder`, or return why there is none."""
+    made = experiment.make(settings, *experiment.arguments)
+    if isinstance(made, Missing):
+        return {"missing": made.reason}
+    write_section(replace(made, name=experiment.name), folder)
+    return {}
+
+
+def _forget_missing(task: Task, folder: Path) -> None:
+    """What was not at hand may be by now: look again."""
+    kept = stored(task, folder)
+    if kept is None:
+        return
     try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
-
-
-def fingerprint(experiment: Experiment, settings: Settings) -> str:
-    """Changes when the settings or the program do."""
-    text = f"{experiment.name} {settings!r} {_program()}"
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+        if "missing" in (kept.result or {}) or not read_section(kept.folder):
+            shutil.rmtree(kept.folder)
+    except FileError:  # somebody removed or changed a file
+        shutil.rmtree(kept.folder)
 
 
 @lru_cache(maxsize=1)
@@ -147,6 +136,6 @@ def _program() -> str:
     """Digest of skinfield's own sources."""
     root = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for file in sorted(root.rglob("*.py")):
+    for file in sorted([*root.rglob("*.py"), *root.rglob("*.html")]):
         digest.update(str(file.relative_to(root)).encode() + file.read_bytes())
     return digest.hexdigest()

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from skinfield.errors import InputError
-from skinfield.experiments.settings import Settings
 
 Cell = str | float | int | None
 
@@ -106,16 +105,17 @@ class Experiment:
         By which it is chosen, and its files are named.
     figures : tuple of str
         Of the paper, such as "fig3": it is chosen by these, too.
-    make : function of Settings
-        The section, or why there is none. A module's function, or a partial of one: it is sent to
-        other processes.
+    make : function of Settings and of `arguments`
+        The section, or why there is none. Of the module level: it is sent to other processes.
+    arguments : tuple
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
 
     name: str
     figures: tuple[str, ...]
-    make: Callable[[Settings], Section | Missing]
+    make: Callable[..., Section | Missing]
+    arguments: tuple[str, ...] = ()
     alone: bool = False
 
 

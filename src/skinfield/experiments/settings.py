@@ -37,8 +37,8 @@ class Size:
 
 
 SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=2)
-SHORT = Size(name="short", quiet=40_000, presses=600, cell=0.2e-3, laps=12)
-FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=50)
+SHORT = Size(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
+FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
 
 
 def size_by_name(name: str) -> Size:
