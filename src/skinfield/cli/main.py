@@ -24,6 +24,7 @@ COMMANDS = {
         "skinfield.cli.reconstruct", "reconstruct", "Turn a recording into contacts and fields."
     ),
     "calibrate": Lazy("skinfield.cli.calibrate", "calibrate", "Fit the skin to known loads."),
+    "press": Lazy("skinfield.cli.press", "press", "Press bodies of any shape on simulated skin."),
     "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
     "experiments": Lazy(
         "skinfield.cli.experiments", "experiments", "Make the paper's figures anew, with a report."
