@@ -30,6 +30,7 @@ from skinfield.mechanics.transfer import LayerTransfer
 
 CUTOFF = 26.0  # of k h: 1 - X falls as exp(-2 k h)
 WIDEST = 60.0  # contact radius over thickness that the nodes are chosen for
+PANELS = 20  # of 20 wave numbers each, more if the contact is wide
 NODES = 64  # of the integrals over the contact that give pressure and displacement
 
 
@@ -152,7 +153,7 @@ class Indentation:
         r = np.abs(as_floats("r", r))
         h = self.layer.thickness
         transfer = LayerTransfer(self.layer.poisson_ratio)
-        nodes, share = gauss_legendre(0.0, 46.0 / h, 80 + int(12 * self.contact_radius / h))
+        nodes, share = gauss_legendre(0.0, 46.0 / h, 2 * PANELS + int(5 * self.contact_radius / h))
         x, weight = _rule(self.contact_radius, h, self.profile)
         hankel = np.cos(np.outer(nodes, x)) @ (weight * self.springs(x))
         across = share * nodes * transfer.base_normal(nodes * h) * hankel
@@ -202,9 +203,8 @@ def punch(
     if force is not None:
         check_positive("force", force, "into the skin, in newtons")
         depth = force / unit.force
-    assert depth is not None
-    check_positive("depth", depth, "of the flat end, in metres")
-    return _solve(layer, None, radius, depth)
+    check_positive("depth", depth or 0.0, "of the flat end, in metres")
+    return _solve(layer, None, radius, depth or 0.0)
 
 
 def kappa(a_over_h: float, poisson_ratio: float) -> float:
@@ -237,7 +237,7 @@ def _solve(layer: Layer, profile: Profile | None, a: float, depth: float) -> Ind
     _check_radius(layer, profile, a)
     h = layer.thickness
     t, weight = _rule(a, h, profile)
-    wave, share = gauss_legendre(0.0, CUTOFF / h, panels=60 + int(10 * a / h))
+    wave, share = gauss_legendre(0.0, CUTOFF / h, panels=PANELS + int(3 * a / h))
     missing = -share * LayerTransfer(layer.poisson_ratio).normal_rest(wave * h)
     cosine = np.cos(np.outer(t, wave))
     kernel = 2.0 / np.pi * (cosine * missing) @ cosine.T * weight

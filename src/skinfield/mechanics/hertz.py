@@ -20,7 +20,7 @@ from skinfield.mechanics.sneddon import SneddonSphere as SneddonSphere
 
 
 def effective_modulus(young_modulus: float, poisson_ratio: float) -> float:
-    """E* = E/(1 - nu²) in Pa, of an elastic half-space under a rigid body (Johnson 4.6)."""
+    """E* = E/(1 - nu²) in Pa, of an elastic half-space under a rigid body."""
     check_positive("young_modulus", young_modulus, "in Pa")
     check_range("poisson_ratio", poisson_ratio, -1.0, 0.5, "0.5 is incompressible")
     return young_modulus / (1.0 - poisson_ratio**2)

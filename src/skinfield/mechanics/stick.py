@@ -20,7 +20,7 @@ def tangential_stiffness(
 ) -> float:
     """Force per displacement of a stuck round contact, 4 E a/((1 + nu)(2 - nu)), N/m.
 
-    Any pressure gives it (Johnson 7.37, with G = E/(2 (1 + nu)) and one elastic body).
+    Whatever the pressure (Johnson 7.2, with G = E/(2 (1 + nu)) and one elastic body).
     """
     check_positive("young_modulus", young_modulus, "in Pa")
     check_positive("contact_radius", contact_radius, "in metres")
@@ -110,7 +110,7 @@ class PartialSlip:
 
     @property
     def displacement(self) -> float:
-        """Of the sphere along the force, m (Johnson 7.42)."""
+        """Of the sphere along the force, m."""
         stiffness = tangential_stiffness(
             self.young_modulus, self.poisson_ratio, self.normal.contact_radius
         )
