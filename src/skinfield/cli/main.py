@@ -25,6 +25,10 @@ COMMANDS = {
     ),
     "calibrate": Lazy("skinfield.cli.calibrate", "calibrate", "Fit the skin to known loads."),
     "press": Lazy("skinfield.cli.press", "press", "Press bodies of any shape on simulated skin."),
+    "cases": Lazy("skinfield.cli.cases", "cases", "Write simulated cases to judge solvers by."),
+    "validate": Lazy(
+        "skinfield.cli.validate", "validate", "Score a solver on cases whose truth is known."
+    ),
     "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
     "experiments": Lazy(
         "skinfield.cli.experiments", "experiments", "Make the paper's figures anew, with a report."

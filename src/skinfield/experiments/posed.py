@@ -52,20 +52,18 @@ def posed(truth: Truth, pose: Pose) -> Truth:
 
 
 def contacts_of_press(press: Press) -> tuple[TrueContact, ...]:
-    """One contact per indenter that touches: its own part of the pressure."""
-    nodes = press.grid.plane[press.contact]
-    weight = press.pressure[press.contact] * press.grid.cell_area
-    # Of two bodies, the one that touches at a node is the one whose surface is lower there.
-    surfaces = [
-        body.height(nodes[:, 0], nodes[:, 1]) - approach
-        for body, approach in zip(press.indenters, press.approach, strict=True)
-    ]
-    owner = np.argmin(surfaces, axis=0)
+    """One contact per indenter that touches, at its centre of pressure."""
     contacts = []
     for index, body in enumerate(press.indenters):
-        own = weight * (owner == index)
-        if own.sum() > 0:
-            x, y = own @ nodes / own.sum()
-            area = float(np.count_nonzero(own) * press.grid.cell_area)
-            contacts.append(TrueContact((float(x), float(y)), float(own.sum()), area, body.kind))
+        force = float(press.forces[index])
+        if force <= 0.0:
+            continue
+        about_x, about_y, _ = press.moments[index]  # of a push: (-y, x) times the force
+        area = sum(
+            float(touch.share[touch.body == index].sum())
+            * (press.grid.pitch / touch.window.split) ** 2
+            for touch in press.touches
+        )
+        place = (float(about_y / force), float(-about_x / force))
+        contacts.append(TrueContact(place, force, area, body.kind))
     return tuple(contacts)
