@@ -18,6 +18,8 @@ EXTENT = 46e-3  # m: side of the square that holds all discs
 INNER_TRIO = (0.0, 10.7e-3)  # m: near the middle of the three adjacent taxels
 APART = 15e-3  # m: of the separate taxels from the middle
 ADJACENT, SEPARATE = "three adjacent taxels", "three separate taxels"
+CELL = 0.5e-3  # m; the contact is solved on finer squares
+PARTS = 5  # to a side of a cell, when its force is shared among others
 LAYER, HALF_SPACE, OWN_GRID = "layer", "half-space", "own grid"
 
 
@@ -53,14 +55,20 @@ class Truth:
         return float(self.pressure.sum() * self.grid.cell_area)
 
     def on(self, grid: Grid) -> tuple[Floats, Floats]:
-        """Mean pressure over the cells (K,) Pa of another grid, and indentation at its nodes."""
+        """Mean pressure over the cells (K,) Pa of another grid, and indentation at its nodes.
+
+        The discs must lie inside the other grid.
+        """
         from scipy.ndimage import map_coordinates
 
-        nodes = np.round((self.grid.plane - grid.origin) / grid.pitch).astype(int)
-        rows, columns = grid.shape
-        inside = ((nodes >= 0) & (nodes < [columns, rows])).all(axis=1)
-        index = nodes[inside, 1] * columns + nodes[inside, 0]
-        forces = np.bincount(index, self.pressure[inside] * self.grid.cell_area, len(grid))
+        pressed = self.pressure != 0
+        steps = (np.arange(PARTS) - (PARTS - 1) / 2) / PARTS * self.grid.pitch
+        within = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        points = self.grid.plane[pressed][:, None] + within
+        nodes = np.round((points - grid.origin) / grid.pitch).astype(int)
+        index = nodes[..., 1] * grid.shape[1] + nodes[..., 0]
+        part = np.repeat(self.pressure[pressed] * self.grid.cell_area / PARTS**2, PARTS**2)
+        forces = np.bincount(index.ravel(), part, len(grid))
         where = ((grid.plane - self.grid.origin) / self.grid.pitch).T[::-1]
         picture = self.indentation.reshape(self.grid.shape)
         return forces / grid.cell_area, map_coordinates(picture, where, order=1)
@@ -95,7 +103,7 @@ def truth_of(world: str, case: str, settings: Settings) -> Truth:
         for x, y in places.tolist()
     ]
     mechanics = HalfSpace(point_forces=False) if world == HALF_SPACE else None
-    solved = press(layer, discs, EXTENT, settings.size.cell, mechanics)
+    solved = press(layer, discs, EXTENT, CELL, mechanics)
     pad = 0.0 if world == HALF_SPACE else patch.pad_diameter
     grid = Grid(patch, solved.grid.shape, solved.grid.pitch, solved.grid.origin)
     inwards = -solved.displacement[:, 2]
