@@ -79,9 +79,10 @@ def test_a_leaning_body_is_that_of_its_triangles(name: str, pose: str) -> None:
     mine, want = posed.height(X, Y), other.height(X, Y)
     both = np.isfinite(mine) & np.isfinite(want) & (want < 4 * MM)
     assert both.sum() > 200
-    # The triangles lie inside the round body, their lowest point too: by up to 0.6 um.
+    # The triangles lie inside a round body, and inside a hole, by up to 0.6 um along its normal.
     off = want[both] - mine[both]
-    assert off.min() > -1e-6
+    assert off.min() > -2e-6
+    assert np.quantile(off, 0.05) > -0.7e-6
     assert np.quantile(off, 0.95) < 1e-6
     # They end at the same rim, but for places that it passes through.
     differ = (mine < MM) != (want < MM)

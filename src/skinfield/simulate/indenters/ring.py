@@ -6,10 +6,13 @@ from typing import ClassVar
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
+from skinfield.simulate.indenters.cylinder import Cylinder
 from skinfield.simulate.indenters.rounded import Rounded
 
-CLOSE = 1e-11
-"""Metres from the surface at which a line is straight enough for one last Newton step."""
+CLOSE = 1e-12
+"""Metres from the rim at which a line has reached it."""
+NEAR = 1e-9
+"""Metres from the rim at which a line that skims it is taken to have reached it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,22 +62,40 @@ class Ring(Rounded):
         return np.array([-up[0] * outward, -up[1] * outward, self.edge_radius])
 
     def climb(self, starts: Floats, up: Floats) -> Floats:
-        """See `Rounded.climb`; by steps as long as the distance, as a ring is not convex."""
-        way = np.full(len(starts), np.inf)
-        rising = np.zeros(len(starts))
-        todo = np.arange(len(starts))
-        for _ in range(500):
-            points = starts[todo] + rising[todo, None] * up
-            apart = points - self.nearest(points)
-            far = np.sqrt(np.einsum("ki,ki->k", apart, apart))
-            distance = far - self.edge_radius
-            there = distance <= CLOSE
-            slope = np.minimum(apart @ up / np.maximum(far, 1e-300), -1e-3)
-            last = np.where(distance > 0.0, -distance / slope, 0.0)
-            way[todo[there]] = (rising[todo] + last)[there]
-            going = ~there & (rising[todo] < 4 * self.outer_radius)
-            todo = todo[going]
-            if not len(todo):
-                break
-            rising[todo] += distance[going]
+        """See `Rounded.climb`: as for a filled cylinder, and on from the mouth of the hole."""
+        lid = Cylinder(radius=self.outer_radius, edge_radius=self.edge_radius)
+        way = lid.climb(starts, up)
+        hit = np.flatnonzero(np.isfinite(way))
+        points = starts[hit] + way[hit, None] * up
+        mouth = np.hypot(points[:, 0], points[:, 1]) < self.inner_radius + self.edge_radius
+        hit, points = hit[mouth], points[mouth]
+        way[hit] += self._up_the_hole(points, up)
         return way
+
+    def _up_the_hole(self, points: Floats, up: Floats) -> Floats:
+        """Way (K,) from points in the mouth to the rim or wall of the hole; infinite past it.
+
+        To the rim, which is not convex, by steps as long as the distance; to the wall in closed
+        form.
+        """
+        rising = np.zeros(len(points))
+        for _ in range(200):
+            places = points + rising[:, None] * up
+            apart = places - self.nearest(places)
+            distance = np.sqrt(np.einsum("ki,ki->k", apart, apart)) - self.edge_radius
+            step = np.where(places[:, 2] < self.edge_radius, distance, 0.0)
+            if step.max(initial=0.0) < CLOSE:
+                break
+            rising += step
+        to_wall = _way_out(places, up, self.inner_radius)
+        return np.where(distance < NEAR, rising, rising + to_wall)
+
+
+def _way_out(points: Floats, up: Floats, radius: float) -> Floats:
+    """Way (K,) along `up` out of a cylinder about z that holds the points; infinite if upright."""
+    lean = float(up[0] ** 2 + up[1] ** 2)
+    if lean == 0.0:
+        return np.full(len(points), np.inf)
+    along = points[:, :2] @ up[:2] / lean
+    inside = np.maximum(radius**2 - points[:, 0] ** 2 - points[:, 1] ** 2, 0.0) / lean
+    return np.asarray(np.sqrt(along**2 + inside) - along)
