@@ -23,7 +23,7 @@ from skinfield.figures.style import (
 )
 from skinfield.layout import Patch
 from skinfield.simulate import Press
-from skinfield.simulate.parts import base_stress_below_cells, body_of_cells
+from skinfield.simulate.parts import base_stress_below_cells, pressure_by_body
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -152,7 +152,7 @@ def _map(axes: "Axes", press: Press, values: Floats, place: View, label: str) ->
 def _section_place(press: Press) -> float:
     """The y (m) of the section: the row of cells nearest to where the strongest body presses."""
     y, strongest = press.grid.plane[:, 1], int(np.argmax(press.forces))
-    pressure = np.where(body_of_cells(press) == strongest, press.pressure, 0.0)
+    pressure = pressure_by_body(press)[strongest]
     centre = float(pressure @ y / pressure.sum())
     touched = y[pressure > 0]
     return float(touched[np.abs(touched - centre).argmin()])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats
 from skinfield.mechanics import LatticeConvolution
 from skinfield.mechanics.lattice import lattice, mirrored
 from skinfield.simulate.indenters import Indenter
@@ -40,7 +40,7 @@ class Part:
 
 def parts_of(press: Press) -> list[Part]:
     """Part of each indenter, in order."""
-    owner = body_of_cells(press)
+    pressure = pressure_by_body(press)
     parts = []
     for index, indenter in enumerate(press.indenters):
         force, moment = float(press.forces[index]), press.moments[index]
@@ -51,20 +51,20 @@ def parts_of(press: Press) -> list[Part]:
             * (press.grid.pitch / touch.window.split) ** 2
             for touch in press.touches
         )
-        peak = float(np.where(owner == index, press.pressure, 0.0).max())
+        peak = float(pressure[index].max())
         depth = float(press.approach[index])
         parts.append(Part(indenter, force, depth, centre, area, peak))
     return parts
 
 
-def body_of_cells(press: Press) -> Ints:
-    """Index (K,) of the indenter that reaches deepest over the centre of each cell."""
-    x, y = press.grid.plane.T
-    depths = [
-        depth - indenter.height(x, y)
-        for indenter, depth in zip(press.indenters, press.approach.tolist(), strict=True)
-    ]
-    return np.asarray(np.argmax(np.stack(depths), axis=0), dtype=np.int64)
+def pressure_by_body(press: Press) -> Floats:
+    """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `press.pressure`."""
+    out = np.zeros((len(press.indenters), *press.grid.shape))
+    for touch in press.touches:
+        for index in range(len(press.indenters)):
+            push = np.where(touch.body == index, -touch.traction[2], 0.0)
+            out[index][touch.window.cells] += touch.window.means(push)
+    return out.reshape(len(press.indenters), -1)
 
 
 def base_stress_below_cells(press: Press) -> Floats:
