@@ -154,14 +154,15 @@ def solve_contact(
         if error <= tolerance:
             return Contact(pressure, search.open(gap), approach, error, iteration)
         touching = pressure > 0
-        work = float(np.sum((problem.area * gap**2)[touching]))
-        direction = np.where(touching, gap + conjugate * work / previous * direction, 0.0)
+        downhill = search.trust * gap
+        work = float(np.sum((problem.area * gap * downhill)[touching]))
+        direction = np.where(touching, downhill + conjugate * work / previous * direction, 0.0)
         previous = work or 1.0
         step = search.step(gap, direction, touching)
         pressure = np.maximum(pressure - step * direction, 0.0)
         overlap = search.reachable & (pressure == 0.0) & (gap < 0.0)
         conjugate = 0.0 if overlap.any() else 1.0
-        pressure[overlap] -= (step or 1.0 / problem.own[overlap]) * gap[overlap]
+        pressure[overlap] -= (step or 1.0 / problem.own[overlap]) * downhill[overlap]
         pressure = search.balanced(pressure, gap)
     raise SkinfieldError(
         f"contact reached a residual of {error:.1e} in {most_iterations} iterations, "
@@ -177,6 +178,8 @@ class _Search:
         self.reachable = np.isfinite(problem.heights)
         self.level = np.where(self.reachable, problem.heights, 0.0)
         self.softness = np.where(self.reachable, problem.own * softness, 0.0)
+        # Soft cells take small steps, which is a preconditioner by the diagonal.
+        self.trust = 1.0 / (1.0 + np.where(self.reachable, softness, 0.0))
         self.count = len(problem.forces)
         self.members = [np.flatnonzero(self.reachable & (problem.bodies == body))
                         for body in range(self.count)]  # fmt: skip
@@ -189,8 +192,11 @@ class _Search:
         return np.array([values.ravel()[cells].sum() for cells in self.members])
 
     def means(self, values: Floats, touching: NDArray[np.bool_]) -> Floats:
-        """Area-weighted over the touching cells of each body; 0 where none touches."""
-        weight = np.where(touching, self.problem.area, 0.0)
+        """Over the touching cells of each body; 0 where none touches.
+
+        Weighted by area and trust, so that a step along trust times the rest sums to zero.
+        """
+        weight = np.where(touching, self.problem.area * self.trust, 0.0)
         return self.sums(weight * values) / np.maximum(self.sums(weight), 1e-300)
 
     def open(self, gap: Floats) -> Floats:

@@ -118,6 +118,8 @@ def solve_stick(
         translation = problem.means(moved)
         apart = np.where(problem.touching, translation.T[:, problem.bodies] - moved, 0.0)
         error = _relative(apart, translation)
+        if problem.forces.any() and not translation.any():
+            raise _stiff()
         if error <= tolerance:
             none = np.zeros(len(problem.touching), dtype=bool)
             return Shear(traction, translation, none, error, iteration)

@@ -145,14 +145,19 @@ class Skin:
         return kept_surface_kernel(self.mechanics, self.layer, side, side, rows - 1, columns - 1)
 
     @cached_property
-    def far(self) -> LatticeConvolution:
-        """Force at the padded grid's nodes, N, to indentation at them."""
+    def far_kernel(self) -> Floats:
+        """Indentation at the padded grid's nodes per force at them, m/N."""
         point = self.grid.pitch / POINT
         rows, columns = (n + 2 * PAD for n in self.grid.shape)
         kernel = kept_indentation_kernel(
             self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
         )
-        return LatticeConvolution(kernel / point**2)
+        return np.asarray(kernel / point**2)
+
+    @cached_property
+    def far(self) -> LatticeConvolution:
+        """Force at the padded grid's nodes, N, to indentation at them."""
+        return LatticeConvolution(self.far_kernel)
 
     @cached_property
     def far_surface(self) -> Floats:
@@ -164,18 +169,74 @@ class Skin:
         )
         return np.asarray(kernel / point**2)
 
-    def stencils(self, window: Window) -> tuple[Floats, Floats]:
-        """Weights of the padded grid's nodes for a window's squares, along y and x."""
-        along, across = (
-            interpolation(steps + PAD, n + 2 * PAD)
-            for steps, n in zip(window.steps(), self.grid.shape, strict=True)
+    def nodes(self, window: Window) -> tuple[slice, slice]:
+        """The padded grid's nodes that a window's stencils use."""
+        return (
+            slice(window.row, window.row + window.rows + 2 * PAD),
+            slice(window.column, window.column + window.columns + 2 * PAD),
         )
-        return along, across
+
+    def stencils(self, window: Window) -> tuple[Floats, Floats]:
+        """Weights of those nodes for a window's squares, along y and x."""
+        along, across = window.steps()
+        return (
+            interpolation(along - window.row + PAD, window.rows + 2 * PAD),
+            interpolation(across - window.column + PAD, window.columns + 2 * PAD),
+        )
 
     def carried(self, window: Window, loads: Floats) -> Floats:
         """Forces at the padded grid's nodes, N, that act as loads per area on the squares do."""
         along, across = self.stencils(window)
-        return np.asarray(along.T @ (loads * self.side(window) ** 2) @ across)
+        out = np.zeros([n + 2 * PAD for n in self.grid.shape])
+        out[self.nodes(window)] = along.T @ (loads * self.side(window) ** 2) @ across
+        return out
+
+
+class Others:
+    """What loads in each of several windows do in all others: all at the nodes, less their own.
+
+    Parameters
+    ----------
+    skin : Skin
+    windows : list of Window
+        None for a single one.
+    kernel : (..., 2 n - 1, 2 m - 1) array
+        Response at the padded grid's nodes per force.
+    """
+
+    def __init__(self, skin: Skin, windows: list[Window], kernel: Floats) -> None:
+        self.skin, self.windows = skin, windows
+        self.stencils = [skin.stencils(window) for window in windows]
+        self.shape = [n + 2 * PAD for n in skin.grid.shape]
+        self.whole = LatticeConvolution(kernel)
+        middle = [n // 2 for n in kernel.shape[-2:]]
+        self.own = []
+        for window in windows:
+            rows, columns = window.rows + 2 * PAD, window.columns + 2 * PAD
+            part = kernel[
+                ...,
+                middle[0] - rows + 1 : middle[0] + rows,
+                middle[1] - columns + 1 : middle[1] + columns,
+            ]
+            self.own.append(LatticeConvolution(part))
+
+    def __call__(self, pictures: list[Floats]) -> list[Floats]:
+        """Response (..., rows, columns) in each window to loads per area in the others."""
+        total = np.zeros(self.shape)
+        forces = []
+        for window, picture, (along, across) in zip(
+            self.windows, pictures, self.stencils, strict=True
+        ):
+            force = along.T @ (picture * self.skin.side(window) ** 2) @ across
+            total[self.skin.nodes(window)] += force
+            forces.append(force)
+        every = self.whole(total)
+        return [
+            along @ (every[..., *self.skin.nodes(window)] - own(force)) @ across.T
+            for window, force, own, (along, across) in zip(
+                self.windows, forces, self.own, self.stencils, strict=True
+            )
+        ]
 
 
 class Indenting:
@@ -184,26 +245,17 @@ class Indenting:
     def __init__(self, skin: Skin, windows: list[Window]) -> None:
         self.skin, self.windows = skin, windows
         self.near = [skin.near(window) for window in windows]
-        self.stencils = [skin.stencils(window) for window in windows] if len(windows) > 1 else []
+        self.others = Others(skin, windows, skin.far_kernel) if len(windows) > 1 else None
         ends = np.cumsum([0, *(window.size for window in windows)])
         self.parts = [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
     def __call__(self, pressure: Floats) -> Floats:
         """Indentation (N,) m of a pressure (N,) Pa."""
-        out = np.empty(pressure.shape)
         pictures = self.pictures(pressure)
-        for part, near, picture in zip(self.parts, self.near, pictures, strict=True):
-            out[part] = near(picture).ravel()
-        for source, picture in enumerate(pictures if self.stencils else []):
-            if not picture.any():
-                continue
-            area = self.skin.side(self.windows[source]) ** 2
-            along, across = self.stencils[source]
-            sunk = self.skin.far(along.T @ (picture * area) @ across)
-            for index, (rows, columns) in enumerate(self.stencils):
-                if index != source:
-                    out[self.parts[index]] += (rows @ sunk @ columns.T).ravel()
-        return out
+        moved = [near(picture) for near, picture in zip(self.near, pictures, strict=True)]
+        if self.others is not None:
+            moved = [a + b for a, b in zip(moved, self.others(pictures), strict=True)]
+        return np.concatenate([part.ravel() for part in moved])
 
     def pictures(self, values: NDArray[Any]) -> list[NDArray[Any]]:
         """Of each window, (rows, columns)."""
@@ -230,7 +282,11 @@ class Sliding:
         self.indenting = Indenting(skin, windows)
         kernels = [skin.near_surface(window) for window in windows]
         self.near = [[LatticeConvolution(k[:2, j]) for j in (0, 1)] for k in kernels]
-        self.far = [LatticeConvolution(skin.far_surface[:2, j]) for j in (0, 1)]
+        self.others = (
+            [Others(skin, windows, skin.far_surface[:2, j]) for j in (0, 1)]
+            if len(windows) > 1
+            else []
+        )
         self.own = np.concatenate(
             [
                 np.full(window.size, kernel[0, 0, window.shape[0] - 1, window.shape[1] - 1])
@@ -243,21 +299,11 @@ class Sliding:
         out = np.zeros(traction.shape)
         for along in (0, 1):
             pictures = self.indenting.pictures(traction[along])
-            for index, (near, picture) in enumerate(zip(self.near, pictures, strict=True)):
-                part = self.indenting.parts[index]
-                out[:, part] += near[along](picture).reshape(2, -1)
-                self._reach_others(out, index, picture, along)
+            moved = [near[along](part) for near, part in zip(self.near, pictures, strict=True)]
+            if self.others:
+                moved = [a + b for a, b in zip(moved, self.others[along](pictures), strict=True)]
+            out += np.concatenate([part.reshape(2, -1) for part in moved], axis=1)
         return out
-
-    def _reach_others(self, out: Floats, source: int, picture: Floats, along: int) -> None:
-        """Add what the traction in one window does in the others."""
-        stencils, parts = self.indenting.stencils, self.indenting.parts
-        if not stencils or not picture.any():
-            return
-        moved = self.far[along](self.skin.carried(self.indenting.windows[source], picture))
-        for index, (rows, columns) in enumerate(stencils):
-            if index != source:
-                out[:, parts[index]] += (rows @ moved @ columns.T).reshape(2, -1)
 
 
 def touched(windows: list[Window], masks: list[NDArray[np.bool_]]) -> list[Window | None]:

@@ -107,11 +107,11 @@ def settle(skin: Skin, indenters: Sequence[Indenter]) -> Settled:
             margin += 3
             continue
         margin = 1
-        if not _finer(settled, margin):
+        if not _pierced(settled) and not _finer(settled, margin):
             return settled
     raise SkinfieldError(
-        f"touch did not settle in {ROUNDS} windows, expected it to after a few: "
-        "use a wider extent or finer cells"
+        f"touch did not settle in {ROUNDS} rounds, expected it to after a few: "
+        "move the bodies apart where they overlap each other"
     )
 
 
@@ -262,6 +262,18 @@ def _leaks(settled: Settled, coarse: Settled) -> bool:
     height = (coarse.laid.each - contact.approach[:, None]).min(axis=0).reshape(shape)
     gap = np.where(outside, height + sunk, np.inf)
     return bool(gap.min() < -1e-4 * np.abs(contact.approach).max())
+
+
+def _pierced(settled: Settled) -> bool:
+    """Whether a body is in the skin where another one was taken to touch."""
+    laid, contact = settled.laid, settled.contact
+    if len(laid.each) == 1:
+        return False
+    lower = (laid.each - contact.approach[:, None]).min(axis=0)
+    own = laid.chosen(laid.each) - contact.approach[laid.bodies]
+    there = np.isfinite(own)
+    gap = contact.gap[there] + lower[there] - own[there]
+    return bool(gap.min() < -1e-3 * np.abs(contact.approach).max())
 
 
 def _finer(settled: Settled, margin: int) -> bool:
