@@ -16,7 +16,7 @@ Gauss-Legendre nodes converge geometrically. Nothing here is shared with the lat
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, InputError, as_floats, check_positive
 from skinfield.mechanics.elastomer import Layer
-from skinfield.mechanics.profiles import Profile
+from skinfield.mechanics.profiles import Profile, height_of, kink_of, springs_of
 from skinfield.mechanics.radial import bessel, gauss_legendre
 from skinfield.mechanics.transfer import LayerTransfer
 
@@ -54,9 +54,9 @@ class Indentation:
     contact_radius: float
     depth: float
     force: float
-    _wave: Floats
-    _missing: Floats  # share of each wave number times 1 - X
-    _spectrum: Floats  # integral of phi cos(kx)
+    _wave: Floats = field(repr=False)
+    _missing: Floats = field(repr=False)  # share of each wave number times 1 - X
+    _spectrum: Floats = field(repr=False)  # integral of phi cos(kx)
 
     @property
     def modulus(self) -> float:
@@ -84,7 +84,7 @@ class Indentation:
     def springs(self, x: ArrayLike) -> Floats:
         """The function phi, m, at 0 <= x <= contact radius."""
         x = as_floats("x", x)
-        return self.depth - _springs(self.profile, x) + self._base(x)
+        return self.depth - springs_of(self.profile, x) + self._base(x)
 
     def _slope(self, x: Floats) -> Floats:
         own = 0.0 if self.profile is None else self.profile.springs_slope(x)
@@ -111,9 +111,8 @@ class Indentation:
 
     def _integral(self, r: Floats) -> Floats:
         """Integral of phi' / sqrt(x² - r²) from r to a, with x = r cosh(w), for r of any shape."""
-        a, kink = self.contact_radius, 0.0 if self.profile is None else self.profile.kink
-        node, weight = np.polynomial.legendre.leggauss(NODES)
-        u, weight = (node + 1.0) / 2.0, weight / 2.0
+        a, kink = self.contact_radius, kink_of(self.profile)
+        u, weight = _unit_rule(NODES)
         turn = np.arccosh(np.maximum(kink / r, 1.0))[..., None]
         end = np.arccosh(a / r)[..., None]
         before = self._slope(r[..., None] * np.cosh(turn * u)) @ weight * turn[..., 0]
@@ -128,22 +127,18 @@ class Indentation:
         a = self.contact_radius
         flat = r.ravel()
         outside = flat > a
-        out = self.depth - _height(self.profile, np.minimum(flat, a))
+        out = self.depth - height_of(self.profile, np.minimum(flat, a))
         if outside.any():
-            far = flat[outside]
-            own = 2.0 / np.pi * self._over_contact(far)
-            rest = bessel(0, np.outer(far, self._wave)) @ (self._missing * self._spectrum)
-            out[outside] = own - 2.0 / np.pi * rest
+            waves = bessel(0, np.outer(flat[outside], self._wave))
+            rest = waves @ (self._missing * self._spectrum)
+            out[outside] = 2.0 / np.pi * (self._over_contact(flat[outside]) - rest)
         return np.asarray(out.reshape(r.shape))
 
     def _over_contact(self, r: Floats) -> Floats:
         """Integral of phi / sqrt(r² - x²) over the contact for r beyond it, with x = r sin(w)."""
-        kink = 0.0 if self.profile is None else self.profile.kink
-        node, weight = np.polynomial.legendre.leggauss(NODES)
-        u, weight = (node + 1.0) / 2.0, weight / 2.0
-        turn, end = np.arcsin(kink / r)[:, None], np.arcsin(self.contact_radius / r)[:, None]
+        a, (u, weight) = self.contact_radius, _unit_rule(NODES)
+        turn, end = np.arcsin(kink_of(self.profile) / r)[:, None], np.arcsin(a / r)[:, None]
         wide = end - turn
-        a = self.contact_radius
         before = self.springs(r[:, None] * np.sin(turn * u)) @ weight * turn[:, 0]
         beyond = self.springs(np.minimum(r[:, None] * np.sin(turn + wide * u**2), a))
         return np.asarray(before + beyond @ (2.0 * u * weight) * wide[:, 0])
@@ -213,19 +208,16 @@ def kappa(a_over_h: float, poisson_ratio: float) -> float:
     return state.force / (2.0 * state.modulus * a_over_h)
 
 
-def _springs(profile: Profile | None, x: Floats) -> Floats:
-    return np.zeros_like(x) if profile is None else profile.springs(x)
-
-
-def _height(profile: Profile | None, r: Floats) -> Floats:
-    return np.zeros_like(r) if profile is None else profile.height(r)
+def _unit_rule(count: int) -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes and weights on [0, 1]."""
+    node, weight = np.polynomial.legendre.leggauss(count)
+    return (node + 1.0) / 2.0, weight / 2.0
 
 
 def _rule(a: float, h: float, profile: Profile | None) -> tuple[Floats, Floats]:
     """Nodes and weights over the contact that resolve the layer's kernel and the body's kink."""
-    kink = 0.0 if profile is None else profile.kink
-    node, weight = np.polynomial.legendre.leggauss(24 + int(6 * a / h))
-    u, weight = (node + 1.0) / 2.0, weight / 2.0
+    kink = kink_of(profile)
+    u, weight = _unit_rule(24 + int(6 * a / h))
     if kink == 0.0:
         return a * u, a * weight
     behind, share = kink + (a - kink) * u**2, 2.0 * (a - kink) * u * weight
@@ -241,7 +233,7 @@ def _solve(layer: Layer, profile: Profile | None, a: float, depth: float) -> Ind
     missing = -share * LayerTransfer(layer.poisson_ratio).normal_rest(wave * h)
     cosine = np.cos(np.outer(t, wave))
     kernel = 2.0 / np.pi * (cosine * missing) @ cosine.T * weight
-    right = np.column_stack([np.ones(len(t)), _springs(profile, t)])
+    right = np.column_stack([np.ones(len(t)), springs_of(profile, t)])
     flat, body = np.linalg.solve(np.eye(len(t)) - kernel, right).T
     if profile is not None:
         across = 2.0 / np.pi * (np.cos(a * wave) * missing) @ cosine.T * weight

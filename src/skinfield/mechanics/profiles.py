@@ -221,3 +221,18 @@ class RoundedFlat:
         beyond = np.maximum(x, self.flat_radius)
         root = np.sqrt(beyond**2 - self.flat_radius**2)
         return root, np.arctan2(root, self.flat_radius), beyond
+
+
+def kink_of(profile: Profile | None) -> float:
+    """Its kink, m; None is a flat end, which has none."""
+    return 0.0 if profile is None else profile.kink
+
+
+def springs_of(profile: Profile | None, x: Floats) -> Floats:
+    """Its `springs`, m; None is a flat end."""
+    return np.zeros_like(x) if profile is None else profile.springs(x)
+
+
+def height_of(profile: Profile | None, r: Floats) -> Floats:
+    """Its `height`, m; None is a flat end."""
+    return np.zeros_like(r) if profile is None else profile.height(r)
