@@ -6,6 +6,7 @@ Needs scikit-fem: pip install 'skinfield[fem]'.
 from skinfield.fem.electrostatics import pad_capacitance as pad_capacitance
 from skinfield.fem.large_strain import LargeStrainPath as LargeStrainPath
 from skinfield.fem.large_strain import indent_large as indent_large
+from skinfield.fem.press_3d import press_3d as press_3d
 from skinfield.fem.profiles import ConeProfile as ConeProfile
 from skinfield.fem.profiles import FlatProfile as FlatProfile
 from skinfield.fem.profiles import Profile as Profile
@@ -13,3 +14,4 @@ from skinfield.fem.profiles import SphereProfile as SphereProfile
 from skinfield.fem.small_strain import apply_pressure as apply_pressure
 from skinfield.fem.small_strain import indent as indent
 from skinfield.fem.solution import AxisymmetricSolution as AxisymmetricSolution
+from skinfield.fem.solution_3d import BoxSolution as BoxSolution

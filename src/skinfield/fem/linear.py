@@ -18,8 +18,13 @@ def free_unknowns(mesh: Section) -> Ints:
 
 def law_of(layer: Layer, mesh: Section) -> Elasticity:
     """Hooke's or the neo-Hookean law of the layer, in units of its Young's modulus."""
+    return Elasticity(mesh, *moduli(layer))
+
+
+def moduli(layer: Layer) -> tuple[float, float]:
+    """Shear modulus and the inverse of Lamé's λ, in units of Young's modulus."""
     nu = max(layer.poisson_ratio, 1e-6)  # at 0 the pressure has no stiffness to be a part of
-    return Elasticity(mesh, 0.5 / (1 + nu), (1 + nu) * (1 - 2 * nu) / nu)
+    return 0.5 / (1 + nu), (1 + nu) * (1 - 2 * nu) / nu
 
 
 @dataclass(frozen=True, eq=False)
