@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 AROUND = 2.5  # layer thicknesses shown around the contact
 FINE = 800  # points of an indenter's outline in the section
-NAMED = 6  # indenters in the heading
+NAMED = 3  # indenters in the heading
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,15 +98,15 @@ def draw_press(
 
 def heading(press: Press) -> str:
     """Words for indenters and layer, on one line."""
-    bodies = [
-        f"{body.kind} {number(float(force))} N"
-        for body, force in zip(press.indenters, press.forces, strict=True)
-    ]
-    rest = len(bodies) - NAMED
-    shown = ", ".join(bodies[:NAMED]) + (f" and {plural(rest, 'other')}" if rest > 0 else "")
+    forces = [number(float(f"{force:.3g}")) for force in [*press.forces, press.force]]
+    if len(press.indenters) <= NAMED:
+        each = zip(press.indenters, forces, strict=False)
+        bodies = ", ".join(f"{body.kind} {force} N" for body, force in each)
+    else:
+        bodies = f"{len(press.indenters)} indenters, {forces[-1]} N"
     layer = press.layer
     return (
-        f"{shown} on {number(layer.thickness * MM)} mm of {number(layer.young_modulus / 1e3)} kPa"
+        f"{bodies} on {number(layer.thickness * MM)} mm of {number(layer.young_modulus / 1e3)} kPa"
     )
 
 
