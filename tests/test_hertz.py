@@ -1,6 +1,8 @@
 """Closed forms on the half-space against integrals of Boussinesq's and Cerruti's point forces."""
 
+import re
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -202,3 +204,16 @@ def test_bad_values_are_named() -> None:
             HertzSphere.from_depth(radius=1e-3, modulus=STAR, depth=wrong)
         with pytest.raises(InputError, match="force is"):
             SneddonCone.from_force(slope=0.3, modulus=STAR, force=wrong)
+
+
+def test_the_page_runs_and_gives_its_numbers() -> None:
+    page = Path(__file__).resolve().parents[1] / "docs" / "closed-forms.md"
+    names: dict[str, object] = {}
+    for code in re.findall(r"^```python\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S):
+        exec(compile(code, str(page), "exec"), names)
+    ball, state = names["ball"], names["state"]
+    assert ball.depth == pytest.approx(1.741e-3, abs=1e-6)
+    assert ball.contact_radius == pytest.approx(3.232e-3, abs=1e-6)
+    assert ball.peak_pressure == pytest.approx(45.7e3, abs=100)
+    assert state.depth == pytest.approx(0.626e-3, abs=1e-6)
+    assert state.contact_radius == pytest.approx(2.626e-3, abs=1e-6)
