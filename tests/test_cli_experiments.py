@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 from skinfield.cli.main import main
 from skinfield.experiments import run as running
-from skinfield.experiments.section import Experiment, Missing, Section
+from skinfield.experiments.section import Experiment, Missing, Part, Section
 from skinfield.experiments.settings import SMOKE, Settings
 
 SETTINGS = Settings(size=SMOKE)
@@ -27,6 +27,18 @@ SEEN: list[int] = []
 
 def sometimes(settings: Settings) -> Section | Missing:
     return quick(settings) if SEEN else Missing("not yet")
+
+
+def share(number: float) -> float:
+    return number if number < 3 else float("nan")
+
+
+def shares(settings: Settings) -> list[Part]:
+    return [Part(f"share-{number:g}", share, (number,)) for number in (1.0, 2.0, 3.0)]
+
+
+def gather(settings: Settings, results: list[float | None]) -> Section:
+    return Section("x", "Whole", "", (str(results),))
 
 
 def failing(settings: Settings) -> Section:
@@ -67,6 +79,19 @@ def test_what_was_missing_is_looked_for_again(tmp_path: Path) -> None:
     SEEN.append(1)
     running.run((part,), SETTINGS, tmp_path)
     assert len(json.loads((tmp_path / "results.json").read_text())["sections"]) == 1
+
+
+def test_parts_are_kept_and_handed_on_in_order(tmp_path: Path) -> None:
+    whole = Experiment("whole", (), gather, parts=shares)
+    for _ in range(2):
+        running.run((whole,), SETTINGS, tmp_path)
+        section = json.loads((tmp_path / "whole" / "section.json").read_text())
+        assert section["sentences"] == ["[1.0, 2.0, None]"]
+        assert {file.name for file in (tmp_path / "parts").iterdir()} == {
+            "whole.share-1",
+            "whole.share-2",
+            "whole.share-3",
+        }
 
 
 def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:

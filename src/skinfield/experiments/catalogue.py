@@ -1,5 +1,6 @@
 """All experiments, in the order of the page: one more is one file, and one line here."""
 
+from skinfield.experiments.accuracy_section import accuracy, accuracy_parts
 from skinfield.experiments.detection import detection
 from skinfield.experiments.half_space_error import half_space_error
 from skinfield.experiments.imposed import imposed
@@ -14,6 +15,7 @@ EXPERIMENTS = (
     Experiment("detection", ("fig6", "fig7"), detection),
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
+    Experiment("accuracy", ("table",), accuracy, parts=accuracy_parts),
     Experiment("half-space", ("model",), half_space_error),
     Experiment("agreement", ("fem",), judged),
     *(Experiment(f"real-{name}", ("real-data",), recorded, (name,)) for name in RECORDED),

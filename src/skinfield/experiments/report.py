@@ -196,16 +196,16 @@ def versions() -> dict[str, str]:
 
 
 def _write_json(path: Path, entry: dict[str, Any]) -> None:
-    text = json.dumps(_plain(entry), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(plain(entry), indent=1, ensure_ascii=False, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """The value as JSON has it: NaN is null, tuples are lists."""
     if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
+        return {key: plain(entry) for key, entry in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return [_plain(entry) for entry in value]
+        return [plain(entry) for entry in value]
     if isinstance(value, float) and value - value != 0:
         return None
     return value

@@ -7,15 +7,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from skinfield.campaign import Outcome, Task, stored
 from skinfield.campaign import run as run_campaign
 from skinfield.errors import FileError, InputError
 from skinfield.experiments.catalogue import EXPERIMENTS
-from skinfield.experiments.report import Run, read_section, write_report, write_section
-from skinfield.experiments.section import Experiment, Missing, Section
+from skinfield.experiments.report import Run, plain, read_section, write_report, write_section
+from skinfield.experiments.section import Experiment, Missing, Part, Section
 from skinfield.experiments.settings import Settings
 
+PARTS = "parts"  # folder of what sections are put together from
 Progress = Callable[[str, int, int], None]  # what is done, how many, of how many
 
 
@@ -74,20 +76,31 @@ def run(
         If the folder cannot be written.
     """
     start = time.perf_counter()
-    tasks = {each.name: task_of(each, settings) for each in experiments}
+    parts = {each.name: _parts_of(each, settings) for each in experiments if each.parts}
+    shares = [task for tasks in parts.values() for task in tasks]
+    total, ended = len(shares) + len(experiments), 0
+    progress("", ended, total)
+
+    def campaign(tasks: Sequence[Task], where: Path, processes: int) -> dict[str, Outcome]:
+        nonlocal ended
+        outcomes = {}
+        for event in run_campaign(tasks, where, workers=processes):
+            outcomes[event.outcome.name] = event.outcome
+            ended += 1
+            progress(event.outcome.name, ended, total)
+        return outcomes
+
+    done = campaign(shares, folder / PARTS, workers) if shares else {}
+    results = {name: ([done[task.name].result for task in tasks],) for name, tasks in parts.items()}
+    tasks = {each.name: task_of(each, settings, results.get(each.name, ())) for each in experiments}
     for task in tasks.values():
         _forget_missing(task, folder)
-    together = [tasks[each.name] for each in experiments if not each.alone]
-    by_itself = [tasks[each.name] for each in experiments if each.alone]
-    found: dict[str, Outcome] = {}
-    progress("", 0, len(tasks))
-    for group, processes in ((together, workers), (by_itself, 1)):
-        for event in run_campaign(group, folder, workers=processes):
-            found[event.outcome.name] = event.outcome
-            progress(event.outcome.name, len(found), len(tasks))
+    found = campaign([tasks[each.name] for each in experiments if not each.alone], folder, workers)
+    found |= campaign([tasks[each.name] for each in experiments if each.alone], folder, 1)
     result = _gathered([found[name] for name in tasks], settings)
     page = write_report(replace(result, seconds=time.perf_counter() - start), folder)
     failures = [(name, folder / f"{name}.failed.txt") for name in tasks if found[name].failure]
+    failures += [(n, folder / PARTS / f"{n}.failed.txt") for n, o in done.items() if o.failure]
     return Finished(page, tuple(failures))
 
 
@@ -105,18 +118,41 @@ def _gathered(outcomes: Sequence[Outcome], settings: Settings) -> Run:
     return Run(settings, tuple(sections), tuple(missing), 0.0)
 
 
-def task_of(experiment: Experiment, settings: Settings) -> Task:
-    """The experiment as a task; other settings and another program make another one."""
-    return Task(experiment.name, make_section, (experiment, settings), version=_program())
+def task_of(experiment: Experiment, settings: Settings, results: tuple[Any, ...] = ()) -> Task:
+    """The experiment as a task; other settings and another program make another one.
+
+    Parameters
+    ----------
+    results : tuple
+        Of its parts, as one list; empty if it has none.
+    """
+    arguments = (experiment, settings, results)
+    return Task(experiment.name, make_section, arguments, version=_program())
 
 
-def make_section(folder: Path, experiment: Experiment, settings: Settings) -> dict[str, str]:
+def make_section(
+    folder: Path, experiment: Experiment, settings: Settings, results: tuple[Any, ...]
+) -> dict[str, str]:
     """Run one experiment and write its section into `folder`, or return why there is none."""
-    made = experiment.make(settings, *experiment.arguments)
+    made = experiment.make(settings, *experiment.arguments, *results)
     if isinstance(made, Missing):
         return {"missing": made.reason}
     write_section(replace(made, name=experiment.name), folder)
     return {}
+
+
+def _parts_of(experiment: Experiment, settings: Settings) -> list[Task]:
+    if experiment.parts is None:
+        return []
+    return [
+        Task(f"{experiment.name}.{part.name}", make_part, (part,), version=_program())
+        for part in experiment.parts(settings)
+    ]
+
+
+def make_part(folder: Path, part: Part) -> Any:
+    """Run one part; what is not a number is None, as in JSON."""
+    return plain(part.function(*part.arguments))
 
 
 def _forget_missing(task: Task, folder: Path) -> None:

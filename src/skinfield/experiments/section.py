@@ -1,10 +1,11 @@
 """What an experiment hands back: words, pictures and tables, with the numbers they came from."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from skinfield.errors import InputError
+from skinfield.experiments.settings import Settings
 
 Cell = str | float | int | None
 
@@ -96,6 +97,24 @@ class Missing:
 
 
 @dataclass(frozen=True)
+class Part:
+    """A share of an experiment that can run beside others and be kept.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and ``._+=,-``.
+    function : function of `arguments`
+        Of the module level; returns what JSON can hold, NaN apart, which becomes None.
+    arguments : tuple
+    """
+
+    name: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
 class Experiment:
     """A section yet to be made.
 
@@ -108,6 +127,9 @@ class Experiment:
     make : function of Settings and of `arguments`
         The section, or why there is none. Of the module level: it is sent to other processes.
     arguments : tuple
+    parts : function of Settings, optional
+        Shares to be computed before; their results, in this order, are the last argument of
+        `make`, with None for one that failed.
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
@@ -116,6 +138,7 @@ class Experiment:
     figures: tuple[str, ...]
     make: Callable[..., Section | Missing]
     arguments: tuple[str, ...] = ()
+    parts: Callable[[Settings], Sequence[Part]] | None = None
     alone: bool = False
 
 

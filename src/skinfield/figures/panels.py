@@ -18,6 +18,7 @@ COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#1
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
 WIDTH, PANEL_HEIGHT, HEAD = 9.6, 2.55, 0.62  # inches
 LEGEND_LINE = 0.24  # inches
+FEW = 300.0  # ratio of the ends of an axis of few decades
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +136,19 @@ def _draw_panel(
     )
     if scale.x_ticks is not None:
         axes.set_xticks(scale.x_ticks, [f"{tick:g}" for tick in scale.x_ticks])
-        axes.minorticks_off()
+        axes.xaxis.minorticks_off()
+    if scale.log_y:
+        _plain_decades(axes)
+
+
+def _plain_decades(axes: "Axes") -> None:
+    """Number a logarithmic y axis in plain words, at 1, 2 and 5 if it spans few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < FEW * low else (1,)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def draw_bars(
