@@ -112,12 +112,13 @@ def solve_stick(
         If it does not converge.
     """
     traction = _uniform(problem)
+    moved, fresh = problem.slide(traction), True
     direction, previous = np.zeros_like(traction), np.inf
     for iteration in range(most_iterations):
-        moved = problem.slide(traction)
-        translation = problem.means(moved)
-        apart = np.where(problem.touching, translation.T[:, problem.bodies] - moved, 0.0)
-        error = _relative(apart, translation)
+        translation, apart, error = _left(problem, moved)
+        if error <= tolerance and not fresh:  # certify with what was not summed up
+            moved, fresh = problem.slide(traction), True
+            translation, apart, error = _left(problem, moved)
         if problem.forces.any() and not translation.any():
             raise _stiff()
         if error <= tolerance:
@@ -132,6 +133,7 @@ def solve_stick(
         if curvature <= 0.0:
             raise _stiff()
         traction += work / curvature * direction
+        moved, fresh = moved + work / curvature * bent, False
     raise _unsettled(error, most_iterations, tolerance)
 
 
@@ -187,6 +189,13 @@ def _uniform(problem: ShearProblem) -> Floats:
     area = problem.sums(np.ones((2, len(problem.area))))
     spread = problem.forces / np.maximum(area, 1e-300)
     return np.where(problem.touching, spread.T[:, problem.bodies], 0.0)
+
+
+def _left(problem: ShearProblem, moved: Floats) -> tuple[Floats, Floats, float]:
+    """Translation of each body, what its cells lack of it, and that relative to it."""
+    translation = problem.means(moved)
+    apart = np.where(problem.touching, translation.T[:, problem.bodies] - moved, 0.0)
+    return translation, apart, _relative(apart, translation)
 
 
 def _relative(apart: Floats, translation: Floats) -> float:

@@ -154,6 +154,14 @@ class LatticeConvolution:
         product = fft.rfft2(values, self._padded) * self._spectrum
         return np.asarray(fft.irfft2(product, self._padded)[..., :rows, :columns])
 
+    def total(self, values: Floats) -> Floats:
+        """Sum over j of kernel [..., j] convolved with field j of (J, rows, columns)."""
+        from scipy import fft
+
+        rows, columns = self.shape
+        product = np.sum(fft.rfft2(values, self._padded) * self._spectrum, axis=-3)
+        return np.asarray(fft.irfft2(product, self._padded)[..., :rows, :columns])
+
 
 def interpolation(places: Floats, count: int) -> Floats:
     """Weights (N, count) of a Lagrange interpolation between the nodes 0 .. count - 1.

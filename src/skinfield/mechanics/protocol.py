@@ -15,6 +15,12 @@ class Mechanics(Protocol):
         """Normal stress at taxels, (N,) Pa, per Pa of pressure on a cell at `offset` (N, 2) m."""
         ...
 
+    def base_traction(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Traction on the base, (N, 3, 3) Pa, per Pa of traction on a cell at `offset`."""
+        ...
+
     def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
         """Displacement of the surface, (N, 3, 3) m, per Pa of traction on a cell."""
         ...

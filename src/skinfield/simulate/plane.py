@@ -281,7 +281,7 @@ class Sliding:
         self.skin = skin
         self.indenting = Indenting(skin, windows)
         kernels = [skin.near_surface(window) for window in windows]
-        self.near = [[LatticeConvolution(k[:2, j]) for j in (0, 1)] for k in kernels]
+        self.near = [LatticeConvolution(kernel[:2, :2]) for kernel in kernels]
         self.others = (
             [Others(skin, windows, skin.far_surface[:2, j]) for j in (0, 1)]
             if len(windows) > 1
@@ -296,14 +296,13 @@ class Sliding:
 
     def __call__(self, traction: Floats) -> Floats:
         """Displacement (2, N) m of a traction (2, N) Pa."""
-        out = np.zeros(traction.shape)
-        for along in (0, 1):
-            pictures = self.indenting.pictures(traction[along])
-            moved = [near[along](part) for near, part in zip(self.near, pictures, strict=True)]
-            if self.others:
-                moved = [a + b for a, b in zip(moved, self.others[along](pictures), strict=True)]
-            out += np.concatenate([part.reshape(2, -1) for part in moved], axis=1)
-        return out
+        pictures = [self.indenting.pictures(component) for component in traction]
+        moved = [
+            near.total(np.stack(part)) for near, *part in zip(self.near, *pictures, strict=True)
+        ]
+        for others, part in zip(self.others, pictures, strict=False):
+            moved = [a + b for a, b in zip(moved, others(part), strict=True)]
+        return np.concatenate([part.reshape(2, -1) for part in moved], axis=1)
 
 
 def touched(windows: list[Window], masks: list[NDArray[np.bool_]]) -> list[Window | None]:

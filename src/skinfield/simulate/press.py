@@ -15,7 +15,7 @@ from skinfield.simulate import deformed, readout
 from skinfield.simulate.indenters import Indenter
 from skinfield.simulate.outline import outlines
 from skinfield.simulate.plane import Skin
-from skinfield.simulate.settle import settle
+from skinfield.simulate.settle import Settled, settle
 from skinfield.simulate.shear import add_shear, bare
 from skinfield.simulate.touch import Touch, resultants
 
@@ -234,7 +234,12 @@ def press(
     check_positive("cell", cell, "side of a cell, in metres")
     if not indenters:
         raise InputError("indenters is empty, expected at least one: nothing would press")
-    mechanics = BondedLayer() if mechanics is None else mechanics
+    skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
+    return pressed(settle(skin, indenters), indenters, friction)
+
+
+def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> Skin:
+    """Grid of square cells around the origin on a medium."""
     count = int(np.ceil(extent / cell - 1e-9))
     if count**2 > MOST_CELLS:
         raise InputError(
@@ -242,15 +247,19 @@ def press(
             f"of {extent:g} m: touches are solved on finer squares by themselves"
         )
     origin = np.full(2, -(count - 1) / 2 * cell)
-    grid = Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin)
-    settled = settle(Skin(grid, layer, mechanics), indenters)
+    return Skin(Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin), layer, mechanics)
+
+
+def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
+    """A press from its normal contact, with the tangential stage where there is shear."""
     touches, sheared = bare(settled), None
     if any(any(indenter.shear) for indenter in indenters):
         touches, sheared = add_shear(settled, touches, indenters, friction)
+    skin = settled.laid.skin
     return Press(
-        grid,
-        layer,
-        mechanics,
+        skin.grid,
+        skin.layer,
+        skin.mechanics,
         tuple(indenters),
         settled.contact.approach,
         np.zeros((len(indenters), 2)) if sheared is None else sheared.translation,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.errors import Floats, as_floats, check_shape
 from skinfield.simulate.plane import Skin
 from skinfield.simulate.touch import Sources, Touch, sources
 
@@ -53,13 +53,9 @@ def base_traction(
 
 
 def _traction(skin: Skin, source: Sources, places: Floats, pad_diameter: float) -> Floats:
-    response = getattr(skin.mechanics, "base_traction", None)
-    if response is None:
-        raise InputError(
-            f"mechanics is {skin.mechanics!r}, expected one with base_traction: shear needs all "
-            "components of the response"
-        )
-    each = response(skin.layer, _offsets(places, source), source.side, pad_diameter)
+    each = skin.mechanics.base_traction(
+        skin.layer, _offsets(places, source), source.side, pad_diameter
+    )
     each = each.reshape(len(places), -1, 3, 3)
     return np.asarray(np.einsum("lnij,nj->li", each, source.traction))
 

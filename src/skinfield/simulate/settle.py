@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError, SkinfieldError
 from skinfield.mechanics import Layer
 from skinfield.mechanics.contact import (
+    TOLERANCE,
     Contact,
     ContactProblem,
     edge_softness,
@@ -85,25 +86,35 @@ class Laid:
 
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """A solution on windows."""
+    """A solution on windows, beside the same bodies over the whole grid."""
 
     laid: Laid
     indenting: Indenting
     contact: Contact
+    whole: Laid
 
 
-def settle(skin: Skin, indenters: Sequence[Indenter]) -> Settled:
-    """Solve for the contact of all bodies at once."""
-    whole = _lay(skin, indenters, [skin.whole])
-    _check_places(skin, indenters, whole)
-    coarse = settled = _solve(whole, indenters, _first_push(whole, indenters), COARSE)
+def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = None) -> Settled:
+    """Solve for the contact of all bodies at once.
+
+    A solution `before` of the same bodies in the same places, under other loads, saves the way to
+    where they touch.
+    """
+    if before is None:
+        whole = _lay(skin, indenters, [skin.whole])
+        _check_places(skin, indenters, whole)
+        settled = _solve(whole, whole, indenters, _first_push(whole, indenters), COARSE)
+    else:
+        whole, settled = before.whole, before
     margin = 2
     for _ in range(ROUNDS):
         windows = _windows(settled, margin)
-        laid = _lay(skin, indenters, windows, settled.contact.approach)
-        settled = _solve(laid, indenters, _carried_over(settled, laid))
+        laid = settled.laid
+        if windows != laid.windows:
+            laid = _lay(skin, indenters, windows, settled.contact.approach)
+        settled = _solve(laid, whole, indenters, _carried_over(settled, laid))
         _check_depth(indenters, settled.contact.approach, skin.layer)
-        if _leaks(settled, coarse):
+        if _leaks(settled):
             margin += 3
             continue
         margin = 1
@@ -130,7 +141,11 @@ def _lay(
 
 
 def _solve(
-    laid: Laid, indenters: Sequence[Indenter], start: Floats, tolerance: float | None = None
+    laid: Laid,
+    whole: Laid,
+    indenters: Sequence[Indenter],
+    start: Floats,
+    tolerance: float = TOLERANCE,
 ) -> Settled:
     indenting = Indenting(laid.skin, laid.windows)
     number = [(np.nan if i.force is None else i.force, np.nan if i.depth is None else i.depth)
@@ -146,11 +161,8 @@ def _solve(
         depths,
     )
     softness = laid.softness
-    if tolerance is None:
-        contact = solve_contact(problem, start, softness)
-    else:
-        contact = solve_contact(problem, start, softness, tolerance)
-    return Settled(laid, indenting, contact)
+    contact = solve_contact(problem, start, softness, tolerance)
+    return Settled(laid, indenting, contact, whole)
 
 
 def _first_push(laid: Laid, indenters: Sequence[Indenter]) -> Floats:
@@ -230,6 +242,8 @@ def _cut(found: list[tuple[Window, float]]) -> list[Window]:
 
 def _carried_over(settled: Settled, laid: Laid) -> Floats:
     """A start on other windows from a solution, spread over the cells."""
+    if laid is settled.laid:
+        return settled.contact.pressure
     picture = np.zeros(laid.skin.grid.shape)
     for window, pressure in zip(
         settled.laid.windows, settled.indenting.pictures(settled.contact.pressure), strict=True
@@ -240,7 +254,7 @@ def _carried_over(settled: Settled, laid: Laid) -> Floats:
     )
 
 
-def _leaks(settled: Settled, coarse: Settled) -> bool:
+def _leaks(settled: Settled) -> bool:
     """Whether touch reaches a window's border, or a body is in the skin outside of all windows."""
     laid, contact = settled.laid, settled.contact
     skin, shape = laid.skin, laid.skin.grid.shape
@@ -259,7 +273,7 @@ def _leaks(settled: Settled, coarse: Settled) -> bool:
         ):
             if inner and line.any():
                 return True
-    height = (coarse.laid.each - contact.approach[:, None]).min(axis=0).reshape(shape)
+    height = (settled.whole.each - contact.approach[:, None]).min(axis=0).reshape(shape)
     gap = np.where(outside, height + sunk, np.inf)
     return bool(gap.min() < -1e-4 * np.abs(contact.approach).max())
 
