@@ -39,7 +39,7 @@ def readings_anywhere(
     distance = np.arange(0.0, reach + SPACING, SPACING)
     line = np.column_stack([distance, np.zeros_like(distance)])
     values = press.readings(line, pad_diameter, quantity)
-    spline = CubicSpline(distance, values, bc_type=((1, 0.0), (1, 0.0)))  # flat at both ends
+    spline = CubicSpline(distance, values, bc_type="clamped")  # flat at both ends
 
     def readings(points: Floats) -> Floats:
         away = np.hypot(points[:, 0], points[:, 1])

@@ -10,6 +10,7 @@ from skinfield.layout import Grid
 
 STEP = 0.5e-3  # m: side of the lattice's cells
 BLUR = 2e-3  # m: standard deviation of the Gaussian, below which taxels see next to nothing
+FINE = 6  # parts of a step: wider ones beat against the lattice, by 6 % where they are halves
 MARGIN = 3  # standard deviations around what is compared
 
 
@@ -41,8 +42,8 @@ class Lattice:
     def deposit(self, plane: Floats, values: Floats, cell: float) -> Floats:
         """Pressure (rows, columns) Pa of cells at (K, 2) m with `values` (K,) Pa.
 
-        Each cell is split into squares of half a step at most, and the force of each is shared
-        among the four points around it in bilinear proportion: force and its first moment stay.
+        Each cell is split into squares of a sixth of a step at most; the force of each is shared
+        among the four points around it in bilinear proportion. Force and first moment stay.
         """
         parts = _parts(cell, self.step)
         offsets = (np.arange(parts) - (parts - 1) / 2) * (cell / parts)
@@ -119,7 +120,7 @@ def _kept(spread: Spread) -> Spread:
 
 
 def _parts(cell: float, step: float) -> int:
-    return max(int(np.ceil(2 * cell / step - 1e-9)), 1)
+    return max(int(np.ceil(FINE * cell / step - 1e-9)), 1)
 
 
 def _along(origin: float, count: int, pitch: float, lattice: Lattice, axis: int) -> Floats:

@@ -1,0 +1,138 @@
+"""`skinfield cases` and `skinfield validate`, as a user calls them."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from skinfield.cli import main
+from skinfield.experiments.case_files import load_case
+
+OWN = """
+import numpy as np
+from skinfield.inverse import InverseOperator
+
+class Mine:
+    def __init__(self, *, gain=1.0):
+        self.gain = gain
+    def prepare(self, model):
+        matrix = self.gain * np.linalg.pinv(model.matrix)
+        return InverseOperator(matrix, np.ones(len(matrix)))
+
+ready = Mine(gain=0.5)
+not_a_solver = 3
+"""
+
+
+def call(*words: str) -> Result:
+    return CliRunner().invoke(main, list(words))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("made") / "cases"
+    result = call(
+        "cases", str(made), "--count", "3", "--seed", "4", "--quantity", "stress", "--noise", "200"
+    )
+    assert result.exit_code == 0, result.output
+    assert "wrote 3 cases" in result.output
+    return made
+
+
+def test_made_cases_can_be_read_and_are_those_of_the_seed(folder: Path, tmp_path: Path) -> None:
+    names = [path.name for path in sorted(folder.iterdir())]
+    assert names == ["000_ball12_1N.npz", "001_ball6_1N.npz", "002_flat3_0.5N.npz"]
+    call("cases", str(tmp_path), "--count", "1", "--seed", "4", "--quantity", "stress",
+         "--noise", "200")  # fmt: skip
+    one, again = load_case(folder / names[0]), load_case(tmp_path / names[0])
+    np.testing.assert_array_equal(one.readings, again.readings)
+    assert one.readings.shape == (4, 72)
+
+
+def test_validate_prints_and_writes(folder: Path, tmp_path: Path) -> None:
+    result = call(
+        "validate", str(folder), "--grid", "20", "--per-case",
+        "--json", str(tmp_path / "s.json"), "--csv", str(tmp_path / "s.csv"),
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    for words in ("gaussian on 3 cases, 12 readings", "place of a contact found, mm", "ball6"):
+        assert words in result.output
+    read = json.loads((tmp_path / "s.json").read_text())
+    assert read["options"]["solver"] == "gaussian"
+    assert read["summary"]["readings"] == 12
+    assert 0.1 < read["summary"]["place_error_mm_median"] < 4.0
+    with (tmp_path / "s.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert [row["file"] for row in table] == sorted(path.name for path in folder.iterdir())
+    assert float(table[0]["true_force_N"]) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_one_file_is_enough(folder: Path) -> None:
+    result = call("validate", str(folder / "000_ball12_1N.npz"), "--grid", "16",
+                  "--solver", "tikhonov", "--settings", '{"snr": 5}',
+                  "--mechanics", "half-space")  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert "tikhonov on 1 case, 4 readings" in result.output
+
+
+def test_own_solver_from_the_current_folder(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "my_own_solver.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    forces = []
+    for words in (("my_own_solver:Mine",), ("my_own_solver:ready",),
+                  ("my_own_solver:Mine", "--settings", '{"gain": 0.25}')):  # fmt: skip
+        result = call("validate", str(folder), "--grid", "12", "--json", "a.json",
+                      "--solver", *words)  # fmt: skip
+        assert result.exit_code == 0, result.output
+        rows = json.loads(Path("a.json").read_text())["rows"]
+        forces.append([row["field_force_error"] + 1 for row in rows])
+    one, half, quarter = np.array(forces)
+    np.testing.assert_allclose(half, one / 2)
+    np.testing.assert_allclose(quarter, one / 4)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--solver", "magic"), "--solver is 'magic', expected one of gaussian"),
+        (("--solver", "no_such_module:X"), "'no_such_module' cannot be imported"),
+        (("--solver", "json:Nothing"), "json has no 'Nothing'"),
+        (("--solver", "json:loads"), "has no prepare"),
+        (("--settings", "{"), "expected a JSON object"),
+        (("--settings", "[1]"), "expected a JSON object"),
+        (("--settings", '{"volume": 11}'), "volume"),
+        (("--settings", '{"snr": -1}'), "snr is -1"),
+        (("--require", "beauty=1"), "expected MEASURE=NUMBER"),
+        (("--require", "missed"), "expected MEASURE=NUMBER"),
+        (("--gate-mm", "-1"), "gate is -0.001"),
+        (("--grid", "1"), "nodes is 1"),
+    ],
+)
+def test_what_cannot_be_used_is_said(folder: Path, words: tuple[str, ...], message: str) -> None:
+    result = call("validate", str(folder), *words)
+    assert result.exit_code == 2, result.output
+    assert message in " ".join(result.output.split())
+
+
+def test_errors_name_the_file(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "000_broken.npz").write_bytes(b"PK\x03\x04 nothing")
+    result = call("validate", str(tmp_path))
+    assert result.exit_code == 2
+    assert "000_broken.npz" in result.output
+    result = call("validate", str(tmp_path / "nowhere"))
+    assert result.exit_code == 2
+    assert "expected a folder of cases" in result.output
+
+
+def test_limits_decide_the_exit_code(folder: Path) -> None:
+    good = call("validate", str(folder), "--grid", "16", "--require", "place_error_mm=10",
+                "--require", "missed=1")  # fmt: skip
+    assert good.exit_code == 0, good.output
+    bad = call("validate", str(folder), "--grid", "16", "--require", "place_error_mm=0.001")
+    assert bad.exit_code == 1
+    assert "required at most 0.001" in bad.output
