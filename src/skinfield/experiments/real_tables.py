@@ -174,7 +174,7 @@ def layer_tables(folder: Path) -> Finding:
         f"The exact axisymmetric solver meets every computed column to {exact:.1e} at most, the "
         "last digit of the tables.",
         f"The contact solver, on {CELLS} cells across the contact and at a/h of "
-        f"{', '.join(f'{a:g}' for a in PRESSED)}, is within {100 * pressed:.1f} % of them.",
+        f"{', '.join(f'{a:g}' for a in PRESSED)}, is within {100 * pressed:.1g} % of them.",
         f"Hayes' own table of 1972 differs by up to {100 * hayes.largest:.1f} %, at "
         f"a/h = {hayes.widest:g}.",
     )

@@ -111,15 +111,16 @@ class Indentation:
 
     def _integral(self, r: Floats) -> Floats:
         """Integral of phi' / sqrt(x² - r²) from r to a, with x = r cosh(w), for r of any shape."""
-        a, kink = self.contact_radius, kink_of(self.profile)
-        u, weight = _unit_rule(NODES)
-        turn = np.arccosh(np.maximum(kink / r, 1.0))[..., None]
+        a, (u, weight) = self.contact_radius, _unit_rule(NODES)
+        turn = np.arccosh(np.maximum(kink_of(self.profile) / r, 1.0))[..., None]
         end = np.arccosh(a / r)[..., None]
-        before = self._slope(r[..., None] * np.cosh(turn * u)) @ weight * turn[..., 0]
+        near = np.maximum(turn, end - 3.0)  # most of x is in the last e-foldings of w
+        total = self._slope(r[..., None] * np.cosh(turn * u)) @ weight * turn[..., 0]
         # Behind a kink phi' starts as a square root, which the substitution u² takes away.
-        wide = end - turn
-        beyond = self._slope(np.minimum(r[..., None] * np.cosh(turn + wide * u**2), a))
-        return np.asarray(before + beyond @ (2.0 * u * weight) * wide[..., 0])
+        for start, wide in ((turn, near - turn), (near, end - near)):
+            x = np.minimum(r[..., None] * np.cosh(start + wide * u**2), a)
+            total = total + self._slope(x) @ (2.0 * u * weight) * wide[..., 0]
+        return np.asarray(total)
 
     def indentation(self, r: ArrayLike) -> Floats:
         """Displacement of the surface into the skin, m, at the distances r in m, anywhere."""
@@ -158,6 +159,8 @@ class Indentation:
 
 def indent_to_radius(layer: Layer, profile: Profile | None, contact_radius: float) -> Indentation:
     """The body pressed until the contact has the given radius; a flat end to a unit depth of 1 m.
+
+    Nine digits; fewer for a ball near its equator, whose pressure has five at 0.99 of its radius.
 
     Parameters
     ----------
