@@ -189,6 +189,15 @@ def test_files_that_unpack_to_too_much_are_not_read(
         load_case(save_case(case, tmp_path))
 
 
+def said_of(path: Path) -> str | None:
+    """None for a file that is a case; else the path that its FileError begins with."""
+    try:
+        load_case(path)
+    except FileError as error:
+        return str(error)[: len(str(path))]
+    return None
+
+
 @settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_spoilt_bytes_give_an_error_or_the_case(
@@ -199,10 +208,7 @@ def test_spoilt_bytes_give_an_error_or_the_case(
     for _ in range(data.draw(st.integers(1, 8))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
     path.write_bytes(bytes(content[: data.draw(st.integers(0, len(content)))]))
-    try:
-        assert len(load_case(path).patch) > 0
-    except FileError as error:
-        assert str(path) in str(error)
+    assert said_of(path) in (None, str(path))
 
 
 ANY_ARRAY = st.one_of(
@@ -232,10 +238,7 @@ def test_any_array_under_any_key_gives_an_error_or_a_case(
     chosen = data.draw(st.lists(st.sampled_from(keys), min_size=1, max_size=2))
     changes = {key: data.draw(st.none() | ANY_ARRAY) for key in chosen}
     path = saved(small, folder, **changes)
-    try:
-        load_case(path)
-    except FileError as error:
-        assert str(path) in str(error)
+    assert said_of(path) in (None, str(path))
 
 
 def test_folders(tmp_path: Path) -> None:
