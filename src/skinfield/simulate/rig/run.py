@@ -12,7 +12,6 @@ from skinfield.simulate.electronics.delivery import Sampling
 from skinfield.simulate.rig.ladder import Ladder, press_with, solve_ladder
 from skinfield.simulate.rig.load_cell import LoadSeries
 from skinfield.simulate.rig.motion import Pressed, Programme, pressed, programme
-from skinfield.simulate.rig.places import Pose
 from skinfield.simulate.rig.scenario import Scenario
 from skinfield.simulate.rig.truth import Truth
 
@@ -55,10 +54,10 @@ def run_rig(scenario: Scenario) -> RigRun:
             "repeats, expected one of each: run those of scenario.runs()"
         )
     tool = scenario.tools[0]
-    skin = scenario.electronics.manufacture(scenario.patch, _rng(scenario, 0))
-    plan = programme(_poses(scenario), scenario.loads, scenario.profile)
+    skin = scenario.electronics.manufacture(scenario.patch, scenario.random(0))
+    plan = programme(scenario.poses, scenario.loads, scenario.profile)
     ladder = solve_ladder(scenario, tool.indenter, plan.poses)
-    chance = _rng(scenario, 2, zlib.crc32(tool.name.encode()), scenario.first_repeat)
+    chance = scenario.random(2, zlib.crc32(tool.name.encode()), scenario.first_repeat)
     clock, noise, cell = chance.spawn(3)
     time = plan.time
     sampling = skin.sample_times(float(time[-1]), clock)
@@ -75,18 +74,6 @@ def run_rig(scenario: Scenario) -> RigRun:
     rows = sampling.logged[0]
     truth = _truth(scenario, plan, ladder, series, sampling.time[rows], change[rows])
     return RigRun(scenario, sent, load_cell, skin, truth)
-
-
-def _rng(scenario: Scenario, *key: int) -> np.random.Generator:
-    """Random numbers for one purpose: others do not shift them."""
-    return np.random.default_rng(np.random.SeedSequence(scenario.seed, spawn_key=key))
-
-
-def _poses(scenario: Scenario) -> list[Pose]:
-    found = []
-    for row, places in enumerate(scenario.places):
-        found += places.poses(scenario.patch, _rng(scenario, 1, row))
-    return found
 
 
 def _warmth(scenario: Scenario, part: Floats) -> Floats:

@@ -1,5 +1,6 @@
 """All that a rig needs to know, in SI units."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -13,9 +14,10 @@ from skinfield.simulate.electronics import Electronics, icub_electronics
 from skinfield.simulate.electronics.thermal import ROOM
 from skinfield.simulate.indenters import Indenter, Sphere
 from skinfield.simulate.rig.load_cell import LoadCell
-from skinfield.simulate.rig.places import OverTaxels, Places
+from skinfield.simulate.rig.places import OverTaxels, Places, Pose
 from skinfield.simulate.rig.profile import Profile
 
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,39}", re.ASCII)
 Words = tuple[tuple[str, object], ...]
 
 
@@ -36,6 +38,9 @@ class Tool:
     name: str
     indenter: Indenter
     words: Words = ()
+
+    def __post_init__(self) -> None:
+        _check_name(self.name)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +147,9 @@ class Scenario:
     layer: Layer = field(default_factory=Layer)
     cover: bool = False
     elastomer: Viscoelastic = field(default_factory=StandardLinearSolid)
-    tools: tuple[Tool, ...] = (Tool(name="sphere6", indenter=Sphere(radius=6e-3)),)
+    tools: tuple[Tool, ...] = field(
+        default_factory=lambda: (Tool(name="sphere6", indenter=Sphere(radius=6e-3)),)
+    )
     places: tuple[Places, ...] = (OverTaxels(),)
     loads: Loads = field(default_factory=lambda: Loads(forces=(0.2, 0.5, 1.0)))
     profile: Profile = field(default_factory=Profile)
@@ -152,6 +159,7 @@ class Scenario:
     solving: Solving = field(default_factory=Solving)
 
     def __post_init__(self) -> None:
+        _check_name(self.name)
         for name, low, high in (
             ("seed", 0, 2**63 - 1), ("repeats", 1, 10_000), ("first_repeat", 0, 10_000),
         ):  # fmt: skip
@@ -170,6 +178,23 @@ class Scenario:
         """Model of the layer."""
         return BondedLayer(inextensible_cover=self.cover)
 
+    @property
+    def poses(self) -> list[Pose]:
+        """Where to press, in order; random ones are drawn from a stream of their own."""
+        found = []
+        for row, places in enumerate(self.places):
+            found += places.poses(self.patch, self.random(1, row))
+        return found
+
+    @property
+    def presses(self) -> int:
+        """Of one recording."""
+        return len(self.poses) * len(self.loads)
+
+    def random(self, *key: int) -> np.random.Generator:
+        """Random numbers for one purpose: other purposes do not shift them."""
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=key))
+
     def runs(self) -> Iterator[tuple[str, "Scenario"]]:
         """Each recording as a name and a scenario of that recording alone."""
         numbered = self.repeats > 1 or self.first_repeat > 0
@@ -177,3 +202,11 @@ class Scenario:
             for repeat in range(self.first_repeat, self.first_repeat + self.repeats):
                 name = f"{self.name}-{tool.name}" + (f"-{repeat}" if numbered else "")
                 yield name, replace(self, tools=(tool,), repeats=1, first_repeat=repeat)
+
+
+def _check_name(name: str) -> None:
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        raise InputError(
+            f"name is {name!r}, expected up to 40 letters, digits and ._+=,- that begin with a "
+            "letter or digit: it becomes part of the names of folders"
+        )
