@@ -6,7 +6,8 @@ import pytest
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.mechanics import HalfSpace
-from skinfield.simulate import Cylinder, Sphere, press
+from skinfield.simulate import Cylinder, Ring, Sphere, press, press_ladder
+from skinfield.simulate.outline import enclosed, outlines
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
 BALL = Sphere(radius=6e-3, force=1.0)
@@ -97,3 +98,198 @@ def test_bad_indenters_are_named() -> None:
         press(LAYER, [Sphere(radius=6e-3, force=100.0)], 30e-3, 1e-3)
     with pytest.raises(InputError, match="quantity is 'volts', expected one of"):
         press(LAYER, [BALL], 20e-3, 1e-3).readings([[0, 0]], 4e-3, "volts")
+
+
+@pytest.mark.parametrize(
+    ("radius", "force", "depth", "edge"),
+    [(6e-3, 0.2, 0.2953, 1.71), (6e-3, 0.5, 0.4554, 2.20), (6e-3, 1.0, 0.6258, 2.63),
+     (6e-3, 1.8, 0.8155, 3.03), (6e-3, 3.0, 1.0242, 3.43), (3e-3, 0.2, 0.427, 1.37),
+     (3e-3, 0.5, 0.678, 1.76), (3e-3, 1.0, 0.956, 2.09), (3e-3, 1.8, 1.280, 2.38)],
+)  # fmt: skip
+def test_balls_by_the_default_cells_have_the_finite_elements_depth_and_radius(
+    radius: float, force: float, depth: float, edge: float
+) -> None:
+    """Published finite elements and another contact solver, in mm, to their printed digits."""
+    found = press(LAYER, [Sphere(radius=radius, force=force)], extent=20e-3)
+    assert found.approach[0] * 1e3 == pytest.approx(depth, abs=6e-4)
+    assert np.sqrt(found.contact_area / np.pi) * 1e3 == pytest.approx(edge, abs=0.015)
+    given = press(LAYER, [Sphere(radius=radius, depth=found.approach[0])], extent=20e-3)
+    assert given.force == pytest.approx(force, rel=2e-4)
+    assert found.residual <= 1e-6
+
+
+@pytest.mark.parametrize(
+    ("radius", "depth", "middle", "cells"),
+    [(1.5e-3, 0.930e-3, 81.5e3, 6), (6e-3, 0.03442e-3, 9.43e3, 24)],
+)
+def test_flat_ends_by_the_default_cells_are_not_staircases(
+    radius: float, depth: float, middle: float, cells: int
+) -> None:
+    """Depth by finite elements and by the table of Hayes; base stress of the former."""
+    for x in (0.0, 0.13e-3, 0.25e-3):
+        found = press(LAYER, [Cylinder(radius=radius, position=(x, 0.1e-3))], extent=20e-3)
+        assert found.approach[0] == pytest.approx(depth, rel=1e-3)
+        assert found.base_stress([[x, 0.1e-3]], 0.0)[0] == pytest.approx(middle, rel=5e-3)
+        assert found.contact_area == pytest.approx(np.pi * radius**2, rel=1e-3)
+        assert abs(np.count_nonzero(found.contact) / (np.pi * (cells / 2) ** 2) - 1) < 0.2
+
+
+def test_where_the_cells_lie_makes_no_difference() -> None:
+    """The layer has no border: readings move with the press, to a part of a cell."""
+    places = np.stack(np.meshgrid([-6e-3, -2e-3, 1e-3, 4e-3], [0.0, 3e-3]), -1).reshape(-1, 2)
+    for body in (Sphere, Cylinder):
+        still = press(LAYER, [body(radius=3e-3, force=0.5)], extent=20e-3)
+        for shift in (np.array([0.17e-3, -0.21e-3]), np.array([2.0e-3, 0.25e-3])):
+            ball = body(radius=3e-3, force=0.5, position=tuple(shift))
+            moved = press(LAYER, [ball], extent=20e-3)
+            # The electric field's mesh is as fine as h / 10, which is seen.
+            for quantity, rough, least in (
+                ("stress", 1e-3, 2.0),
+                ("gap", 1e-3, 2e-5),
+                ("capacitance", 4e-3, 1e-4),
+            ):
+                np.testing.assert_allclose(
+                    moved.readings(places + shift, 4e-3, quantity),
+                    still.readings(places, 4e-3, quantity),
+                    rtol=rough,
+                    atol=least,
+                )
+
+
+def test_the_size_of_the_cells_makes_no_difference() -> None:
+    places = np.array([[0.0, 0.0], [2e-3, 0.0], [4e-3, 1e-3], [9e-3, 0.0]])
+    fine, coarse = (press(LAYER, [BALL], 20e-3, cell) for cell in (0.2e-3, 1e-3))
+    assert coarse.approach[0] == pytest.approx(fine.approach[0], rel=3e-4)
+    for quantity, rough in (("stress", 1e-3), ("gap", 1e-3), ("capacitance", 4e-3)):
+        np.testing.assert_allclose(
+            coarse.readings(places, 4e-3, quantity),
+            fine.readings(places, 4e-3, quantity),
+            rtol=rough,
+            atol=3e-5,
+        )
+
+
+def test_windows_far_apart_feel_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two windows, joined by interpolation, against one window over both, which is exact."""
+    balls = [Sphere(radius=6e-3, force=2.0), Sphere(radius=2e-3, force=0.1, position=(8e-3, 1e-3))]
+    two = press(LAYER, balls, extent=30e-3)
+    monkeypatch.setattr("skinfield.simulate.settle.APART", 100)
+    one = press(LAYER, balls, extent=30e-3)
+    assert len(two.touches) == 2
+    assert len(one.touches) == 1
+    np.testing.assert_allclose(two.approach, one.approach, rtol=4e-4)
+    np.testing.assert_allclose(two.displacement, one.displacement, atol=3e-7)
+    alone = press(LAYER, balls[1:], extent=30e-3)
+    assert abs(two.approach[1] - alone.approach[0]) > 0.01 * alone.approach[0]
+
+
+def test_what_is_read_at_points_is_what_the_fields_show() -> None:
+    """Sums over sources against convolutions, away from the contact."""
+    found = press(LAYER, [BALL], extent=24e-3)
+    away = np.hypot(*found.grid.plane.T) > 4e-3
+    some = np.flatnonzero(away)[::97]
+    read = found.gap_change(found.grid.plane[some], 0.0)
+    np.testing.assert_allclose(read, -found.displacement[some, 2], atol=2e-8)
+
+
+def test_forces_and_moments_of_each_body() -> None:
+    """A moment is the force's at the place of a round body; of a tilted end at its low side."""
+    bodies = [
+        Sphere(radius=6e-3, force=1.0, position=(-7e-3, 2e-3), shear=(0.1, 0.2)),
+        Cylinder(radius=2e-3, force=0.4, position=(6e-3, 0.0), tilt=(0.0, 0.05)),
+    ]
+    found = press(LAYER, bodies, extent=30e-3)
+    np.testing.assert_allclose(found.forces, [1.0, 0.4], rtol=1e-9)
+    np.testing.assert_allclose(found.force_vectors[0], [0.1, 0.2, -1.0], rtol=1e-6)
+    about = [2e-3 * -1.0, 7e-3 * -1.0, -7e-3 * 0.2 - 2e-3 * 0.1]
+    np.testing.assert_allclose(found.moments[0], about, rtol=3e-3)
+    np.testing.assert_allclose(found.moment, found.moments.sum(axis=0))
+    lowest = bodies[1].lowest[0] - 6e-3
+    centre = found.moments[1, 1] / 0.4 - 6e-3
+    assert 0.1 < centre / lowest < 1.0
+
+
+def test_the_gap_is_open_around_touch_and_infinite_beyond_the_body() -> None:
+    found = press(LAYER, [Cylinder(radius=3e-3, edge_radius=1e-3)], extent=14e-3)
+    r = np.hypot(*found.grid.plane.T)
+    assert np.isinf(found.gap[r > 3e-3]).all()
+    assert np.isfinite(found.gap[r < 3e-3]).all()
+    assert np.abs(found.gap[found.contact]).max() < 2e-6 * found.approach[0]
+    assert found.gap[(r < 3e-3) & ~found.contact].min() > 0.0
+    assert (found.pressure[found.contact] > 0).all()
+
+
+def test_outlines_enclose_the_area_and_holes_run_backwards() -> None:
+    ring = Ring(inner_radius=2e-3, outer_radius=4e-3, force=0.5, position=(1e-3, 0.0))
+    found = press(LAYER, [ring], extent=14e-3)
+    outer, hole = found.outline
+    np.testing.assert_array_equal(outer[0], outer[-1])
+    assert enclosed(outer) == pytest.approx(np.pi * 16e-6, rel=3e-3)
+    assert enclosed(hole) == pytest.approx(-np.pi * 4e-6, rel=6e-3)
+    assert found.contact_area == pytest.approx(np.pi * 12e-6, rel=1e-3)
+    assert np.hypot(*(outer - [1e-3, 0.0]).T) == pytest.approx(4e-3, rel=0.01)
+
+
+def test_outlines_of_any_picture_close_and_separate() -> None:
+    """Each is closed; the nodes inside, by their number, are those above one half."""
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        share = rng.uniform(size=(6, 8))
+        x, y = np.arange(8.0), np.arange(6.0)
+        ways = outlines(share, y, x)
+        winding = np.zeros(share.shape)
+        for way in ways:
+            assert (way[0] == way[-1]).all()
+            ahead = np.arctan2(way[:, 1] - y[:, None, None] - 0.0, way[:, 0] - x[:, None])
+            winding += ((np.diff(ahead) + np.pi) % (2 * np.pi) - np.pi).sum(axis=2) / (2 * np.pi)
+        np.testing.assert_allclose(winding, share > 0.5, atol=1e-9)
+
+
+def test_a_ladder_is_a_press_for_each_force() -> None:
+    forces = [0.8, 0.1, 2.0]
+    ladder = press_ladder(LAYER, Sphere(radius=6e-3, depth=1e-3), forces, extent=20e-3)
+    for force, found in zip(forces, ladder, strict=True):
+        alone = press(LAYER, [Sphere(radius=6e-3, force=force)], extent=20e-3)
+        assert found.force == pytest.approx(force, rel=1e-9)
+        assert found.indenters[0].force == force
+        assert found.approach[0] == pytest.approx(alone.approach[0], rel=3e-4)
+    with pytest.raises(InputError, match=r"forces\[1\] is -1.0, expected a finite number above 0"):
+        press_ladder(LAYER, BALL, [1.0, -1.0])
+    with pytest.raises(InputError, match="forces is empty"):
+        press_ladder(LAYER, BALL, [])
+
+
+def test_bodies_much_smaller_than_a_cell_are_seen() -> None:
+    """Hertz below a tenth of a cell, and a punch; their own windows are that much finer."""
+    modulus, radius = 100e3 / 0.75, 0.4e-3
+    found = press(LAYER, [Sphere(radius=radius, force=1e-5, position=(0.3e-3, 0.0))], 10e-3)
+    edge = (0.75 * 1e-5 * radius / modulus) ** (1 / 3)
+    assert edge < 0.1 * 0.5e-3
+    # The base, 70 contact radii below, lifts the ball by 2 %.
+    assert found.approach[0] == pytest.approx(edge**2 / radius, rel=0.03)
+    assert np.sqrt(found.contact_area / np.pi) == pytest.approx(edge, rel=0.03)
+    punch = press(LAYER, [Cylinder(radius=0.1e-3, force=1e-4, position=(0.3e-3, 0.0))], 10e-3)
+    assert punch.approach[0] == pytest.approx(1e-4 / (2 * modulus * 0.1e-3), rel=0.08)
+
+
+def test_a_body_at_a_depth_that_the_skin_stays_clear_of_does_not_touch() -> None:
+    """The dent of a heavy neighbour is deeper than the light one reaches."""
+    found = press(
+        LAYER,
+        [
+            Cylinder(radius=6e-3, depth=0.4e-3),
+            Sphere(radius=1e-3, depth=1e-6, position=(6.9e-3, 0)),
+        ],
+        extent=24e-3,
+    )
+    assert found.forces[0] > 5.0
+    assert found.approach[1] == 1e-6
+    assert found.forces[1] >= 0.0
+    assert found.residual <= 1e-6
+
+
+def test_too_many_cells_are_refused_before_memory_is() -> None:
+    with pytest.raises(InputError, match=r"cell is 1e-06 m, expected 3e-05 m or more in an extent"):
+        press(LAYER, [BALL], cell=1e-6)
+    with pytest.raises(InputError, match=r"indenters\[0\] with 0.003 m sinks 3 mm"):
+        press(LAYER, [Sphere(radius=6e-3, depth=3e-3)], 20e-3)

@@ -43,11 +43,12 @@ class Touch:
         far as `RIM` squares beyond the true border (measured against Hertz and the layer's exact
         solution), which is taken off.
         """
+        from scipy.ndimage import binary_dilation
+
         touching = self.touching
-        sharp = rim(self.coverage < 1) if (self.coverage < 1).any() else np.zeros(touching.shape)
-        share = np.where(touching, self.coverage, 0.0)
-        beyond = np.where(sharp > 0, 0.0, RIM * rim(touching))
-        return np.asarray(share - beyond)
+        sharp = binary_dilation(self.coverage < 1, np.ones((3, 3), dtype=bool))
+        beyond = np.where(sharp, 0.0, RIM * rim(touching))
+        return np.asarray(np.where(touching, self.coverage, 0.0) - beyond)
 
     def area(self, side: float) -> float:
         """Touched, m², for squares of a side in m."""
