@@ -19,6 +19,7 @@ from skinfield.mechanics.axisymmetric import (
 )
 from skinfield.mechanics.hertz import FlatPunch, HertzSphere, SneddonCone, effective_modulus
 from skinfield.mechanics.profiles import Ball, Profile, RoundedFlat, Taper
+from skinfield.mechanics.stick import FullStick, PartialSlip
 from skinfield.simulate import Cone, Cylinder, Indenter, Press, Sphere, press
 
 H, E = 4e-3, 1e5
@@ -49,13 +50,13 @@ def solved(layer: Layer, body: Indenter, a: float, cells: float = 6.0) -> Press:
     return press(layer, [body], extent=4 * a, cell=2 * a / cells)
 
 
-def cell_means(state, pressed: Press, side: int = 12):
-    """Mean of a pressure profile over each cell that lies wholly in the contact, and which."""
+def cell_means(state, pressed: Press, field: str = "pressure", side: int = 12):
+    """Mean of a profile over each cell that lies wholly in the contact, and which."""
     part = ((np.arange(side) + 0.5) / side - 0.5) * pressed.grid.pitch
     x, y = pressed.grid.plane.T
     r = np.hypot((x[:, None] + part)[:, :, None], (y[:, None] + part)[:, None, :])
     whole = r.max(axis=(1, 2)) < state.contact_radius
-    return whole, state.pressure(r[whole]).mean(axis=(1, 2))
+    return whole, getattr(state, field)(r[whole]).mean(axis=(1, 2))
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -127,6 +128,39 @@ def test_a_rounded_flat_end(nu: float) -> None:
     pressed = press(layer, [body], extent=12e-3, cell=0.5e-3)
     assert pressed.approach[0] == pytest.approx(state.depth, rel=2e-3)
     assert np.sqrt(pressed.contact_area / np.pi) == pytest.approx(state.contact_radius, rel=0.01)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.5])
+def test_a_sheared_flat_end_that_sticks(nu: float) -> None:
+    """Moves as Mindlin says, on a layer of 400 contact radii."""
+    a, shear = 1e-3, 5e-4
+    body = Cylinder(radius=a, force=1e-3, shear=(shear, 0.0))
+    pressed = solved(Layer(400 * a, E, nu), body, a)
+    stuck = FullStick(contact_radius=a, young_modulus=E, poisson_ratio=nu, shear=shear)
+    assert pressed.translation[0, 0] == pytest.approx(stuck.displacement, rel=3e-3)
+    assert abs(pressed.translation[0, 1]) < 1e-6 * stuck.displacement
+    whole, mean = cell_means(stuck, pressed, "traction")
+    error = np.abs(pressed.traction[whole, 0] - mean).max() / (shear / (np.pi * a**2))
+    assert error < 3e-3
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7])
+def test_a_sheared_ball_slips_in_a_ring(share: float) -> None:
+    """Displacement within 0.4 % of Mindlin's, the ring's part of the area within 0.005."""
+    a, star = 1e-3, effective_modulus(E, 0.5)
+    ball = HertzSphere(radius=20 * a, modulus=star, contact_radius=a)
+    slip = PartialSlip(
+        normal=ball,
+        young_modulus=E,
+        poisson_ratio=0.5,
+        friction=0.5,
+        shear=0.5 * share * ball.force,
+    )
+    body = Sphere(radius=20 * a, force=ball.force, shear=(slip.shear, 0.0))
+    pressed = press(Layer(400 * a, E, 0.5), [body], extent=4 * a, cell=a / 3, friction=0.5)
+    assert pressed.translation[0, 0] == pytest.approx(slip.displacement, rel=4e-3)
+    ring = 1 - (slip.stick_radius / a) ** 2
+    assert pressed.slipping_share == pytest.approx(ring, abs=5e-3)
 
 
 def test_default_grid_at_the_papers_load() -> None:
