@@ -14,6 +14,13 @@ LEVEL = 1e-9
 """Metres within which vertices are equally low."""
 
 
+def corners_of(vertices: Floats, faces: Ints) -> Floats:
+    """Vertices (N, 3) that are corners of a face."""
+    used = np.zeros(len(vertices), dtype=np.bool_)
+    used[faces] = True
+    return vertices[used]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mesh(Body):
     """A body given by triangles; what it shows to the skin is the lowest of them at each place.
@@ -49,7 +56,7 @@ class Mesh(Body):
                 f"faces holds rows {faces.min()} to {faces.max()} of vertices, expected 0 to "
                 f"{len(vertices) - 1}: triangles must have corners that exist"
             )
-        check_finite("vertices", vertices[np.unique(faces)], "corners of the triangles in metres")
+        check_finite("vertices", corners_of(vertices, faces), "corners of triangles in metres")
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "faces", faces.astype(np.int64))
 
@@ -63,7 +70,7 @@ class Mesh(Body):
     @property
     def lowest(self) -> tuple[float, float]:
         """See `Indenter.lowest`."""
-        corners = self._tilted[np.unique(self.faces)]
+        corners = corners_of(self._tilted, self.faces)
         right, ahead, _ = corners[corners[:, 2] <= LEVEL].mean(axis=0)
         return self.place(right, ahead)
 

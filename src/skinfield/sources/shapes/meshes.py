@@ -19,6 +19,7 @@ from skinfield.errors import (
     check_shape,
 )
 from skinfield.simulate import Mesh
+from skinfield.simulate.indenters.mesh import corners_of
 from skinfield.sources.shapes.content import read_shape
 
 ENDINGS = (".stl", ".obj", ".ply")
@@ -60,13 +61,13 @@ def load_mesh(
     turn = _upright_from_file(down)
     path, content = read_shape(path, ENDINGS, "a triangle mesh")
     vertices, faces = _triangles(path, content)
-    corners = vertices[np.unique(faces)]
+    corners = corners_of(vertices, faces)
     if not np.isfinite(corners).all():
         bad = int(np.count_nonzero(~np.isfinite(corners).all(axis=1)))
         raise FileError(f"{path} has {bad} corners that are not finite, expected numbers")
     _check_size(path, corners, unit)
     vertices = np.nan_to_num(vertices) @ turn.T * unit
-    corners = vertices[np.unique(faces)]
+    corners = corners_of(vertices, faces)
     low, high = corners.min(axis=0), corners.max(axis=0)
     try:
         return Mesh(vertices=vertices - [*(low + high)[:2] / 2, low[2]], faces=faces)
