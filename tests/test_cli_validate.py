@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from test_readme import follow
 
 from skinfield.cli import main
 from skinfield.experiments.case_files import load_case
@@ -136,3 +137,23 @@ def test_limits_decide_the_exit_code(folder: Path) -> None:
     bad = call("validate", str(folder), "--grid", "16", "--require", "place_error_mm=0.001")
     assert bad.exit_code == 1
     assert "required at most 0.001" in bad.output
+
+
+def test_the_page_on_cases_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = Path(__file__).resolve().parents[1] / "docs" / "cases.md"
+    snippets, commands = follow(page)
+    assert (snippets, commands) == (1, 4)
+    assert "mm off" in capsys.readouterr().out
+    assert load_case("rig_017.npz").truth.contacts[0].force == 1.0
+
+
+def test_the_page_names_every_key(tmp_path: Path) -> None:
+    call("cases", str(tmp_path), "--count", "1", "--quantity", "stress")
+    [path] = tmp_path.iterdir()
+    text = (Path(__file__).resolve().parents[1] / "docs" / "cases.md").read_text(encoding="utf-8")
+    with np.load(path) as archive:
+        for key in archive.files:
+            assert f"`{key}`" in text, key
