@@ -7,8 +7,9 @@ from skinfield.errors import Floats
 from skinfield.mechanics import LatticeConvolution
 from skinfield.mechanics.lattice import kept_indentation_kernel, kept_surface_kernel
 from skinfield.observation.electrostatics import MARGIN, STEPS, GapStrain
-from skinfield.simulate.plane import PAD, Skin, Window, resplit
+from skinfield.simulate.plane import PAD, Skin
 from skinfield.simulate.touch import Touch
+from skinfield.simulate.window import Window, resplit
 
 NEAR = 4  # cells around a window within which its squares act one by one
 SHEARED = 3  # squares along a cell that are enough for tangential displacement

@@ -7,7 +7,7 @@ the windows grow.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,10 @@ from skinfield.mechanics.contact import (
 )
 from skinfield.simulate.cover import cover
 from skinfield.simulate.indenters import Indenter
-from skinfield.simulate.plane import Indenting, Skin, Window, resplit, touched
+from skinfield.simulate.plane import PAD, Skin
+from skinfield.simulate.responses import Indenting
+from skinfield.simulate.window import Window, cut, merged, resplit, touched
 
-ACROSS = 48  # squares across a contact
-FINEST = 81  # squares along a cell
-MOST = 100_000  # squares of all windows
-APART = 4  # cells between windows: nearer ones are one
 ROUNDS = 12
 COARSE = 1e-2  # residual that tells where touch is
 
@@ -193,51 +191,7 @@ def _windows(settled: Settled, margin: int) -> list[Window]:
             if window is not None:
                 extent = max(int(squares.any(axis=axis).sum()) for axis in (0, 1))
                 found.append((window.grown(margin, grid.shape), extent / part.split))
-    return _cut(_merged(found))
-
-
-def _merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
-    """Join windows that are less than `APART` cells from each other; the smaller width counts."""
-    found = list(found)
-    index = 0
-    while index < len(found):
-        one, width = found[index]
-        for other_index in range(index + 1, len(found)):
-            other, narrower = found[other_index]
-            gap = max(
-                max(one.row, other.row) - min(one.row + one.rows, other.row + other.rows),
-                max(one.column, other.column)
-                - min(one.column + one.columns, other.column + other.columns),
-            )
-            if gap < APART:
-                row, column = min(one.row, other.row), min(one.column, other.column)
-                bottom = max(one.row + one.rows, other.row + other.rows)
-                right = max(one.column + one.columns, other.column + other.columns)
-                joined = Window(row, column, bottom - row, right - column)
-                found[index] = (joined, min(width, narrower))
-                del found[other_index]
-                index = -1
-                break
-        index += 1
-    return found
-
-
-def _cut(found: list[tuple[Window, float]]) -> list[Window]:
-    """Split windows for `ACROSS` squares over each width, in cells, but `MOST` squares in all."""
-    splits = []
-    for _, width in found:
-        split = 1
-        while split * width < ACROSS and split < FINEST:
-            split *= 3
-        splits.append(split)
-    cells = [window.rows * window.columns for window, _ in found]
-    while True:
-        sizes = [c * s**2 for c, s in zip(cells, splits, strict=True)]
-        largest = int(np.argmax(sizes))
-        if sum(sizes) <= MOST or splits[largest] == 1:
-            break
-        splits[largest] //= 3
-    return [replace(window, split=s) for (window, _), s in zip(found, splits, strict=True)]
+    return cut(merged(found))
 
 
 def _carried_over(settled: Settled, laid: Laid) -> Floats:
@@ -264,7 +218,7 @@ def _leaks(settled: Settled) -> bool:
         laid.windows, settled.indenting.pictures(contact.pressure), strict=True
     ):
         outside[window.cells] = False
-        sunk += skin.far(skin.carried(window, pressure))[3:-3, 3:-3]
+        sunk += skin.far(skin.carried(window, pressure))[PAD:-PAD, PAD:-PAD]
         for inner, line in (
             (window.row > 0, pressure[0]),
             (window.row + window.rows < shape[0], pressure[-1]),

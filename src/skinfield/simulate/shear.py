@@ -8,7 +8,7 @@ import numpy as np
 from skinfield.errors import Floats, check_positive
 from skinfield.mechanics.friction import ShearProblem, solve_slip, solve_stick
 from skinfield.simulate.indenters import Indenter
-from skinfield.simulate.plane import Sliding
+from skinfield.simulate.responses import Sliding
 from skinfield.simulate.settle import Settled
 from skinfield.simulate.touch import Touch
 

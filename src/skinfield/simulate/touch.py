@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.mechanics.contact import RIM, rim
-from skinfield.simulate.plane import Skin, Window, coarsened
+from skinfield.simulate.plane import Skin
+from skinfield.simulate.window import Window, coarsened
 
 
 @dataclass(frozen=True, eq=False)
