@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skinfield.errors import Ints
+from skinfield.errors import Floats, Ints
 from skinfield.figures.style import (
     BLUE,
     FAINT,
@@ -80,11 +80,11 @@ def _liveliest(run: RigRun) -> Ints:
 
 def _draw_force(axes: "Axes", run: RigRun) -> None:
     truth, cell = run.truth, run.load_cell
-    axes.plot(cell.stamp_ns * 1e-9, cell.force, color=FAINT, lw=1.6, label="load cell")
+    axes.plot(cell.stamp_ns * 1e-9, cell.force, color="#9ecae8", lw=3.2, label="load cell")
     axes.plot(truth.time_s, truth.force_N, color=INK, lw=0.9, label="true force")
     axes.plot(
         truth.time_s,
-        truth.effective_force_N,
+        _by_place(run, truth.effective_force_N),
         color=ORANGE,
         lw=0.9,
         ls="--",
@@ -104,13 +104,23 @@ def _draw_force(axes: "Axes", run: RigRun) -> None:
     add_title(axes, "A", "Force")
 
 
+def _by_place(run: RigRun, series: Floats) -> Floats:
+    """Series with a gap wherever the indenter goes on to another place."""
+    truth, out = run.truth, series.copy()
+    places = np.column_stack([truth.press_x_m, truth.press_y_m, truth.press_angle_rad])
+    moved = np.flatnonzero((places[1:] != places[:-1]).any(axis=1)) + 1
+    out[np.searchsorted(truth.time_s, truth.press_start_s[moved])] = np.nan
+    return out
+
+
 def _draw_height(axes: "Axes", run: RigRun) -> None:
     truth = run.truth
     axes.axhline(0.0, color=QUIET, lw=0.7)
     axes.plot(
         truth.time_s, truth.height_m * 1e3, color=INK, lw=1.0, label="indenter's lowest point"
     )
-    axes.plot(truth.time_s, -truth.depth_m * 1e3, color=BLUE, lw=1.0, label="skin below it")
+    skin = _by_place(run, -truth.depth_m * 1e3)
+    axes.plot(truth.time_s, skin, color=BLUE, lw=1.0, label="skin below it")
     axes.set_yscale("symlog", linthresh=1.0)
     deepest = float(truth.depth_m.max() * 1e3)
     top = max(run.scenario.profile.clearance * 1e3, 1.0)
@@ -130,7 +140,7 @@ def _draw_counts(axes: "Axes", run: RigRun, near: Ints) -> None:
     time = run.recording.stamp_ns * 1e-9
     for row, colour in zip(near[::-1], COLOURS[: len(near)][::-1], strict=True):
         axes.step(
-            time, run.recording.counts[:, row], where="post", color=colour, lw=0.9,
+            time, run.recording.counts[:, row], where="post", color=colour, lw=0.7,
             label=f"taxel {row}",
         )  # fmt: skip
     axes.set_ylabel(UNITS.get(run.recording.unit, run.recording.unit))

@@ -15,6 +15,8 @@ from skinfield.simulate.press import Press, press
 from skinfield.simulate.rig.places import Pose
 from skinfield.simulate.rig.scenario import Scenario
 
+FINE = 4001  # forces at which depths are inverted
+
 
 @dataclass(frozen=True, eq=False)
 class Ladder:
@@ -49,11 +51,10 @@ class Ladder:
         return self._between(self.area, force)
 
     def force_at(self, depth: Floats) -> Floats:
-        """Elastic force at depths of the lowest point, N."""
-        from scipy.interpolate import PchipInterpolator
-
-        root = PchipInterpolator(self.depth, np.sqrt(self.force))
-        return np.asarray(root(np.clip(depth, 0.0, self.depth[-1])) ** 2)
+        """Elastic force at depths of the lowest point, N: the inverse of `depth_at`."""
+        force = self.force[-1] * np.linspace(0.0, 1.0, FINE) ** 2
+        root = np.interp(depth, self.depth_at(force), np.sqrt(force))
+        return np.asarray(root**2)
 
     def change_at(self, pose: int, force: Floats, skew: Ints) -> Floats:
         """ΔC/C₀ (T, L) at one pose, under forces (T, S) at the moments of each distinct skew.

@@ -19,6 +19,7 @@ from skinfield.errors import (
 from skinfield.layout import Patch
 
 TRIES = 10_000
+NEXT = 1.1  # pitches between taxels that are next to each other
 
 
 @dataclass(frozen=True)
@@ -193,6 +194,7 @@ def _over_groups(patch: Patch, given: Ints, all_: Sequence[int] | Ints, angle: f
                 f"patch {patch.name!r} has no such taxels next to each other, expected some: "
                 "name them, or choose other places"
             )
+        groups = _close(patch, groups)
         middles = patch.plane[groups].mean(axis=1)
         far = np.hypot(*(middles - patch.plane.mean(axis=0)).T)
         given = groups[[int(np.argmin(np.round(far, 9)))]]
@@ -202,3 +204,11 @@ def _over_groups(patch: Patch, given: Ints, all_: Sequence[int] | Ints, angle: f
             f"{patch.name!r}"
         )
     return [Pose(float(x), float(y), angle) for x, y in patch.plane[given].mean(axis=1)]
+
+
+def _close(patch: Patch, groups: Ints) -> Ints:
+    """Groups (N, G) of which all are a pitch from each other; all groups, where there is none."""
+    corners = patch.plane[groups]
+    wide = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1).max(axis=(1, 2))
+    close = wide <= NEXT * patch.pitch
+    return groups[close] if close.any() else groups
