@@ -216,6 +216,8 @@ def test_bad_values_are_named() -> None:
         indent_to_radius(layer, RoundedFlat(flat_radius=0.6, edge_radius=0.1), 0.5)
     with pytest.raises(InputError, match="60 thicknesses"):
         indent_to_radius(layer, None, 61.0)
+    with pytest.raises(InputError, match="60 thicknesses"):
+        indent_by_force(Layer(1e-3, 1.0, 0.5), RoundedFlat(flat_radius=0.1, edge_radius=0.1), 1.0)
     with pytest.raises(InputError, match="expected less"):
         indent_to_depth(layer, Paraboloid(radius=1.0), 1e6)
     with pytest.raises(InputError, match="exactly one"):

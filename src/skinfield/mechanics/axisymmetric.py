@@ -271,6 +271,7 @@ def _search(
 
     kink = profile.kink
     widest = min(WIDEST * layer.thickness, profile.reach)
+    _check_radius(layer, profile, max(0.5 * (kink + widest), kink * (1.0 + 1e-12)))
     last = float(np.log((widest - kink) * (1.0 - 1e-12)))
 
     def excess(level: float) -> float:  # of ln(a - kink), in which depth and force are gentle
