@@ -17,6 +17,7 @@ from skinfield.experiments.accuracy import (
     accuracy_tasks,
     pose_places,
 )
+from skinfield.experiments.accuracy_picture import accuracy_figure
 from skinfield.experiments.accuracy_plan import (
     ANYWHERE,
     SHORT,
@@ -134,3 +135,19 @@ def test_rows_in_files(rows: list[Row], tmp_path: Path) -> None:
     read = json.loads((tmp_path / "a.json").read_text())
     assert read["seed"] == 3
     assert read["rows"][-1]["force_error_median"] is None
+
+
+def test_the_picture_holds_every_solver_and_the_bound(rows: list[Row], tmp_path: Path) -> None:
+    figure = accuracy_figure(rows, noise_counts=0.05)
+    assert len(figure.axes) == 3  # place, force and misses of one quantity
+    names = figure.axes[0].get_legend_handles_labels()[1]
+    assert set(names) == {
+        "inverse (paper), half-space", "inverse (paper), layer", "Gaussian field, layer",
+        "Cramér-Rao bound (rms)",
+    }  # fmt: skip
+    heights = [line.get_ydata() for line in figure.axes[0].get_lines()]
+    bound = [row["bound_place_mm"] for row in rows if row["noise_counts"] == 0.05]
+    assert any(np.allclose(line, sorted(set(bound), reverse=True)) for line in heights)
+    figure.savefig(tmp_path / "a.png")
+    with pytest.raises(InputError, match="no rows of"):
+        accuracy_figure(rows, noise_counts=77.0)

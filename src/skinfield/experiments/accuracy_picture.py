@@ -10,13 +10,15 @@ from skinfield.experiments.accuracy_plan import ANYWHERE
 from skinfield.experiments.presses import BALL
 from skinfield.experiments.rows import Row
 from skinfield.figures.accuracy import Curve, ErrorPanel, draw_errors
+from skinfield.figures.style import number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-ERRORS = {  # column, what it is called, column of its bound
-    "place_error_mm": ("place error (mm)", "bound_place_mm"),
-    "force_error": ("force error (part of the load)", "bound_force"),
+ERRORS = {  # stem of the columns, what it is called, column of its bound
+    "place_error_mm": ("place error of what\nis found (mm)", "bound_place_mm"),
+    "force_error": ("force error\n(part of the load)", "bound_force"),
+    "missed": ("presses missed\n(share)", ""),
 }
 
 
@@ -27,7 +29,7 @@ def accuracy_figure(
     place: str = ANYWHERE,
     only: Sequence[tuple[str, str]] | None = None,
 ) -> "Figure":
-    """Place and force error of one indenter and kind of place, a column per quantity.
+    """Place, force and misses of one indenter and kind of place, a column per quantity.
 
     Parameters
     ----------
@@ -63,9 +65,10 @@ def accuracy_figure(
         [_panel(chosen, quantity, error, pairs) for quantity in quantities] for error in ERRORS
     ]
     presses = chosen[0]["readings"]
+    counts = f"{noise_counts:g} {'count' if noise_counts == 1 else 'counts'}"
     note = (
         f"{indenter}, {place}; median and 95 % interval over {presses} presses each; "
-        f"noise of {noise_counts:g} counts; grid {chosen[0]['grid']}"
+        f"noise of {counts}; grid {chosen[0]['grid']}"
     )
     return draw_errors(panels, note)
 
@@ -85,21 +88,33 @@ def _panel(
     curves = []
     for solver, model in pairs:
         line = [row for row in own if (row["solver"], row["model"]) == (solver, model)]
-        values = {key: _column(line, f"{error}_{key}") for key in ("median", "low", "high")}
+        middle = error if not bound else f"{error}_median"
         curves.append(
             Curve(
                 f"{solver}, {model}",
                 _column(line, "load_N"),
-                values["median"],
-                values["low"],
-                values["high"],
+                _column(line, middle),
+                _column(line, f"{error}_low"),
+                _column(line, f"{error}_high"),
                 dashed=(solver, model) == pairs[0],
             )
         )
-    loads = sorted({row["load_N"] for row in own})
-    least = [next(row[bound] for row in own if row["load_N"] == load) for load in loads]
-    head = f"{quantity}, noise {own[0]['noise_std']:.2g} {own[0]['noise_unit'].strip('1')}".strip()
-    return ErrorPanel(head, label, curves, np.array(loads), np.array(least))
+    least = {row["load_N"]: row[bound] for row in own} if bound else {}
+    loads = sorted(least)
+    return ErrorPanel(
+        f"{quantity}, noise {_noise(own[0])}",
+        label,
+        curves,
+        np.array(loads),
+        np.array([least[load] for load in loads]),
+        share=not bound,
+    )
+
+
+def _noise(row: Row) -> str:
+    if row["noise_unit"] == "Pa":
+        return f"{number(row['noise_std'] / 1e3, 2)} kPa"
+    return number(row["noise_std"], 2)
 
 
 def _column(rows: Sequence[Row], key: str) -> Floats:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, PANEL, HEAD, FOOT = 9.6, 2.55, 0.75, 0.95  # inches
+WIDTH, PANEL, HEAD, FOOT = 9.6, 2.2, 0.75, 0.95  # inches
 # Okabe and Ito: told apart by every kind of colour vision; markers tell them apart in grey.
 COLOURS = (ORANGE, "#e69f00", "#009e73", BLUE, "#cc79a7", "#56b4e9")
 MARKERS = ("o", "s", "^", "D", "v", "P")
@@ -53,7 +53,9 @@ class ErrorPanel:
         Of the error, with its unit.
     curves : sequence of Curve
     bound_loads, bound : (N,) arrays, N and the error's unit
-        The least that an unbiased estimator can do.
+        The least that an unbiased estimator can do; empty where there is no such bound.
+    share : bool
+        Shares, from 0 to 1 on an even scale; else errors on a logarithmic one.
     """
 
     title: str
@@ -61,6 +63,7 @@ class ErrorPanel:
     curves: Sequence[Curve]
     bound_loads: Floats
     bound: Floats
+    share: bool = False
 
 
 def draw_errors(panels: Sequence[Sequence[ErrorPanel]], note: str = "") -> "Figure":
@@ -118,11 +121,16 @@ def _draw_panel(axes: "Axes", panel: ErrorPanel) -> None:
             marker=marker, ms=4.5, lw=1.3, elinewidth=0.9, capsize=2,
             ls="--" if curve.dashed else "-",
         )  # fmt: skip
-    axes.plot(
-        panel.bound_loads, panel.bound, color=INK, lw=1.6, ls=":", label="Cramér-Rao bound (rms)"
-    )
+    if len(panel.bound):
+        axes.plot(
+            panel.bound_loads,
+            panel.bound,
+            color=INK,
+            lw=1.6,
+            ls=":",
+            label="Cramér-Rao bound (rms)",
+        )
     axes.set_xscale("log")
-    axes.set_yscale("log")
     known = sorted({float(load) for curve in panel.curves for load in curve.loads})
     axes.set_xticks(known, [f"{load:g}" for load in known])
     axes.minorticks_off()
@@ -134,6 +142,14 @@ def _draw_panel(axes: "Axes", panel: ErrorPanel) -> None:
 
 def _fit(axes: "Axes", line: Sequence[ErrorPanel]) -> None:
     """Limits that show every curve, and the bound as far as it stays within a few decades."""
+    from matplotlib.ticker import FuncFormatter
+
+    if line[0].share:
+        axes.set_ylim(-0.03, 1.03)
+        return
+    axes.set_yscale("log")
+    axes.minorticks_off()
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     tops = [curve.highs for panel in line for curve in panel.curves]
     lows = [curve.lows for panel in line for curve in panel.curves]
     top = float(np.nanmax(np.concatenate([*tops, *(panel.bound for panel in line)])))
