@@ -33,7 +33,7 @@ def imposed(settings: Settings) -> Section:
         claim=CLAIM,
         sentences=tuple(_sentences(found)),
         pictures=(*(p for pair in pictures for p in pair), picture_of_peaks(found)),
-        tables=(_table(found),),
+        tables=(_short_table(found), _table(found)),
         verdicts=tuple(_verdicts(found)),
     )
 
@@ -140,10 +140,45 @@ def _table(found: list[Found]) -> Table:
         for each in found
     )
     caption = (
-        "Every method and grid. Widths are full widths at half maximum; the true ones are of the "
-        "truth brought onto the same nodes."
+        "Every method, grid and way of making the readings. Widths are full widths at half "
+        "maximum; the true ones are of the truth brought onto the same nodes."
     )
-    return Table("all", caption, columns, rows)
+    return Table("all", caption, columns, rows, shown=False)
+
+
+def _short_table(found: list[Found]) -> Table:
+    columns = (
+        "imposed on",
+        "method",
+        "nodes on a side",
+        "peaks (mm)",
+        "width of pressure / true (mm)",
+        "width of deformation / true (mm)",
+        "force found (%)",
+        "deformation, relative L2 (%)",
+        "contacts",
+    )
+    rows = tuple(
+        (
+            each.truth.case,
+            each.method.name,
+            each.nodes,
+            f"{1e3 * each.peaks.min():.2f} to {1e3 * each.peaks.max():.2f}",
+            f"{1e3 * each.widths[0]:.1f} / {1e3 * each.true_widths[0]:.1f}",
+            f"{1e3 * each.widths[1]:.1f} / {1e3 * each.true_widths[1]:.1f}",
+            100 * each.force,
+            100 * each.deformation_error,
+            each.contacts,
+        )
+        for case in (ADJACENT, SEPARATE)
+        for method in (PAPER, FIELD)
+        for each in _of(found, LAYER, case, method)
+    )
+    caption = (
+        "On the layer. Widths are full widths at half maximum; the true ones are of the truth "
+        "brought onto the same nodes. all.csv has every method and way of making the readings."
+    )
+    return Table("layer", caption, columns, rows)
 
 
 def _near(each: Found) -> bool:

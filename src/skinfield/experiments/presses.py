@@ -20,7 +20,8 @@ LOADS = (0.2, 0.5, 1.8, 3.0)  # N
 PLACES = ("over a taxel", "between two", "between three")
 INNER = 20e-3  # m from the patch's middle: no press reaches over its rim
 PAIR = 6e-3  # m: taxels that are neighbours
-FAR = np.linspace(0.0, 60e-3, 401)  # m; the farthest that a taxel is from an inner press
+# m; as far as a taxel is from an inner press, closer where readings change within a millimetre
+FAR = np.concatenate([np.linspace(0.0, 12e-3, 121), np.linspace(12.5e-3, 60e-3, 39)])
 
 
 @dataclass(frozen=True)
