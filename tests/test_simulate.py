@@ -293,3 +293,19 @@ def test_too_many_cells_are_refused_before_memory_is() -> None:
         press(LAYER, [BALL], cell=1e-6)
     with pytest.raises(InputError, match=r"indenters\[0\] with 0.003 m sinks 3 mm"):
         press(LAYER, [Sphere(radius=6e-3, depth=3e-3)], 20e-3)
+
+
+def test_bodies_over_each_other_meet_the_skin_with_the_lower_one() -> None:
+    """Two balls half in each other: wherever both are above the skin, it stays below both."""
+    balls = [Sphere(radius=6e-3), Sphere(radius=3e-3, position=(2e-3, 0.0), force=0.3)]
+    found = press(LAYER, balls, extent=20e-3)
+    np.testing.assert_allclose(found.forces, [1.0, 0.3], rtol=1e-9)
+    assert found.gap.min() > -1e-3 * found.approach.max()
+
+
+def test_a_ring_thinner_than_a_tenth_of_a_cell_is_followed_around() -> None:
+    ring = Ring(inner_radius=4e-3, outer_radius=4.1e-3, force=0.2)
+    found = press(LAYER, [ring], extent=14e-3, cell=0.5e-3)
+    assert found.contact_area == pytest.approx(np.pi * (4.1**2 - 4.0**2) * 1e-6, rel=0.02)
+    assert len(found.outline) == 2
+    np.testing.assert_allclose(found.moment, 0.0, atol=1e-6)

@@ -33,12 +33,12 @@ class Cover:
     grown: Floats
 
 
-def cover(indenter: Indenter, y: Floats, x: Floats, side: float) -> Cover:
+def cover(indenter: Indenter, y: Floats, x: Floats, side: float, search: bool = False) -> Cover:
     """Look at a body over cells with centres at y (rows,) and x (columns,) m.
 
     Centres decide, but for cells at an edge: there `POINTS` x `POINTS` places do. Edges are
     followed from cell to cell and from the body's lowest point, so what is thinner than a cell is
-    seen too.
+    seen too. If there is none of it, `search` looks between the centres of all cells.
     """
     from scipy.ndimage import binary_dilation
 
@@ -48,6 +48,8 @@ def cover(indenter: Indenter, y: Floats, x: Floats, side: float) -> Cover:
     looked = np.zeros(height.shape, dtype=bool)
     block = np.ones((3, 3), dtype=bool)
     todo = _around(indenter.lowest, y, x, side)
+    if search and not coverage.any():
+        todo |= _between(indenter, y, x, side)
     for _ in range(ROUNDS):
         uncertain = binary_dilation(coverage > 0, block) & binary_dilation(coverage < 1, block)
         todo = (todo | uncertain) & ~looked
@@ -61,6 +63,17 @@ def cover(indenter: Indenter, y: Floats, x: Floats, side: float) -> Cover:
 def _around(place: tuple[float, float], y: Floats, x: Floats, side: float) -> NDArray[np.bool_]:
     """The cells within one cell of a place."""
     return (np.abs(y - place[1]) < 1.5 * side)[:, None] & (np.abs(x - place[0]) < 1.5 * side)
+
+
+def _between(indenter: Indenter, y: Floats, x: Floats, side: float) -> NDArray[np.bool_]:
+    """The cells of which one of `POINTS` x `POINTS` places is under the body, a row at a time."""
+    shift = ((np.arange(POINTS) + 0.5) / POINTS - 0.5) * side
+    across = (x[:, None] + shift).ravel()
+    rows = []
+    for place in y:
+        fine = np.asarray(indenter.height(*np.meshgrid(across, place + shift)))
+        rows.append(np.isfinite(fine).any(axis=0).reshape(len(x), POINTS).any(axis=1))
+    return np.stack(rows)
 
 
 def _look_closer(

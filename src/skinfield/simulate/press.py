@@ -133,8 +133,25 @@ class Press:
         ]
 
     @cached_property
+    def _above(self) -> Floats:
+        """Height of the nearest body above the undeformed surface, (K,) m; negative below it."""
+        x, y = self.grid.plane.T
+        above = [
+            np.asarray(indenter.height(x, y)) - depth
+            for indenter, depth in zip(self.indenters, self.approach, strict=True)
+        ]
+        return np.asarray(np.min(above, axis=0))
+
+    @cached_property
     def _sunk(self) -> Floats:
-        return deformed.indentation(self._skin, self.touches).ravel()
+        """Indentation (K,) m by the normal contact: that of the body where it touches.
+
+        There the two agree to the residual, but for squares that a sharp edge crosses: of those the
+        solution knows the covered part.
+        """
+        sunk = deformed.indentation(self._skin, self.touches).ravel()
+        known = self.contact & np.isfinite(self._above)
+        return np.where(known, -self._above, sunk)
 
     @cached_property
     def displacement(self) -> Floats:
@@ -147,14 +164,9 @@ class Press:
     def gap(self) -> Floats:
         """Between surface and the nearest body at the cells' centres, (K,) m; infinite under none.
 
-        Of the normal contact: what shear adds to the indentation is not in it.
+        0 where it touches. Of the normal contact: what shear adds to the indentation is not in it.
         """
-        x, y = self.grid.plane.T
-        above = [
-            np.asarray(indenter.height(x, y)) - depth
-            for indenter, depth in zip(self.indenters, self.approach, strict=True)
-        ]
-        return np.asarray(np.min(above, axis=0) + self._sunk)
+        return self._above + self._sunk
 
     def base_stress(self, positions: ArrayLike, pad_diameter: float) -> Floats:
         """Mean normal stress (L,) Pa below pads at (L, 2) or (L, 3) m of the plane."""

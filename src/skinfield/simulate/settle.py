@@ -25,9 +25,10 @@ from skinfield.simulate.cover import cover
 from skinfield.simulate.indenters import Indenter
 from skinfield.simulate.plane import PAD, Skin
 from skinfield.simulate.responses import Indenting
-from skinfield.simulate.window import Window, cut, merged, resplit, touched
+from skinfield.simulate.window import Window, cut, merged, resplit, touched, width
 
 ROUNDS = 12
+REFINED = 4  # rounds in which windows may still be cut finer
 COARSE = 1e-2  # residual that tells where touch is
 
 
@@ -104,11 +105,11 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
         settled = _solve(whole, whole, indenters, _first_push(whole, indenters), COARSE)
     else:
         whole, settled = before.whole, before
-    margin = 2
-    for _ in range(ROUNDS):
+    margin, pierced = 2, False
+    for attempt in range(ROUNDS):
         windows = _windows(settled, margin)
         laid = settled.laid
-        if windows != laid.windows:
+        if windows != laid.windows or pierced:
             laid = _lay(skin, indenters, windows, settled.contact.approach)
         settled = _solve(laid, whole, indenters, _carried_over(settled, laid))
         _check_depth(indenters, settled.contact.approach, skin.layer)
@@ -116,7 +117,8 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
             margin += 3
             continue
         margin = 1
-        if not _pierced(settled) and not _finer(settled, margin):
+        pierced = _pierced(settled)
+        if not pierced and (attempt >= REFINED or not _finer(settled, margin)):
             return settled
     raise SkinfieldError(
         f"touch did not settle in {ROUNDS} rounds, expected it to after a few: "
@@ -130,7 +132,8 @@ def _lay(
     parts = []
     for window in windows:
         y, x = skin.axes(window)
-        covers = [cover(indenter, y, x, skin.side(window)) for indenter in indenters]
+        search = window == skin.whole
+        covers = [cover(indenter, y, x, skin.side(window), search) for indenter in indenters]
         parts.append([[c.height.ravel(), c.coverage.ravel(), c.grown.ravel()] for c in covers])
     each, coverages, grown = np.moveaxis(np.concatenate(parts, axis=2), 1, 0)
     deep = np.zeros(len(indenters)) if approach is None else approach
@@ -185,12 +188,11 @@ def _windows(settled: Settled, margin: int) -> list[Window]:
         masks = [picture > 0 for picture in settled.indenting.pictures(mask)]
         if not mask.any():  # the body may touch within a cell, or not at all
             masks = [picture > 0 for picture in settled.indenting.pictures(laid.nearest(body))]
-        for window, squares, part in zip(
-            touched(laid.windows, masks), masks, laid.windows, strict=True
-        ):
+        parts = settled.indenting.pictures(laid.coverage)
+        for index, window in enumerate(touched(laid.windows, masks)):
             if window is not None:
-                extent = max(int(squares.any(axis=axis).sum()) for axis in (0, 1))
-                found.append((window.grown(margin, grid.shape), extent / part.split))
+                across = width(masks[index], parts[index]) / laid.windows[index].split
+                found.append((window.grown(margin, grid.shape), across))
     return cut(merged(found))
 
 
@@ -258,8 +260,8 @@ def _check_places(skin: Skin, indenters: Sequence[Indenter], whole: Laid) -> Non
             grid = skin.grid
             raise InputError(
                 f"indenters[{index}] at {indenter.position} m covers no cell, expected it within "
-                f"{grid.shape[0] * grid.pitch / 2:g} m of the origin and wider than "
-                f"{grid.pitch:g} m"
+                f"{grid.shape[0] * grid.pitch / 2:g} m of the origin and wider than a tenth of a "
+                f"cell of {grid.pitch:g} m"
             )
         if not under[whole.bodies == index].any():
             raise InputError(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.mechanics.contact import rim
 
 ACROSS = 48  # squares across a contact
 FINEST = 81  # squares along a cell
@@ -113,6 +114,17 @@ def touched(windows: list[Window], masks: list[NDArray[np.bool_]]) -> list[Windo
             )
         )
     return out
+
+
+def width(mask: NDArray[np.bool_], coverage: Floats) -> float:
+    """What a contact measures across, in squares: less than its extent if it is long or hollow.
+
+    Eight times its area over the length of its border, which is twice the diameter of a disc, four
+    times the width of a bar and of a ring.
+    """
+    extent = max(int(mask.any(axis=axis).sum()) for axis in (0, 1))
+    area, border = float(coverage[mask].sum()), float(rim(mask).sum())
+    return min(float(extent), max(8.0 * area / border, 0.1))
 
 
 def merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
