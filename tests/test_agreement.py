@@ -37,3 +37,10 @@ def test_rows_become_a_table() -> None:
     assert table.rows[0][2] == pytest.approx(0.427, abs=2e-3)
     with pytest.raises(InputError, match="expected the origin"):
         agree(SOFT, "ball", Sphere(radius=6e-3, position=(1e-3, 0.0)), 0.2)
+
+
+def test_the_page_on_finite_elements_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    from test_readme import ROOT, follow
+
+    assert follow(ROOT / "docs" / "finite-elements.md") == (1, 0)
+    assert "True" in capsys.readouterr().out

@@ -12,7 +12,7 @@ from skinfield.fem.lines import Line
 from skinfield.simulate import Cylinder, Sphere, press
 
 SOFT = sf.Layer(2e-3, 100e3, 0.5)
-AXIS = np.linspace(-7e-3, 7e-3, 57)
+AXIS = np.linspace(-7e-3, 7e-3, 29)
 POINTS = np.stack(np.meshgrid(AXIS, AXIS), -1).reshape(-1, 2)
 PAIR = [
     Sphere(radius=6e-3, force=0.8, position=(-3e-3, 0.0)),
@@ -97,13 +97,13 @@ def test_one_ball_is_that_of_the_axisymmetric_elements(nu: float) -> None:
 
 
 def test_two_balls_that_feel_each_other_are_those_of_the_lattice() -> None:
-    found = press_3d(SOFT, PAIR, cell=0.25, mirror=True)
+    found = press_3d(SOFT, PAIR, cell=0.2, mirror=True)
     cells = press(SOFT, PAIR, extent=16e-3, cell=0.32e-3)
     assert found.forces == pytest.approx([0.8, 0.5], rel=1e-6)
     assert found.depths == pytest.approx(cells.approach, rel=2e-3)
     assert relative(cells.base_stress(POINTS, 0.0), found.base_stress(POINTS)) < 0.01
     surface = found.indentation(cells.grid.plane)
-    assert relative(-cells.displacement[:, 2], surface) < 0.012
+    assert relative(-cells.displacement[:, 2], surface) < 0.016
     alone = press_3d(SOFT, PAIR[:1], cell=0.25, mirror=True)
     assert abs(alone.depths[0] / found.depths[0] - 1) > 2e-3  # the other one matters
 
