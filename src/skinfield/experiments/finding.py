@@ -3,12 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from skinfield.errors import InputError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Value = str | float | int | None
 
@@ -28,7 +24,7 @@ class Finding:
     rows : tuple of mappings
         Of a table: column with its unit, such as "force (N)", to value. All have the same columns.
     figure : function, optional
-        Draws it.
+        Draws it, as a PNG file.
     caption : str
         Of the figure.
     """
@@ -38,7 +34,7 @@ class Finding:
     source: str
     sentences: tuple[str, ...]
     rows: tuple[Mapping[str, Value], ...] = ()
-    figure: Callable[[], "Figure"] | None = None
+    figure: Callable[[], bytes] | None = None
     caption: str = ""
 
     def __post_init__(self) -> None:

@@ -9,7 +9,6 @@ from skinfield.experiments.real_foot import foot_on_the_ground
 from skinfield.experiments.real_tables import layer_tables
 from skinfield.experiments.real_tension import stretched_elastomer
 from skinfield.experiments.section import Picture, Section, Table
-from skinfield.experiments.words import png_of
 
 # Each takes the folder of all the data. One more kind is one file, and one line here.
 FINDINGS: tuple[tuple[str, Callable[[Path], Finding]], ...] = (
@@ -58,7 +57,7 @@ def section_of(finding: Finding) -> Section:
     """A finding as a section of the report."""
     pictures: tuple[Picture, ...] = ()
     if finding.figure is not None:
-        pictures = (Picture("series", finding.caption, png_of(finding.figure())),)
+        pictures = (Picture("series", finding.caption, finding.figure()),)
     tables: tuple[Table, ...] = ()
     if finding.rows:
         columns = tuple(finding.rows[0])

@@ -2,16 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.errors import FileError, Floats
 from skinfield.experiments.finding import Finding, Value, needed
+from skinfield.experiments.words import png_of
 from skinfield.figures.real_data import draw_curves
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 FOLDER = "hrl-fabric-taxel-ft"
 RUNS = {"1 cm": "1cm_200ohms_unstretched.csv", "4 cm": "4cm_200ohms_unstretched.csv"}
@@ -121,12 +118,18 @@ def fabric_taxel(folder: Path) -> Finding:
     """See `FabricRun`; in words."""
     runs = fabric_runs(folder)
 
-    def figure() -> "Figure":
-        return draw_curves(
-            {
-                f"taxel of {name}": (run.counts, run.force, *falling_curve(run.counts, run.force))
-                for name, run in runs.items()
-            }
+    def figure() -> bytes:
+        return png_of(
+            draw_curves(
+                {
+                    f"taxel of {name}": (
+                        run.counts,
+                        run.force,
+                        *falling_curve(run.counts, run.force),
+                    )
+                    for name, run in runs.items()
+                }
+            )
         )
 
     told = [

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.calibrate import column_of, fit_scale
 from skinfield.errors import Floats
 from skinfield.experiments.finding import Finding, Value, needed
+from skinfield.experiments.words import png_of
 from skinfield.figures import draw_timeline
 from skinfield.layout import Grid, load_layout
 from skinfield.mechanics import Layer
@@ -17,9 +17,6 @@ from skinfield.observation import Capacitance
 from skinfield.pipeline import Reconstructor
 from skinfield.pipeline.conditioned import Conditioning, condition, without_empty
 from skinfield.sources import open_recording, readings_for
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 TRIALS = "icub-foot-tipping", "robotData", "backwardTipping"
 WITH_SENSOR, ALONE = "dumperTippingSetup07", "dumperTippingSetup01"
@@ -129,13 +126,15 @@ def foot_on_the_ground(folder: Path) -> Finding:
     standing, edge = parts["standing"], parts["on its edge"]
     highest = int(found.skin.argmax())
 
-    def figure() -> "Figure":
-        return draw_timeline(
-            found.time,
-            found.skin,
-            found.sensor,
-            label=f"skin, E = {found.modulus / 1e3:.1f} kPa",
-            title=f"Foot of an iCub; one factor, fitted from 0 to {STANDING[1]:g} s",
+    def figure() -> bytes:
+        return png_of(
+            draw_timeline(
+                found.time,
+                found.skin,
+                found.sensor,
+                label=f"skin, E = {found.modulus / 1e3:.1f} kPa",
+                title=f"Foot of an iCub; one factor, fitted from 0 to {STANDING[1]:g} s",
+            )
         )
 
     sentences = (

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,10 +9,8 @@ from skinfield.conditioning.tensile import TensileTest, load_tensile_test
 from skinfield.conditioning.tension import ModulusFit, curve_from_tension, initial_modulus
 from skinfield.errors import Floats
 from skinfield.experiments.finding import Finding, Value, needed
+from skinfield.experiments.words import png_of
 from skinfield.figures.real_data import draw_tension
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 FILE = "elastomer-tensile", "Ecoflex 00-30.csv"
 RANGES = (0.2, 0.3, 0.5, 1.0, 2.0)  # strains up to which the modulus is fitted
@@ -106,10 +103,10 @@ def stretched_elastomer(folder: Path) -> Finding:
     at = np.array([0.1, 0.2, 0.5, 1.0, 2.0, 3.0])
     hooke, neo = found.off("hooke", at), found.off("neo-hooke", at)
 
-    def figure() -> "Figure":
+    def figure() -> bytes:
         strain = np.linspace(0.0, 3.0, 300)
         laws = {"Hooke": found.hooke(strain), "neo-Hooke": found.neo_hooke(strain)}
-        return draw_tension(found.test.strain, found.test.stress, strain, laws)
+        return png_of(draw_tension(found.test.strain, found.test.stress, strain, laws))
 
     sentences = (
         f"{found.test.material}: Young's modulus at zero strain is "
