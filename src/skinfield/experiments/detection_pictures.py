@@ -83,7 +83,8 @@ def picture_of_rocs(
     )
     caption = (
         f"Receiver operating characteristics over {settings.size.presses} presses of the 1.2 cm "
-        f"half-sphere and {settings.size.quiet} idle readings, one reading each."
+        f"half-sphere and {settings.size.quiet} idle readings, one reading each. Where a curve is "
+        "not to be seen, another lies on it."
     )
     return Picture("roc", caption, png_of(draw_panels(panels, scale)))
 
