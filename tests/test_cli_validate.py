@@ -24,7 +24,9 @@ class Mine:
         return InverseOperator(matrix, np.ones(len(matrix)))
 
 ready = Mine(gain=0.5)
-not_a_solver = 3
+
+def make(gain):
+    return Mine(gain=gain)
 """
 
 
@@ -86,7 +88,7 @@ def test_own_solver_from_the_current_folder(
     monkeypatch.chdir(tmp_path)
     forces = []
     for words in (("my_own_solver:Mine",), ("my_own_solver:ready",),
-                  ("my_own_solver:Mine", "--settings", '{"gain": 0.25}')):  # fmt: skip
+                  ("my_own_solver:make", "--settings", '{"gain": 0.25}')):  # fmt: skip
         result = call("validate", str(folder), "--grid", "12", "--json", "a.json",
                       "--solver", *words)  # fmt: skip
         assert result.exit_code == 0, result.output
@@ -103,7 +105,9 @@ def test_own_solver_from_the_current_folder(
         (("--solver", "magic"), "--solver is 'magic', expected one of gaussian"),
         (("--solver", "no_such_module:X"), "'no_such_module' cannot be imported"),
         (("--solver", "json:Nothing"), "json has no 'Nothing'"),
-        (("--solver", "json:loads"), "has no prepare"),
+        (("--solver", "json:loads"), "json:loads says: "),
+        (("--solver", "math:pi"), "has no prepare"),
+        (("--solver", "builtins:dict"), "has no prepare"),
         (("--settings", "{"), "expected a JSON object"),
         (("--settings", "[1]"), "expected a JSON object"),
         (("--settings", '{"volume": 11}'), "volume"),

@@ -24,7 +24,8 @@ def solver_from_text(text: str, settings: str = "{}") -> Solver:
     Parameters
     ----------
     text : str
-        Such as "gaussian" or "package.module:Class"; a class is called with the settings.
+        Such as "gaussian" or "package.module:Class"; a class, or a function that makes a
+        solver, is called with the settings.
     settings : str
         A JSON object.
 
@@ -44,15 +45,21 @@ def solver_from_text(text: str, settings: str = "{}") -> Solver:
             "package.module:Class"
         )
     try:
-        solver = make(**given) if isinstance(make, type) or given else make
+        ready = (_is_solver(make) and not given) or not callable(make)
+        solver = make if ready else make(**given)
     except TypeError as error:
         raise InputError(f"--settings is {settings}, but {text} says: {error}") from error
-    if not callable(getattr(solver, "prepare", None)):
+    if not _is_solver(solver):
         raise InputError(
             f"--solver is {text!r}, which has no prepare(model), expected a solver: "
             "see CONTRIBUTING.md"
         )
     return solver  # type: ignore[no-any-return]
+
+
+def _is_solver(found: Any) -> bool:
+    """Whether it is an object, not a class of objects, that prepares."""
+    return not isinstance(found, type) and callable(getattr(found, "prepare", None))
 
 
 def _settings(text: str) -> dict[str, Any]:
