@@ -92,7 +92,7 @@ def rig(
         soft_wrap=True,
     )
     if failed:
-        _complain(failed, Path(output))
+        _complain(failed, len(outcomes), Path(output))
 
 
 def _write_template(path: Path) -> None:
@@ -186,10 +186,11 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
     return table
 
 
-def _complain(failed: Sequence[Outcome], folder: Path) -> None:
+def _complain(failed: Sequence[Outcome], total: int, folder: Path) -> None:
     """Say what went wrong with each failed run, and end with an error."""
     say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
     raise InputError(
-        f"{plural(len(failed), 'run')} of {failed[0].name}... failed, expected none: the others "
-        f"are whole; tracebacks are in {folder}/*.failed.txt"
+        f"{len(failed)} of {plural(total, 'run')} failed: "
+        f"{', '.join(one.name for one in failed)}; the others are whole, and tracebacks are in "
+        f"{folder}/*.failed.txt"
     )

@@ -1,0 +1,133 @@
+"""`skinfield rig`, and what the rest of the program makes of its files."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from skinfield.cli import main
+from skinfield.conditioning import load_calibration
+from skinfield.config import load_scenario
+from skinfield.layout import load_layout
+from skinfield.simulate.rig import run_rig
+from skinfield.sources import open_recording
+
+FOAM = Path(__file__).resolve().parents[1] / "examples" / "scenarios" / "foam.toml"
+SCENARIO = FOAM.read_text(encoding="utf-8")
+
+
+def call(*words: str) -> Result:
+    return CliRunner().invoke(main, list(words))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("rig")
+    (folder / "foam.toml").write_text(SCENARIO)
+    result = call("rig", str(folder / "foam.toml"), "-o", str(folder / "out"), "--workers", "1")
+    assert result.exit_code == 0, result.output
+    assert "foam-ball" in result.output
+    assert re.search(r"│ +10 │ +\d+ │ +2\.00 │", result.output)
+    return folder / "out" / "foam-ball"
+
+
+def test_a_run_has_its_files(made: Path) -> None:
+    assert sorted(path.name for path in made.iterdir()) == [
+        "calibration.toml", "layout.toml", "load_cell.csv", "recording.npz", "run.png",
+        "scenario.toml", "task.json", "truth.npz",
+    ]  # fmt: skip
+    assert (made / "run.png").stat().st_size > 50_000
+    assert json.loads((made / "task.json").read_text())["result"]["highest_force_N"] == 2.0
+    force = open_recording(made / "load_cell.csv")
+    with np.load(made / "truth.npz") as truth:
+        true = np.interp(force.stamp_ns * 1e-9, truth["time_s"], truth["force_N"])
+        assert -force.counts[:, 2] == pytest.approx(true, abs=0.02)
+        assert truth["pressure_Pa"].shape[0] == 2
+
+
+def test_its_scenario_makes_it_again(made: Path) -> None:
+    again = run_rig(load_scenario(made / "scenario.toml"))
+    recording = open_recording(made / "recording.npz")
+    assert np.array_equal(recording.counts, again.recording.counts, equal_nan=True)
+    assert np.array_equal(recording.stamp_ns, again.recording.stamp_ns)
+    (patch,) = load_layout(made / "layout.toml")
+    assert load_calibration(made / "calibration.toml", patch).gain == pytest.approx(again.skin.gain)
+
+
+def test_a_run_that_is_there_is_not_made_again(made: Path) -> None:
+    before = (made / "truth.npz").stat().st_mtime_ns
+    words = ("rig", str(made.parents[1] / "foam.toml"), "-o", str(made.parent))
+    result = call(*words)
+    assert "1 run in" in result.output
+    assert "1 of them from before" in result.output
+    assert (made / "truth.npz").stat().st_mtime_ns == before
+    assert re.search(r"foam-ball +│ ball +│ +10 │ +35.0 │ there", call(*words, "--dry-run").output)
+
+
+def test_reconstruct_takes_it_for_a_real_recording(made: Path) -> None:
+    result = call(
+        "reconstruct", str(made / "recording.npz"), "--layout", str(made / "layout.toml"),
+        "--calibration", str(made / "calibration.toml"), "--poisson", "0.3", "--modulus-kpa", "90",
+        "-o", str(made.parent / "contacts.csv"),
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    highest = float(re.search(r": ([\d.]+) N in", result.output).group(1))  # type: ignore[union-attr]
+    assert 1.7 < highest < 2.4  # 2.0 pressed
+    assert (made.parent / "contacts.csv").stat().st_size > 1000
+
+
+def test_its_scale_is_fitted_by_its_load_cell(made: Path) -> None:
+    """From a modulus that is a third too high back to the true one."""
+    result = call(
+        "calibrate", "scale", str(made / "recording.npz"), str(made / "load_cell.csv"),
+        "--layout", str(made / "layout.toml"), "--calibration", str(made / "calibration.toml"),
+        "--poisson", "0.3", "--modulus-kpa", "120",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    modulus = float(re.search(r"modulus ([\d.]+) kPa", result.output).group(1))  # type: ignore[union-attr]
+    assert modulus == pytest.approx(90.0, rel=0.15)
+    assert float(re.search(r"correlation ([\d.]+)", result.output).group(1)) > 0.9  # type: ignore[union-attr]
+
+
+def test_a_template_is_written_once(tmp_path: Path) -> None:
+    path = tmp_path / "new.toml"
+    assert call("rig", "--new", str(path)).exit_code == 0
+    assert call("rig", str(path), "--dry-run").exit_code == 0
+    again = call("rig", "--new", str(path))
+    assert again.exit_code == 2
+    assert "is there, expected a new name" in again.output
+
+
+def test_a_run_that_fails_is_told_and_the_others_are_made(tmp_path: Path) -> None:
+    text = SCENARIO.replace("[[places]]", '[[indenter]]\nname = "pin"\nshape = "cylinder"\n'
+                            "radius_mm = 0.3\n[[places]]", 1)  # fmt: skip
+    text = text[: text.index('[[places]]\nkind = "raster')] + text[text.index("[loads]") :]
+    (tmp_path / "s.toml").write_text(text)
+    result = call("rig", str(tmp_path / "s.toml"), "-o", str(tmp_path / "o"), "--workers", "1")
+    assert result.exit_code == 2
+    assert "1 of 2 runs failed: foam-pin" in " ".join(result.output.split())
+    assert (tmp_path / "o" / "foam-ball" / "truth.npz").is_file()
+    assert "Traceback" in (tmp_path / "o" / "foam-pin.failed.txt").read_text()
+
+
+@pytest.mark.parametrize("path", sorted(FOAM.parent.glob("*.toml")), ids=lambda path: path.stem)
+def test_examples_are_scenarios(path: Path) -> None:
+    result = call("rig", str(path), "--dry-run")
+    assert result.exit_code == 0, result.output
+    assert "to do" in result.output
+
+
+def test_mistakes_are_a_paragraph(tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text("skinfield_rig = 1\n[profile]\nhold = 3\n")
+    result = call("rig", str(tmp_path / "s.toml"))
+    assert result.exit_code == 2
+    assert "did you mean hold_s?" in result.output
+    assert "Traceback" not in result.output
+    assert "SCENARIO is missing" in call("rig").output
+    (tmp_path / "s.toml").write_text("skinfield_rig = 1\n")
+    twice = call("rig", str(tmp_path / "s.toml"), str(tmp_path / "s.toml"))
+    assert "both have a run rig-sphere6" in twice.output
+    assert "truth.npz" in call("rig", "--help").output

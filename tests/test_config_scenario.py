@@ -1,0 +1,280 @@
+"""Scenarios of the rig: TOML both ways, and what is said of mistakes."""
+
+import tomllib
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import skinfield as sf
+from skinfield.config import TEMPLATE, load_scenario, scenario_from_toml, toml_from_scenario
+from skinfield.config.scenario_keys import PARTS, PROFILE
+from skinfield.config.table import number_from_si, si_from_number
+from skinfield.errors import FileError, InputError
+from skinfield.layout import save_layout
+from skinfield.mechanics import HalfSpace, Layer, PronySeries, StandardLinearSolid
+from skinfield.simulate.electronics import (
+    CrossTalk,
+    CySkinBoard,
+    Defects,
+    Delivery,
+    Electronics,
+    ICubBoard,
+    LinearBoard,
+    Noise,
+    ThermalDrift,
+    cyskin_electronics,
+    icub_electronics,
+    ideal_electronics,
+)
+from skinfield.simulate.rig import (
+    At,
+    BetweenThree,
+    BetweenTwo,
+    LoadCell,
+    Loads,
+    OverTaxels,
+    Profile,
+    Random,
+    Raster,
+    Scenario,
+    Solving,
+    Temperature,
+    Tool,
+)
+
+HEAD = "skinfield_rig = 1\n"
+
+
+def number(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high, allow_subnormal=False)
+
+
+angles = st.integers(-180, 180).map(lambda degrees: degrees * (np.pi / 180.0))
+rows = st.integers(0, 71)
+places = st.one_of(
+    st.builds(OverTaxels, taxels=st.lists(rows, max_size=3).map(tuple), angle=angles),
+    st.builds(BetweenTwo, pairs=st.lists(st.tuples(rows, rows), max_size=2).map(tuple)),
+    st.builds(BetweenThree, triples=st.lists(st.tuples(rows, rows, rows), max_size=2).map(tuple)),
+    st.builds(At, positions=st.lists(st.tuples(number(-1, 1), number(-1, 1)), min_size=1,
+                                     max_size=3).map(tuple)),
+    st.builds(Random, count=st.integers(1, 50), within=number(1e-4, 0.1), turned=st.booleans()),
+    st.builds(Raster, rows=st.integers(1, 9), columns=st.integers(1, 9), step=number(1e-4, 0.1)),
+)  # fmt: skip
+loads = st.lists(number(1e-6, 50.0), min_size=1, max_size=4).map(tuple)
+shapes = st.builds(  # whole micrometres: indenters' files hold millimetres
+    lambda kind, microns, tilt: kind(radius=microns * 1e-3 * 1e-3, tilt=(tilt, 0.0)),
+    st.sampled_from([sf.simulate.Sphere, sf.simulate.Cylinder]),
+    st.integers(100, 20_000),
+    st.integers(-60, 60).map(lambda degrees: degrees * (np.pi / 180.0)),
+)
+electronics = st.builds(
+    Electronics,
+    board=st.one_of(
+        st.builds(ICubBoard), st.builds(CySkinBoard, gain=number(1, 1e6)), st.builds(LinearBoard)
+    ),
+    quantised=st.booleans(),
+    gain_spread=number(0, 1),
+    baseline_spread=number(0, 100),
+    cross_talk=st.builds(CrossTalk, neighbours=number(0, 0.5)),
+    drift=st.builds(ThermalDrift, per_kelvin=number(-99, 99), reference=number(250, 350)),
+    noise=st.builds(Noise, white=number(0, 100), walk=number(0, 9)),
+    defects=st.builds(Defects, absent=number(0, 0.5), stuck=number(0, 0.5)),
+    delivery=st.builds(Delivery, rate=number(1, 50), jitter=number(0, 0.1), holds=st.booleans()),
+)
+scenarios = st.builds(
+    Scenario,
+    name=st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,39}", fullmatch=True),
+    seed=st.integers(0, 2**63 - 1),
+    repeats=st.integers(1, 9),
+    first_repeat=st.integers(0, 9),
+    layer=st.builds(
+        Layer, thickness=number(1e-4, 0.1), young_modulus=number(1.0, 1e9),
+        poisson_ratio=number(0, 0.5), relative_permittivity=number(1, 10),
+    ),
+    cover=st.booleans(),
+    elastomer=st.one_of(
+        st.builds(StandardLinearSolid, number(0.01, 1), number(1e-3, 1e3)),
+        st.just(PronySeries(((0.1, 0.3), (0.2, 7.0)))),
+    ),
+    tools=shapes.map(lambda shape: (Tool(name="a", indenter=shape),)),
+    places=st.lists(places, min_size=1, max_size=3).map(tuple),
+    loads=st.one_of(st.builds(Loads, forces=loads), st.builds(Loads, depths=loads)),
+    profile=st.builds(
+        Profile, rest=number(0, 9), ramp=number(0.01, 9), smooth=st.booleans(),
+        clearance=number(0, 0.5),
+    ),
+    load_cell=st.builds(LoadCell, offset=number(-1, 1), noise=number(0, 1), rate=number(1, 1e4)),
+    temperature=st.builds(Temperature, start=number(250, 350)),
+    solving=st.builds(Solving, extent=number(0.01, 0.1), rungs=st.integers(4, 50)),
+    electronics=electronics,
+)  # fmt: skip
+
+
+@given(scenarios)
+@settings(max_examples=60)
+def test_a_scenario_comes_back_from_its_text(scenario: Scenario) -> None:
+    again = scenario_from_toml(toml_from_scenario(scenario))
+    assert again == scenario
+    assert toml_from_scenario(again) == toml_from_scenario(scenario)
+
+
+@pytest.mark.parametrize("make", [icub_electronics, cyskin_electronics, ideal_electronics])
+def test_presets_come_back(make: object) -> None:
+    scenario = Scenario(electronics=make())  # type: ignore[operator]
+    assert scenario_from_toml(toml_from_scenario(scenario)) == scenario
+    name = make.__name__.removesuffix("_electronics")  # type: ignore[attr-defined]
+    text = f'{HEAD}[electronics]\npreset = "{name}"\n'
+    assert scenario_from_toml(text) == scenario
+
+
+@given(st.sampled_from(["x_mm", "x_ms", "x_kpa", "x_pf", "x_s", "x"]), number(-1e6, 1e6))
+def test_numbers_in_units_come_back_to_the_last_digit(key: str, value: float) -> None:
+    assert si_from_number(key, Decimal(number_from_si(key, value))) == value
+
+
+@given(number(1.0, 1000.0))
+def test_temperatures_come_back_to_the_last_digit(kelvin: float) -> None:
+    assert si_from_number("x_c", Decimal(number_from_si("x_c", kelvin))) == kelvin
+
+
+def test_units_are_what_they_say() -> None:
+    scenario = scenario_from_toml(
+        HEAD
+        + "[layer]\nthickness_mm = 3\nyoung_modulus_kpa = 40\n[load_cell]\nnoise_mn = 5\n"
+        "[temperature]\nstart_c = 20\n[places]\n".replace("[places]\n", "")
+        + '[[places]]\nkind = "at"\npositions_mm = [[1, -2.5]]\nangle_deg = 90\n'
+    )
+    assert scenario.layer == Layer(3e-3, 40e3)
+    assert scenario.load_cell.noise == 5e-3
+    assert scenario.temperature.start == 293.15
+    (at,) = scenario.places
+    assert isinstance(at, At)
+    assert at.positions == ((1e-3, -2.5e-3),)
+    assert at.angle == pytest.approx(np.pi / 2)
+
+
+def test_the_template_has_all_that_it_says_and_its_values_are_the_defaults() -> None:
+    scenario = scenario_from_toml(TEMPLATE)
+    assert [tool.name for tool in scenario.tools] == ["sphere6", "cylinder3"]
+    usual = Scenario()
+    for name in ("layer", "elastomer", "loads", "profile", "load_cell", "temperature", "solving",
+                 "electronics", "seed", "repeats", "name", "layout", "cover"):  # fmt: skip
+        assert getattr(scenario, name) == getattr(usual, name), name
+    assert scenario.tools[:1] == usual.tools
+    assert scenario.places[:1] == usual.places
+    assert set(tomllib.loads(TEMPLATE)["profile"]) == set(PROFILE)
+    assert set(PARTS) < {name.name for name in Electronics.__dataclass_fields__.values()}
+
+
+MISTAKES = [
+    ("[profile]\nhold = 3", r"press.toml:3: \[profile\]: 'hold' is not known.*hold_s \(seconds\)"
+     r".*did you mean hold_s"),
+    ("[profile]\nhold_s = 'a'", r"press.toml:3: .*hold_s is 'a', expected a number in seconds"),
+    ("[profile]\n\nhold_s = -1", r"press.toml:2: \[profile\]: hold is -1.0, expected a number"),
+    ("[profile]\nsmooth = 1", "smooth is 1, expected true or false"),
+    ("[layer]\npoisson_ratio = 0.7", "poisson_ratio is 0.7, expected a number from 0 to 0.5"),
+    ("[[places]]\nkind = 'over'", r"\[places\[0\]\]: kind is 'over', expected one of over_taxel"),
+    ("[[places]]\nkind = 'random'\n[[places]]\nkind = 'random'\nwithin = 3",
+     r"press.toml:6: \[places\[1\]\]: 'within' is not known.*did you mean within_mm"),
+    ("[[places]]\nkind = 'between_two'\npairs = [1, 2]", "pairs is .1, 2., expected a list"),
+    ("[[places]]\nkind = 'at'", "positions has shape"),
+    ("[places]\nkind = 'at'", r"expected tables: \[\[places\]\]"),
+    ("[[indenter]]\nshape = 'sphere'\nradius = 3", "press.toml:2: .*did you mean radius_mm"),
+    ("[[indenter]]\nshape = 'sphere'\nradius_mm = 3\nforce_n = 1", r"those of all .* in \[loads\]"),
+    ("[elecronics]\n", "'elecronics' is not known.*did you mean electronics"),
+    ("[electronics.noise]\nwhite = 3", r"\[electronics.noise\]: 'white' .*white_counts \(counts\)"),
+    ("[electronics]\npreset = 'icube'", r"preset is 'icube', expected .*\(did you mean icub\?\)"),
+    ("[electronics.board]\nkind = 'icub'\nno_load = 900", "no_load is 900, expected a whole"),
+    ("[electronics.board]\nkind = 'linear'\ngain_counts = 9", "'gain_counts' is not known"),
+    ("[patch]\nlayout = 'hexagon'", r"press.toml:3: \[patch\]: .*hexagon"),
+    ("[patch]\nlayout = 'rectangular:rows=x'", r"\[patch\]: rows of rectangular is 'x'"),
+    ("[loads]\nforces_n = []", "expected one of the two"),
+    ("[loads]\nforces_n = [1e400]", "expected a finite number in newtons"),
+    ("[loads]\nforces_n = [nan]", "expected a finite number in newtons"),
+    ("[loads]\nforces_n = 1", "expected a list of numbers in newtons"),
+    ("[solving]\nrungs = 2", "rungs is 2, expected a number from 4"),
+    ("seed = 1.5", "seed is 1.5, expected whole numbers"),
+    ("name = 'a/b'", "name is 'a/b', expected up to 40 letters"),
+    ("layer = 3", r"layer is 3, expected a table: \[layer\]"),
+    ("= 3", "press.toml is not TOML"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "said"), MISTAKES)
+def test_mistakes_are_named_with_their_place(text: str, said: str) -> None:
+    with pytest.raises(FileError, match=said):
+        scenario_from_toml(HEAD + text, path="press.toml")
+
+
+def test_other_files_are_told_apart(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match="skinfield_rig is missing, expected 1"):
+        scenario_from_toml("x = 1")
+    with pytest.raises(FileError, match="cannot be read: No such file"):
+        load_scenario(tmp_path / "none.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(FileError, match="not text in UTF-8"):
+        load_scenario(tmp_path / "bytes.toml")
+
+
+VALUE = st.sampled_from([
+    "1", "-1", "1e999", "nan", "inf", "true", "'x'", "[]", "[1]", "[[1, 2]]", "{}", "{a = 1}",
+    "1979-05-27", "[nan]", "0x10", "9" * 30, "9" * 5000, "''", "'sphere'", "'../x'", "1e-999999",
+])  # fmt: skip
+KEY = st.sampled_from([
+    "name", "seed", "layout", "thickness_mm", "hold_s", "kind", "taxels", "shape", "radius_mm",
+    "file", "forces_n", "depths_mm", "rate_hz", "start_c", "preset", "rungs", "prony_terms",
+    "positions_mm", "relaxed_fraction", "no_load", "count", "'a b'",
+])  # fmt: skip
+SECTION = st.sampled_from([
+    "patch", "layer", "elastomer", "loads", "profile", "load_cell", "temperature", "solving",
+    "electronics", "electronics.noise", "electronics.board", "electronics.delivery", "other",
+])  # fmt: skip
+LINE = st.one_of(
+    st.builds("{} = {}".format, KEY, VALUE),
+    SECTION.map("[{}]".format),
+    st.sampled_from(["[[indenter]]", "[[places]]", "[[patch]]", "shape = 'sphere'"]),
+)
+
+
+@given(st.lists(LINE, max_size=8))
+@settings(max_examples=300)
+def test_any_mixture_of_keys_is_a_scenario_or_a_clear_error(lines: list[str]) -> None:
+    _survives(HEAD + "\n".join(lines))
+
+
+@given(st.integers(0, len(TEMPLATE)), st.integers(0, 40), st.text(max_size=6))
+@settings(max_examples=150)
+def test_a_damaged_file_is_a_scenario_or_a_clear_error(at: int, gone: int, put: str) -> None:
+    _survives(TEMPLATE[:at] + put + TEMPLATE[at + gone :])
+
+
+def _survives(text: str) -> None:
+    try:
+        scenario = scenario_from_toml(text, path="garbage.toml")
+    except FileError:
+        return
+    assert scenario_from_toml(toml_from_scenario(scenario)) == scenario
+
+
+def test_a_layout_beside_the_file_is_found(tmp_path: Path) -> None:
+    patch = sf.layouts.icub_hexagon().subset(np.arange(24))
+    save_layout(patch, tmp_path / "mine.toml")
+    (tmp_path / "s.toml").write_text(HEAD + "[patch]\nlayout = 'mine.toml'\n")
+    scenario = load_scenario(tmp_path / "s.toml")
+    assert scenario.patch.positions == pytest.approx(patch.positions)
+    assert scenario_from_toml(toml_from_scenario(scenario)).layout == scenario.layout
+
+
+def test_what_a_file_cannot_hold_is_refused() -> None:
+    talk = CrossTalk(matrix=np.zeros((72, 72)))
+    with pytest.raises(InputError, match="matrix of cross-talk"):
+        toml_from_scenario(Scenario(electronics=replace(icub_electronics(), cross_talk=talk)))
+    with pytest.raises(InputError, match=r"elastomer is .* a scenario's file can hold"):
+        toml_from_scenario(Scenario(elastomer=HalfSpace()))  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="expected where its patch is from"):
+        toml_from_scenario(Scenario(layout=""))
