@@ -14,11 +14,11 @@ SOFT = Layer(2e-3, 100e3, 0.5)
 def test_a_ball_is_the_same_three_ways(nu: float) -> None:
     row = agree(Layer(2e-3, 100e3, nu), "ball", Sphere(radius=6e-3), 0.5, 0.4e-3, finest=0.03)
     assert row.exact.depth == pytest.approx(row.depth, rel=3e-4)
-    assert row.lattice.depth == pytest.approx(row.depth, rel=4e-3)
+    assert row.lattice.depth == pytest.approx(row.depth, rel=5e-4)
     assert row.exact.base_error < 1.5e-3
     assert row.exact.surface_error < 1e-3
-    assert 1e-5 < row.lattice.base_error < 8e-3
-    assert 1e-5 < row.lattice.surface_error < 1.2e-2
+    assert 1e-5 < row.lattice.base_error < 8e-4
+    assert 1e-5 < row.lattice.surface_error < 2e-3
     assert row.series == pytest.approx(row.reading, rel=0.03)
 
 
@@ -26,8 +26,8 @@ def test_a_sharp_flat_end_is_the_same_but_for_its_edge() -> None:
     row = agree(SOFT, "punch", Cylinder(radius=3e-3), 0.5, 0.3e-3)
     assert row.exact.depth == pytest.approx(row.depth, rel=3e-3)
     assert row.exact.base_error < 2e-3
-    assert row.lattice.base_error < 0.03
-    assert row.lattice.depth == pytest.approx(row.depth, rel=0.05)
+    assert row.lattice.base_error < 4e-3
+    assert row.lattice.depth == pytest.approx(row.depth, rel=4e-3)
 
 
 def test_rows_become_a_table() -> None:

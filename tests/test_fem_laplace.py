@@ -6,7 +6,13 @@ from scipy.special import j0, j1
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.fem import SphereProfile, indent, pad_capacitance
+from skinfield.fem import (
+    SphereProfile,
+    indent,
+    pad_capacitance,
+    pad_capacitance_3d,
+    press_3d,
+)
 from skinfield.simulate import Sphere, press
 
 SOFT = sf.Layer(2e-3, 100e3, 0.5)
@@ -62,3 +68,39 @@ def test_a_plane_that_touches_the_pads_is_refused() -> None:
         pad_capacitance(H, lambda r: np.where(r < 1e-3, 1.2 * H, 0.0), [0.0], PAD)
     with pytest.raises(InputError, match="pad_diameter is 0"):
         pad_capacitance(H, np.zeros_like, [0.0], 0.0)
+
+
+def test_the_field_in_bricks_is_that_of_the_round_elements() -> None:
+    ball = indent(SOFT, SphereProfile(radius=6e-3), force=1.0)
+    pads = np.array([[0.0, 0.0], [2e-3, 2e-3], [5e-3, 0.0]])
+    away = np.linalg.norm(pads, axis=1)
+    judge = pad_capacitance(H, ball.indentation, away, PAD, edges=[ball.contact_radius])
+    found = pad_capacitance_3d(
+        H, lambda p: ball.indentation(np.linalg.norm(p, axis=1)), pads, PAD,
+        around=[[-5e-3, -5e-3], [5e-3, 5e-3]], cell=0.25,
+    )  # fmt: skip
+    assert found == pytest.approx(judge, abs=1e-4)
+
+
+def test_pads_between_two_balls_read_as_the_series_says() -> None:
+    """Bricks and Laplace's equation on one side, Green's functions and series on the other."""
+    balls = [
+        Sphere(radius=6e-3, force=0.4, position=(-3e-3, 0.0)),
+        Sphere(radius=6e-3, force=0.25, position=(3e-3, 0.0)),
+    ]
+    pads = np.array([[0.0, 0.0], [-3e-3, 0.0], [0.0, 5e-3], [3e-3, 2e-3]])
+    layer = press_3d(SOFT, balls, cell=0.2, mirror=True)
+    field = pad_capacitance_3d(
+        H, layer.indentation, pads, PAD, around=[[-7e-3, -4e-3], [7e-3, 4e-3]], cell=0.25
+    )
+    series = press(SOFT, balls, extent=14e-3, cell=0.3e-3).capacitance(pads, PAD)
+    assert series == pytest.approx(field, abs=1.5e-3)
+    assert field[1] > field[3] > field[0] > field[2]
+
+
+def test_a_deep_dent_in_bricks_is_refused() -> None:
+    with pytest.raises(InputError, match=r"indentation reaches 1\.10 of the thickness"):
+        pad_capacitance_3d(
+            H, lambda p: np.full(len(p), 1.1 * H), [[0.0, 0.0]], PAD,
+            around=[[-1e-3, -1e-3], [1e-3, 1e-3]], cell=0.5,
+        )  # fmt: skip

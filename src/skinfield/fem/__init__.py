@@ -4,6 +4,7 @@ Needs scikit-fem: pip install 'skinfield[fem]'.
 """
 
 from skinfield.fem.electrostatics import pad_capacitance as pad_capacitance
+from skinfield.fem.gap_3d import pad_capacitance_3d as pad_capacitance_3d
 from skinfield.fem.large_strain import LargeStrainPath as LargeStrainPath
 from skinfield.fem.large_strain import indent_large as indent_large
 from skinfield.fem.press_3d import press_3d as press_3d
