@@ -220,7 +220,7 @@ ANY_ARRAY = st.one_of(
 )
 
 
-@settings(max_examples=150, suppress_health_check=list(HealthCheck))
+@settings(max_examples=80, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_array_under_any_key_gives_an_error_or_a_case(
     case: Case, tmp_path_factory: pytest.TempPathFactory, data: st.DataObject

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
@@ -106,8 +107,7 @@ def accuracy_rows(plan: AccuracyPlan, tip: Tip, load: float) -> list[Row]:
 
 def pose_places(plan: AccuracyPlan, tip: Tip, load: float) -> dict[str, Floats]:
     """Places (poses, 2) m of the presses, by kind of place; the same for every solver."""
-    seed = [plan.seed, [known.name for known in plan.tips].index(tip.name), int(load * 1e6)]
-    rng = np.random.default_rng(seed)
+    rng = _random(plan, tip, load, "places")
     chosen: dict[str, Floats] = {}
     for place in plan.places:
         if place == ANYWHERE:
@@ -118,6 +118,11 @@ def pose_places(plan: AccuracyPlan, tip: Tip, load: float) -> dict[str, Floats]:
             known = sites(paper_patch())[place]
             chosen[place] = known[rng.integers(len(known), size=plan.poses)]
     return chosen
+
+
+def _random(plan: AccuracyPlan, tip: Tip, load: float, of: str) -> np.random.Generator:
+    """Random numbers of an indenter and load, the same whatever else the plan holds."""
+    return np.random.default_rng([plan.seed, crc32(f"{tip.name} {load:g} {of}".encode())])
 
 
 def _family(plan: AccuracyPlan, tip: Tip, load: float, quantity: str) -> Family | None:
@@ -149,7 +154,7 @@ def _rows_of_quantity(
     grid = Grid.square(paper_patch(), nodes=plan.nodes)
     judges = [Judge(case, grid) for case in cases]
     exact = np.stack([case.readings for case in cases])
-    noise = np.random.default_rng([plan.seed, int(load * 1e6)]).standard_normal(exact.shape)
+    noise = _random(plan, tip, load, "noise").standard_normal(exact.shape)
     unit = noise_per_count(plan.layer, plan.cell)[quantity]
     rows = []
     for counts in plan.noise_counts:
