@@ -1,5 +1,6 @@
 """`skinfield validate`: score a solver on cases whose truth is known."""
 
+import math
 from typing import Any
 
 import click
@@ -154,7 +155,7 @@ def _table(summary: Any, title: str) -> Any:
     for key, label in SHOWN.items():
         figures = summary.measures[key]
         scale = 1e3 if key.endswith("_m") else 1.0
-        table.add_row(label, *_shown(figures.median, scale), f"{figures.p90.value * scale:.3f}")
+        table.add_row(label, *_shown(figures.median, scale), _number(figures.p90.value * scale))
     for label, rate in (
         ("contacts missed", summary.missed),
         ("readings with a false contact", summary.false_share),
@@ -164,8 +165,13 @@ def _table(summary: Any, title: str) -> Any:
 
 
 def _shown(interval: Any, scale: float) -> tuple[str, str]:
-    low, high = interval.low * scale, interval.high * scale
-    return f"{interval.value * scale:.3f}", f"{low:.3f} to {high:.3f}"
+    low, high = _number(interval.low * scale), _number(interval.high * scale)
+    return _number(interval.value * scale), f"{low} to {high}"
+
+
+def _number(value: float, decimals: int = 3) -> str:
+    """Fixed decimals; a dash for what does not exist, such as the place of what was missed."""
+    return f"{value:.{decimals}f}" if math.isfinite(value) else "–"
 
 
 def _table_of_cases(rows: list[dict[str, Any]]) -> Any:
@@ -177,6 +183,6 @@ def _table_of_cases(rows: list[dict[str, Any]]) -> Any:
     for label in PER_CASE.values():
         table.add_column(label, justify="right")
     for row in rows:
-        numbers = [f"{row[key]:.2f}" for key in PER_CASE]
+        numbers = [_number(row[key], 2) for key in PER_CASE]
         table.add_row(str(row["case"]), f"{row['true_force_N']:.2f}", *numbers)
     return table
