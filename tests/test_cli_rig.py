@@ -2,11 +2,13 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from test_readme import ROOT, blocks, follow
 
 from skinfield.cli import main
 from skinfield.conditioning import load_calibration
@@ -131,3 +133,24 @@ def test_mistakes_are_a_paragraph(tmp_path: Path) -> None:
     twice = call("rig", str(tmp_path / "s.toml"), str(tmp_path / "s.toml"))
     assert "both have a run rig-sphere6" in twice.output
     assert "truth.npz" in call("rig", "--help").output
+
+
+def test_the_page_runs_and_prints_what_it_says(
+    made: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    page = ROOT / "docs" / "rig.md"
+    shown = [text for _, _, text in blocks(page)]
+    assert shown[0] == SCENARIO
+    shutil.copytree(made, tmp_path / "rig" / "foam-ball")  # so that it need not be made again
+    monkeypatch.chdir(tmp_path)
+    capsys.readouterr()
+    assert follow(page) == (1, 4)
+    number = re.compile(r"\d+\.\d+")
+    said, printed = (number.findall(text) for text in (shown[-1], capsys.readouterr().out))
+    assert len(said) == 6
+    assert [float(value) for value in printed[-6:]] == pytest.approx(
+        [float(value) for value in said], abs=0.03
+    )
