@@ -1,7 +1,7 @@
 """The accuracy table as a picture: error against load, with the bound."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from skinfield.experiments.presses import BALL
 from skinfield.experiments.rows import Row
 from skinfield.figures.accuracy import Curve, ErrorPanel, draw_errors
 from skinfield.figures.style import number
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ERRORS = {  # stem of the columns, what it is called, column of its bound
     "place_error_mm": ("place error of what\nis found (mm)", "bound_place_mm"),
@@ -28,7 +25,7 @@ def accuracy_figure(
     indenter: str = BALL.name,
     place: str = ANYWHERE,
     only: Sequence[tuple[str, str]] | None = None,
-) -> "Figure":
+) -> Any:
     """Place, force and misses of one indenter and kind of place, a column per quantity.
 
     Parameters
@@ -41,6 +38,10 @@ def accuracy_figure(
         By the names in the table.
     only : sequence of (solver, model), optional
         Which curves. Default every solver on the layer, and the first one on the half-space.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
