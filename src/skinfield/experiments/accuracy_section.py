@@ -1,18 +1,17 @@
-"""The accuracy table in the report: its rows in short, two pictures, and all of it as a file."""
+"""The accuracy table in the report: its rows in short, a picture, and all of it as a file."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from skinfield.errors import Floats
 from skinfield.experiments.accuracy import accuracy_tasks
+from skinfield.experiments.accuracy_picture import accuracy_figure
 from skinfield.experiments.accuracy_plan import ANYWHERE, accuracy_plan
 from skinfield.experiments.presses import BALL
 from skinfield.experiments.rows import Row
 from skinfield.experiments.section import Cell, Missing, Part, Picture, Section, Table, Verdict
 from skinfield.experiments.settings import Settings
 from skinfield.experiments.words import png_of
-from skinfield.figures.panels import Line, Panel, Scale, draw_panels
 
 COUNTS = 1.0  # of noise in the tables that are shown
 SHOWN = (  # key, column, factor
@@ -53,7 +52,7 @@ def accuracy(settings: Settings, results: Sequence[list[Row] | None]) -> Section
         title="Accuracy of every solver, beside the bound",
         claim="Peaks and shapes are looked at; no table of errors is given.",
         sentences=tuple(_sentences(known, shown, rows, plan.poses)),
-        pictures=_pictures(known),
+        pictures=(_picture(rows),),
         tables=(_pooled(shown), _of_ball(shown), _everything(rows)),
         verdicts=tuple(_verdicts(shown)),
     )
@@ -193,8 +192,10 @@ def _interval(row: Row, key: str, factor: float) -> str:
     if middle is None:
         return "–"
     digits = 0 if factor > 1 else 1
-    ends = ["?" if end is None else f"{factor * end:.{digits}f}" for end in (low, high)]
-    return f"{factor * middle:.{digits}f} [{ends[0]}–{ends[1]}]"
+    found = f"{factor * middle:.{digits}f}"
+    if low is None or high is None:  # of a single press
+        return found
+    return f"{found} [{factor * low:.{digits}f}–{factor * high:.{digits}f}]"
 
 
 def _rate(row: Row, key: str) -> str:
@@ -208,57 +209,9 @@ def _everything(rows: Sequence[Row]) -> Table:
     return Table("all", "Every row of the table.", keys, cells, shown=False)
 
 
-def _pictures(known: Sequence[Row]) -> tuple[Picture, ...]:
-    rows = [
-        row
-        for row in known
-        if row["place"] == ANYWHERE
-        and row["noise_counts"] == COUNTS
-        and row["indenter"] == BALL.name
-    ]
-    return tuple(
-        _picture(rows, name, key, bound, label, factor)
-        for name, key, bound, label, factor in (
-            ("place", "place_error_mm", "bound_place_mm", "error of place (mm)", 1.0),
-            (
-                "force",
-                "contact_force_error",
-                "bound_force",
-                "error of the contact's force (%)",
-                1e2,
-            ),
-        )
-    )
-
-
-def _picture(
-    rows: Sequence[Row], name: str, key: str, bound: str, label: str, factor: float
-) -> Picture:
-    panels = []
-    for quantity in _quantities(rows):
-        mine = [row for row in rows if row["quantity"] == quantity]
-        kinds = dict.fromkeys((r["solver"], r["model"]) for r in mine if r["solver"] != "Tikhonov")
-        lines = [
-            _line(f"{solver}, {model}", _of(mine, solver, model), f"{key}_median", factor)
-            for solver, model in kinds
-        ]
-        lines.append(_line("Cramér-Rao bound", _of(mine, *OURS), bound, factor))
-        panels.append(Panel(quantity, "1.2 cm half-sphere, anywhere", tuple(lines)))
-    loads = tuple(sorted({row["load_N"] for row in rows}))
-    scale = Scale(x="load (N)", y=label, log_x=True, log_y=True, x_ticks=loads)
+def _picture(rows: Sequence[Row]) -> Picture:
     caption = (
-        f"Median {label} against the load at one count of noise, by solver and model, beside the "
-        "bound (root mean square) for the same presses."
+        "The 1.2 cm half-sphere at one count of noise: error of place and force and presses missed "
+        "against the load, by what taxels read; dotted, the Cramér-Rao bound for the same presses."
     )
-    return Picture(name, caption, png_of(draw_panels(panels, scale)))
-
-
-def _line(name: str, rows: Sequence[Row], key: str, factor: float) -> Line:
-    def column(which: str) -> Floats:
-        return np.array([np.nan if r.get(which) is None else factor * r[which] for r in rows])
-
-    x = np.array([row["load_N"] for row in rows])
-    stem = key.removesuffix("_median")
-    if stem == key:
-        return Line(name, x, column(key))
-    return Line(name, x, column(key), column(f"{stem}_low"), column(f"{stem}_high"))
+    return Picture("errors", caption, png_of(accuracy_figure(rows, COUNTS)))

@@ -170,14 +170,12 @@ def noisy(trial: Trial, settings: Settings, seed: int, averaged: int = 1) -> Flo
     return clean + rng.normal(scale=spread, size=clean.shape)
 
 
-def trials(quantity: str) -> Iterator[tuple[int, Trial]]:
-    """Every indenter, kind of place and load, with a seed of its own."""
-    seed = 100
-    for tip in TIPS:
-        for place in PLACES:
-            for force in LOADS:
-                yield seed, Trial(tip, place, force, quantity)
-                seed += 1
+def trials(quantity: str, settings: Settings) -> Iterator[tuple[int, Trial]]:
+    """Every indenter, kind of place and load, with a seed of its own; in smoke one indenter."""
+    kinds = [(tip, place, force) for tip in TIPS for place in PLACES for force in LOADS]
+    for seed, (tip, place, force) in enumerate(kinds, start=100):
+        if tip is BALL or settings.size.name != "smoke":
+            yield seed, Trial(tip, place, force, quantity)
 
 
 def rates(found: Sequence[Detector], quiet: dict[str, Floats], settings: Settings) -> list[Rate]:
@@ -185,7 +183,7 @@ def rates(found: Sequence[Detector], quiet: dict[str, Floats], settings: Setting
     levels = {label: threshold(values, settings.false_alarms) for label, values in quiet.items()}
     results = []
     for quantity in ("stress", "capacitance"):
-        for seed, trial in trials(quantity):
+        for seed, trial in trials(quantity, settings):
             pressed = noisy(trial, settings, seed)
             if pressed is None:
                 continue
