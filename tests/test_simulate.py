@@ -309,3 +309,30 @@ def test_a_ring_thinner_than_a_tenth_of_a_cell_is_followed_around() -> None:
     assert found.contact_area == pytest.approx(np.pi * (4.1**2 - 4.0**2) * 1e-6, rel=0.02)
     assert len(found.outline) == 2
     np.testing.assert_allclose(found.moment, 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_bodies_anywhere_are_certified(seed: int) -> None:
+    """Tilted, tiny, wide, by force and by depth at once: forces kept, nothing overlaps."""
+    rng = np.random.default_rng(seed)
+    bodies: list[sf.simulate.Indenter] = []
+    for x, y in [(-9e-3, -8e-3), (8e-3, -9e-3), (0.5e-3, 9e-3)]:
+        load = {"force": 10 ** rng.uniform(-4, 0)} if rng.random() < 0.6 else {"depth": 0.2e-3}
+        size = 10 ** rng.uniform(-3.5, -2.3)
+        pose = {"position": (x, y), "rotation": rng.uniform(0, 6)}
+        pose["tilt"] = tuple(rng.normal(0, 0.05, 2))
+        kind = rng.integers(3)
+        if kind == 0:
+            bodies.append(Sphere(radius=size, **pose, **load))
+        elif kind == 1:
+            bodies.append(Cylinder(radius=size, edge_radius=0.2 * size, **pose, **load))
+        else:
+            bodies.append(Ring(inner_radius=0.6 * size, outer_radius=size, **pose, **load))
+    stiff = sf.Layer(2e-3, 600e3, [0.0, 0.3, 0.45, 0.5][seed])
+    found = press(stiff, bodies, extent=36e-3, cell=[0.5e-3, 1e-3][seed % 2])
+    for body, force, depth in zip(bodies, found.forces, found.approach, strict=True):
+        assert force == pytest.approx(body.force or force, rel=1e-6)
+        assert depth == pytest.approx(body.depth or depth, rel=1e-12)
+    assert found.residual <= 1e-6
+    assert found.pressure.min() >= 0.0
+    assert found.gap.min() > -1e-3 * found.approach.max()

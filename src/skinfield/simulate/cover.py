@@ -20,7 +20,7 @@ class Cover:
     Attributes
     ----------
     height : (rows, columns) array, m
-        Mean above the covered part of each cell, from the body's lowest point; infinite where the
+        Median over the covered part of each cell, above the body's lowest point; infinite where the
         body is not.
     coverage : (rows, columns) array
         Covered fraction of each cell.
@@ -96,6 +96,8 @@ def _look_closer(
     within[:, [0, -1]] = within[:, :, [0, -1]] = False
     some = np.asarray(within.any(axis=(1, 2), keepdims=True))
     counted = np.where(some, within, there)
-    count = counted.sum(axis=(1, 2))
-    total = np.where(counted, fine, 0.0).sum(axis=(1, 2))
-    seen.height[row, column] = np.where(count, total / np.maximum(count, 1), np.inf)
+    # The median, as the steep wall beside the face of a leaning body would spoil a mean.
+    ordered = np.sort(np.where(counted, fine, np.inf).reshape(len(fine), -1), axis=1)
+    count, every = counted.sum(axis=(1, 2)), np.arange(len(fine))
+    low, high = ordered[every, np.maximum(count - 1, 0) // 2], ordered[every, count // 2]
+    seen.height[row, column] = np.where(count, (low + np.where(count, high, 0.0)) / 2, np.inf)
