@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.config import TEMPLATE, load_scenario, scenario_from_toml, toml_from_scenario
 from skinfield.config.scenario_keys import PARTS, PROFILE
+from skinfield.config.scenario_text import in_folder
 from skinfield.config.table import number_from_si, si_from_number
 from skinfield.errors import FileError, InputError
 from skinfield.layout import save_layout
@@ -268,6 +269,25 @@ def test_a_layout_beside_the_file_is_found(tmp_path: Path) -> None:
     scenario = load_scenario(tmp_path / "s.toml")
     assert scenario.patch.positions == pytest.approx(patch.positions)
     assert scenario_from_toml(toml_from_scenario(scenario)).layout == scenario.layout
+
+
+def test_shapes_from_files_go_along_with_a_scenario(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.icosphere(subdivisions=2, radius=4.0).export(tmp_path / "ball.stl")
+    table = '[[indenter]]\nshape = "mesh"\nfile = "ball.stl"\nunit_mm = 1.5\ndown = [0, 0, -1]\n'
+    (tmp_path / "s.toml").write_text(HEAD + table)
+    scenario = load_scenario(tmp_path / "s.toml")
+    beside, copies = in_folder(scenario, "layout.toml")
+    assert copies == [(tmp_path / "ball.stl", "shape-1.stl")]
+    text = toml_from_scenario(beside)
+    assert 'file = "shape-1.stl"\nunit_mm = 1.5\ndown = [0, 0, -1]\n' in text
+    (tmp_path / "ball.stl").rename(tmp_path / "shape-1.stl")
+    save_layout(scenario.patch, tmp_path / "layout.toml")
+    again = scenario_from_toml(text, tmp_path).tools[0].indenter
+    first = scenario.tools[0].indenter
+    x = np.linspace(-4e-3, 4e-3, 9)
+    assert again.height(x, 0 * x) == pytest.approx(first.height(x, 0 * x))
+    assert scenario.tools[0].name == "mesh-1"
 
 
 def test_what_a_file_cannot_hold_is_refused() -> None:

@@ -38,7 +38,7 @@ SMALL = Scenario(
     loads=Loads(forces=(1.0,)),
     electronics=IDEAL,
     elastomer=ELASTIC,
-    solving=Solving(extent=16e-3, rungs=6),
+    solving=Solving(extent=16e-3, rungs=4),
 )
 
 
@@ -78,7 +78,7 @@ def test_readings_under_a_standing_load_are_those_of_a_press_at_that_place() -> 
 
 
 @pytest.mark.parametrize(
-    "body", [BALL, sf.simulate.Cylinder(radius=1.5e-3), sf.simulate.Cylinder(radius=6e-3)]
+    "body", [BALL, sf.simulate.Cylinder(radius=1.5e-3)], ids=lambda body: body.kind
 )
 def test_between_rungs_readings_are_interpolated_to_half_a_percent(body: object) -> None:
     scenario = replace(SMALL, solving=Solving(extent=16e-3, rungs=12))
@@ -130,7 +130,8 @@ def test_depth_control_reaches_the_depth_and_relaxes() -> None:
     run = run_rig(replace(SMALL, loads=Loads(depths=(0.4e-3,)), elastomer=solid))
     truth = run.truth
     assert truth.press_depth_m == pytest.approx([0.4e-3], rel=2e-3)
-    relaxed = run_rig(replace(SMALL, loads=Loads(depths=(0.4e-3,)))).truth.load_force_N[0]
+    ball = replace(BALL, force=None, depth=0.4e-3)
+    relaxed = sf.simulate.press(sf.Layer(), [ball], extent=16e-3).force
     assert truth.load_force_N[0] == pytest.approx(relaxed)
     assert truth.press_force_N[0] == pytest.approx(relaxed, rel=0.02)  # after 4 time constants
     assert 1.05 * relaxed < truth.force_N.max() < relaxed / 0.7
@@ -155,10 +156,7 @@ def test_the_load_cell_errs_as_it_says(creeping: RigRun) -> None:
 
 
 def test_seeds_make_the_same_run_and_others_do_not() -> None:
-    quick = Solving(extent=12e-3, rungs=4)
-    noisy = replace(
-        SMALL, electronics=icub_electronics(), places=(Random(count=2),), repeats=2, solving=quick
-    )
+    noisy = replace(SMALL, electronics=icub_electronics(), places=(Random(count=2),), repeats=2)
     first, second = (run_rig(one) for _, one in noisy.runs())
     again = run_rig(first.scenario)
     assert np.array_equal(first.recording.counts, again.recording.counts, equal_nan=True)
