@@ -76,12 +76,13 @@ def _sentences(
     known: Sequence[Row], shown: Sequence[Row], rows: Sequence[Row], poses: int
 ) -> list[str]:
     noise = sorted({row["noise_counts"] for row in known})
+    unit = "count" if noise == [1.0] else "counts"
     sinks = sorted({f"{r['indenter']} at {r['load_N']:g} N" for r in rows if "sinks" in r["note"]})
     refused = [row for row in rows if row["note"] and "sinks" not in row["note"]]
     words = [
         f"{len(known)} combinations of solver, model of the elastomer, quantity, indenter, place "
         f"and load, each over {poses} presses, at a noise of "
-        f"{', '.join(f'{counts:g}' for counts in noise)} counts of the iCub's byte. All are judged "
+        f"{', '.join(f'{each:g}' for each in noise)} {unit} of the iCub's byte. All are judged "
         "against the contact solver on the bonded layer; the bound is that of Cramér and Rao for "
         "place and force, with the indenter known, at the same noise.",
         "At one count, anywhere on the patch, medians over indenters and loads: "

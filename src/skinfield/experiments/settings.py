@@ -36,7 +36,7 @@ class Size:
     grids: tuple[int, ...] = (10, 20, 30, 40)
 
 
-SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=2)
+SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
 SHORT = Size(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
 FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
 
