@@ -162,9 +162,9 @@ def _run(tasks: Sequence[Task], folder: Path, workers: int, fresh: bool) -> list
 
 def _table(outcomes: Sequence[Outcome]) -> Table:
     table = Table(title="Runs", title_justify="left")
-    table.add_column("run")
+    table.add_column("run", overflow="fold")
     for column in (
-        "presses", "readings", "force N", "depth mm", "area mm²", "ΔC/C₀", "cell full", "took s",
+        "presses", "readings", "N", "depth mm", "area mm²", "ΔC/C₀", "cell full", "took s",
     ):  # fmt: skip
         table.add_column(column, justify="right")
     for outcome in outcomes:
