@@ -80,7 +80,7 @@ def fast_noise(counts: Floats, hold: float) -> Floats:
     finite = np.isfinite(there)
     square = np.sum(there**2, axis=0, where=finite) / np.maximum(finite.sum(axis=0), 1)
     spread = np.fmax(usual, np.sqrt(square)) / math.sqrt(2.0)
-    return np.maximum(spread, 0.5) if whole_numbers(counts) else spread
+    return np.asarray(np.maximum(spread, 0.5) if whole_numbers(counts) else spread)
 
 
 def judge(counts: Floats, start: int, stop: int, hold: float) -> QuietStretch:
