@@ -1,0 +1,1 @@
+"""What reconstructions are worth: cases with truth, scores, bounds, and the paper's campaign."""
