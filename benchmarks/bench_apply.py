@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit
 
 import skinfield as sf
-from skinfield.experiments.paper_algorithm import reconstruct_as_paper
+from skinfield.experiments.paper.algorithm import reconstruct_as_paper
 
 
 @njit(fastmath=True)

@@ -10,15 +10,8 @@ import numpy as np
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.experiments.accuracy import (
-    SINKS,
-    accuracy_rows,
-    accuracy_table,
-    accuracy_tasks,
-    pose_places,
-)
-from skinfield.experiments.accuracy_picture import accuracy_figure
-from skinfield.experiments.accuracy_plan import (
+from skinfield.experiments.accuracy.picture import accuracy_figure
+from skinfield.experiments.accuracy.plan import (
     ANYWHERE,
     SHORT,
     SMOKE,
@@ -26,8 +19,15 @@ from skinfield.experiments.accuracy_plan import (
     accuracy_plan,
     noise_per_count,
 )
-from skinfield.experiments.presses import INNER, PLACES, TIPS, paper_patch
-from skinfield.experiments.rows import Row, write_csv, write_json
+from skinfield.experiments.accuracy.rows import (
+    SINKS,
+    accuracy_rows,
+    accuracy_table,
+    accuracy_tasks,
+    pose_places,
+)
+from skinfield.experiments.paper.presses import INNER, PLACES, TIPS, paper_patch
+from skinfield.experiments.scoring.rows import Row, write_csv, write_json
 
 TINY = replace(SMOKE, quantities=("stress",), noise_counts=(0.05, 3.5), poses=12, cell=0.5e-3)
 

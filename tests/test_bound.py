@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from skinfield.errors import Floats, InputError
-from skinfield.experiments.bound import (
+from skinfield.experiments.scoring.bound import (
     Family,
     bound_of,
     contact_bounds,
     contact_family,
 )
-from skinfield.experiments.radial_readings import is_round, readings_anywhere
+from skinfield.experiments.scoring.radial_readings import is_round, readings_anywhere
 from skinfield.layout.generators import hexagon72, icub_hexagon
 from skinfield.mechanics import Layer
 from skinfield.simulate import Bar, Sphere, press

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from skinfield.errors import FileError, InputError
-from skinfield.experiments.case import Case, TrueContact, Truth
-from skinfield.experiments.case_files import case_paths, load_case, load_cases, save_case
-from skinfield.experiments.standard_cases import KINDS, standard_cases
+from skinfield.experiments.cases.case import Case, TrueContact, Truth
+from skinfield.experiments.cases.files import case_paths, load_case, load_cases, save_case
+from skinfield.experiments.cases.standard import KINDS, standard_cases
 from skinfield.layout import Patch
 from skinfield.layout.generators import hexagon72
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer
@@ -53,7 +53,7 @@ def test_a_case_survives_its_file(case: Case, tmp_path: Path) -> None:
     for name in ("plane", "pressure", "displacement"):
         np.testing.assert_array_equal(getattr(back.truth, name), getattr(case.truth, name))
     assert back.truth.contacts == case.truth.contacts
-    assert back.truth.source == "skinfield.simulate.press"
+    assert back.truth.source == "skinfield.simulate.pressing.press"
 
 
 def test_truth_of_a_press(two: Press, case: Case) -> None:
@@ -184,7 +184,7 @@ def test_no_code_is_read_from_a_file(case: Case, tmp_path: Path) -> None:
 def test_files_that_unpack_to_too_much_are_not_read(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("skinfield.experiments.case_files.LARGEST", 1000)
+    monkeypatch.setattr("skinfield.experiments.cases.files.LARGEST", 1000)
     with pytest.raises(FileError, match=r"unpacks to \d+ bytes, expected at most 1000"):
         load_case(save_case(case, tmp_path))
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 from test_readme import follow
 
 from skinfield.cli import main
-from skinfield.experiments.case_files import load_case
+from skinfield.experiments.cases.files import load_case
 
 OWN = """
 import numpy as np

@@ -8,9 +8,10 @@ import pytest
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.experiments.catalogue import EXPERIMENTS
-from skinfield.experiments.half_space_error import depth_on_half_space, error_of, widened
-from skinfield.experiments.imposed_found import half_width
-from skinfield.experiments.imposed_truth import (
+from skinfield.experiments.paper.algorithm import reconstruct_as_paper
+from skinfield.experiments.paper.half_space_error import depth_on_half_space, error_of, widened
+from skinfield.experiments.paper.imposed_found import half_width
+from skinfield.experiments.paper.imposed_truth import (
     ADJACENT,
     DEPTH,
     LAYER,
@@ -19,15 +20,20 @@ from skinfield.experiments.imposed_truth import (
     truth_of,
     truth_on_own_grid,
 )
-from skinfield.experiments.methods import FIELD, PAPER
-from skinfield.experiments.paper_algorithm import reconstruct_as_paper
-from skinfield.experiments.presses import BALL, PLACES, TIPS, paper_patch, readings, sites
-from skinfield.experiments.rates import Trial, known_shape, noisy
-from skinfield.experiments.resolutions import roughness
+from skinfield.experiments.paper.methods import FIELD, PAPER
+from skinfield.experiments.paper.presses import BALL, PLACES, TIPS, paper_patch, readings, sites
+from skinfield.experiments.paper.rates import Trial, known_shape, noisy
+from skinfield.experiments.paper.resolutions import roughness
+from skinfield.experiments.paper.timing import Times, exponents
 from skinfield.experiments.run import chosen
+from skinfield.experiments.scoring.statistics import (
+    FieldPeak,
+    highest_taxel,
+    roc,
+    threshold,
+    wilson,
+)
 from skinfield.experiments.settings import SMOKE, Settings, size_by_name
-from skinfield.experiments.statistics import FieldPeak, highest_taxel, roc, threshold, wilson
-from skinfield.experiments.timing import Times, exponents
 from skinfield.simulate import press
 
 SETTINGS = Settings(size=SMOKE)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.experiments import paper_algorithm
+from skinfield.experiments.paper import algorithm as paper_algorithm
 from skinfield.inverse import Inverse
 from skinfield.mechanics import HalfSpace, Layer
 from skinfield.mechanics.love import rectangle_normal_displacement

@@ -8,18 +8,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError
-from skinfield.experiments.finding import AbsentData, Finding
-from skinfield.experiments.real_data import FINDINGS, findings, section_of, sections
-from skinfield.experiments.real_fabric import (
+from skinfield.experiments.recorded.fabric import (
     RUNS,
     fabric_runs,
     falling_curve,
     judged_on_the_rest,
     load_run,
 )
-from skinfield.experiments.real_foot import foot_forces
-from skinfield.experiments.real_tables import HAYES, agreements, read_table
-from skinfield.experiments.real_tension import FILE, tension, theory_leaves
+from skinfield.experiments.recorded.finding import AbsentData, Finding
+from skinfield.experiments.recorded.foot import foot_forces
+from skinfield.experiments.recorded.real_data import FINDINGS, findings, section_of, sections
+from skinfield.experiments.recorded.tables import HAYES, agreements, read_table
+from skinfield.experiments.recorded.tension import FILE, tension, theory_leaves
 
 
 def test_without_data_each_says_what_is_not_there(tmp_path: Path) -> None:

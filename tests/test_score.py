@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import Floats, InputError
-from skinfield.experiments.case import Case, TrueContact, Truth
-from skinfield.experiments.matching import matched
-from skinfield.experiments.resampling import BLUR, Lattice, Spread
-from skinfield.experiments.score import Judge, Score, score
-from skinfield.experiments.summary import summarise
+from skinfield.experiments.cases.case import Case, TrueContact, Truth
+from skinfield.experiments.scoring.matching import matched
+from skinfield.experiments.scoring.resampling import BLUR, Lattice, Spread
+from skinfield.experiments.scoring.score import Judge, Score, score
+from skinfield.experiments.scoring.summary import summarise
 from skinfield.fields import Contact, Estimate
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import hexagon72

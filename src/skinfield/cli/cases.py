@@ -59,8 +59,8 @@ def cases(
     draws: int,
 ) -> None:
     """Make and write cases."""
-    from skinfield.experiments.case_files import save_case
-    from skinfield.experiments.standard_cases import standard_cases
+    from skinfield.experiments.cases.files import save_case
+    from skinfield.experiments.cases.standard import standard_cases
 
     if noise is not None:
         check_positive("--noise", noise, "no reading is exact")

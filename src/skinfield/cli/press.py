@@ -18,7 +18,7 @@ from skinfield.cli.report import console
 from skinfield.errors import Floats, InputError
 from skinfield.layout import Patch
 from skinfield.simulate import Indenter, Press
-from skinfield.simulate.parts import Part, parts_of
+from skinfield.simulate.pressing.parts import Part, parts_of
 
 DEFAULT = "sphere radius=6 force=1"
 ROOM = 20.0  # mm around the reference points of the indenters

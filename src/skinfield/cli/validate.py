@@ -72,11 +72,11 @@ Errors are parts of the truth where no unit stands; the intervals are 95 %, over
 )
 def validate(cases: str, **options: Any) -> None:
     """Score and report."""
-    from skinfield.experiments.case_files import case_paths, load_case
-    from skinfield.experiments.rows import write_csv, write_json
-    from skinfield.experiments.summary import summarise
-    from skinfield.experiments.table_rows import flat
-    from skinfield.experiments.validation import Entrant, row_of_case
+    from skinfield.experiments.cases.files import case_paths, load_case
+    from skinfield.experiments.scoring.rows import write_csv, write_json
+    from skinfield.experiments.scoring.summary import summarise
+    from skinfield.experiments.scoring.table_rows import flat
+    from skinfield.experiments.scoring.validation import Entrant, row_of_case
 
     limits = _limits(options["require"])
     name = options["mechanics"]
@@ -117,7 +117,7 @@ def validate(cases: str, **options: Any) -> None:
 
 
 def _limits(texts: tuple[str, ...]) -> dict[str, float]:
-    from skinfield.experiments.table_rows import COLUMNS
+    from skinfield.experiments.scoring.table_rows import COLUMNS
 
     limits = {}
     for text in texts:

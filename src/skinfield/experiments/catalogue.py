@@ -1,14 +1,14 @@
 """All experiments, in the order of the page: one more is one file, and one line here."""
 
-from skinfield.experiments.accuracy_section import accuracy, accuracy_parts
-from skinfield.experiments.detection import detection
-from skinfield.experiments.half_space_error import half_space_error
-from skinfield.experiments.imposed import imposed
-from skinfield.experiments.judged import judged
-from skinfield.experiments.recorded import RECORDED, recorded
-from skinfield.experiments.resolutions import resolutions
+from skinfield.experiments.accuracy.section import accuracy, accuracy_parts
+from skinfield.experiments.paper.detection import detection
+from skinfield.experiments.paper.half_space_error import half_space_error
+from skinfield.experiments.paper.imposed import imposed
+from skinfield.experiments.paper.judged import judged
+from skinfield.experiments.paper.resolutions import resolutions
+from skinfield.experiments.paper.timing import timing
+from skinfield.experiments.recorded.sections import RECORDED, recorded
 from skinfield.experiments.section import Experiment
-from skinfield.experiments.timing import timing
 
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),

@@ -23,7 +23,7 @@ from skinfield.figures.style import (
 )
 from skinfield.layout import Patch
 from skinfield.simulate import Press
-from skinfield.simulate.parts import base_stress_below_cells, pressure_by_body
+from skinfield.simulate.pressing.parts import base_stress_below_cells, pressure_by_body
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

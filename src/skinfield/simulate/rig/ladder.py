@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
 from skinfield.simulate.indenters import Indenter
-from skinfield.simulate.ladder import press_ladder
-from skinfield.simulate.press import Press, press
+from skinfield.simulate.pressing.ladder import press_ladder
+from skinfield.simulate.pressing.press import Press, press
 from skinfield.simulate.rig.places import Pose
 from skinfield.simulate.rig.scenario import Scenario
 

@@ -9,7 +9,7 @@ from skinfield.errors import Floats, InputError, Ints
 from skinfield.reading import Recording
 from skinfield.simulate.electronics import TaxelArray, recording
 from skinfield.simulate.electronics.delivery import Sampling
-from skinfield.simulate.press import Press
+from skinfield.simulate.pressing.press import Press
 from skinfield.simulate.rig.ladder import Ladder, press_with, solve_ladder
 from skinfield.simulate.rig.load_cell import LoadSeries
 from skinfield.simulate.rig.motion import Pressed, Programme, pressed, programme

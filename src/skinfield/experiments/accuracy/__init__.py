@@ -1,0 +1,1 @@
+"""The accuracy table: solvers, models and quantities over indenters, places and loads."""

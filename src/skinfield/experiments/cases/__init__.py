@@ -1,0 +1,1 @@
+"""Cases: readings beside their truth, made, posed, kept in files."""

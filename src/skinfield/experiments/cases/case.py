@@ -1,0 +1,192 @@
+"""A case: what the taxels of a patch read, and what truly pressed on it."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_choice,
+    check_finite,
+    check_positive,
+    check_shape,
+)
+from skinfield.experiments.cases.posed import Pose, contacts_of_press, posed
+from skinfield.experiments.cases.truth import TrueContact, Truth
+from skinfield.layout import Patch
+from skinfield.mechanics import BondedLayer, Layer
+from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.simulate import Press
+
+__all__ = ["Case", "TrueContact", "Truth", "quantity_by_name"]
+
+# As files of cases spell them.
+QUANTITIES: dict[str, Quantity] = {
+    "capacitance": Capacitance(),
+    "gap": Gap(),
+    "stress": BaseStress(),
+}
+
+
+def quantity_by_name(name: str) -> Quantity:
+    """What taxels read, by the word in a case.
+
+    Raises
+    ------
+    InputError
+        For another word.
+    """
+    check_choice("quantity", name, QUANTITIES, "what taxels read")
+    return QUANTITIES[name]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Case:
+    """Readings of a patch with the truth beside them.
+
+    Parameters
+    ----------
+    name : str
+        Of the case; its file is called so, too.
+    patch : Patch
+    layer : Layer
+        What the elastomer is, which an estimate may be told.
+    quantity : str
+        What a taxel reads: "capacitance" (ΔC/C₀), "gap" (indentation over thickness) or "stress"
+        (Pa).
+    readings : (L,) or (R, L) array, in the quantity's unit
+        Of one instant, or of R that differ in their noise alone. NaN marks a taxel without answer.
+    noise_std : float or (L,) array, in the quantity's unit
+        Standard deviation of one reading, which a solver may be told. Kept as (L,).
+    noisy : bool
+        Whether the readings hold that noise; else they are exact.
+    truth : Truth
+    mechanics : BondedLayer
+        How the elastomer is held: with or without an inextensible cover.
+
+    Notes
+    -----
+    All arrays are copies, and read-only.
+    """
+
+    name: str
+    patch: Patch
+    layer: Layer
+    quantity: str
+    readings: Floats
+    noise_std: Floats
+    truth: Truth
+    noisy: bool = False
+    mechanics: BondedLayer = field(default_factory=BondedLayer)
+
+    def __post_init__(self) -> None:
+        if not self.name.strip() or set(self.name) & set("/\\\0"):
+            raise InputError(f"name is {self.name!r}, expected a word that can name a file")
+        check_choice("quantity", self.quantity, QUANTITIES, "what taxels read")
+        if not isinstance(self.mechanics, BondedLayer):
+            raise InputError(
+                f"mechanics is {self.mechanics!r}, expected BondedLayer(): a case says what the "
+                "skin is; another model is what a solver assumes"
+            )
+        readings = np.array(as_floats("readings", self.readings))
+        wide = readings.ndim in (1, 2) and readings.shape[-1] == len(self.patch)
+        if not wide or not len(readings):
+            raise InputError(
+                f"readings has shape {readings.shape}, expected ({len(self.patch)},) or "
+                f"(draws, {len(self.patch)}): one column per taxel"
+            )
+        if np.isinf(readings).any():
+            raise InputError("readings holds an infinity, expected numbers, or NaN for no answer")
+        noise = np.array(as_floats("noise_std", self.noise_std))
+        noise = np.full(len(self.patch), float(noise)) if noise.ndim == 0 else noise
+        check_shape("noise_std", noise, (len(self.patch),), "one per taxel, or one for all")
+        check_finite("noise_std", noise, "in the unit of the readings")
+        check_positive("noise_std", float(noise.min()), "no reading is exact")
+        for key, value in (("readings", readings), ("noise_std", noise)):
+            value.setflags(write=False)
+            object.__setattr__(self, key, value)
+
+    @classmethod
+    def from_press(
+        cls,
+        name: str,
+        press: Press,
+        patch: Patch,
+        quantity: str = "capacitance",
+        pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        noise_std: ArrayLike | None = None,
+    ) -> "Case":
+        """Case of a simulated press, carried over the patch by a pose; its readings are exact.
+
+        The layer is the same everywhere, so a press that is carried over the skin reads as taxels
+        that are carried the other way: nothing is solved again.
+
+        Parameters
+        ----------
+        press : skinfield.simulate.Press
+        patch : Patch
+        quantity : str
+        pose : (x, y, angle), m, m, rad
+            Of the press in the patch's plane: turned about the origin, then shifted.
+        noise_std : float or (L,) array, optional
+            Default the quantity's `typical_noise`.
+        """
+        if not isinstance(press.mechanics, BondedLayer):
+            raise InputError("press.mechanics is no BondedLayer, expected what the skin truly is")
+        where = Pose(*pose)
+        typical = quantity_by_name(quantity).typical_noise
+        taxels = where.back(patch.plane)
+        return cls(
+            name=name,
+            patch=patch,
+            layer=press.layer,
+            quantity=quantity,
+            readings=press.readings(taxels, patch.pad_diameter, quantity),
+            noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
+            truth=posed(truth_of_press(press), where),
+            mechanics=press.mechanics,
+        )
+
+    @property
+    def draws(self) -> Floats:
+        """Readings with a leading axis, (R, L); R is 1 where there is one reading."""
+        return np.atleast_2d(self.readings)
+
+    def with_noise(self, seed: int, draws: int = 1, noise_std: ArrayLike | None = None) -> "Case":
+        """Case of readings (draws, L) with Gaussian noise; the truth stays.
+
+        Parameters
+        ----------
+        seed : int
+        draws : int
+        noise_std : float or (L,) array, optional
+            Default the case's own.
+
+        Raises
+        ------
+        InputError
+            If the readings hold noise already.
+        """
+        if self.noisy or self.readings.ndim != 1:
+            raise InputError(f"case {self.name!r} holds noise already, expected exact readings")
+        if draws < 1:
+            raise InputError(f"draws is {draws}, expected 1 or more")
+        noise = self.noise_std if noise_std is None else as_floats("noise_std", noise_std)
+        rng = np.random.default_rng(seed)
+        added = rng.standard_normal((draws, len(self.patch))) * noise
+        return replace(self, readings=self.readings + added, noise_std=noise, noisy=True)
+
+
+def truth_of_press(press: Press) -> Truth:
+    """All that is known of a simulated press, where it was solved."""
+    return Truth(
+        cell=press.grid.pitch,
+        plane=press.grid.plane,
+        pressure=press.pressure,
+        displacement=press.displacement,
+        contacts=contacts_of_press(press),
+        source="skinfield.simulate.pressing.press",
+    )

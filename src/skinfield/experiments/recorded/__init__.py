@@ -1,0 +1,1 @@
+"""What recordings and measurements of others say."""

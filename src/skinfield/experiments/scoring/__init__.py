@@ -1,0 +1,1 @@
+"""How far an estimate is off, how far it must be, and what many errors say together."""

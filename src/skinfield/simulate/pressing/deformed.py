@@ -1,0 +1,101 @@
+"""How the surface moves under touches, on the grid's cells and on a mesh for the electric field."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.mechanics import LatticeConvolution
+from skinfield.mechanics.lattice import kept_indentation_kernel, kept_surface_kernel
+from skinfield.observation.electrostatics import MARGIN, STEPS, GapStrain
+from skinfield.simulate.pressing.plane import PAD, Skin
+from skinfield.simulate.pressing.touch import Touch
+from skinfield.simulate.pressing.window import Window, resplit
+
+NEAR = 4  # cells around a window within which its squares act one by one
+SHEARED = 3  # squares along a cell that are enough for tangential displacement
+
+
+def indentation(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
+    """Of the cells' centres by the normal loads, (rows, columns) m."""
+    total = np.zeros(skin.grid.shape)
+    for touch in touches:
+        far = skin.far(skin.carried(touch.window, -touch.traction[2]))[PAD:-PAD, PAD:-PAD]
+        wide = touch.window.grown(NEAR, skin.grid.shape)
+        near = skin.near(wide)(touch.window.embedded(-touch.traction[2], wide))
+        far[wide.cells] = wide.centres(near)
+        total += far
+    return total
+
+
+def sheared(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
+    """Displacement of the cells' centres, (3, rows, columns) m, less that along z by normal loads.
+
+    That is: the tangential one by all loads, and the normal one by tangential loads.
+    """
+    total = np.zeros((3, *skin.grid.shape))
+    far_kernel = skin.far_surface
+    for touch in touches:
+        split = min(touch.window.split, SHEARED)
+        window = Window(*_corner(touch.window), split)
+        traction = resplit(touch.traction, touch.window.split, split)
+        wide = window.grown(NEAR, skin.grid.shape)
+        near_kernel = skin.near_surface(wide)
+        for along in np.flatnonzero(traction.any(axis=(1, 2))):
+            rows = slice(0, 2) if along == 2 else slice(0, 3)
+            load = traction[along]
+            far = LatticeConvolution(far_kernel[rows, along])(skin.carried(window, load))
+            far = far[..., PAD:-PAD, PAD:-PAD]
+            near = LatticeConvolution(near_kernel[rows, along])(window.embedded(load, wide))
+            far[:, *wide.cells] = wide.centres(near)
+            total[rows] += far
+    return total
+
+
+def _corner(window: Window) -> tuple[int, int, int, int]:
+    return window.row, window.column, window.rows, window.columns
+
+
+def gap_strain(skin: Skin, touches: tuple[Touch, ...], around: Floats) -> GapStrain:
+    """Indentation over thickness, finely sampled around touches and points (L, 2) m."""
+    h, pitch = skin.layer.thickness, skin.grid.pitch
+    split = 1
+    while pitch / split > h / STEPS * (1 + 1e-9):
+        split *= 3
+    step = pitch / split
+    low, high = _extent(skin, touches, around, step, MARGIN * h)
+    shape = high - low + 1
+    load = np.zeros((3, shape[1], shape[0]))
+    for touch in touches:
+        fine = resplit(touch.traction, touch.window.split, split)
+        row, column = touch.window.row * split - low[1], touch.window.column * split - low[0]
+        load[:, row : row + fine.shape[1], column : column + fine.shape[2]] += fine
+    half_rows, half_columns = int(shape[1]) - 1, int(shape[0]) - 1
+    kernel = kept_indentation_kernel(
+        skin.mechanics, skin.layer, step, step, half_rows, half_columns
+    )
+    sunk = LatticeConvolution(kernel)(-load[2])
+    if load[:2].any():
+        surface = kept_surface_kernel(
+            skin.mechanics, skin.layer, step, step, half_rows, half_columns
+        )
+        for along in (0, 1):
+            sunk -= LatticeConvolution(surface[2, along])(load[along])
+    first = skin.grid.origin + ((low + 0.5) / split - 0.5) * pitch
+    return GapStrain(sunk / h, first, step)
+
+
+def _extent(
+    skin: Skin, touches: tuple[Touch, ...], around: Floats, step: float, margin: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and last column and row of a mesh that covers touches and points, with a margin."""
+    corner = skin.grid.origin - skin.grid.pitch / 2
+    places = [around]
+    for touch in touches:
+        window = touch.window
+        first = np.array([window.column, window.row])
+        size = np.array([window.columns, window.rows])
+        places.append(corner + np.stack([first, first + size]) * skin.grid.pitch)
+    every = np.concatenate(places)
+    low = np.floor((every.min(axis=0) - margin - corner) / step).astype(np.int64)
+    high = np.ceil((every.max(axis=0) + margin - corner) / step).astype(np.int64)
+    return low, high
