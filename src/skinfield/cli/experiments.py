@@ -1,13 +1,19 @@
 """`skinfield experiments`: the paper's campaign as one command."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from skinfield.cli.report import console, progress
 from skinfield.errors import SkinfieldError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from skinfield.experiments.section import Verdict
 
 SIZES = ("smoke", "short", "full")
 
@@ -85,7 +91,18 @@ def experiments(
             bar.update(task, completed=done, total=of, description=name or "experiments")
 
         finished = run(wanted, settings, Path(output), workers, show)
+    if finished.verdicts:
+        console().print(_table(finished.verdicts))
     console().print(f"wrote {finished.page}", highlight=False, soft_wrap=True)
     if finished.failures:
         named = ", ".join(f"{name} (see {file})" for name, file in finished.failures)
         raise SkinfieldError(f"the report lacks what failed: {named}")
+
+
+def _table(verdicts: Sequence["Verdict"]) -> "Table":
+    from rich.table import Table
+
+    table = Table("figure", "the paper says", "measured here", "verdict", show_lines=True)
+    for verdict in verdicts:
+        table.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
+    return table

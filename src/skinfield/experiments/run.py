@@ -14,7 +14,7 @@ from skinfield.campaign import run as run_campaign
 from skinfield.errors import FileError, InputError
 from skinfield.experiments.catalogue import EXPERIMENTS
 from skinfield.experiments.report import Run, plain, read_section, write_report, write_section
-from skinfield.experiments.section import Experiment, Missing, Part, Section
+from skinfield.experiments.section import Experiment, Missing, Part, Section, Verdict
 from skinfield.experiments.settings import Settings
 
 PARTS = "parts"  # folder of what sections are put together from
@@ -23,10 +23,11 @@ Progress = Callable[[str, int, int], None]  # what is done, how many, of how man
 
 @dataclass(frozen=True)
 class Finished:
-    """Where the report is, and which parts failed: (name, file with the reason)."""
+    """Where the report is, which parts failed, with the files of the reasons, and what came out."""
 
     page: Path
     failures: tuple[tuple[str, Path], ...]
+    verdicts: tuple[Verdict, ...]
 
 
 def chosen(names: Sequence[str]) -> tuple[Experiment, ...]:
@@ -101,7 +102,8 @@ def run(
     page = write_report(replace(result, seconds=time.perf_counter() - start), folder)
     failures = [(name, folder / f"{name}.failed.txt") for name in tasks if found[name].failure]
     failures += [(n, folder / PARTS / f"{n}.failed.txt") for n, o in done.items() if o.failure]
-    return Finished(page, tuple(failures))
+    verdicts = tuple(verdict for section in result.sections for verdict in section.verdicts)
+    return Finished(page, tuple(failures), verdicts)
 
 
 def _gathered(outcomes: Sequence[Outcome], settings: Settings) -> Run:
