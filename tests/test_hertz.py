@@ -1,11 +1,11 @@
 """Closed forms on the half-space against integrals of Boussinesq's and Cerruti's point forces."""
 
 import re
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from disc_rules import disc_rule, graded
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
@@ -31,26 +31,6 @@ CONTACTS = [
     FlatPunch(contact_radius=A, modulus=STAR, approach=0.4e-3),
 ]
 BY_NAME = pytest.mark.parametrize("body", CONTACTS, ids=lambda body: type(body).__name__)
-
-
-def graded(*cuts: float):
-    """Nodes and weights on the angles 0 to pi/2, crowded at cuts, where integrands may break."""
-    nodes, weights = [], []
-    u, share = np.polynomial.legendre.leggauss(60)
-    u, share = (u + 1) / 2, share / 2
-    for low, high in pairwise(sorted({0.0, *cuts, np.pi / 2})):
-        half = (high - low) / 2
-        for end, way, inner in ((low, half, low > 0), (high, -half, high < np.pi / 2)):
-            power = 4 if inner else 1
-            nodes.append(end + way * u**power)
-            weights.append(half * power * u ** (power - 1) * share)
-    return np.hstack(nodes), np.hstack(weights)
-
-
-def disc_rule(kink: float = 0.0):
-    """Radii in a unit disc, and weights of 2 pi r dr, for pressures with a kink."""
-    angle, weight = graded(np.arcsin(kink))
-    return np.sin(angle), weight * 2 * np.pi * np.sin(angle) * np.cos(angle)
 
 
 def by_rings(body, r: float) -> float:
