@@ -132,7 +132,7 @@ def test_the_command_says_what_is_wrong_before_it_works(tmp_path: Path) -> None:
         (("--plot", "press.txt"), ".png"),
         (("--layout", "nowhere"), "no such file, and no generator"),
         (("--indenter", "sphere radius=6 force=90"), "sinks"),
-        (("--indenter", "bar length=80 width=4"), "widen it, as with --extent-mm 80"),
+        (("--indenter", "bar length=80 width=4"), "raise extent"),
     ):
         code, out = run(*words, *(() if "--plot" in words else ("--plot", tmp_path / "p.png")))
         assert code == 2, out

@@ -6,7 +6,7 @@ import pytest
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.mechanics import HalfSpace
-from skinfield.simulate import Cylinder, Ring, Sphere, press, press_ladder
+from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press, press_ladder
 from skinfield.simulate.pressing.outline import enclosed, outlines
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
@@ -336,3 +336,11 @@ def test_any_bodies_anywhere_are_certified(seed: int) -> None:
     assert found.residual <= 1e-6
     assert found.pressure.min() >= 0.0
     assert found.gap.min() > -1e-3 * found.approach.max()
+
+
+@pytest.mark.parametrize(
+    "body", [Bar(length=80e-3, width=4e-3), Sphere(radius=6e-3, position=(29e-3, 0.0))], ids=repr
+)
+def test_a_touch_that_the_square_of_skin_cuts_off_is_refused(body) -> None:
+    with pytest.raises(InputError, match=r"indenters\[1\] touches the border of the 0.06 m"):
+        press(LAYER, [Sphere(radius=2e-3, position=(-12e-3, 10e-3), force=0.1), body])

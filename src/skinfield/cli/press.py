@@ -15,7 +15,7 @@ from skinfield.cli.options import (
     patch_of,
 )
 from skinfield.cli.report import console
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
 from skinfield.layout import Patch
 from skinfield.simulate import Indenter, Press
 from skinfield.simulate.pressing.parts import Part, parts_of
@@ -113,7 +113,6 @@ def press(
         cell=cell_mm * 1e-3,
         mechanics=MECHANICS[mechanics](),
     )
-    _check_border(found)
     _tell(found)
     label, factor = LABELS[quantity]
     readings = None
@@ -131,18 +130,6 @@ def _extent(bodies: list[Indenter]) -> float:
     """Side of a square around the origin that holds the places of all bodies, m."""
     far = max(float(np.abs([body.position, body.lowest]).max()) for body in bodies)
     return 2 * (far + ROOM * 1e-3)
-
-
-def _check_border(found: Press) -> None:
-    """A touch that the square of skin cuts off would be another press than the one meant."""
-    inner = np.zeros(found.grid.shape, dtype=np.bool_)
-    inner[1:-1, 1:-1] = True
-    if (found.pressure > 0)[~inner.ravel()].any():
-        side = found.grid.shape[0] * found.grid.pitch * 1e3
-        raise InputError(
-            f"touch reaches the border of the square of skin of {side:g} mm around the origin, "
-            f"expected skin around it: widen it, as with --extent-mm {2 * side:g}"
-        )
 
 
 def _tell(found: Press) -> None:

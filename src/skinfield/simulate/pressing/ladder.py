@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 
 from skinfield.errors import InputError, as_floats, check_positive, check_shape
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
+from skinfield.simulate.pressing.laid import Settled
 from skinfield.simulate.pressing.press import Press, pressed, skin_of
-from skinfield.simulate.pressing.settle import Settled, settle
+from skinfield.simulate.pressing.settle import settle
 
 
 def press_ladder(

@@ -7,22 +7,19 @@ the windows grow.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, SkinfieldError
-from skinfield.mechanics import Layer
+from skinfield.errors import Floats, SkinfieldError
 from skinfield.mechanics.contact import (
     TOLERANCE,
-    Contact,
     ContactProblem,
-    edge_softness,
     solve_contact,
 )
 from skinfield.simulate.indenters import Indenter
+from skinfield.simulate.pressing.checks import check_border, check_depth, check_places
 from skinfield.simulate.pressing.cover import cover
+from skinfield.simulate.pressing.laid import Laid, Settled
 from skinfield.simulate.pressing.plane import PAD, Skin
 from skinfield.simulate.pressing.responses import Indenting
 from skinfield.simulate.pressing.window import Window, cut, merged, resplit, touched, width
@@ -30,67 +27,6 @@ from skinfield.simulate.pressing.window import Window, cut, merged, resplit, tou
 ROUNDS = 12
 REFINED = 4  # rounds in which windows may still be cut finer
 COARSE = 1e-2  # residual that tells where touch is
-
-
-@dataclass(frozen=True, eq=False)
-class Laid:
-    """Bodies over the squares of windows; arrays (N,) run through the windows.
-
-    Attributes
-    ----------
-    skin : Skin
-    windows : list of Window
-    each : (bodies, N) array, m
-        Height of each body above its lowest point.
-    coverages, grown : (bodies, N) array
-        See `Cover`.
-    bodies : (N,) int array
-        The one that can touch.
-    """
-
-    skin: Skin
-    windows: list[Window]
-    each: Floats
-    coverages: Floats
-    grown: Floats
-    bodies: NDArray[np.int64]
-
-    @property
-    def area(self) -> Floats:
-        """Of each square, (N,) m²."""
-        return np.concatenate(
-            [np.full(window.size, self.skin.side(window) ** 2) for window in self.windows]
-        )
-
-    def chosen(self, values: Floats) -> Floats:
-        """Of values (bodies, N) that of the body that can touch, (N,)."""
-        return np.asarray(np.take_along_axis(values, self.bodies[None], axis=0)[0])
-
-    def nearest(self, body: int) -> NDArray[np.bool_]:
-        """The square (N,) under the lowest part of a body."""
-        out = np.zeros(len(self.bodies), dtype=bool)
-        out[self.each[body].argmin()] = True
-        return out
-
-    @property
-    def coverage(self) -> Floats:
-        """Fraction of each square below the body that can touch, (N,)."""
-        return self.chosen(self.coverages)
-
-    @property
-    def softness(self) -> Floats:
-        """Of sharp edges, (N,), see `edge_softness`."""
-        return edge_softness(self.chosen(self.grown))
-
-
-@dataclass(frozen=True, eq=False)
-class Settled:
-    """A solution on windows, beside the same bodies over the whole grid."""
-
-    laid: Laid
-    indenting: Indenting
-    contact: Contact
-    whole: Laid
 
 
 def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = None) -> Settled:
@@ -101,7 +37,7 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
     """
     if before is None:
         whole = _lay(skin, indenters, [skin.whole])
-        _check_places(skin, indenters, whole)
+        check_places(skin, indenters, whole)
         settled = _solve(whole, whole, indenters, _first_push(whole, indenters), COARSE)
     else:
         whole, settled = before.whole, before
@@ -112,13 +48,14 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
         if windows != laid.windows or pierced:
             laid = _lay(skin, indenters, windows, settled.contact.approach)
         settled = _solve(laid, whole, indenters, _carried_over(settled, laid))
-        _check_depth(indenters, settled.contact.approach, skin.layer)
+        check_depth(indenters, settled.contact.approach, skin.layer)
         if _leaks(settled):
             margin += 3
             continue
         margin = 1
         pierced = _pierced(settled)
         if not pierced and (attempt >= REFINED or not _finer(settled, margin)):
+            check_border(settled)
             return settled
     raise SkinfieldError(
         f"touch did not settle in {ROUNDS} rounds, expected it to after a few: "
@@ -250,36 +187,3 @@ def _finer(settled: Settled, margin: int) -> bool:
     """Whether a contact came out so small that its window should be cut again."""
     wanted = max(window.split for window in _windows(settled, margin))
     return wanted > max(window.split for window in settled.laid.windows)
-
-
-def _check_places(skin: Skin, indenters: Sequence[Indenter], whole: Laid) -> None:
-    """Each body must have cells, and be the lowest on some of them."""
-    for index, indenter in enumerate(indenters):
-        under = np.isfinite(whole.each[index])
-        if not under.any():
-            grid = skin.grid
-            raise InputError(
-                f"indenters[{index}] at {indenter.position} m covers no cell, expected it within "
-                f"{grid.shape[0] * grid.pitch / 2:g} m of the origin and wider than a tenth of a "
-                f"cell of {grid.pitch:g} m"
-            )
-        if not under[whole.bodies == index].any():
-            raise InputError(
-                f"indenters[{index}] at {indenter.position} m lies behind the others, "
-                "expected them apart: each must be the lowest somewhere"
-            )
-
-
-def _check_depth(indenters: Sequence[Indenter], approach: Floats, layer: Layer) -> None:
-    thickness = layer.thickness
-    deepest = int(approach.argmax())
-    if approach[deepest] >= thickness:
-        raise InputError(
-            f"indenters[{deepest}] with {_load(indenters[deepest])} sinks "
-            f"{approach[deepest] * 1e3:.3g} mm into a layer of {thickness * 1e3:g} mm, "
-            "expected less than its thickness: press lighter, or with a wider body"
-        )
-
-
-def _load(indenter: Indenter) -> str:
-    return f"{indenter.depth:g} m" if indenter.force is None else f"{indenter.force:g} N"

@@ -8,8 +8,8 @@ import numpy as np
 from skinfield.errors import Floats, check_positive
 from skinfield.mechanics.friction import ShearProblem, solve_slip, solve_stick
 from skinfield.simulate.indenters import Indenter
+from skinfield.simulate.pressing.laid import Settled
 from skinfield.simulate.pressing.responses import Sliding
-from skinfield.simulate.pressing.settle import Settled
 from skinfield.simulate.pressing.touch import Touch
 
 
