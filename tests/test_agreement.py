@@ -19,6 +19,7 @@ def test_a_ball_is_the_same_three_ways(nu: float) -> None:
     assert row.exact.surface_error < 1e-3
     assert 1e-5 < row.lattice.base_error < 8e-4
     assert 1e-5 < row.lattice.surface_error < 2e-3
+    assert row.field == pytest.approx(row.reading, rel=1e-3)
     assert row.series == pytest.approx(row.reading, rel=0.03)
 
 

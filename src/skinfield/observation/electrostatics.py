@@ -1,4 +1,4 @@
-r"""Capacitance of guarded pads under a deformed ground plane, to third order in its deflection.
+r"""Capacitance of guarded pads under a deformed ground plane.
 
 With v = w/h the strain of the gap and multipliers of its Fourier transform
 
@@ -9,22 +9,27 @@ the change of the charge on the lower plane is, relative to the plate's own char
 .. math:: S\left[v + v\,\mathcal D v + v\,\mathcal D (v\,\mathcal D v)
           - \tfrac12 v^2 (kh)^2 v + \dots\right],
 
-which is v + v² + v³ for a uniform gap, as 1/(1 - v) - 1 demands.
+which is v + v² + v³ for a uniform gap, as 1/(1 - v) - 1 demands. Where the surface comes down by
+more than some hundredths of the gap, `deformed_gap` has the charge without a series.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
 from skinfield.layout import Grid
-from skinfield.mechanics import Layer, Mechanics, indentation_kernel
-from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
+from skinfield.mechanics import Layer, Mechanics
+from skinfield.mechanics.lattice import kept_indentation_kernel
+from skinfield.mechanics.radial import electrostatic, jinc
+from skinfield.observation.deformed_gap import SHALLOW, charge_below
 
-STEPS = 10  # samples of the surface per thickness
+STEPS = 10  # samples of the surface per thickness: for shorter waves S is below 1e-11
 MARGIN = 4.0  # thicknesses of surface around pads and grid: S falls as exp(-pi r/h)
-REACH = 9.0  # thicknesses beyond which S is below 1e-11
+GUARD = 3.0  # thicknesses between a mesh and its periodic images
+AROUND = 2.0  # thicknesses around what is too deep for the series
+TAPER = 1.0  # thicknesses at the border of that, over which the surface goes back to its rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +60,16 @@ class GapStrain:
 
 
 def gap_strain(
-    mechanics: Mechanics, layer: Layer, grid: Grid, pressure: Floats, around: Floats
+    mechanics: Mechanics,
+    layer: Layer,
+    grid: Grid,
+    pressure: Floats,
+    around: Floats,
+    pad_diameter: float = 0.0,
 ) -> GapStrain:
     """Indentation under a pressure (K,) Pa on the cells of a grid, finely sampled.
 
-    The mesh covers the grid and the points `around` (N, 2) m of the plane, with a margin.
+    The mesh covers the grid and pads at the points `around` (N, 2) m of the plane, with a margin.
     """
     from scipy.signal import fftconvolve
 
@@ -70,12 +80,13 @@ def gap_strain(
     dense = np.zeros((rows, columns))  # cells carry one impulse at their centre
     dense[::split, ::split] = pressure.reshape(grid.shape)
     far = np.concatenate([grid.plane[[0, -1]], around])
-    before = np.ceil((grid.origin - far.min(axis=0) + MARGIN * h) / step).astype(int)
-    beyond = far.max(axis=0) - grid.plane[-1] + MARGIN * h + grid.pitch
+    margin = MARGIN * h + pad_diameter / 2
+    before = np.ceil((grid.origin - far.min(axis=0) + margin) / step).astype(int)
+    beyond = far.max(axis=0) - grid.plane[-1] + margin + grid.pitch
     after = np.ceil(beyond / step).astype(int)
     half_columns = columns + int(max(before[0], after[0]))
     half_rows = rows + int(max(before[1], after[1]))
-    kernel = indentation_kernel(mechanics, layer, grid.pitch, step, half_rows, half_columns)
+    kernel = kept_indentation_kernel(mechanics, layer, grid.pitch, step, half_rows, half_columns)
     full = fftconvolve(dense, kernel, mode="full")
     top, left = half_rows - before[1], half_columns - before[0]
     window = full[top : half_rows + rows + after[1], left : half_columns + columns + after[0]]
@@ -83,47 +94,74 @@ def gap_strain(
 
 
 def capacitance_change(
-    strain: GapStrain, thickness: float, taxels: Floats, pad_diameter: float, order: int = 3
+    strain: GapStrain,
+    thickness: float,
+    taxels: Floats,
+    pad_diameter: float,
+    order: int | None = 3,
 ) -> Floats:
     """Relative change of capacitance (L,) of pads at (L, 2) m of the plane.
 
     Parameters
     ----------
     strain : GapStrain
+        Its mesh should cover the pads with some `MARGIN` thicknesses more.
     thickness, pad_diameter : float, m
-    order : 1, 2 or 3
-        Of the series in the strain.
+    order : 1, 2, 3 or None
+        Of the series in the strain; None for the field in the deformed gap itself.
+
+    Raises
+    ------
+    InputError
+        If a pad reaches beyond the mesh.
     """
-    charge = charge_series(strain, thickness, order)
-    reach = REACH * thickness + pad_diameter / 2
-    kernel = _pad_kernel(round(pad_diameter / 2 / thickness, 12))
-    rows, columns = charge.shape
-    x = strain.origin[0] + np.arange(columns) * strain.step
-    y = strain.origin[1] + np.arange(rows) * strain.step
-    out = np.empty(len(taxels))
-    for index, (px, py) in enumerate(taxels):
-        near_x, near_y = np.abs(x - px) <= reach, np.abs(y - py) <= reach
-        rho = np.hypot(x[near_x] - px, (y[near_y] - py)[:, None]) / thickness
-        out[index] = np.sum(kernel(rho) * charge[np.ix_(near_y, near_x)])
-    return out * (strain.step / thickness) ** 2
+    from scipy import fft, ndimage
+
+    place = (taxels - strain.origin) / strain.step
+    reach = pad_diameter / 2 / strain.step
+    last = np.array(strain.values.shape)[::-1] - 1
+    beyond = ((place < reach - 1e-6) | (place > last - reach + 1e-6)).any(axis=1)
+    if beyond.any():
+        at = tuple(np.round(taxels[np.argmax(beyond)] * 1e3, 3).tolist())
+        raise InputError(f"pad at {at} mm lies beyond the mesh of the strain, expected within")
+    spectrum, waves = _charge(strain, thickness, order)
+    spectrum *= jinc(waves.kh, pad_diameter / 2 / thickness)
+    means = fft.irfft2(spectrum, waves.shape)[tuple(slice(n) for n in strain.values.shape)]
+    return np.asarray(ndimage.map_coordinates(means, place.T[::-1], order=5, mode="nearest"))
 
 
 def charge_series(strain: GapStrain, thickness: float, order: int) -> Floats:
     """The series in square brackets above, on the mesh of the strain."""
+    return _series(strain.values, order, _Waves.of(strain, thickness))
+
+
+@dataclass(frozen=True, eq=False)
+class _Waves:
+    """Wave numbers times thickness of a mesh that is continued by a flat gap."""
+
+    shape: tuple[int, int]
+    kh: Floats
+
+    @classmethod
+    def of(cls, strain: GapStrain, thickness: float) -> "_Waves":
+        from scipy import fft
+
+        guard = int(np.ceil(GUARD * thickness / strain.step))
+        rows, columns = (fft.next_fast_len(n + guard, real=True) for n in strain.values.shape)
+        step = strain.step / thickness
+        ky, kx = fft.fftfreq(rows, step)[:, None], fft.rfftfreq(columns, step)
+        return cls((rows, columns), 2 * np.pi * np.hypot(kx, ky))
+
+
+def _series(v: Floats, order: int, waves: _Waves) -> Floats:
     from scipy import fft
 
-    v = strain.values
-    shape = [
-        fft.next_fast_len(n + int(REACH * thickness / strain.step), real=True) for n in v.shape
-    ]
-    ky = 2 * np.pi * fft.fftfreq(shape[0], strain.step)[:, None] * thickness
-    kx = 2 * np.pi * fft.rfftfreq(shape[1], strain.step) * thickness
-    kh = np.hypot(kx, ky)
+    kh = waves.kh
     coth = np.where(kh < 1e-6, 1.0, kh / np.tanh(np.maximum(kh, 1e-6)))
 
     def multiply(field: Floats, multiplier: Floats) -> Floats:
-        spectrum = fft.rfft2(field, shape) * multiplier
-        return np.asarray(fft.irfft2(spectrum, shape)[: v.shape[0], : v.shape[1]])
+        spectrum = fft.rfft2(field, waves.shape) * multiplier
+        return np.asarray(fft.irfft2(spectrum, waves.shape)[: v.shape[0], : v.shape[1]])
 
     total = v.copy()
     if order >= 2:
@@ -134,13 +172,57 @@ def charge_series(strain: GapStrain, thickness: float, order: int) -> Floats:
     return total
 
 
-@lru_cache(maxsize=16)
-def _pad_kernel(radius: float) -> RadialKernel:
-    """S averaged over a pad, as a kernel per area in squared thicknesses."""
-    return RadialKernel(
-        lambda alpha: alpha * electrostatic(alpha) * jinc(alpha, radius) / (2 * np.pi),
-        order=0,
-        cutoff=46.0,
-        reach=REACH + radius,
-        width=radius,
+def _charge(
+    strain: GapStrain, thickness: float, order: int | None
+) -> tuple[NDArray[np.complex128], _Waves]:
+    """Spectrum of the charge's density on the lower plane, relative to the plate's, less one."""
+    from scipy import fft
+
+    waves = _Waves.of(strain, thickness)
+    series = _series(strain.values, 3 if order is None else order, waves)
+    spectrum = np.asarray(fft.rfft2(series, waves.shape) * electrostatic(waves.kh))
+    box = _deep(strain, thickness) if order is None else None
+    if box is None:
+        return spectrum, waves
+    missing = np.zeros(strain.values.shape)
+    missing[box] = _beyond_series(strain, thickness, box)
+    return spectrum + np.asarray(fft.rfft2(missing, waves.shape)), waves
+
+
+def _deep(strain: GapStrain, thickness: float) -> tuple[slice, slice] | None:
+    """Part of the mesh around where the series falls short."""
+    deep = np.abs(strain.values) > SHALLOW
+    if not deep.any():
+        return None
+    more = int(np.ceil(AROUND * thickness / strain.step))
+    rows, columns = (np.flatnonzero(deep.any(axis=axis)) for axis in (1, 0))
+    return (
+        slice(max(int(rows[0]) - more, 0), int(rows[-1]) + more + 1),
+        slice(max(int(columns[0]) - more, 0), int(columns[-1]) + more + 1),
     )
+
+
+def _beyond_series(strain: GapStrain, thickness: float, box: tuple[slice, slice]) -> Floats:
+    """What the charge is more than its third order, on a part of the mesh."""
+    from scipy import fft
+
+    width = TAPER * thickness / strain.step
+    values = strain.values[box]
+    part = GapStrain(values * _window(values.shape, width), strain.origin, strain.step)
+    spectrum, waves = _charge(part, thickness, 3)
+    third = fft.irfft2(spectrum, waves.shape)
+    gap = np.zeros(waves.shape)
+    gap[: values.shape[0], : values.shape[1]] = part.values
+    missing = charge_below(gap, strain.step / thickness) - third
+    return np.asarray(missing[: values.shape[0], : values.shape[1]])
+
+
+def _window(shape: tuple[int, ...], width: float) -> Floats:
+    """1 inside, and smoothly down to 0 over so many samples at the border."""
+
+    def along(count: int) -> Floats:
+        index = np.arange(count)
+        inside = np.clip(np.minimum(index, count - 1 - index) / width, 0.0, 1.0)
+        return np.asarray(inside**3 * (10 - 15 * inside + 6 * inside**2))
+
+    return along(shape[0])[:, None] * along(shape[1])

@@ -180,6 +180,6 @@ class Capacitance:
         """
         from skinfield.observation.electrostatics import capacitance_change, gap_strain
 
-        strain = gap_strain(mechanics, layer, grid, pressure, around=taxels)
         pad = pad_diameter if self.pad_averaged else 0.0
+        strain = gap_strain(mechanics, layer, grid, pressure, taxels, pad)
         return capacitance_change(strain, layer.thickness, taxels, pad, self.order)

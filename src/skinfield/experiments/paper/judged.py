@@ -62,6 +62,7 @@ def _sentence(rows: list[Agreement]) -> str:
     lattice = [row.lattice for row in rows]
     exact = [row.exact for row in rows]
     depth = [abs(row.lattice.depth / row.depth - 1) for row in rows]
+    field = [abs(row.field / row.reading - 1) for row in rows]
     series = [abs(row.series / row.reading - 1) for row in rows]
     return (
         f"{len(rows)} presses, solved three ways: on cells with the layer's Green's function, as "
@@ -71,9 +72,10 @@ def _sentence(rows: list[Agreement]) -> str:
         f"{spread_in_words([a.surface_error for a in lattice], '%', 100)} of the surface and "
         f"{spread_in_words(depth, '%', 100)} of depth; the integral equation by "
         f"{spread_in_words([a.base_error for a in exact], '%', 100)} and "
-        f"{spread_in_words([a.surface_error for a in exact], '%', 100)}. The third-order series "
-        f"for a centred pad's capacitance is {spread_in_words(series, '%', 100)} off Laplace's "
-        "equation in the deformed gap."
+        f"{spread_in_words([a.surface_error for a in exact], '%', 100)}. A centred pad's "
+        f"capacitance is {spread_in_words(field, '%', 100)} off what elements find for Laplace's "
+        "equation in the deformed gap, and to third order of its series "
+        f"{spread_in_words(series, '%', 100)}."
     )
 
 

@@ -9,7 +9,7 @@ from skinfield.mechanics.lattice import kept_indentation_kernel, kept_surface_ke
 from skinfield.observation.electrostatics import MARGIN, STEPS, GapStrain
 from skinfield.simulate.pressing.plane import PAD, Skin
 from skinfield.simulate.pressing.touch import Touch
-from skinfield.simulate.pressing.window import Window, resplit
+from skinfield.simulate.pressing.window import Window, coarsened, resplit
 
 NEAR = 4  # cells around a window within which its squares act one by one
 SHEARED = 3  # squares along a cell that are enough for tangential displacement
@@ -55,33 +55,69 @@ def _corner(window: Window) -> tuple[int, int, int, int]:
     return window.row, window.column, window.rows, window.columns
 
 
-def gap_strain(skin: Skin, touches: tuple[Touch, ...], around: Floats) -> GapStrain:
-    """Indentation over thickness, finely sampled around touches and points (L, 2) m."""
+def gap_strain(
+    skin: Skin, touches: tuple[Touch, ...], around: Floats, pad_diameter: float = 0.0
+) -> GapStrain:
+    """Indentation over thickness, finely sampled around touches and pads at (L, 2) m."""
     h, pitch = skin.layer.thickness, skin.grid.pitch
     split = 1
     while pitch / split > h / STEPS * (1 + 1e-9):
         split *= 3
     step = pitch / split
-    low, high = _extent(skin, touches, around, step, MARGIN * h)
-    shape = high - low + 1
-    load = np.zeros((3, shape[1], shape[0]))
+    low, high = _extent(skin, touches, around, step, MARGIN * h + pad_diameter / 2)
+    columns, rows = (int(n) for n in high - low)
+    kernel = kept_indentation_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
+    convolve = LatticeConvolution(kernel)
+    total = np.zeros((rows + 1, columns + 1))
     for touch in touches:
-        fine = resplit(touch.traction, touch.window.split, split)
-        row, column = touch.window.row * split - low[1], touch.window.column * split - low[0]
-        load[:, row : row + fine.shape[1], column : column + fine.shape[2]] += fine
-    half_rows, half_columns = int(shape[1]) - 1, int(shape[0]) - 1
-    kernel = kept_indentation_kernel(
-        skin.mechanics, skin.layer, step, step, half_rows, half_columns
-    )
-    sunk = LatticeConvolution(kernel)(-load[2])
-    if load[:2].any():
-        surface = kept_surface_kernel(
-            skin.mechanics, skin.layer, step, step, half_rows, half_columns
-        )
-        for along in (0, 1):
-            sunk -= LatticeConvolution(surface[2, along])(load[along])
+        window = touch.window
+        load = np.zeros((3, *total.shape))
+        load[:, *_on_mesh(window, split, low)] = resplit(touch.traction, window.split, split)
+        sunk = convolve(-load[2])
+        if window.split > split:  # near its squares the mesh sees each of them
+            wide = _around(window, NEAR + 1)
+            near = skin.near(wide)(window.embedded(-touch.traction[2], wide))
+            inside = slice(split, -split)
+            sampled = _sampled(near, window.split // split)[inside, inside]
+            sunk[_on_mesh(_around(window, NEAR), split, low)] = sampled
+        total += sunk
+        if load[:2].any():
+            surface = kept_surface_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
+            for along in (0, 1):
+                total -= LatticeConvolution(surface[2, along])(load[along])
     first = skin.grid.origin + ((low + 0.5) / split - 0.5) * pitch
-    return GapStrain(sunk / h, first, step)
+    return GapStrain(total / h, first, step)
+
+
+def _sampled(values: Floats, ratio: int) -> Floats:
+    """On a mesh so many times as coarse: block means, less what a mean adds to a curved surface.
+
+    Points would do where the surface is smooth, but not where it steps down beside an edge.
+    """
+    from scipy.ndimage import laplace
+
+    means = coarsened(values, ratio)
+    return np.asarray(means - laplace(means, mode="nearest") * (1 - ratio**-2) / 24)
+
+
+def _around(window: Window, cells: int) -> Window:
+    """With so many cells more on every side, beyond the grid, too."""
+    return Window(
+        window.row - cells,
+        window.column - cells,
+        window.rows + 2 * cells,
+        window.columns + 2 * cells,
+        window.split,
+    )
+
+
+def _on_mesh(window: Window, split: int, low: NDArray[np.int64]) -> tuple[slice, slice]:
+    """Where a window lies on a mesh of `split` squares along a cell, from column and row `low`."""
+    row, column = window.row * split - int(low[1]), window.column * split - int(low[0])
+    return (
+        slice(row, row + window.rows * split),
+        slice(column, column + window.columns * split),
+    )
 
 
 def _extent(

@@ -186,10 +186,16 @@ class Press:
         places = readout.points_of(positions)
         return readout.gap_change(self._skin, self.touches, places, pad_diameter)
 
-    def capacitance(self, positions: ArrayLike, pad_diameter: float, order: int = 3) -> Floats:
-        """ΔC/C₀ (L,) of pads at (L, 2) or (L, 3) m, with the series to the given order."""
+    def capacitance(
+        self, positions: ArrayLike, pad_diameter: float, order: int | None = None
+    ) -> Floats:
+        """ΔC/C₀ (L,) of pads at (L, 2) or (L, 3) m: of the field in the deformed gap.
+
+        With an `order` of 1, 2 or 3 that of the series in the strain, see
+        `skinfield.observation.electrostatics`, which falls short where the press is deep.
+        """
         places = readout.points_of(positions)
-        strain = deformed.gap_strain(self._skin, self.touches, places)
+        strain = deformed.gap_strain(self._skin, self.touches, places, pad_diameter)
         return capacitance_change(strain, self.layer.thickness, places, pad_diameter, order)
 
     def readings(self, positions: ArrayLike, pad_diameter: float, quantity: str) -> Floats:
