@@ -13,9 +13,10 @@ from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation.electrostatics import capacitance_change
 from skinfield.simulate.indenters import Indenter
 from skinfield.simulate.pressing import deformed, readout
+from skinfield.simulate.pressing.laid import Settled
 from skinfield.simulate.pressing.outline import outlines
 from skinfield.simulate.pressing.plane import Skin
-from skinfield.simulate.pressing.settle import Settled, settle
+from skinfield.simulate.pressing.settle import settle
 from skinfield.simulate.pressing.shear import add_shear, bare
 from skinfield.simulate.pressing.touch import Touch, resultants
 
