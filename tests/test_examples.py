@@ -8,19 +8,22 @@ import matplotlib
 import pytest
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
-NEWTONS = {  # the last force that each prints, between; two-sided, so that an odd gain fails too
-    "quickstart": (1.2, 2.3),  # pressed with 2.0
-    "own_layout": (2.6, 3.4),  # 3.0
-    "paper_method": (1.6, 2.0),  # 2.0; a plain inverse misses what lies between the taxels
-    "light_press_filter": (0.14, 0.23),  # 0.2
+FOUND = {  # the last number with that unit, between; two-sided, so that an odd gain fails too
+    "quickstart": ("N", 1.2, 2.3),  # pressed with 2.0
+    "own_layout": ("N", 2.6, 3.4),  # 3.0
+    "paper_method": ("N", 1.6, 2.0),  # 2.0; a plain inverse misses what lies between the taxels
+    "light_press_filter": ("N", 0.14, 0.23),  # 0.2
+    "press_truth": ("mm deep", 0.5195, 0.5205),  # the integral equation has 0.5200
+    "virtual_rig": ("N", 0.8, 1.4),  # 1.0
+    "own_solver_validated": ("mm", 1.0, 3.0),  # of place, median of four cases
 }
 
 
 def test_each_example_is_tested() -> None:
-    assert {file.stem for file in EXAMPLES.glob("*.py")} == set(NEWTONS)
+    assert {file.stem for file in EXAMPLES.glob("*.py")} == set(FOUND)
 
 
-@pytest.mark.parametrize("name", NEWTONS)
+@pytest.mark.parametrize("name", FOUND)
 def test_example(
     name: str,
     tmp_path: Path,
@@ -31,8 +34,8 @@ def test_example(
     with matplotlib.rc_context({"backend": "agg"}):
         runpy.run_path(str(EXAMPLES / f"{name}.py"))
     printed = capsys.readouterr().out
-    low, high = NEWTONS[name]
-    assert low < float(re.findall(r"([\d.]+)(?: ±.*)? N", printed)[-1]) < high, printed
+    unit, low, high = FOUND[name]
+    assert low < float(re.findall(rf"([\d.]+)(?: ±.*)? {unit}\b", printed)[-1]) < high, printed
     for picture in re.findall(r"\S+\.png", printed):
         assert (tmp_path / picture).stat().st_size > 10_000
 
