@@ -130,3 +130,14 @@ def test_readings_without_a_valid_taxel_are_dropped_and_counted() -> None:
     kept = without_empty(found)
     assert len(kept.values) == len(kept.recording) == 28
     assert kept.notes[-1] == "2 of 30 readings have no valid taxel: left out"
+
+
+def test_a_recording_without_noise_keeps_its_contact_and_says_so() -> None:
+    change = np.zeros((200, COUNT))
+    change[120:, 3] = 0.3  # the quiet stretch holds zeros alone: they are no counts
+    found = condition(recording(change, "dC/C0"), PATCH, LAYER, sf.Capacitance(), Conditioning())
+    assert found.noise_std == pytest.approx(sf.Capacitance().typical_noise)
+    assert any("hold no noise" in note for note in found.notes)
+    reconstruct = sf.Reconstructor(PATCH, LAYER, noise_std=found.noise_std)
+    assert len(reconstruct(found.values[150]).contacts) == 1
+    assert not reconstruct(found.values[50]).contacts

@@ -127,7 +127,8 @@ def estimate_baseline(
     slope = trend(x)
     x = x - (np.arange(len(x)) - (len(x) - 1) / 2.0)[:, None] * slope
     floor = present & _on_the_floor(window, convention)
-    level, noise = _level_and_noise(x, window, floor)
+    whole = whole_numbers(counts)  # of all: a stretch of zeros alone may hold any unit
+    level, noise = _level_and_noise(x, window, floor, whole)
     moving = stretch.moving & present
     slope = np.where(moving, 0.0, slope)
     noise[moving] = np.minimum(noise[moving], fast_noise(window[:, moving], stretch.hold))
@@ -155,9 +156,8 @@ def estimate_baseline(
     )
 
 
-def _level_and_noise(x: Floats, window: Floats, floor: Bools) -> tuple[Floats, Floats]:
+def _level_and_noise(x: Floats, window: Floats, floor: Bools, whole: bool) -> tuple[Floats, Floats]:
     """Of the readings without drift, `x`; where they lie on the floor, from the upper side."""
-    whole = whole_numbers(window)
     level, noise = level_and_noise(x, step=1.0 if whole else 0.0)
     if floor.any():
         upper = np.nanpercentile(window[:, floor], 84.134, axis=0)

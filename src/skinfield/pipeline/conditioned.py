@@ -141,6 +141,8 @@ def condition(
         notes += (f"filtered, {how.filter.delay(rate) * 1e3:.0f} ms behind",)
     measured = noise[np.isfinite(noise) & (noise > 0)]
     typical = float(np.median(measured)) if len(measured) else quantity.typical_noise
+    if len(recording) >= FEWEST and not len(measured):
+        notes += (f"the readings hold no noise: a typical one, {typical:g}, is taken",)
     noise = np.where(np.isfinite(noise) & (noise > 0.2 * typical), noise, typical)
     return Conditioned(change, noise, recording, recording.notes + notes)
 
