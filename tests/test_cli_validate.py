@@ -124,6 +124,20 @@ def test_what_cannot_be_used_is_said(folder: Path, words: tuple[str, ...], messa
     assert message in " ".join(result.output.split())
 
 
+def test_a_failing_solver_is_named_with_the_case_and_its_line(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("fails.py").write_text(
+        "class Fails:\n    def prepare(self, model):\n        raise ZeroDivisionError('no way')\n"
+    )
+    result = call("validate", str(folder), "--solver", "fails:Fails")
+    assert result.exit_code == 2
+    assert "000_ball12_1N.npz: --solver fails:Fails fails with" in result.output
+    assert "ZeroDivisionError: no way" in result.output
+    assert "fails.py, line 3" in result.output
+
+
 def test_errors_name_the_file(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "000_broken.npz").write_bytes(b"PK\x03\x04 nothing")
     result = call("validate", str(tmp_path))

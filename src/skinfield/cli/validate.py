@@ -1,6 +1,10 @@
 """`skinfield validate`: score a solver on cases whose truth is known."""
 
 import math
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import click
@@ -57,7 +61,13 @@ Errors are parts of the truth where no unit stands; the intervals are 95 %, over
     show_default=True,
     help="Model of the elastomer that is assumed; 'case' takes what each case says.",
 )
-@click.option("--grid", default=40, show_default=True, help="Nodes on a side of the grid.")
+@click.option(
+    "--grid",
+    type=click.IntRange(min=1, max=500),
+    default=40,
+    show_default=True,
+    help="Nodes on a side of the grid.",
+)
 @click.option(
     "--gate-mm", default=8.0, show_default=True, help="Farther apart, contacts are not the same."
 )
@@ -91,10 +101,8 @@ def validate(cases: str, **options: Any) -> None:
         task = bar.add_task("scoring", total=len(paths))
         for path in paths:
             case = load_case(path)
-            try:
+            with _named(path, options["solver"]):
                 found = entrant.scores(case)
-            except InputError as error:
-                raise FileError(f"{path}: {error}") from error
             rows.append({"file": path.name, **row_of_case(case, found)})
             scores += found
             bar.update(task, advance=1)
@@ -114,6 +122,23 @@ def validate(cases: str, **options: Any) -> None:
         if options[key]:
             out.print(f"wrote {options[key]}", highlight=False, soft_wrap=True, markup=False)
     _check(limits, columns)
+
+
+@contextmanager
+def _named(path: Path, solver: str) -> Iterator[None]:
+    """Errors name the case; those of a solver from elsewhere also where they come from."""
+    try:
+        yield
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from error
+    except Exception as error:
+        if ":" not in solver:
+            raise
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        raise FileError(
+            f"{path}: --solver {solver} fails with {type(error).__name__}: {error} "
+            f"({last.filename}, line {last.lineno})"
+        ) from error
 
 
 def _limits(texts: tuple[str, ...]) -> dict[str, float]:
