@@ -57,10 +57,10 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> I
 
 
 def test_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    assert follow(README) == (1, 4)
+    assert follow(README) == (1, 9)
     printed = capsys.readouterr().out
     assert "(1600,) (1600, 3)" in printed
-    for picture in ("press.png", "hexagon.png"):
+    for picture in ("press.png", "hexagon.png", "truth.png"):
         assert Path(picture).stat().st_size > 10_000
 
 
