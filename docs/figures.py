@@ -334,6 +334,9 @@ def main(foot: str | None, force: str | None, foot_layout: str | None) -> None:
     """Make all pictures."""
     IMAGES.mkdir(exist_ok=True)
     run("demo", "-o", str(IMAGES / "demo.png"))
+    ball = ["--indenter", "sphere radius=6"]
+    ring_beside = ["--indenter", "ring inner_radius=3 outer_radius=5 tilt_y=2 x=14 force=2"]
+    run("press", *ball, *ring_beside, "--layout", "hexagon72", "--plot", str(IMAGES / "press.png"))
     holes()
     for quantity in QUANTITIES:
         blindness(quantity)
