@@ -138,6 +138,16 @@ def test_a_failing_solver_is_named_with_the_case_and_its_line(
     assert "fails.py, line 3" in result.output
 
 
+def test_a_case_beyond_memory_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*words: object) -> None:
+        raise MemoryError("169 GiB")
+
+    monkeypatch.setattr("skinfield.experiments.scoring.validation.Entrant.scores", full)
+    result = call("validate", str(folder))
+    assert result.exit_code == 2
+    assert "000_ball12_1N.npz does not fit into memory" in result.output
+
+
 def test_errors_name_the_file(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "000_broken.npz").write_bytes(b"PK\x03\x04 nothing")
     result = call("validate", str(tmp_path))

@@ -131,6 +131,11 @@ def _named(path: Path, solver: str) -> Iterator[None]:
         yield
     except InputError as error:
         raise FileError(f"{path}: {error}") from error
+    except MemoryError as error:
+        raise FileError(
+            f"{path} does not fit into memory, expected positions in metres on a patch of some "
+            f"decimetres, or a coarser --grid: {error}"
+        ) from error
     except Exception as error:
         if ":" not in solver:
             raise
