@@ -55,6 +55,17 @@ def test_made_cases_can_be_read_and_are_those_of_the_seed(folder: Path, tmp_path
     assert one.readings.shape == (4, 72)
 
 
+def test_cases_do_not_mix_with_those_of_another_set(tmp_path: Path) -> None:
+    (tmp_path / "old.npz").write_bytes(b"of another set")
+    (tmp_path / "notes.txt").write_text("kept")
+    words = ("cases", str(tmp_path), "--count", "1", "--quantity", "stress")
+    refused = call(*words)
+    assert refused.exit_code == 2
+    assert "1 NPZ file such as old.npz" in refused.output
+    assert call(*words, "--replace").exit_code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"000_ball12_1N.npz", "notes.txt"}
+
+
 def test_validate_prints_and_writes(folder: Path, tmp_path: Path) -> None:
     result = call(
         "validate", str(folder), "--grid", "20", "--per-case",

@@ -48,6 +48,7 @@ in them, so that you can write your own.
     show_default=True,
     help="Noisy readings per case; 0 for one without noise.",
 )
+@click.option("--replace", is_flag=True, help="Remove the NPZ files that FOLDER holds.")
 def cases(
     folder: str,
     count: int,
@@ -57,6 +58,7 @@ def cases(
     quantity: str,
     noise: float | None,
     draws: int,
+    replace: bool,
 ) -> None:
     """Make and write cases."""
     from skinfield.experiments.cases.files import save_case
@@ -65,11 +67,7 @@ def cases(
     if noise is not None:
         check_positive("--noise", noise, "no reading is exact")
     patch = patch_of(skin_from_text(layout), patch_name)
-    place = Path(folder)
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        raise FileError(f"{folder} cannot be made: {error}, expected a new folder") from error
+    place = _prepared(Path(folder), replace)
     with progress() as bar:
         task = bar.add_task("pressing", total=count)
         for case in standard_cases(patch, count, seed, quantity, noise, draws):
@@ -78,3 +76,20 @@ def cases(
     console().print(
         f"wrote {plural(count, 'case')} to {folder}", highlight=False, soft_wrap=True, markup=False
     )
+
+
+def _prepared(folder: Path, replace: bool) -> Path:
+    """The folder, without cases of another set: they would be scored with the new ones."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        before = sorted(folder.glob("*.npz"))
+        for file in before if replace else ():
+            file.unlink()
+    except (OSError, ValueError) as error:
+        raise FileError(f"{folder} cannot be made: {error}, expected a new folder") from error
+    if before and not replace:
+        raise FileError(
+            f"{folder} holds {plural(len(before), 'NPZ file')} such as {before[0].name}, expected "
+            "a folder without: take a new one, or remove them with --replace"
+        )
+    return folder

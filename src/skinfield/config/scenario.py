@@ -53,7 +53,9 @@ from skinfield.simulate.rig import (
 VERSION = 1
 PRESETS = {"icub": icub_electronics, "cyskin": cyskin_electronics, "ideal": ideal_electronics}
 BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
-NOT_HERE = ("force_n", "depth_mm", "shear_x_n", "shear_y_n")
+LOADS = "no load here: those of all indenters are in [loads]"
+SHEAR = "no shear here: the rig's actuator only goes up and down"
+NOT_HERE = {"force_n": LOADS, "depth_mm": LOADS, "shear_x_n": SHEAR, "shear_y_n": SHEAR}
 
 
 def load_scenario(path: str | Path) -> Scenario:
@@ -167,9 +169,9 @@ def _elastomer(table: Table) -> Viscoelastic:
 def _tool(table: Table, row: int, folder: Path) -> Tool:
     settings = table.plain()
     name = settings.pop("name", None) or f"{settings.get('shape', 'indenter')}-{row + 1}"
-    for key in NOT_HERE:
+    for key, expected in NOT_HERE.items():
         if key in settings:
-            raise table.wrong(key, "no load here: those of all indenters are in [loads]")
+            raise table.wrong(key, expected)
     try:
         indenter = indenter_from_mapping(settings, table.where, folder)
     except FileError:
