@@ -344,3 +344,31 @@ def test_any_bodies_anywhere_are_certified(seed: int) -> None:
 def test_a_touch_that_the_square_of_skin_cuts_off_is_refused(body) -> None:
     with pytest.raises(InputError, match=r"indenters\[1\] touches the border of the 0.06 m"):
         press(LAYER, [Sphere(radius=2e-3, position=(-12e-3, 10e-3), force=0.1), body])
+
+
+def test_one_indenter_that_is_no_list_is_named() -> None:
+    with pytest.raises(InputError, match=r"indenters is Sphere\(.*expected a list"):
+        press(LAYER, Sphere(radius=6e-3))
+
+
+@pytest.mark.parametrize("read", ["base_stress", "base_traction", "gap_change", "capacitance"])
+@pytest.mark.parametrize(
+    ("positions", "pad", "message"),
+    [
+        (np.zeros((0, 2)), 4e-3, "positions is empty"),
+        (np.zeros((3, 4)), 4e-3, r"shape \(3, 4\), expected \(any, 2\)"),
+        ([0.0, 0.0], 4e-3, r"shape \(2,\), expected \(any, 2\)"),
+        ([[0.0, np.nan]], 4e-3, r"positions\[\(0, 1\)\] is nan"),
+        ([[0.0, 0.0]], -4e-3, "pad_diameter is -0.004"),
+        ([[0.0, 0.0]], np.nan, "pad_diameter is nan"),
+        ([[0.0, 0.0]], 4, "pad_diameter is 4"),
+    ],
+)
+def test_pads_that_cannot_be_are_named(press_of_a_ball, read, positions, pad, message) -> None:
+    with pytest.raises(InputError, match=message):
+        getattr(press_of_a_ball, read)(positions, pad)
+
+
+@pytest.fixture(scope="module")
+def press_of_a_ball():
+    return press(LAYER, [BALL], extent=16e-3)

@@ -171,7 +171,7 @@ class Press:
 
     def base_stress(self, positions: ArrayLike, pad_diameter: float) -> Floats:
         """Mean normal stress (L,) Pa below pads at (L, 2) or (L, 3) m of the plane."""
-        places = readout.points_of(positions)
+        places = readout.points_of(positions, pad_diameter)
         return readout.base_stress(self._skin, self.touches, places, pad_diameter)
 
     def base_traction(self, positions: ArrayLike, pad_diameter: float = 0.0) -> Floats:
@@ -179,12 +179,12 @@ class Press:
 
         Compression has negative z.
         """
-        places = readout.points_of(positions)
+        places = readout.points_of(positions, pad_diameter)
         return readout.base_traction(self._skin, self.touches, places, pad_diameter)
 
     def gap_change(self, positions: ArrayLike, pad_diameter: float) -> Floats:
         """Mean indentation (L,) m above pads at (L, 2) or (L, 3) m of the plane."""
-        places = readout.points_of(positions)
+        places = readout.points_of(positions, pad_diameter)
         return readout.gap_change(self._skin, self.touches, places, pad_diameter)
 
     def capacitance(
@@ -195,7 +195,7 @@ class Press:
         With an `order` of 1, 2 or 3 that of the series in the strain, see
         `skinfield.observation.electrostatics`, which falls short where the press is deep.
         """
-        places = readout.points_of(positions)
+        places = readout.points_of(positions, pad_diameter)
         strain = deformed.gap_strain(self._skin, self.touches, places, pad_diameter)
         return capacitance_change(strain, self.layer.thickness, places, pad_diameter, order)
 
@@ -246,11 +246,13 @@ def press(
     Raises
     ------
     InputError
-        For indenters that cover no cell, lie behind others, sink as deep as the layer is thick, or
-        would slide.
+        For indenters that cover no cell, lie behind others, touch the border of `extent`, sink as
+        deep as the layer is thick, or would slide.
     """
     check_positive("extent", extent, "side of the square of skin, in metres")
     check_positive("cell", cell, "side of a cell, in metres")
+    if not isinstance(indenters, Sequence):
+        raise InputError(f"indenters is {indenters!r}, expected a list of them, if only of one")
     if not indenters:
         raise InputError("indenters is empty, expected at least one: nothing would press")
     skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)

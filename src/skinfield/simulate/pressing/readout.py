@@ -3,17 +3,29 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, as_floats, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_finite,
+    check_range,
+    check_shape,
+)
 from skinfield.simulate.pressing.plane import Skin
 from skinfield.simulate.pressing.touch import Sources, Touch, sources
 
 WIDEST = 0.125  # thicknesses: side of the squares that stand for a touch
 
 
-def points_of(positions: ArrayLike) -> Floats:
-    """Points of the plane (L, 2) m from (L, 2) or (L, 3)."""
+def points_of(positions: ArrayLike, pad_diameter: float) -> Floats:
+    """Points of the plane (L, 2) m from (L, 2) or (L, 3), beside a diameter that can be."""
+    check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
     positions = as_floats("positions", positions)
-    check_shape("positions", positions, (None, None), "x and y of each pad, in metres")
+    columns = 3 if positions.ndim == 2 and positions.shape[1] == 3 else 2
+    check_shape("positions", positions, (None, columns), "x, y (and z) of each pad, in metres")
+    check_finite("positions", positions, "a pad without a place reads nothing")
+    if not len(positions):
+        raise InputError("positions is empty, expected at least one pad: nothing would be read")
     return positions[:, :2]
 
 
