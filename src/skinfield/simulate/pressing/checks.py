@@ -4,8 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
-from skinfield.mechanics import Layer
+from skinfield.errors import InputError
 from skinfield.simulate.indenters import Indenter
 from skinfield.simulate.pressing.laid import Laid, Settled
 from skinfield.simulate.pressing.plane import Skin
@@ -50,11 +49,12 @@ def check_border(settled: Settled) -> None:
             )
 
 
-def check_depth(indenters: Sequence[Indenter], approach: Floats, layer: Layer) -> None:
-    """No body may reach the base."""
-    thickness = layer.thickness
+def check_depth(indenters: Sequence[Indenter], settled: Settled) -> None:
+    """No body may reach the base; one that does as most of it has no skin hears of that."""
+    thickness, approach = settled.laid.skin.layer.thickness, settled.contact.approach
     deepest = int(approach.argmax())
     if approach[deepest] >= thickness:
+        check_border(settled)
         raise InputError(
             f"indenters[{deepest}] with {_load(indenters[deepest])} sinks "
             f"{approach[deepest] * 1e3:.3g} mm into a layer of {thickness * 1e3:g} mm, "

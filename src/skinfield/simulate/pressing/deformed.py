@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 from skinfield.mechanics import LatticeConvolution
 from skinfield.mechanics.lattice import kept_indentation_kernel, kept_surface_kernel
 from skinfield.observation.electrostatics import MARGIN, STEPS, GapStrain
@@ -12,6 +12,7 @@ from skinfield.simulate.pressing.touch import Touch
 from skinfield.simulate.pressing.window import Window, coarsened, resplit
 
 NEAR = 4  # cells around a window within which its squares act one by one
+MOST_SAMPLES = 10_000_000  # of the mesh: some 2 GB
 SHEARED = 3  # squares along a cell that are enough for tangential displacement
 
 
@@ -132,6 +133,14 @@ def _extent(
         size = np.array([window.columns, window.rows])
         places.append(corner + np.stack([first, first + size]) * skin.grid.pitch)
     every = np.concatenate(places)
-    low = np.floor((every.min(axis=0) - margin - corner) / step).astype(np.int64)
-    high = np.ceil((every.max(axis=0) + margin - corner) / step).astype(np.int64)
+    lowest, highest = every.min(axis=0) - margin, every.max(axis=0) + margin
+    width, height = highest - lowest
+    if width * height > MOST_SAMPLES * step**2:
+        raise InputError(
+            f"positions lie up to {np.abs(around).max():g} m from the origin, expected pads and "
+            f"touches within a square of some {MOST_SAMPLES**0.5 * step:.2g} m: give positions "
+            "in metres, or read far pads, which feel nothing, apart"
+        )
+    low = np.floor((lowest - corner) / step).astype(np.int64)
+    high = np.ceil((highest - corner) / step).astype(np.int64)
     return low, high

@@ -48,7 +48,7 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
         if windows != laid.windows or pierced:
             laid = _lay(skin, indenters, windows, settled.contact.approach)
         settled = _solve(laid, whole, indenters, _carried_over(settled, laid))
-        check_depth(indenters, settled.contact.approach, skin.layer)
+        check_depth(indenters, settled)
         if _leaks(settled):
             margin += 3
             continue
