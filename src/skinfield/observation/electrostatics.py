@@ -124,6 +124,10 @@ def capacitance_change(
     if beyond.any():
         at = tuple(np.round(taxels[np.argmax(beyond)] * 1e3, 3).tolist())
         raise InputError(f"pad at {at} mm lies beyond the mesh of the strain, expected within")
+    if order not in (1, 2, 3, None):
+        raise InputError(
+            f"order is {order!r}, expected 1, 2 or 3 terms of the series, or None for the field"
+        )
     spectrum, waves = _charge(strain, thickness, order)
     spectrum *= jinc(waves.kh, pad_diameter / 2 / thickness)
     means = fft.irfft2(spectrum, waves.shape)[tuple(slice(n) for n in strain.values.shape)]

@@ -235,7 +235,8 @@ def press(
         Side of a cell of the grid on which fields are given. Contacts are solved on finer squares:
         a third, ninth, 27th or 81st, some 50 or more to each contact.
     mechanics : Mechanics, optional
-        Default `BondedLayer()`.
+        Default `BondedLayer()`. `HalfSpace` is the paper's difference of two depths; an elastic
+        half-space is a thick layer: the base takes some 0.7 a/h of the depth, a the contact radius.
     friction : float, optional
         Coulomb's coefficient, for the shear; without it all that touches sticks.
 
