@@ -12,7 +12,6 @@ import argparse
 import json
 import os
 import platform
-import time
 from pathlib import Path
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -23,6 +22,7 @@ from numba import njit
 
 import skinfield as sf
 from skinfield.experiments.paper.algorithm import reconstruct_as_paper
+from skinfield.experiments.paper.timing import lap
 
 
 @njit(fastmath=True)
@@ -32,18 +32,6 @@ def add_up(values: np.ndarray) -> float:
     for index in range(values.size):  # an index: iteration does not become SIMD code
         total += values[index]
     return total
-
-
-def lap(function, laps: int) -> np.ndarray:
-    """Seconds of each call, after a tenth as many that do not count."""
-    for _ in range(max(laps // 10, 1)):
-        function()
-    out = np.empty(laps)
-    for index in range(laps):
-        start = time.perf_counter_ns()
-        function()
-        out[index] = time.perf_counter_ns() - start
-    return out * 1e-9
 
 
 def row(nodes: int, paper_laps: int, laps: int) -> dict[str, float]:
@@ -68,8 +56,8 @@ def row(nodes: int, paper_laps: int, laps: int) -> dict[str, float]:
     operator = rec.operator.ravel(order="K")
     prepared, read = [], []
     for _ in range(10):  # in turn, so that both see the same machine
-        prepared.append(lap(lambda: rec.apply(single, out), laps // 10))
-        read.append(lap(lambda: add_up(operator), laps // 10))
+        prepared.append(lap(lambda: rec.apply(single, out), laps // 10, laps // 100))
+        read.append(lap(lambda: add_up(operator), laps // 10, laps // 100))
     return {
         "nodes": nodes,
         "bytes": rec.operator.nbytes,

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
+from skinfield.figures.panels import columns_of
 from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, new_figure, style
 
 if TYPE_CHECKING:
@@ -81,12 +82,7 @@ def draw_errors(panels: Sequence[Sequence[ErrorPanel]], note: str = "") -> "Figu
     InputError
         If there is no panel, or rows differ in length.
     """
-    columns = len(panels[0]) if panels else 0
-    if not columns or any(len(row) != columns for row in panels):
-        raise InputError(
-            f"rows of panels have lengths {[len(row) for row in panels]}, expected equal ones "
-            "above 0: panels stand in a rectangle"
-        )
+    columns = columns_of(panels)
     high = len(panels) * PANEL + HEAD + FOOT
     with style():
         figure = new_figure(WIDTH, high)

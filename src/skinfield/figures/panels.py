@@ -55,6 +55,23 @@ class Scale:
     marks: bool = True
 
 
+def columns_of(rows: Sequence[Sequence[object]]) -> int:
+    """Panels in each of the rows.
+
+    Raises
+    ------
+    InputError
+        If there is no panel, or rows differ in length.
+    """
+    columns = len(rows[0]) if rows else 0
+    if not columns or any(len(row) != columns for row in rows):
+        raise InputError(
+            f"rows of panels have lengths {[len(row) for row in rows]}, expected equal ones "
+            "above 0: panels stand in a rectangle"
+        )
+    return columns
+
+
 def draw_panels(panels: Sequence[Panel], scale: Scale, *, columns: int = 3) -> "Figure":
     """Figure of panels side by side; a curve of one name has one colour in all of them.
 

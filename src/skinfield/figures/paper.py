@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
 from skinfield.figures.maps import MM, extent_of, frame_axes, outline_pads
+from skinfield.figures.panels import columns_of
 from skinfield.figures.style import INK, new_figure, signed_colours, style
 from skinfield.layout import Grid
 
@@ -58,12 +59,7 @@ def draw_fields(
     InputError
         If there is no panel, or rows differ in length.
     """
-    columns = len(panels[0]) if panels else 0
-    if not columns or any(len(row) != columns for row in panels):
-        raise InputError(
-            f"rows of panels have lengths {[len(row) for row in panels]}, expected equal ones "
-            "above 0: panels stand in a rectangle"
-        )
+    columns = columns_of(panels)
     room = (WIDTH - LEFT) / columns
     side = room - BAR - SIDE_GAP
     each = np.array([extent_of(panel.grid) for line in panels for panel in line])

@@ -78,9 +78,10 @@ def times_on(nodes: int, settings: Settings) -> Times:
     )
 
 
-def lap(function: Callable[[], object], laps: int) -> Floats:
-    """Seconds of each call, after one that does not count."""
-    function()
+def lap(function: Callable[[], object], laps: int, idle: int = 1) -> Floats:
+    """Seconds of each call, after `idle` ones that do not count."""
+    for _ in range(idle):
+        function()
     out = np.empty(laps)
     for index in range(laps):
         start = time.perf_counter_ns()

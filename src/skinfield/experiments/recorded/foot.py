@@ -119,12 +119,9 @@ def foot_forces(folder: Path) -> FootForces:
 def foot_on_the_ground(folder: Path) -> Finding:
     """See `foot_forces`; in words."""
     found = foot_forces(folder)
-    parts = found.parts
     stamps, alone = skin_force(folder, ALONE)
     early = (stamps - stamps[0]) * 1e-9 < 3.0
     other = found.modulus / FOAM.young_modulus * float(alone[early].mean())
-    standing, edge = parts["standing"], parts["on its edge"]
-    highest = int(found.skin.argmax())
 
     def figure() -> bytes:
         return png_of(
@@ -137,7 +134,23 @@ def foot_on_the_ground(folder: Path) -> Finding:
             )
         )
 
-    sentences = (
+    return Finding(
+        name="foot",
+        title="an iCub's foot, standing and tipping over",
+        source=SOURCE,
+        sentences=_sentences(found, other),
+        rows=tuple(_rows(found)),
+        figure=figure,
+        caption="Normal force of the skin and of the force/torque sensor above the foot.",
+    )
+
+
+def _sentences(found: FootForces, other: float) -> tuple[str, ...]:
+    """`other` is the mean force of the recording without a sensor, N."""
+    parts = found.parts
+    standing, edge = parts["standing"], parts["on its edge"]
+    highest = int(found.skin.argmax())
+    return (
         f"One factor, a modulus of {found.modulus / 1e3:.1f} kPa at ν = {FOAM.poisson_ratio:g}, is "
         f"fitted from {STANDING[0]:g} to {STANDING[1]:g} s, while the robot stands; it stands for "
         "all constants that are not known and is no property of the foam.",
@@ -153,7 +166,10 @@ def foot_on_the_ground(folder: Path) -> Finding:
         f"The other recording has no force sensor; with the same factor the skin carries "
         f"{other:.0f} N in its first 3 s.",
     )
-    rows: list[dict[str, Value]] = [
+
+
+def _rows(found: FootForces) -> list[dict[str, Value]]:
+    return [
         {
             "part": name,
             "skin (N)": round(part["skin"], 1),
@@ -162,14 +178,5 @@ def foot_on_the_ground(folder: Path) -> Finding:
             "error, rms (N)": round(part["rms"], 1),
             "correlation": round(part["correlation"], 2),
         }
-        for name, part in parts.items()
+        for name, part in found.parts.items()
     ]
-    return Finding(
-        name="foot",
-        title="an iCub's foot, standing and tipping over",
-        source=SOURCE,
-        sentences=sentences,
-        rows=tuple(rows),
-        figure=figure,
-        caption="Normal force of the skin and of the force/torque sensor above the foot.",
-    )

@@ -137,10 +137,6 @@ def _truth(
     at_end = np.minimum(np.rint(hold_end / time[1]).astype(np.int64), len(time) - 1)
     effective = series.effective[at_end]
     reached = np.array([effective[plan.load == load].max() for load in range(len(scenario.loads))])
-    fields = [
-        _displacement(scenario, found, float(force))
-        for found, force in zip(ladder.loads, reached, strict=True)
-    ]
     pose = [plan.poses[row] for row in plan.pose]
     return Truth(
         time_s=time,
@@ -168,11 +164,17 @@ def _truth(
         plane_m=ladder.loads[0].grid.plane,
         cell_m=ladder.loads[0].grid.pitch,
         pressure_Pa=np.stack([found.pressure for found in ladder.loads]),
-        displacement_m=np.stack(fields),
+        displacement_m=_displacements(scenario, ladder, reached),
         reading_time_s=reading_time,
         reading_change=change,
         reading_force_N=np.interp(reading_time, time, series.force),
     )
+
+
+def _displacements(scenario: Scenario, ladder: Ladder, reached: Floats) -> Floats:
+    """Of the surface at the end of the hold at each load, (loads, K, 3) m."""
+    pairs = zip(ladder.loads, reached, strict=True)
+    return np.stack([_displacement(scenario, found, float(force)) for found, force in pairs])
 
 
 def _displacement(scenario: Scenario, found: Press, force: float) -> Floats:
