@@ -14,7 +14,7 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
     {"experiments", "config"},
     {"sources", "sinks", "figures", "testing", "fem", "campaign"},  # the edge
     {"engine"},
-    {"pipeline"},
+    {"pipeline", "resolution", "detection"},
     {"inverse", "simulate", "calibrate", "contacts"},
     {"observation", "conditioning"},
     {"mechanics", "fields"},

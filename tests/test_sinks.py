@@ -34,7 +34,10 @@ def contact(rng: np.random.Generator) -> Contact:
         normal=np.array([0.0, 0.0, 1.0]),
         area=float(rng.uniform(1e-6, 1e-4)),
         peak_pressure=float(rng.uniform(1e3, 1e5)),
-        force_std=0.01,
+        covariance=np.diag([1e-8, 1e-8, 1e-4]),
+        area_std=1e-6,
+        radius=3e-3,
+        shape="other",
         outline=np.zeros((5, 3)),
         axes=np.array([3e-3, 1e-3]),
         angle=0.5,
@@ -151,7 +154,9 @@ def test_no_estimate_makes_a_table_without_rows(tmp_path: Path, suffix: str) -> 
 
 def test_what_is_not_finite_is_left_empty(tmp_path: Path) -> None:
     batch = estimates()
-    lone = replace(batch.contacts[1][0], force_std=float("nan"), axes=np.array([1e-3, np.nan]))
+    lone = replace(
+        batch.contacts[1][0], covariance=np.full((3, 3), np.nan), axes=np.array([1e-3, np.nan])
+    )
     sinks.write_contacts(tmp_path / "c.csv", replace(batch[1], contacts=(lone,)))
     (row,) = table(tmp_path / "c.csv")
     assert (row["force_std_N"], row["axis_minor_m"], row["axis_major_m"]) == (None, None, 1e-3)

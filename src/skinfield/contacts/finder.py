@@ -94,14 +94,20 @@ def _contact(
     variance, direction = np.linalg.eigh(spread)
     angle = float(np.arctan2(direction[1, 1], direction[0, 1]))
     corners = grid.origin + border(cells, grid.shape) * grid.pitch
+    area = len(cells) * grid.cell_area
+    ones = np.ones(len(cells))
+    moves = np.stack([*(away / total).T, ones]) * grid.cell_area  # of the place and the force
     return Contact(
         position=position,
         force=forces.sum(axis=0),
         moment=np.cross(lever, forces).sum(axis=0),
         normal=normal,
-        area=len(cells) * grid.cell_area,
+        area=area,
         peak_pressure=float(pressure[cells].max()),
-        force_std=noise.std_of_sum(cells) * grid.cell_area,
+        covariance=noise.covariance_of_sums(cells, moves),
+        area_std=grid.cell_area,
+        radius=float(np.sqrt(area / np.pi)),
+        shape="other",
         outline=surface.position_from_plane(corners),
         axes=2.0 * np.sqrt(variance[::-1]),  # of a uniform ellipse with these moments
         angle=(angle + np.pi / 2) % np.pi - np.pi / 2,

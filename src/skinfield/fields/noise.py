@@ -29,3 +29,8 @@ class PressureNoise:
     def std_of_sum(self, cells: NDArray[np.int64]) -> float:
         """Standard deviation of the sum over some cells, Pa: cells share the readings' noise."""
         return float(np.linalg.norm(self.factor[cells].sum(axis=0)))
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        moved = weights @ self.factor[cells]
+        return np.asarray(moved @ moved.T)

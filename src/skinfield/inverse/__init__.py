@@ -2,6 +2,9 @@
 
 from skinfield.inverse.gaussian_field import GaussianField as GaussianField
 from skinfield.inverse.inverse import Inverse as Inverse
+from skinfield.inverse.operator import ContactOperator as ContactOperator
+from skinfield.inverse.operator import FieldOperator as FieldOperator
+from skinfield.inverse.operator import Fit as Fit
 from skinfield.inverse.operator import InverseOperator as InverseOperator
 from skinfield.inverse.operator import Solver as Solver
 from skinfield.inverse.pseudo_inverse import PseudoInverse as PseudoInverse

@@ -1,11 +1,13 @@
-"""Solve slowly once (`prepare`), apply quickly for ever (`apply`)."""
+"""Solve slowly once (`prepare`), apply quickly for ever."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.fields import Contact, PressureNoise
 from skinfield.observation import ObservationModel
 
 
@@ -29,10 +31,83 @@ class InverseOperator:
         np.dot(self.matrix, readings, out=out)
 
 
+class FieldOperator(Protocol):
+    """Prepared map that is not linear, from L readings to the pressure on K nodes.
+
+    Attributes
+    ----------
+    pressure_std : (K,) array, Pa
+    noise : PressureNoise
+        By which contacts are told from noise.
+    """
+
+    @property
+    def pressure_std(self) -> Floats:
+        """One standard deviation of the pressure as the solver states it, (K,) Pa."""
+        ...
+
+    @property
+    def noise(self) -> PressureNoise:
+        """How the readings' noise moves the pressure, about."""
+        ...
+
+    def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
+        """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,).
+
+        `deadline_ns` is a time of `time.perf_counter_ns`, at which the best answer so far is kept.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What a solver that finds contacts by itself makes of one reading.
+
+    Attributes
+    ----------
+    pressure, pressure_std : (K,) arrays, Pa
+    displacement : (K, 3) array, m
+        In the patch's frame.
+    contacts : tuple of Contact
+        By falling normal force.
+    predicted : (L,) array, in the quantity's unit
+        What the taxels would read of them.
+    cells : (N,) int array
+        Nodes with pressure other than 0.
+    notes : tuple of str
+    """
+
+    pressure: Floats
+    pressure_std: Floats
+    displacement: Floats
+    contacts: tuple[Contact, ...]
+    predicted: Floats
+    cells: NDArray[np.int64]
+    notes: tuple[str, ...] = ()
+
+
+@runtime_checkable
+class ContactOperator(Protocol):
+    """Prepared search for the contacts that explain L readings."""
+
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
+        """Contacts and fields of `readings` (L,) in the quantity's unit.
+
+        `deadline_ns` is a time of `time.perf_counter_ns`, at which the best answer so far is kept.
+        """
+        ...
+
+    def reset(self) -> None:
+        """Forget the reading before, from which the next one starts."""
+        ...
+
+
 class Solver(Protocol):
     """Anything with `prepare` is a solver: nothing to inherit, nowhere to register."""
 
-    def prepare(self, model: ObservationModel, /) -> InverseOperator:
+    def prepare(
+        self, model: ObservationModel, /
+    ) -> InverseOperator | FieldOperator | ContactOperator:
         """Do every computation that needs no reading."""
         ...
 

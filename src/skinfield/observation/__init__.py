@@ -2,6 +2,7 @@
 
 from skinfield.observation.deformation import Deformation as Deformation
 from skinfield.observation.model import ObservationModel as ObservationModel
+from skinfield.observation.model import Physics as Physics
 from skinfield.observation.quantity import BaseStress as BaseStress
 from skinfield.observation.quantity import Capacitance as Capacitance
 from skinfield.observation.quantity import Gap as Gap

@@ -12,6 +12,24 @@ from skinfield.mechanics import Layer, Mechanics
 from skinfield.observation.quantity import Quantity
 
 
+@dataclass(frozen=True)
+class Physics:
+    """What taxels are made of and read.
+
+    Attributes
+    ----------
+    layer : Layer
+    mechanics : Mechanics
+    quantity : Quantity
+    pad_diameter : float, m
+    """
+
+    layer: Layer
+    mechanics: Mechanics
+    quantity: Quantity
+    pad_diameter: float
+
+
 @dataclass(frozen=True, eq=False)
 class ObservationModel:
     """Readings of L taxels as a linear function of the pressure on K nodes.
@@ -28,6 +46,8 @@ class ObservationModel:
     virtual_matrix : function of (N, 2) array
         The matrix (N, K) of taxels that would stand elsewhere in the plane, each a point: readings
         that are interpolated between pads are no pad's mean.
+    physics : Physics, optional
+        What the matrix was made of, for solvers that model more than its linear map.
     """
 
     matrix: Floats
@@ -35,6 +55,7 @@ class ObservationModel:
     taxels: Floats
     grid: Grid
     virtual_matrix: Callable[[Floats], Floats]
+    physics: Physics | None = None
 
     def __post_init__(self) -> None:
         check_shape("matrix", self.matrix, (None, len(self.grid)), "one column per node")
@@ -67,7 +88,8 @@ class ObservationModel:
         if noise.ndim == 0:
             noise = np.full(len(patch), float(noise))
         matrix = quantity.matrix(mechanics, layer, grid, patch.plane, patch.pad_diameter)
-        return cls(matrix, noise, patch.plane, grid, virtual_matrix)
+        physics = Physics(layer, mechanics, quantity, patch.pad_diameter)
+        return cls(matrix, noise, patch.plane, grid, virtual_matrix, physics)
 
     def subset(self, rows: NDArray[np.bool_]) -> "ObservationModel":
         """Model of some of the taxels, by a mask (L,)."""

@@ -1,20 +1,116 @@
-"""Everything about a patch that needs no reading."""
+"""Everything about a patch that needs no reading, by what kind of solver it has."""
 
+import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.contacts import ContactFinder
 from skinfield.errors import Floats, Ints
-from skinfield.fields import PressureNoise
-from skinfield.inverse import Solver
-from skinfield.observation import Deformation, ObservationModel
+from skinfield.fields import Contact, PressureNoise
+from skinfield.inverse import (
+    ContactOperator,
+    FieldOperator,
+    InverseOperator,
+    Solver,
+)
+from skinfield.layout import Grid
+from skinfield.observation import Deformation, ObservationModel, Quantity
+
+CHUNK = 512  # readings per matrix product: the outputs stay in cache
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
-    """Prepared reconstruction from the taxels that are valid.
+class Results:
+    """Where T readings' answers are written.
+
+    Attributes
+    ----------
+    fields : (T, 4 K) array
+        Pressure (K) Pa, then displacement x, y, z (K each) m.
+    pressure_std : (T, K) array, Pa
+    residual : (T, L) array, in the quantity's unit
+    contacts : list of T tuples of Contact
+    notes : list of str
+    """
+
+    fields: Floats
+    pressure_std: Floats
+    residual: Floats
+    contacts: list[tuple[Contact, ...]]
+    notes: list[str]
+
+    @classmethod
+    def empty(cls, readings: int, taxels: int, nodes: int) -> "Results":
+        """Room for some readings."""
+        return cls(
+            np.empty((readings, 4 * nodes)),
+            np.empty((readings, nodes)),
+            np.full((readings, taxels), np.nan),
+            [()] * readings,
+            [],
+        )
+
+
+class Plan(Protocol):
+    """Prepared reconstruction from the taxels that are valid."""
+
+    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
+        """Write the answers of `readings` (R, L'), in the quantity's unit, into `rows` of `out`.
+
+        `deadline` is in seconds for each reading.
+        """
+        ...
+
+    def reset(self) -> None:
+        """Forget the readings before."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What all plans of a patch share.
+
+    Attributes
+    ----------
+    model : ObservationModel
+        Of the support: wherever pressure may be.
+    deformation : Deformation
+        Of the support.
+    nodes : (K,) int array
+        Of the support, where the answer is wanted.
+    grid : Grid
+        These nodes.
+    quantity : Quantity
+    finder : ContactFinder
+    precision : numpy.float64 or numpy.float32
+    """
+
+    model: ObservationModel
+    deformation: Deformation
+    nodes: Ints
+    grid: Grid
+    quantity: Quantity
+    finder: ContactFinder
+    precision: type[np.floating[Any]]
+
+
+def make_plan(setting: Setting, solver: Solver, valid: NDArray[np.bool_]) -> Plan:
+    """Prepare a solver for some taxels."""
+    part = setting.model if valid.all() else setting.model.subset(valid)
+    inverse = solver.prepare(part)
+    if isinstance(inverse, InverseOperator):
+        return linear_plan(setting, part, inverse, valid)
+    if isinstance(inverse, ContactOperator):
+        return ContactPlan(setting, inverse, valid)
+    return FieldPlan(setting, part, inverse, valid)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearPlan:
+    """Resampling, inversion and displacement in one matrix.
 
     Attributes
     ----------
@@ -29,31 +125,107 @@ class Plan:
         Which taxels it uses.
     """
 
+    setting: Setting
     operator: NDArray[Any]
     explained: Floats
     noise: PressureNoise
     pressure_std: Floats
     valid: NDArray[np.bool_]
 
+    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
+        """See `Plan.solve`: one matrix product, whatever the deadline."""
+        setting, nodes = self.setting, len(self.setting.grid)
+        out.pressure_std[rows] = self.pressure_std
+        for first in range(0, len(rows), CHUNK):
+            part, chunk = rows[first : first + CHUNK], readings[first : first + CHUNK]
+            linear = setting.quantity.linearise(chunk, np.empty_like(chunk))
+            out.fields[part] = (self.operator @ linear.T.astype(setting.precision)).T
+            out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
+        for row in rows:
+            out.contacts[row] = setting.finder(setting.grid, out.fields[row, :nodes], self.noise)
 
-def make_plan(
+    def reset(self) -> None:
+        """Nothing is kept."""
+
+
+def linear_plan(
+    setting: Setting,
     model: ObservationModel,
-    deformation: Deformation,
-    solver: Solver,
+    inverse: InverseOperator,
     valid: NDArray[np.bool_],
-    nodes: Ints,
-    dtype: type[np.floating[Any]],
-) -> Plan:
-    """Fold resampling, inversion and displacement into one matrix, for some nodes of the model."""
-    part = model if valid.all() else model.subset(valid)
-    inverse = solver.prepare(part)
-    displacement = deformation(inverse.matrix.T)[:, nodes]  # (L', K, 3)
+) -> LinearPlan:
+    """Fold resampling, inversion and displacement into one matrix."""
+    nodes = setting.nodes
+    displacement = setting.deformation(inverse.matrix.T)[:, nodes]  # (L', K, 3)
     pressure = inverse.matrix[nodes]
     blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
-    return Plan(
-        operator=np.asfortranarray(np.concatenate(blocks), dtype=dtype),
-        explained=part.matrix @ inverse.matrix,
-        noise=PressureNoise(pressure * part.noise_std),
+    return LinearPlan(
+        setting=setting,
+        operator=np.asfortranarray(np.concatenate(blocks), dtype=setting.precision),
+        explained=model.matrix @ inverse.matrix,
+        noise=PressureNoise(pressure * model.noise_std),
         pressure_std=inverse.pressure_std[nodes],
         valid=valid,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class FieldPlan:
+    """A solver whose field is not linear in the readings, reading by reading."""
+
+    setting: Setting
+    model: ObservationModel
+    operator: FieldOperator
+    valid: NDArray[np.bool_]
+
+    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
+        """See `Plan.solve`."""
+        setting, nodes = self.setting, len(self.setting.grid)
+        whole = np.empty(len(self.model.grid))
+        for row, reading in zip(rows, readings, strict=True):
+            linear = setting.quantity.linearise(reading, np.empty_like(reading))
+            self.operator.apply(linear, whole, _until(deadline))
+            moved = setting.deformation(whole)[setting.nodes]
+            out.fields[row, :nodes] = pressure = whole[setting.nodes]
+            out.fields[row, nodes:] = moved.T.ravel()
+            out.pressure_std[row] = self.operator.pressure_std[setting.nodes]
+            out.residual[row, self.valid] = linear - self.model.matrix @ whole
+            noise = PressureNoise(self.operator.noise.factor[setting.nodes])
+            out.contacts[row] = setting.finder(setting.grid, pressure, noise)
+
+    def reset(self) -> None:
+        """Forget the reading before, where the operator keeps it."""
+        reset = getattr(self.operator, "reset", None)
+        if reset is not None:
+            reset()
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPlan:
+    """A solver that finds the contacts by itself, reading by reading."""
+
+    setting: Setting
+    operator: ContactOperator
+    valid: NDArray[np.bool_]
+
+    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
+        """See `Plan.solve`."""
+        setting, nodes = self.setting, len(self.setting.grid)
+        whole = len(nodes_of := setting.nodes) == len(setting.model.grid)
+        for row, reading in zip(rows, readings, strict=True):
+            fit = self.operator.fit(reading, _until(deadline))
+            out.contacts[row] = fit.contacts
+            out.fields[row, :nodes] = fit.pressure if whole else fit.pressure[nodes_of]
+            moved = fit.displacement if whole else fit.displacement[nodes_of]
+            out.fields[row, nodes:].reshape(3, nodes)[:] = moved.T
+            out.pressure_std[row] = fit.pressure_std if whole else fit.pressure_std[nodes_of]
+            out.residual[row, self.valid] = reading - fit.predicted
+            out.notes.extend(note for note in fit.notes if note not in out.notes)
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.operator.reset()
+
+
+def _until(deadline: float | None) -> int | None:
+    return None if deadline is None else time.perf_counter_ns() + int(deadline * 1e9)

@@ -2,23 +2,23 @@
 
 import time
 from collections import OrderedDict
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
-from skinfield.errors import Floats, InputError, as_floats, check_shape
-from skinfield.fields import Contact, Estimate
+from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
+from skinfield.fields import Estimate
 from skinfield.inverse import GaussianField, Solver
 from skinfield.layout import Grid, Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Deformation, ObservationModel, Quantity
-from skinfield.pipeline.plan import Plan, make_plan
+from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting, make_plan
 from skinfield.pipeline.support import support_of
 
 PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
-CHUNK = 512  # readings per matrix product: the outputs stay in cache
 
 
 class Reconstructor:
@@ -68,16 +68,34 @@ class Reconstructor:
         self.finder = ContactFinder() if finder is None else finder
         self.precision = precision
         noise = self.quantity.typical_noise if noise_std is None else noise_std
-        support, self._nodes = support_of(self.grid, self.layer)
+        support, nodes = support_of(self.grid, self.layer)
         self.model = ObservationModel.of(
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
+        self._setting = Setting(
+            self.model,
+            self.deformation,
+            nodes,
+            self.grid,
+            self.quantity,
+            self.finder,
+            precision,
+        )
         self._plans: OrderedDict[bytes, Plan] = OrderedDict()
-        self.plan = self._plan_for(np.ones(len(patch), np.bool_))
-        self._operator = self.plan.operator
+        self._plan = self._plan_for(np.ones(len(patch), np.bool_))
         self._linear = np.empty(len(patch), precision)
         self._run_in()
+
+    @property
+    def plan(self) -> LinearPlan:
+        """What is prepared for all taxels, of a linear solver."""
+        if not isinstance(self._plan, LinearPlan):
+            raise InputError(
+                f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
+                "reconstructor with readings, or use a linear solver such as GaussianField()"
+            )
+        return self._plan
 
     @property
     def operator(self) -> NDArray[Any]:
@@ -94,7 +112,7 @@ class Reconstructor:
         out : (4 K,) array of `precision`
             Pressure (K) Pa, then displacement x, y, z (K each) m.
         """
-        np.dot(self._operator, self.quantity.linearise(readings, self._linear), out=out)
+        np.dot(self.plan.operator, self.quantity.linearise(readings, self._linear), out=out)
 
     def __call__(
         self,
@@ -102,6 +120,7 @@ class Reconstructor:
         *,
         valid: ArrayLike | None = None,
         stamp_ns: ArrayLike = 0,
+        deadline: float | None = None,
     ) -> Estimate:
         """Reconstruct one reading or a run of them.
 
@@ -112,6 +131,8 @@ class Reconstructor:
         valid : (L,) or (T, L) bool array, optional
             False for further taxels to leave out.
         stamp_ns : int or (T,) array, ns
+        deadline : float, s, optional
+            For each reading: an iterative solver then stops with its best answer so far.
 
         Returns
         -------
@@ -125,52 +146,46 @@ class Reconstructor:
         """
         start = time.perf_counter()
         table, mask = self._checked(readings, valid)
+        single = np.ndim(readings) == 1
         stamps = np.asarray(stamp_ns, dtype=np.int64)
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
+        if deadline is not None:
+            check_positive("deadline", deadline, "seconds for each reading")
+        out = Results.empty(len(table), len(self.patch), len(self.grid))
+        for pattern, rows in _patterns(mask):
+            part = table[rows] if pattern.all() else table[np.ix_(rows, pattern)]
+            self._plan_for(pattern).solve(part, rows, out, deadline)
         nodes = len(self.grid)
-        fields = np.empty((len(table), 4 * nodes))
-        residual = np.full(table.shape, np.nan)
-        std = np.empty((len(table), nodes))
-        contacts: list[tuple[Contact, ...]] = [()] * len(table)
-        patterns, which = np.unique(mask, axis=0, return_inverse=True)
-        for index, pattern in enumerate(patterns):
-            plan = self._plan_for(pattern)
-            rows = np.flatnonzero(which.ravel() == index)
-            std[rows] = plan.pressure_std
-            for first in range(0, len(rows), CHUNK):
-                part = rows[first : first + CHUNK]
-                residual[np.ix_(part, pattern)] = self._run(plan, table, part, fields)
-            for row in rows:
-                contacts[row] = self.finder(self.grid, fields[row, :nodes], plan.noise)
-        pressure = fields[:, :nodes]
+        pressure = out.fields[:, :nodes]
         estimate = Estimate(
             grid=self.grid,
             pressure=pressure,
             traction=-pressure[:, :, None] * self.grid.normals,
-            displacement=np.moveaxis(fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
-            pressure_std=std,
-            contacts=tuple(contacts),
-            residual=residual,
+            displacement=np.moveaxis(out.fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
+            pressure_std=out.pressure_std,
+            contacts=tuple(out.contacts),
+            residual=out.residual,
             valid=mask,
             stamp_ns=stamps,
             latency=time.perf_counter() - start,
+            notes=tuple(out.notes),
         )
-        return estimate[0] if np.ndim(readings) == 1 else estimate
+        return estimate[0] if single else estimate
 
-    def _run(self, plan: Plan, table: Floats, rows: NDArray[np.int64], fields: Floats) -> Floats:
-        """Fill the rows of `fields`; return their residuals (rows, valid taxels)."""
-        readings = table[np.ix_(rows, plan.valid)]
-        linear = self.quantity.linearise(readings, np.empty_like(readings))
-        fields[rows] = (plan.operator @ linear.T.astype(self.precision)).T
-        return np.asarray(linear - linear @ plan.explained.T)
+    def reset(self) -> None:
+        """Forget the readings before, from which some solvers start the next."""
+        for plan in self._plans.values():
+            plan.reset()
 
     def _run_in(self) -> None:
         """Load what is compiled, so that the first reading is as fast as the next."""
         self(np.zeros(len(self.patch)))
-        peak = np.zeros(len(self.grid))
-        peak[0] = 1e3 * max(float(self.plan.noise.std.max()), 1.0)
-        self.finder(self.grid, peak, self.plan.noise)
+        self.reset()
+        if isinstance(self._plan, LinearPlan):
+            peak = np.zeros(len(self.grid))
+            peak[0] = 1e3 * max(float(self._plan.noise.std.max()), 1.0)
+            self.finder(self.grid, peak, self._plan.noise)
 
     def _checked(
         self, readings: ArrayLike, valid: ArrayLike | None
@@ -215,8 +230,16 @@ class Reconstructor:
         if key not in self._plans:
             if len(self._plans) >= PLANS_KEPT:
                 self._plans.popitem(last=False)
-            self._plans[key] = make_plan(
-                self.model, self.deformation, self.solver, valid, self._nodes, self.precision
-            )
+            self._plans[key] = make_plan(self._setting, self.solver, valid)
         self._plans.move_to_end(key)
         return self._plans[key]
+
+
+def _patterns(mask: NDArray[np.bool_]) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
+    """Sets of taxels that are valid together, and the readings that have them."""
+    if len(mask) == 1 or mask.all():
+        yield mask[0], np.arange(len(mask))
+        return
+    patterns, which = np.unique(mask, axis=0, return_inverse=True)
+    for index, pattern in enumerate(patterns):
+        yield pattern, np.flatnonzero(which.ravel() == index)
