@@ -1,0 +1,1 @@
+"""Atoms: what single contacts look like, tabulated, and how they are fitted to readings."""
