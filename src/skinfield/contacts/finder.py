@@ -4,12 +4,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.contacts.regions import border, regions
+from skinfield.contacts.regions import regions
+from skinfield.contacts.resultant import Field, contact_of
 from skinfield.errors import Floats, check_range
-from skinfield.fields import Contact, PressureNoise
+from skinfield.fields import Contact, ModelError, PressureError, PressureNoise
 from skinfield.layout import Grid
+
+EXACT = ModelError()
 
 
 @lru_cache(maxsize=256)
@@ -48,7 +50,14 @@ class ContactFinder:
         for name in ("relative_height", "prominence", "edge"):
             check_range(name, getattr(self, name), 0.0, 1.0, "a fraction of a peak")
 
-    def __call__(self, grid: Grid, pressure: Floats, noise: PressureNoise) -> tuple[Contact, ...]:
+    def __call__(
+        self,
+        grid: Grid,
+        pressure: Floats,
+        noise: PressureNoise,
+        error: PressureError | None = None,
+        model_error: ModelError = EXACT,
+    ) -> tuple[Contact, ...]:
         """Contacts of one field.
 
         Parameters
@@ -56,7 +65,11 @@ class ContactFinder:
         grid : Grid
         pressure : (K,) array, Pa
         noise : PressureNoise
-            Of the pressure.
+            Of the pressure: what stands out of it is a contact.
+        error : PressureError, optional
+            How far the pressure may be from the truth, if the solver states more than its noise.
+        model_error : ModelError
+            What is wrong with the contacts beside.
 
         Returns
         -------
@@ -74,42 +87,6 @@ class ContactFinder:
         floor = np.full(grid.shape, self.edge * self.relative_height * highest)
         found = regions(picture, drop, floor, self.edge)
         found = [cells for cells in found if (pressure > needed)[cells].any()]
-        contacts = [_contact(grid, pressure, cells, noise) for cells in found]
+        field = Field(grid, pressure, noise if error is None else error, self.edge)
+        contacts = [contact_of(field, cells, model_error) for cells in found]
         return tuple(sorted(contacts, key=lambda contact: -contact.normal_force))
-
-
-def _contact(
-    grid: Grid, pressure: Floats, cells: NDArray[np.int64], noise: PressureNoise
-) -> Contact:
-    weight = pressure[cells] * grid.cell_area
-    total = float(weight.sum())
-    centre = weight @ grid.plane[cells] / total
-    surface = grid.patch.surface
-    position = surface.position_from_plane(centre[None])[0]
-    normal = surface.frame_from_plane(centre[None])[0, :, 2]
-    forces = -weight[:, None] * grid.normals[cells]
-    lever = grid.positions[cells] - position
-    away = grid.plane[cells] - centre
-    spread = (away * weight[:, None]).T @ away / total + np.eye(2) * grid.cell_area / 12
-    variance, direction = np.linalg.eigh(spread)
-    angle = float(np.arctan2(direction[1, 1], direction[0, 1]))
-    corners = grid.origin + border(cells, grid.shape) * grid.pitch
-    area = len(cells) * grid.cell_area
-    ones = np.ones(len(cells))
-    moves = np.stack([*(away / total).T, ones]) * grid.cell_area  # of the place and the force
-    return Contact(
-        position=position,
-        force=forces.sum(axis=0),
-        moment=np.cross(lever, forces).sum(axis=0),
-        normal=normal,
-        area=area,
-        peak_pressure=float(pressure[cells].max()),
-        covariance=noise.covariance_of_sums(cells, moves),
-        area_std=grid.cell_area,
-        radius=float(np.sqrt(area / np.pi)),
-        shape="other",
-        outline=surface.position_from_plane(corners),
-        axes=2.0 * np.sqrt(variance[::-1]),  # of a uniform ellipse with these moments
-        angle=(angle + np.pi / 2) % np.pi - np.pi / 2,
-        cells=cells,
-    )

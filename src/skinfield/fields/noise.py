@@ -2,11 +2,25 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+
+
+class PressureError(Protocol):
+    """How far a pressure may be off: deviation of each cell, and covariance of sums over cells."""
+
+    @property
+    def std(self) -> Floats:
+        """Standard deviation of each cell, (K,) Pa."""
+        ...
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

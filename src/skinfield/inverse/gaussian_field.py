@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import Floats, check_positive
+from skinfield.fields import PressurePosterior
 from skinfield.inverse.operator import InverseOperator
 from skinfield.layout import Grid
 from skinfield.mechanics import LatticeConvolution
@@ -48,17 +49,19 @@ class GaussianField:
 
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Condition the field on the taxels, once."""
+        from scipy.linalg import solve_triangular
+
         length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
         cross = smoothed(model.grid, model.matrix, length).T  # Q A^T per q, (K, L)
         white = 1.0 / model.noise_std
         gram = (model.matrix @ cross) * np.outer(white, white)
         variance = self.snr**2 * len(gram) / np.trace(gram)
-        gram = gram * variance + np.eye(len(gram))
-        cross = variance * cross * white
-        whitened = np.linalg.solve(gram, cross.T).T
-        explained = np.einsum("kl,kl->k", whitened, cross)
-        std = np.sqrt(np.maximum(variance - explained, 0.0))
-        return InverseOperator(whitened * white, std)
+        lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
+        factor = solve_triangular(lower, variance * (cross * white).T, lower=True)
+        matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
+        prior = variance * correlation(model.grid, length)
+        posterior = PressurePosterior.of_lattice(prior, np.ascontiguousarray(factor.T))
+        return InverseOperator(matrix, posterior.std, posterior)
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:
@@ -72,11 +75,16 @@ def taxel_distance(taxels: Floats, alone: float) -> float:
     return float(np.median(distance[:, 1]))
 
 
-def smoothed(grid: Grid, rows: Floats, length: float) -> Floats:
-    """Rows (L, K) times the Matérn-3/2 correlation of the nodes, by convolution: (L, K)."""
+def correlation(grid: Grid, length: float) -> Floats:
+    """Matérn-3/2 correlation of two nodes by their offset in rows and columns: (rows, columns)."""
     height, width = grid.shape
     x, y = lattice(height - 1, width - 1, grid.pitch).T
     scaled = np.sqrt(3.0) * np.hypot(x, y) / length
-    correlation = (1 + scaled) * np.exp(-scaled)
-    smooth = LatticeConvolution(mirrored(correlation.reshape(height, width)))
+    return np.asarray(((1 + scaled) * np.exp(-scaled)).reshape(height, width))
+
+
+def smoothed(grid: Grid, rows: Floats, length: float) -> Floats:
+    """Rows (L, K) times the Matérn-3/2 correlation of the nodes, by convolution: (L, K)."""
+    height, width = grid.shape
+    smooth = LatticeConvolution(mirrored(correlation(grid, length)))
     return np.stack([smooth(row.reshape(height, width)).ravel() for row in rows])

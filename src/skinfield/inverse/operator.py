@@ -7,8 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.fields import Contact, PressureNoise
+from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
 from skinfield.observation import ObservationModel
+
+
+EXACT = ModelError()
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +24,16 @@ class InverseOperator:
     pressure_std : (K,) array, Pa
         One standard deviation of the pressure as the solver states it: a Bayesian one states its
         posterior, the others how far the noise of one reading moves their answer.
+    posterior : PressurePosterior, optional
+        Of a Bayesian solver: its contacts' covariance. Else that is of the readings' noise alone.
+    model_error : ModelError
+        What is wrong with its contacts beside: added to their covariance.
     """
 
     matrix: Floats
     pressure_std: Floats
+    posterior: PressurePosterior | None = None
+    model_error: ModelError = EXACT
 
     def apply(self, readings: Floats, out: Floats) -> None:
         """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,). No allocation."""

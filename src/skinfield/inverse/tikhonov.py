@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import check_positive
-from skinfield.inverse.operator import InverseOperator, propagated_std
+from skinfield.fields import PressurePosterior
+from skinfield.inverse.operator import InverseOperator
 from skinfield.observation import ObservationModel
 
 
@@ -23,7 +24,9 @@ class Tikhonov:
     .. math:: \min_p \|W (A p - y)\|^2 + \lambda^2 \|p\|^2, \quad
               \lambda^2 = \mathrm{tr}(W A A^T W) / (L\,\mathrm{snr}^2)
 
-    with W = diag(1 / noise_std): the same snr suits every patch, grid and unit.
+    with W = diag(1 / noise_std): the same snr suits every patch, grid and unit. The answer is the
+    posterior mean of cells that are independent, each with the variance 1/lambda² (Bishop, Pattern
+    Recognition and Machine Learning, section 3.3); `pressure_std` is that posterior's.
     """
 
     snr: float = 30.0
@@ -33,8 +36,17 @@ class Tikhonov:
 
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
+        from scipy.linalg import solve_triangular
+
         whitened = model.matrix / model.noise_std[:, None]
         gram = whitened @ whitened.T
-        gram[np.diag_indices_from(gram)] += np.trace(gram) / (len(gram) * self.snr**2)
-        matrix = np.linalg.solve(gram, whitened).T / model.noise_std
-        return InverseOperator(matrix, propagated_std(matrix, model.noise_std))
+        penalty = float(np.trace(gram)) / (len(gram) * self.snr**2)
+        gram[np.diag_indices_from(gram)] += penalty
+        lower = np.linalg.cholesky(gram)
+        factor = solve_triangular(lower, whitened, lower=True)
+        matrix = solve_triangular(lower, factor, lower=True, trans=1).T / model.noise_std
+        white = np.zeros(model.grid.shape)
+        white[0, 0] = 1.0 / penalty
+        factor = np.ascontiguousarray(factor.T) / np.sqrt(penalty)
+        posterior = PressurePosterior.of_lattice(white, factor)
+        return InverseOperator(matrix, posterior.std, posterior)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.contacts import ContactFinder
 from skinfield.errors import Floats, Ints
-from skinfield.fields import Contact, PressureNoise
+from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
 from skinfield.inverse import (
     ContactOperator,
     FieldOperator,
@@ -121,6 +121,10 @@ class LinearPlan:
     noise : PressureNoise
     pressure_std : (K,) array, Pa
         As the solver states it.
+    posterior : PressurePosterior or None
+        Of a Bayesian solver.
+    model_error : ModelError
+        That the solver states beside.
     valid : (L,) bool array
         Which taxels it uses.
     """
@@ -130,6 +134,8 @@ class LinearPlan:
     explained: Floats
     noise: PressureNoise
     pressure_std: Floats
+    posterior: PressurePosterior | None
+    model_error: ModelError
     valid: NDArray[np.bool_]
 
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
@@ -142,7 +148,9 @@ class LinearPlan:
             out.fields[part] = (self.operator @ linear.T.astype(setting.precision)).T
             out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
         for row in rows:
-            out.contacts[row] = setting.finder(setting.grid, out.fields[row, :nodes], self.noise)
+            out.contacts[row] = setting.finder(
+                setting.grid, out.fields[row, :nodes], self.noise, self.posterior, self.model_error
+            )
 
     def reset(self) -> None:
         """Nothing is kept."""
@@ -165,6 +173,8 @@ def linear_plan(
         explained=model.matrix @ inverse.matrix,
         noise=PressureNoise(pressure * model.noise_std),
         pressure_std=inverse.pressure_std[nodes],
+        posterior=None if inverse.posterior is None else inverse.posterior.on(nodes),
+        model_error=inverse.model_error,
         valid=valid,
     )
 
