@@ -1,0 +1,128 @@
+r"""The threshold that idle readings exceed at a stated rate, found by importance sampling.
+
+Touches are drawn whose match is about as high as that of a false alarm. If L(y) is the density of
+such readings over that of idle ones, then for any statistic S
+
+.. math:: P_\text{idle}(S > c) = E\left[L(y)^{-1}\, 1(S(y) > c)\right],
+
+and L is a mean over templates, in closed form. False alarms are then common among the draws, each
+with the small weight that it has: a rate of 1e-6 needs no more draws than one of 1e-3, and no tail
+is extrapolated (Naiman and Priebe 2001, for scan statistics).
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.detection.lookback import Lookback
+from skinfield.detection.statistics import Matches, Statistic
+from skinfield.errors import Floats
+
+DRAWS = 4000
+CHUNK = 1_000_000  # scores at once: 8 MB
+MEAN, STD = 4.5, 1.2  # of the matches that are drawn: false alarms at rates from 0.1 to 1e-8
+IDLE = 0.1  # share of the draws without touch, for rates above
+SURE = 2.0  # standard errors that the estimated rate is kept below the stated one
+
+
+@dataclass(frozen=True, eq=False)
+class FalseAlarms:
+    """Rates of false alarms by threshold, from a weighted sample.
+
+    Attributes
+    ----------
+    levels : (N,) array
+        Values of the statistic, falling.
+    rates : (N,) array
+        Share of idle readings whose statistic reaches each level.
+    errors : (N,) array
+        Standard errors of the rates.
+    """
+
+    levels: Floats
+    rates: Floats
+    errors: Floats
+
+    @classmethod
+    def sampled(
+        cls, lookback: Lookback, statistic: Statistic, seed: int, draws: int = DRAWS
+    ) -> "FalseAlarms":
+        """Draw touches, and weigh them."""
+        rng = np.random.default_rng(seed)
+        levels, weights = np.empty(draws), np.empty(draws)
+        chunk = max(1, CHUNK // len(lookback.rate))
+        entry, force = _touches(lookback, draws, rng)
+        for first in range(0, draws, chunk):
+            part = slice(first, first + chunk)
+            matches = lookback.matches(_sums(lookback, entry[part], force[part], rng))
+            weights[part] = 1.0 / (IDLE + (1.0 - IDLE) * _ratio(matches))
+            levels[part] = statistic(matches)
+        order = np.argsort(-levels)
+        rates = np.cumsum(weights[order]) / draws
+        square = np.cumsum(weights[order] ** 2) / draws
+        errors = np.sqrt(np.maximum(square - rates**2, 0.0) / draws)
+        return cls(levels[order], rates, errors)
+
+    def threshold(self, rate: float) -> float:
+        """The lowest level whose rate is, by two standard errors, at most the given one."""
+        above = self.rates + SURE * self.errors > rate
+        first = int(np.argmax(above)) if above.any() else len(above) - 1
+        return float(self.levels[first])
+
+
+def _touches(
+    lookback: Lookback, draws: int, rng: np.random.Generator
+) -> tuple[NDArray[np.int64], Floats]:
+    """Template and length (N,), and force (N,) N: evenly spread; no force for the idle share."""
+    seen = np.flatnonzero(lookback.spread > 0)
+    even = (np.arange(draws) + rng.random(draws)) / draws
+    entry = rng.permutation(seen[(even * len(seen)).astype(np.int64)])
+    force = rng.normal(MEAN, STD, draws) * lookback.spread[entry]
+    force[rng.permutation(draws) < round(IDLE * draws)] = 0.0
+    return entry, force
+
+
+def _sums(
+    lookback: Lookback, entry: NDArray[np.int64], force: Floats, rng: np.random.Generator
+) -> Floats:
+    """Sums (N, W, L) of whitened readings of touches that last as long as each says."""
+    bank, lengths = lookback.bank, np.array(lookback.lengths)
+    length, row = np.divmod(entry, len(bank.scaled))
+    touch = force[:, None] * bank.whitened(bank.scaled[row] * bank.noise.std)
+    out = np.empty((len(entry), len(lengths), touch.shape[1]))
+    noise = np.zeros_like(touch)
+    for index, (long, before) in enumerate(zip(lengths, [0, *lengths[:-1]], strict=True)):
+        noise += np.sqrt(long - before) * bank.idle(len(entry), rng)
+        out[:, index] = noise + np.minimum(lengths[length], long)[:, None] * touch
+    return out
+
+
+def _ratio(matches: Matches) -> Floats:
+    """Density (N,) of readings with the touches that are drawn over that of idle ones."""
+    out = np.empty(len(matches.score))
+    _compiled()(matches.score, matches.spread, out)
+    return out
+
+
+def _tilt(score: Floats, spread: Floats, out: Floats) -> None:
+    """Mean over templates of E exp(u z - u²/2), where u is normal."""
+    wide = 1.0 + STD**2
+    for row in range(score.shape[0]):
+        total, seen = 0.0, 0
+        for j in range(score.shape[1]):
+            if spread[j] > 0.0:
+                z = score[row, j] * spread[j]
+                total += np.exp(((STD * z) ** 2 + MEAN * (2.0 * z - MEAN)) / (2.0 * wide))
+                seen += 1
+        out[row] = total / (seen * np.sqrt(wide))
+
+
+@lru_cache(maxsize=1)
+def _compiled() -> Any:
+    """`_tilt` as machine code: over every draw and template."""
+    from numba import njit
+
+    return njit(cache=True, nogil=True)(_tilt)
