@@ -97,11 +97,11 @@ class Bank:
         return out
 
     def score(self, whitened: Floats) -> Floats:
-        """d (N, J) of sums of whitened readings (N, L): see `Matches`."""
+        """Scores (N, J) of sums of whitened readings (N, L): see `Matches`."""
         return np.asarray(whitened @ self.scaled.T)
 
     def information(self, valid: NDArray[np.bool_]) -> Floats:
-        """g² (J,) of one reading in which some taxels answered: see `Matches`."""
+        """Information g² (J,) of one reading in which some taxels answered: see `Matches`."""
         key = np.packbits(valid).tobytes()
         if key not in self._known:
             while len(self._known) >= MASKS_KEPT:
@@ -122,7 +122,8 @@ class Bank:
     def _shared_part(self, along: Floats, shared: Floats) -> Floats:
         """The offset that best explains a reading, given its product with `shared`; 0 if none."""
         weight = np.square(shared).sum(axis=-1) + self.noise.inverse_variance
-        return np.divide(along, weight, out=np.zeros(np.shape(along)), where=weight > 0)
+        out: Floats = np.divide(along, weight, out=np.zeros(np.shape(along)), where=weight > 0)
+        return out
 
     def idle(self, count: int, rng: np.random.Generator) -> Floats:
         """Whitened noise (count, L) of single readings of an idle patch."""

@@ -21,8 +21,8 @@ def detection(
     r"""What one row of matches says.
 
     By template the posterior of the force is a normal distribution of mean
-    :math:`(d - \lambda)/g^2` and deviation 1/g, cut off at 0: with z = (d - lambda)/g and the hazard
-    r = phi(z)/Phi(z) it has the mean (z + r)/g and the variance (1 - z r - r²)/g².
+    :math:`(d - \lambda)/g^2` and deviation 1/g, cut off at 0: with z = (d - lambda)/g and the
+    hazard r = phi(z)/Phi(z) it has the mean (z + r)/g and the variance (1 - z r - r²)/g².
 
     Parameters
     ----------
