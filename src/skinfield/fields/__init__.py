@@ -6,3 +6,4 @@ from skinfield.fields.model_error import ModelError as ModelError
 from skinfield.fields.noise import PressureError as PressureError
 from skinfield.fields.noise import PressureNoise as PressureNoise
 from skinfield.fields.posterior import PressurePosterior as PressurePosterior
+from skinfield.fields.spread import Spread as Spread

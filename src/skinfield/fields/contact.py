@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.fields.spread import Spread, normal_interval, normal_radius
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,6 +46,8 @@ class Contact:
         Nodes of the grid that make up the region.
     track_id : int or None
         The same for one contact as long as it lasts; given by a `Tracker`.
+    spread : Spread or None
+        Truths of presses like this one, of a reconstructor that is `calibrated`.
     """
 
     position: Floats
@@ -62,6 +65,7 @@ class Contact:
     angle: float
     cells: NDArray[np.int64]
     track_id: int | None = None
+    spread: Spread | None = None
 
     @property
     def normal_force(self) -> float:
@@ -77,3 +81,25 @@ class Contact:
     def place_std(self) -> float:
         """Root of the summed variances of the place along both tangents, m."""
         return float(np.sqrt(self.covariance[0, 0] + self.covariance[1, 1]))
+
+    def force_interval(self, level: float = 0.9) -> tuple[float, float]:
+        """Interval (N, N) that holds the true normal force with probability `level`.
+
+        Of a calibrated contact that of presses like it, which need not lie evenly around the
+        stated force; else that of the normal distribution with `force_std`.
+        """
+        if self.spread is not None:
+            return self.spread.force_interval(level)
+        return normal_interval(self.normal_force, self.force_std, level)
+
+    def area_interval(self, level: float = 0.9) -> tuple[float, float]:
+        """Interval (m², m²) that holds the true area with probability `level`."""
+        if self.spread is not None:
+            return self.spread.area_interval(level)
+        return normal_interval(self.area, self.area_std, level)
+
+    def place_radius(self, level: float = 0.9) -> float:
+        """Radius, m, of the circle about `position` that holds the true one so often."""
+        if self.spread is not None:
+            return self.spread.place_radius(level)
+        return normal_radius(self.covariance[:2, :2], level)
