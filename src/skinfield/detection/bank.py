@@ -125,7 +125,7 @@ class Bank:
         out: Floats = np.divide(along, weight, out=np.zeros(np.shape(along)), where=weight > 0)
         return out
 
-    def idle(self, count: int, rng: np.random.Generator) -> Floats:
+    def idle(self, count: int, rng: "np.random.Generator") -> Floats:
         """Whitened noise (count, L) of single readings of an idle patch."""
         noise = rng.standard_normal((count, len(self.noise.std)))
         if 0 < self.noise.common < np.inf:

@@ -74,7 +74,7 @@ class FalseAlarms:
 
 
 def _touches(
-    lookback: Lookback, draws: int, rng: np.random.Generator
+    lookback: Lookback, draws: int, rng: "np.random.Generator"
 ) -> tuple[NDArray[np.int64], Floats]:
     """Template and length (N,), and force (N,) N: evenly spread; no force for the idle share."""
     seen = np.flatnonzero(lookback.spread > 0)
@@ -86,7 +86,7 @@ def _touches(
 
 
 def _sums(
-    lookback: Lookback, entry: NDArray[np.int64], force: Floats, rng: np.random.Generator
+    lookback: Lookback, entry: NDArray[np.int64], force: Floats, rng: "np.random.Generator"
 ) -> Floats:
     """Sums (N, W, L) of whitened readings of touches that last as long as each says."""
     bank, lengths = lookback.bank, np.array(lookback.lengths)
