@@ -13,10 +13,10 @@ from skinfield.experiments.cases.case import QUANTITIES, Case, quantity_by_name,
 from skinfield.experiments.cases.posed import Pose, posed
 from skinfield.experiments.cases.standard import AROUND, INSET, SILICONE
 from skinfield.experiments.cases.truth import Truth
-from skinfield.experiments.scoring.radial_readings import readings_anywhere
 from skinfield.layout import Patch
 from skinfield.mechanics import Layer
 from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
+from skinfield.simulate.pressing.anywhere import readings_anywhere
 
 SINGLE, SEVERAL, EXTENDED = "single", "several", "extended"
 # 12 : 5 : 3, mixed so that any few presses in a row hold about these shares.

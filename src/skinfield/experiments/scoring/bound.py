@@ -92,8 +92,12 @@ class Family:
         return np.stack(columns, axis=1)
 
 
-def bound_of(jacobian: Floats, noise_std: ArrayLike, size_prior: float | None = None) -> Bound:
+def bound_of(
+    jacobian: Floats, noise_std: ArrayLike, size_prior: float | None = None, sizes_from: int = 3
+) -> Bound:
     """Bound from derivatives (L, P) by x m, y m, ln F and possibly ln size.
+
+    Several contacts have x, y, ln F of each, then the sizes; `place` and `force` are of the first.
 
     Parameters
     ----------
@@ -107,9 +111,10 @@ def bound_of(jacobian: Floats, noise_std: ArrayLike, size_prior: float | None = 
     check_positive("noise_std", float(noise.min()), "no reading is exact")
     white = jacobian / (noise[:, None] if noise.ndim else noise)
     information = white.T @ white
-    if size_prior is not None and len(information) > 3:
+    if size_prior is not None:
         check_positive("size_prior", size_prior, "standard deviation of ln size")
-        information[3, 3] += size_prior**-2
+        sizes = np.arange(sizes_from, len(information))
+        information[sizes, sizes] += size_prior**-2
     scale = np.sqrt(np.diag(information))
     if not (scale > 0).all():
         return Bound(np.inf, np.inf, np.empty((0, 0)))

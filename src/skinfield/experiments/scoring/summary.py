@@ -98,23 +98,27 @@ def summarise(
     contacts = sum(score.true_contacts for score in scores)
     false = [score.false for score in scores]
     return Summary(
-        measures=_figures(table, resamples, seed, level),
-        missed=_rate(sum(score.missed for score in scores), contacts),
-        false_share=_rate(sum(count > 0 for count in false), len(scores)),
+        measures=figures_of(table, resamples, seed, level),
+        missed=rate_of(sum(score.missed for score in scores), contacts),
+        false_share=rate_of(sum(count > 0 for count in false), len(scores)),
         false_per_reading=float(np.mean(false)),
         readings=len(scores),
         contacts=contacts,
     )
 
 
-def _rate(hits: int, trials: int) -> Interval:
+def rate_of(hits: int, trials: int) -> Interval:
+    """Share of hits with Wilson's interval; NaN where nothing was tried."""
     return Interval(hits / trials, *wilson(hits, trials)) if trials else Interval(*[np.nan] * 3)
 
 
-def _figures(
-    table: dict[str, Floats], resamples: int, seed: int, level: float
+def figures_of(
+    table: dict[str, Floats], resamples: int = RESAMPLES, seed: int = 0, level: float = 0.95
 ) -> dict[str, Figures]:
-    """Measures that lack the same scores share one bootstrap: it is the dear part."""
+    """Median, 90th percentile and mean of measures, each (N,), with their intervals.
+
+    NaN is left out. Measures that lack the same values share one bootstrap: it is the dear part.
+    """
     known = {name: np.isfinite(values) for name, values in table.items()}
     groups: dict[bytes, list[str]] = {}
     for name, mask in known.items():

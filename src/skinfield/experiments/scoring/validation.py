@@ -1,20 +1,43 @@
 """Any solver on any cases."""
 
+import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 from skinfield.experiments.cases.case import Case, quantity_by_name
 from skinfield.experiments.scoring.matching import GATE
 from skinfield.experiments.scoring.score import Judge, Score
+from skinfield.fields import Contact
 from skinfield.inverse import Solver
 from skinfield.layout import Grid
 from skinfield.mechanics import Mechanics
 from skinfield.pipeline import Reconstructor
 
 KEPT = 8  # reconstructions that stay prepared: cases of one skin share theirs
+PLACE_90, FORCE_90 = 4.605, 2.706  # squared deviations that hold 90 %: of two numbers, and of one
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What a solver made of one reading, and how long that took.
+
+    Attributes
+    ----------
+    score : Score
+    cold, warm : float, s
+        For a reading after nothing; and for another one of the same press right after it.
+    place_held, force_held : int
+        Matched contacts whose stated 90 % region holds the true place, and force.
+    """
+
+    score: Score
+    cold: float
+    warm: float
+    place_held: int
+    force_held: int
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -43,11 +66,44 @@ class Entrant:
 
         The entrant is told the layer, the quantity and the noise that the case states.
         """
-        reconstruct = self._reconstructor(case)
+        reconstruct = self.reconstructor(case)
         judge = Judge(case, reconstruct.grid, self.gate)
         return [judge(estimate) for estimate in reconstruct(case.draws)]
 
-    def _reconstructor(self, case: Case) -> Reconstructor:
+    def attempt(self, case: Case) -> Attempt:
+        """Take up the first two readings of a case, one by one; the first is scored.
+
+        Raises
+        ------
+        InputError
+            For a case of fewer readings.
+        """
+        if len(case.draws) < 2:
+            raise InputError(
+                f"case {case.name!r} has one reading, expected two: the second is warm"
+            )
+        reconstruct = self.reconstructor(case)
+        reconstruct.reset()
+        start = time.perf_counter()
+        estimate = reconstruct(case.draws[0])
+        between = time.perf_counter()
+        reconstruct(case.draws[1])
+        end = time.perf_counter()
+        score = Judge(case, reconstruct.grid, self.gate)(estimate)
+        held = [_held(estimate.contacts[match.found], case, match.true) for match in score.matches]
+        return Attempt(
+            score, between - start, end - between, sum(p for p, _ in held), sum(f for _, f in held)
+        )
+
+    def false_contacts(self, case: Case, draws: int, seed: int) -> list[int]:
+        """Contacts found in each of some readings of the case's skin at rest, with its noise."""
+        idle = np.random.default_rng(seed).standard_normal((draws, len(case.patch)))
+        reconstruct = self.reconstructor(case)
+        reconstruct.reset()
+        return [len(found) for found in reconstruct(idle * case.noise_std).contacts]
+
+    def reconstructor(self, case: Case) -> Reconstructor:
+        """Reconstruction of the case's skin, told its noise; kept for the next such case."""
         mechanics = case.mechanics if self.mechanics is None else self.mechanics
         patch = case.patch
         arrays: tuple[Floats, ...] = (patch.positions, patch.normals, case.noise_std)
@@ -71,6 +127,19 @@ class Entrant:
                 noise_std=case.noise_std,
             )
         return self._prepared[key]
+
+
+def _held(found: Contact, case: Case, true: int) -> tuple[bool, bool]:
+    """Whether the regions that hold 90 %, as the contact states them, hold place and force."""
+    contact = case.truth.contacts[true]
+    place = case.patch.surface.position_from_plane(np.array([contact.position]))[0]
+    apart = (found.position - place)[:2]  # of a flat patch
+    spread = found.covariance[:2, :2]
+    if not np.isfinite(found.covariance).all() or np.linalg.det(spread) <= 0.0:
+        return False, False
+    square = float(apart @ np.linalg.solve(spread, apart))
+    force = (found.normal_force - contact.force) ** 2 / float(found.covariance[2, 2])
+    return square <= PLACE_90, force <= FORCE_90
 
 
 def validated(entrant: Entrant, cases: Iterable[Case]) -> Iterator[tuple[Case, list[Score]]]:

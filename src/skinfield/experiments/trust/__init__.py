@@ -1,0 +1,1 @@
+"""Contacts you can trust: solvers on random unseen presses, beside the bound."""
