@@ -19,15 +19,20 @@ thicknesses and Poisson's ratios, each at a place and an angle of its own: 22 ki
 truth comes from the contact solver; the same seed gives the same files. docs/cases.md says what is
 in them, so that you can write your own.
 
+With --unseen they are random presses instead, one to three bodies on one elastomer: balls of 2 to
+15 mm radius above all, cones, flats, bars and rings.
+
 \b
   skinfield cases cases
   skinfield cases cases --count 44 --seed 7 --quantity stress --noise 400 --draws 10
+  skinfield cases unseen --unseen 200 --layout icub_hexagon --draws 0
 """,
 )
 @click.argument("folder")
 @click.option(
     "--count", type=click.IntRange(1, 10_000), default=22, show_default=True, help="Of cases."
 )
+@click.option("--unseen", type=click.IntRange(1, 10_000), help="So many random presses instead.")
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of places and noise."
 )
@@ -52,6 +57,7 @@ in them, so that you can write your own.
 def cases(
     folder: str,
     count: int,
+    unseen: int | None,
     seed: int,
     layout: str,
     patch_name: str | None,
@@ -63,14 +69,16 @@ def cases(
     """Make and write cases."""
     from skinfield.experiments.cases.files import save_case
     from skinfield.experiments.cases.standard import standard_cases
+    from skinfield.experiments.cases.unseen import unseen_cases
 
     if noise is not None:
         check_positive("--noise", noise, "no reading is exact")
     patch = patch_of(skin_from_text(layout), patch_name)
     place = _prepared(Path(folder), replace)
+    make, count = (standard_cases, count) if unseen is None else (unseen_cases, unseen)
     with progress() as bar:
         task = bar.add_task("pressing", total=count)
-        for case in standard_cases(patch, count, seed, quantity, noise, draws):
+        for case in make(patch, count, seed, quantity, noise, draws):
             save_case(case, place / f"{case.name}.npz")
             bar.update(task, advance=1)
     console().print(

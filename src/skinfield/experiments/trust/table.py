@@ -45,9 +45,11 @@ def accuracy_rows(
                 continue
             head: Row = {"quantity": quantity, "noise": noise, "method": name}
             head["presses"] = len({row["case"] for row in mine})
-            numbers = _numbers(mine, 1 if name in BOUNDS else resamples, seed)
-            rates = {} if name in BOUNDS else _rates(mine, _of(idle, quantity, noise, name))
-            out.append(head | numbers | rates)
+            if name in BOUNDS:
+                out.append(head | _plain(mine))
+                continue
+            found = _of(idle, quantity, noise, name)
+            out.append(head | _numbers(mine, resamples, seed) | _rates(mine, found))
     return out
 
 
@@ -62,19 +64,31 @@ def column(rows: Sequence[Row], key: str) -> Floats:
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
-def _numbers(rows: Sequence[Row], resamples: int, seed: int) -> Row:
-    present = [name for name in MEASURES if name in rows[0]]
+def _named(measure: str) -> tuple[str, float]:
+    """Column of a measure, with the unit that it is shown in, and the factor into it."""
+    stem, _, end = measure.rpartition("_")
+    unit, scale = UNITS.get(end, ("", 1.0))
+    return (f"{stem}_{unit}" if unit else measure), scale
+
+
+def _plain(rows: Sequence[Row]) -> Row:
+    """Median and 90th percentile of what the rows have: many draws each, so no interval."""
     found: Row = {}
-    for name, figures in figures_of(
-        {name: column(rows, name) for name in present}, resamples, seed
-    ).items():
-        stem, _, end = name.rpartition("_")
-        unit, scale = UNITS.get(end, ("", 1.0))
-        key = f"{stem}_{unit}" if unit else name
+    for name in [name for name in MEASURES if name in rows[0]]:
+        key, scale = _named(name)
+        median, p90 = np.quantile(column(rows, name) * scale, [0.5, 0.9])
+        found |= {f"{key}_median": float(median), f"{key}_p90": float(p90)}
+    return found
+
+
+def _numbers(rows: Sequence[Row], resamples: int, seed: int) -> Row:
+    table = {name: column(rows, name) for name in MEASURES}
+    found: Row = {}
+    for name, figures in figures_of(table, resamples, seed).items():
+        key, scale = _named(name)
         found[f"{key}_median"] = figures.median.value * scale
-        if resamples > 1:
-            found[f"{key}_low"] = figures.median.low * scale
-            found[f"{key}_high"] = figures.median.high * scale
+        found[f"{key}_low"] = figures.median.low * scale
+        found[f"{key}_high"] = figures.median.high * scale
         found[f"{key}_p90"] = figures.p90.value * scale
     return found
 
