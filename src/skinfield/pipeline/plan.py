@@ -1,13 +1,14 @@
 """Everything about a patch that needs no reading, by what kind of solver it has."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.contacts import ContactFinder
+from skinfield.contacts.finder import EXACT
 from skinfield.errors import Floats, Ints
 from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
 from skinfield.inverse import (
@@ -68,6 +69,10 @@ class Plan(Protocol):
         """Forget the readings before."""
         ...
 
+    def within(self, setting: "Setting") -> "Plan":
+        """The same in another setting of the same patch."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class Setting:
@@ -86,6 +91,8 @@ class Setting:
     quantity : Quantity
     finder : ContactFinder
     precision : numpy.float64 or numpy.float32
+    model_errors : bool
+        Whether contacts state the solver's own model error; not where intervals are learnt.
     """
 
     model: ObservationModel
@@ -95,6 +102,7 @@ class Setting:
     quantity: Quantity
     finder: ContactFinder
     precision: type[np.floating[Any]]
+    model_errors: bool = True
 
 
 def make_plan(setting: Setting, solver: Solver, valid: NDArray[np.bool_]) -> Plan:
@@ -149,11 +157,19 @@ class LinearPlan:
             out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
         for row in rows:
             out.contacts[row] = setting.finder(
-                setting.grid, out.fields[row, :nodes], self.noise, self.posterior, self.model_error
+                setting.grid,
+                out.fields[row, :nodes],
+                self.noise,
+                self.posterior,
+                self.model_error if setting.model_errors else EXACT,
             )
 
     def reset(self) -> None:
         """Nothing is kept."""
+
+    def within(self, setting: Setting) -> "LinearPlan":
+        """See `Plan.within`."""
+        return replace(self, setting=setting)
 
 
 def linear_plan(
@@ -209,6 +225,10 @@ class FieldPlan:
         if reset is not None:
             reset()
 
+    def within(self, setting: Setting) -> "FieldPlan":
+        """See `Plan.within`."""
+        return replace(self, setting=setting)
+
 
 @dataclass(frozen=True, eq=False)
 class ContactPlan:
@@ -235,6 +255,10 @@ class ContactPlan:
     def reset(self) -> None:
         """Forget the reading before."""
         self.operator.reset()
+
+    def within(self, setting: Setting) -> "ContactPlan":
+        """See `Plan.within`."""
+        return replace(self, setting=setting)
 
 
 def _until(deadline: float | None) -> int | None:

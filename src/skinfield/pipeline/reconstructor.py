@@ -1,8 +1,10 @@
 """One patch: from readings to fields and contacts."""
 
+import copy
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from skinfield.inverse import GaussianField, Solver
 from skinfield.layout import Grid, Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Deformation, ObservationModel, Quantity
+from skinfield.pipeline.intervals import Intervals
 from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting, make_plan
 from skinfield.pipeline.support import support_of
 
@@ -44,6 +47,8 @@ class Reconstructor:
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32
         Of the prepared matrix; float32 halves the time per reading.
+    intervals : Intervals, optional
+        Of `calibrated`, learnt before for such a reconstructor.
     """
 
     def __init__(
@@ -58,6 +63,7 @@ class Reconstructor:
         noise_std: ArrayLike | None = None,
         finder: ContactFinder | None = None,
         precision: type[np.floating[Any]] = np.float64,
+        intervals: Intervals | None = None,
     ) -> None:
         self.patch = patch
         self.layer = Layer() if layer is None else layer
@@ -81,7 +87,11 @@ class Reconstructor:
             self.quantity,
             self.finder,
             precision,
+            model_errors=intervals is None,
         )
+        self.intervals = intervals
+        if intervals is not None:
+            intervals.check(*self.kind)
         self._plans: OrderedDict[bytes, Plan] = OrderedDict()
         self._plan = self._plan_for(np.ones(len(patch), np.bool_))
         self._linear = np.empty(len(patch), precision)
@@ -156,7 +166,7 @@ class Reconstructor:
         for pattern, rows in _patterns(mask):
             part = table[rows] if pattern.all() else table[np.ix_(rows, pattern)]
             self._plan_for(pattern).solve(part, rows, out, deadline)
-        nodes = len(self.grid)
+        nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]
         estimate = Estimate(
             grid=self.grid,
@@ -164,7 +174,7 @@ class Reconstructor:
             traction=-pressure[:, :, None] * self.grid.normals,
             displacement=np.moveaxis(out.fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
             pressure_std=out.pressure_std,
-            contacts=tuple(out.contacts),
+            contacts=tuple(found if learnt is None else learnt(found) for found in out.contacts),
             residual=out.residual,
             valid=mask,
             stamp_ns=stamps,
@@ -172,6 +182,55 @@ class Reconstructor:
             notes=tuple(out.notes),
         )
         return estimate[0] if single else estimate
+
+    def calibrated(
+        self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
+    ) -> "Reconstructor":
+        """Learn from simulated presses how often contacts are how far off; some seconds.
+
+        Parameters
+        ----------
+        presses : int
+            Each at a place, with a load and with noise of its own; see `pipeline.rehearsal`.
+        seed : int
+        bodies : sequence of Indenter, optional
+            That press. Default balls, flats, a cone and a bar.
+
+        Returns
+        -------
+        Reconstructor
+            One that shares what is prepared. The covariance of its contacts is such that 1.645
+            standard deviations each way hold 90 % of the forces, and the ellipse of squared radius
+            4.605 as many places; `force_interval`, `place_radius` and `area_interval` give any
+            level. Its `intervals` can be saved, and handed to a reconstructor that is made anew.
+
+        Raises
+        ------
+        InputError
+            For too few presses, or a quantity that the simulator does not know.
+        """
+        from skinfield.pipeline.learnt import intervals_of
+
+        return self.with_intervals(intervals_of(self, presses, seed, bodies))
+
+    def with_intervals(self, intervals: Intervals | None) -> "Reconstructor":
+        """Share what is prepared; with None, contacts state not even the solver's model error."""
+        if intervals is not None:
+            intervals.check(*self.kind)
+        other = copy.copy(self)
+        other.intervals = intervals
+        other._setting = replace(self._setting, model_errors=False)
+        other._plan = self._plan.within(other._setting)
+        other._plans = OrderedDict(
+            (key, plan.within(other._setting)) for key, plan in self._plans.items()
+        )
+        return other
+
+    @property
+    def kind(self) -> tuple[str, str, int, float]:
+        """What intervals are learnt for: solver, what is read, number of taxels, mean noise."""
+        noise = float(self.model.noise_std.mean())
+        return type(self.solver).__name__, self.quantity.symbol, len(self.patch), noise
 
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
