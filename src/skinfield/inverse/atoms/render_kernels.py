@@ -1,0 +1,292 @@
+"""Fields of atoms on a grid, compiled: cell by cell, without allocation.
+
+A row of `atoms` (N, 6) has x m, y m, force N, radius m, half-length m, angle rad. The contact is
+drawn out along a segment where the half-length is not 0: a mixture of round ones.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from skinfield.errors import Floats
+from skinfield.inverse.atoms.render_tables import (
+    INNER,
+    LARGEST,
+    LOG_STEP,
+    OUTER,
+    SMALLEST,
+    TERMS,
+    SurfaceTable,
+)
+from skinfield.layout import Grid
+
+STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right
+FEWEST, MOST = 5, 15  # round atoms along a segment
+FINE, COARSE = 8, 4  # Gauss-Legendre nodes across a row of cells: where these are wide, and narrow
+COUNT = OUTER * 4 + INNER
+
+
+def _along() -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes and weights, those of n points in row n, weights adding up to 1."""
+    node, weight = np.zeros((MOST + 1, MOST)), np.zeros((MOST + 1, MOST))
+    for count in range(1, MOST + 1):
+        x, w = np.polynomial.legendre.leggauss(count)
+        node[count, :count], weight[count, :count] = x, w / 2.0
+    return node, weight
+
+
+NODE, WEIGHT = _along()
+
+
+class Surface(NamedTuple):
+    """A `SurfaceTable` as compiled functions take it."""
+
+    pressure: Floats
+    displacement: Floats
+    first_log: float
+    thickness: float
+    reach: float
+
+
+class Mesh(NamedTuple):
+    """A `Grid` as compiled functions take it."""
+
+    x: float
+    y: float
+    pitch: float
+    rows: int
+    columns: int
+
+
+def surface_of(table: SurfaceTable) -> Surface:
+    """Arrays of a table."""
+    return Surface(
+        table.pressure, table.displacement, table.first_log, table.thickness, table.reach
+    )
+
+
+def mesh_of(grid: Grid) -> Mesh:
+    """Where the cells are."""
+    return Mesh(float(grid.origin[0]), float(grid.origin[1]), grid.pitch, *grid.shape)
+
+
+@njit(cache=True, nogil=True)
+def held(radius: float, surface: Surface) -> float:
+    """The radius, brought to where it is tabulated."""
+    return min(max(radius, SMALLEST * surface.thickness), LARGEST * surface.thickness)
+
+
+@njit(cache=True, nogil=True)
+def points_along(radius: float, half: float) -> int:
+    """How many round atoms make up one: dense enough that they overlap."""
+    if half <= 0.0:
+        return 1
+    return min(max(int(np.ceil(3.0 + 2.0 * half / radius)), FEWEST), MOST)
+
+
+@njit(cache=True, nogil=True)
+def _blend(radius: float, surface: Surface, basis: Floats) -> int:
+    """Cubic B-splines (4,) over ln(radius); returns the first of the four nodes."""
+    place = (np.log(radius / surface.thickness) - surface.first_log) / LOG_STEP
+    at = int(place)
+    t = place - at
+    s = 1.0 - t
+    basis[0] = s * s * s / 6.0
+    basis[1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
+    basis[2] = (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0
+    basis[3] = t * t * t / 6.0
+    return at - 1
+
+
+@njit(cache=True, nogil=True)
+def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -> None:
+    """Coefficients of the pressure of 1 N, times pi a², into `room` (TERMS + 4,)."""
+    basis = room[TERMS:]
+    first = _blend(radius, surface, basis)
+    table = surface.pressure[family]
+    for j in range(TERMS):
+        room[j] = (
+            basis[0] * table[first, j]
+            + basis[1] * table[first + 1, j]
+            + basis[2] * table[first + 2, j]
+            + basis[3] * table[first + 3, j]
+        )
+
+
+@njit(cache=True, nogil=True)
+def _partial(x: float, square: float, family: int, terms: Floats) -> float:
+    r"""Integral over 0 .. x of the sum of terms times (s² - x²)^(j ± 1/2), by recursion in j."""
+    left = square - x * x
+    if left < 1e-14 * square:  # the end of a chord, but for rounding
+        left = 0.0
+    root = np.sqrt(left)
+    integral = np.arctan2(x, root)  # of (s² - x²)^(-1/2)
+    power, exponent = root, 0.5  # (s² - x²)^exponent
+    total = 0.0
+    start = 0
+    if family == 1:
+        total = terms[0] * integral
+        start = 1
+    for j in range(start, TERMS):
+        integral = (x * power + 2.0 * exponent * square * integral) / (2.0 * exponent + 1.0)
+        total += terms[j] * integral
+        power *= left
+        exponent += 1.0
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _add_round(
+    x: float,
+    y: float,
+    radius: float,
+    share: float,
+    family: int,
+    terms: Floats,
+    mesh: Mesh,
+    box: Any,
+    cells: Floats,
+) -> None:
+    """Add a round atom's force per cell to the cells of a box (first row, column, rows, columns).
+
+    Along x each chord is integrated in closed form, so that its parts add up exactly; across, the
+    whole chords are a polynomial, which the rule integrates exactly.
+    """
+    pitch = mesh.pitch / radius
+    low_x = (mesh.x + (box[1] - 0.5) * mesh.pitch - x) / radius
+    low_y = (mesh.y + (box[0] - 0.5) * mesh.pitch - y) / radius
+    count = COARSE if pitch < 0.3 else FINE
+    for row in range(box[2]):
+        low, high = max(low_y + row * pitch, -1.0), min(low_y + (row + 1) * pitch, 1.0)
+        if high <= low:
+            continue
+        for q in range(count):
+            place = (low + high) / 2.0 + (high - low) / 2.0 * NODE[count, q]
+            square = 1.0 - place * place
+            if square <= 0.0:
+                continue
+            half = np.sqrt(square)
+            weight = share * WEIGHT[count, q] * (high - low) / np.pi
+            first = int((-half - low_x) / pitch)
+            before = _partial(-half, square, family, terms)
+            for column in range(max(first, 0), box[3]):
+                edge = low_x + (column + 1) * pitch
+                now = _partial(min(edge, half), square, family, terms)
+                cells[row * box[3] + column] += weight * (now - before)
+                before = now
+                if edge >= half:
+                    break
+
+
+@njit(cache=True, nogil=True)
+def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Floats) -> None:
+    """Tilt of the shares (2,), per pitch, and their centre (2,), pitches from the box's first cell.
+
+    A mean over cells moves the centre of pressure a little; the tilt brings it back to x and y.
+    """
+    moments[:] = 0.0
+    total, mean_x, mean_y = 0.0, 0.0, 0.0
+    for row in range(box[2]):
+        for column in range(box[3]):
+            share = cells[row * box[3] + column]
+            total += share
+            mean_x += share * column
+            mean_y += share * row
+    if total <= 0.0:
+        return
+    mean_x /= total
+    mean_y /= total
+    xx, xy, yy = 0.0, 0.0, 0.0
+    for row in range(box[2]):
+        for column in range(box[3]):
+            share = cells[row * box[3] + column] / total
+            xx += share * (column - mean_x) ** 2
+            xy += share * (column - mean_x) * (row - mean_y)
+            yy += share * (row - mean_y) ** 2
+    away_x = (x - mesh.x) / mesh.pitch - box[1] - mean_x
+    away_y = (y - mesh.y) / mesh.pitch - box[0] - mean_y
+    det = xx * yy - xy * xy
+    if det > 0.01 * xx * yy and min(xx, yy) > 1e-6:
+        tilt_x, tilt_y = (yy * away_x - xy * away_y) / det, (xx * away_y - xy * away_x) / det
+    else:
+        tilt_x = away_x / xx if xx > 1e-6 else 0.0
+        tilt_y = away_y / yy if yy > 1e-6 else 0.0
+    far_x, far_y = max(mean_x, box[3] - 1 - mean_x), max(mean_y, box[2] - 1 - mean_y)
+    steep = abs(tilt_x) * far_x + abs(tilt_y) * far_y
+    shrink = min(1.0, STEEPEST / steep) if steep > 0.0 else 0.0
+    moments[0], moments[1], moments[2], moments[3] = (
+        shrink * tilt_x,
+        shrink * tilt_y,
+        mean_x,
+        mean_y,
+    )
+
+
+@njit(cache=True, nogil=True)
+def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
+    """First row and column, and rows and columns, that an atom covers; False if all are off."""
+    wide = abs(atom[4] * np.cos(atom[5])) + radius
+    high = abs(atom[4] * np.sin(atom[5])) + radius
+    box[1] = int(np.floor((atom[0] - wide - mesh.x) / mesh.pitch + 0.5))
+    box[0] = int(np.floor((atom[1] - high - mesh.y) / mesh.pitch + 0.5))
+    box[3] = int(np.floor((atom[0] + wide - mesh.x) / mesh.pitch + 0.5)) - box[1] + 1
+    box[2] = int(np.floor((atom[1] + high - mesh.y) / mesh.pitch + 0.5)) - box[0] + 1
+    return bool(
+        box[0] < mesh.rows and box[1] < mesh.columns and box[0] + box[2] > 0 and box[1] + box[3] > 0
+    )
+
+
+@njit(cache=True, nogil=True)
+def add_pressure(
+    atom: Floats,
+    family: int,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    box: Any,
+    cells: Floats,
+    room: Floats,
+) -> bool:
+    """Add an atom's mean pressure on each cell, (K,) Pa. False if it lies off the grid.
+
+    `box` (4,) int becomes the cells it covers, also those off the grid, which `cells` has room for.
+    """
+    radius = held(atom[3], surface)
+    if not box_of(atom, radius, mesh, box):
+        return False
+    size = box[2] * box[3]
+    cells[:size] = 0.0
+    pressure_terms(radius, family, surface, room)
+    count = points_along(radius, atom[4])
+    east, north = atom[4] * np.cos(atom[5]), atom[4] * np.sin(atom[5])
+    for q in range(count):
+        node = NODE[count, q]
+        x, y = atom[0] + node * east, atom[1] + node * north
+        _add_round(x, y, radius, WEIGHT[count, q], family, room, mesh, box, cells)
+    moments = room[TERMS:]
+    _centre(atom[0], atom[1], mesh, box, cells, moments)
+    scale = atom[2] / (mesh.pitch * mesh.pitch)
+    for row in range(max(0, -box[0]), min(box[2], mesh.rows - box[0])):
+        for column in range(max(0, -box[1]), min(box[3], mesh.columns - box[1])):
+            tilt = moments[0] * (column - moments[2]) + moments[1] * (row - moments[3])
+            k = (box[0] + row) * mesh.columns + box[1] + column
+            out[k] += scale * (1.0 + tilt) * cells[row * box[3] + column]
+    return True
+
+
+@njit(cache=True, nogil=True)
+def pressure(
+    atoms: Floats,
+    family: Any,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    box: Any,
+    cells: Floats,
+    room: Floats,
+) -> None:
+    """Write the mean pressure on each cell, (K,) Pa."""
+    out[:] = 0.0
+    for n in range(len(atoms)):
+        add_pressure(atoms[n], family[n], surface, mesh, out, box, cells, room)

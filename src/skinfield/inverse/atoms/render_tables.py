@@ -1,0 +1,207 @@
+r"""What round contacts look like on the surface, as tables over their radius.
+
+With t² = 1 - r²/a², the pressure of 1 N is
+
+.. math:: p = \frac{1}{\pi a^2} \sum_{j=0}^{J-1} c_j\, t^{2j \pm 1},
+
+plus for a ball, minus for a flat end; J = 1 are Hertz and Boussinesq, and more terms the exact
+solution on a layer. Displacements are polynomials in t below the contact and functions of
+sqrt(r² - a²) beside it; they come from the mechanics' response to a small loaded square, integrated
+in polar coordinates about the point that moves, so that neither pole nor edge is left.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from skinfield.errors import Floats
+from skinfield.inverse.atoms.profiles import BALL, FLAT, unit_pressure
+from skinfield.mechanics import Layer, Mechanics
+
+LOG_STEP = 0.2  # of ln(a/h)
+SMALLEST, LARGEST = 0.15, 8.0  # radii in thicknesses that are rendered as they are
+MARGIN = 3  # nodes beyond: where a B-spline feels the end of its data
+TERMS = 8  # of the pressure
+INNER = 10  # of the displacement below the contact
+OUTER = 64  # intervals of the displacement beside it
+FOLD = 2.0  # thicknesses beside the contact at which half of them are used up
+REACH = 12.0  # thicknesses beside the contact where a bonded layer is at rest: to 2e-4 of the peak
+PROBE = 1e-4  # thicknesses: side of the loaded square that stands for a point
+NEAREST, FARTHEST = 1e-3, 1e3  # thicknesses from it between which its response is tabulated
+
+Kernel = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceTable:
+    """Cubic B-splines over ln(a/h), the nodes `LOG_STEP` apart.
+
+    Attributes
+    ----------
+    pressure : (2, radii, TERMS) array
+        The coefficients c of balls and of flat ends.
+    displacement : (2, radii, 2, INNER + 4 OUTER) array
+        Of 1 N, times the radius: along the outward normal, m²/N, and away from the axis over the
+        distance from it, m/N. First the coefficients of powers of t, then per interval of
+        x = s / (s + FOLD h), s² = r² - a², those of the cubic, the highest power first.
+    first_log : float
+        ln(a/h) of the first node.
+    thickness : float, m
+    reach : float, m
+        Beside the contact, beyond which nothing moves.
+    """
+
+    pressure: Floats
+    displacement: Floats
+    first_log: float
+    thickness: float
+    reach: float
+
+
+@lru_cache(maxsize=8)
+def surface_table(layer: Layer, mechanics: Mechanics) -> SurfaceTable:
+    """Tabulate, once for each layer."""
+    h = layer.thickness
+    first = np.log(SMALLEST) - MARGIN * LOG_STEP
+    count = int(np.ceil(np.log(LARGEST / SMALLEST) / LOG_STEP)) + 2 * MARGIN + 1
+    radii = h * np.exp(first + LOG_STEP * np.arange(count))
+    coefficients = np.array(
+        [[_pressure_terms(layer, mechanics, family, a) for a in radii] for family in (BALL, FLAT)]
+    )
+    response = _point_response(layer, mechanics)
+    moved = np.array(
+        [
+            [
+                _displacement_terms(response, h, family, a, c)
+                for a, c in zip(radii, coefficients[family], strict=True)
+            ]
+            for family in (BALL, FLAT)
+        ]
+    )
+    finite = np.isfinite(mechanics.reach(layer))
+    return SurfaceTable(
+        pressure=_splines(coefficients),
+        displacement=_splines(moved),
+        first_log=float(first),
+        thickness=h,
+        reach=REACH * h if finite else np.inf,
+    )
+
+
+def _splines(values: Floats) -> Floats:
+    """Coefficients of cubic B-splines through values, along axis 1."""
+    from scipy.ndimage import spline_filter1d
+
+    out = np.empty_like(values)
+    spline_filter1d(values, 3, axis=1, output=out, mode="mirror")
+    return out
+
+
+def exponents(family: int) -> Floats:
+    """Powers of t in the pressure of a ball or a flat end."""
+    return 2.0 * np.arange(TERMS) + (1.0 if family == BALL else -1.0)
+
+
+def _pressure_terms(layer: Layer, mechanics: Mechanics, family: int, a: float) -> Floats:
+    """Coefficients c (TERMS,) that add up to 1 N."""
+    t = 0.5 - 0.5 * np.cos((np.arange(4 * TERMS) + 0.5) * np.pi / (4 * TERMS))
+    weight = t if family == FLAT else np.ones_like(t)  # bounded: the edge of a flat end is not
+    each = unit_pressure(layer, mechanics, family, a, a * np.sqrt(1.0 - t**2)) * (np.pi * a**2)
+    power = exponents(family)
+    terms = np.linalg.lstsq(t[:, None] ** power * weight[:, None], each * weight, rcond=None)[0]
+    return np.asarray(terms / (terms @ (2.0 / (power + 2.0))))
+
+
+def _point_response(layer: Layer, mechanics: Mechanics) -> Callable[[Floats], Floats]:
+    """Displacement of 1 N into the skin times the distance rho: (2, ...) m²/N at rho in m.
+
+    Along the outward normal, and away from the load.
+    """
+    from scipy.interpolate import CubicSpline
+
+    h = layer.thickness
+    logs = np.linspace(np.log(NEAREST * h), np.log(FARTHEST * h), 400)
+    rho, side = np.exp(logs), PROBE * h
+    offset = np.column_stack([rho, np.zeros_like(rho)])
+    each = mechanics.surface_displacement(layer, offset, side) / -(side**2)
+    values = np.stack([each[:, 2, 2] * rho, each[:, 0, 2] * rho])
+    spline = CubicSpline(logs, values, axis=1)
+
+    def response(distance: Floats) -> Floats:
+        inside = np.clip(np.log(np.maximum(distance, 1e-30)), logs[0], logs[-1])
+        return np.asarray(spline(inside))
+
+    return response
+
+
+def _displacement_terms(response: Kernel, h: float, family: int, a: float, terms: Floats) -> Floats:
+    """Coefficients (2, INNER + 4 OUTER) of one radius, see `SurfaceTable`."""
+    from scipy.interpolate import CubicSpline
+
+    t = 0.5 - 0.5 * np.cos((np.arange(2 * INNER) + 0.5) * np.pi / (2 * INNER))
+    below = np.stack([_below(response, h, family, a, terms, r) for r in a * np.sqrt(1.0 - t**2)])
+    inner = np.linalg.lstsq(t[:, None] ** np.arange(INNER), below, rcond=None)[0]
+    x = np.arange(OUTER) / OUTER
+    s = FOLD * h * x / (1.0 - x)
+    beside = np.stack([_beside(response, h, family, a, terms, r) for r in np.hypot(s, a)])
+    spline = CubicSpline(np.arange(OUTER + 1), np.vstack([beside, np.zeros(2)]))
+    outer = spline.c.transpose(1, 0, 2).reshape(4 * OUTER, 2)
+    return np.asarray(a * np.vstack([inner, outer]).T)
+
+
+def _rule(a: float, h: float) -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes and weights on [0, 1] that resolve a response of the layer."""
+    node, weight = np.polynomial.legendre.leggauss(20 + int(5 * a / h))
+    return (node + 1.0) / 2.0, weight / 2.0
+
+
+def _density(family: int, terms: Floats, t: Floats) -> Floats:
+    """Pressure of 1 N, times t, times pi a²."""
+    total = np.zeros_like(t)
+    for c in terms[::-1]:
+        total = total * t**2 + c
+    return total * t**2 if family == BALL else total
+
+
+def _below(response: Kernel, h: float, family: int, a: float, terms: Floats, r: float) -> Floats:
+    """Displacement (2,) at a point below the contact, over all lines through it.
+
+    On a line at the angle theta from the outward radius, the chord is -r cos(theta) + b sin(psi),
+    b² = a² - r² sin²(theta), and t = (b/a) cos(psi): what is singular at the edge is not in psi.
+    """
+    u, weight = _rule(a, h)
+    theta, share = [], []
+    for side in (-1.0, 1.0):  # finer towards pi/2, where lines graze the edge of a close contact
+        theta.append(np.pi / 2 * (1.0 + side * u**3))
+        share.append(np.pi / 2 * 3.0 * u**2 * weight)
+    angle, width = np.hstack(theta)[:, None], np.hstack(share)[:, None]
+    half = np.sqrt(a**2 - (r * np.sin(angle)) ** 2)
+    start = np.arcsin(np.clip(r * np.cos(angle) / half, -1.0, 1.0))
+    psi = start + (np.pi / 2 - start) * u
+    rho = -r * np.cos(angle) + half * np.sin(psi)
+    density = _density(family, terms, half / a * np.cos(psi)) / (np.pi * a**2)
+    element = (
+        2.0 * width * (np.pi / 2 - start) * weight * density * a
+    )  # dtheta drho / t, both sides
+    normal, radial = response(np.maximum(rho, 0.0))
+    return np.array([(element * normal).sum(), -(element * radial * np.cos(angle)).sum() / r])
+
+
+def _beside(response: Kernel, h: float, family: int, a: float, terms: Floats, r: float) -> Floats:
+    """Displacement (2,) at a point beside the contact, as `_below`.
+
+    Lines at the angle alpha from the one through the middle, sin(alpha) = (a/r) sin(phi).
+    """
+    u, weight = _rule(a, h)
+    phi = (np.pi / 2 * u)[:, None]
+    cosine = np.sqrt(1.0 - (a / r * np.sin(phi)) ** 2)
+    half = a * np.cos(phi)
+    psi = np.pi * (u - 0.5)
+    rho = r * cosine + half * np.sin(psi)
+    density = _density(family, terms, half / a * np.cos(psi)) / (np.pi * a**2)
+    turn = np.pi / 2 * weight[:, None] * (a / r) * np.cos(phi) / cosine
+    element = 2.0 * turn * np.pi * weight * density * a
+    normal, radial = response(rho)
+    return np.array([(element * normal).sum(), (element * radial * cosine).sum() / r])
