@@ -1,11 +1,9 @@
 """The whole of the experiments: choose, compute what is not there yet, write the report."""
 
-import hashlib
 import shutil
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +11,9 @@ from skinfield.campaign import Outcome, Task, stored
 from skinfield.campaign import run as run_campaign
 from skinfield.errors import FileError, InputError
 from skinfield.experiments.catalogue import EXPERIMENTS
-from skinfield.experiments.report import Run, plain, read_section, write_report, write_section
-from skinfield.experiments.section import Experiment, Missing, Part, Section, Verdict
+from skinfield.experiments.parts import program, tasks_of
+from skinfield.experiments.report import Run, read_section, write_report, write_section
+from skinfield.experiments.section import Experiment, Missing, Section, Verdict
 from skinfield.experiments.settings import Settings
 
 PARTS = "parts"  # folder of what sections are put together from
@@ -129,7 +128,7 @@ def task_of(experiment: Experiment, settings: Settings, results: tuple[Any, ...]
         Of its parts, as one list; empty if it has none.
     """
     arguments = (experiment, settings, results)
-    return Task(experiment.name, make_section, arguments, version=_program())
+    return Task(experiment.name, make_section, arguments, version=program())
 
 
 def make_section(
@@ -146,15 +145,7 @@ def make_section(
 def _parts_of(experiment: Experiment, settings: Settings) -> list[Task]:
     if experiment.parts is None:
         return []
-    return [
-        Task(f"{experiment.name}.{part.name}", make_part, (part,), version=_program())
-        for part in experiment.parts(settings)
-    ]
-
-
-def make_part(folder: Path, part: Part) -> Any:
-    """Run one part; what is not a number is None, as in JSON."""
-    return plain(part.function(*part.arguments))
+    return tasks_of(experiment.parts(settings), experiment.name)
 
 
 def _forget_missing(task: Task, folder: Path) -> None:
@@ -167,13 +158,3 @@ def _forget_missing(task: Task, folder: Path) -> None:
             shutil.rmtree(kept.folder)
     except FileError:  # somebody removed or changed a file
         shutil.rmtree(kept.folder)
-
-
-@lru_cache(maxsize=1)
-def _program() -> str:
-    """Digest of skinfield's own sources."""
-    root = Path(__file__).parents[1]
-    digest = hashlib.sha256()
-    for file in sorted([*root.rglob("*.py"), *root.rglob("*.html")]):
-        digest.update(str(file.relative_to(root)).encode() + file.read_bytes())
-    return digest.hexdigest()

@@ -10,6 +10,7 @@ import numpy as np
 from skinfield.experiments.cases.case import Case
 from skinfield.experiments.cases.truth import Truth
 from skinfield.experiments.cases.unseen import unseen_press
+from skinfield.experiments.scoring.matching import GATE
 from skinfield.experiments.scoring.rows import Row
 from skinfield.experiments.scoring.validation import Attempt, Entrant
 from skinfield.experiments.trust.plan import Level, Method, TrustPlan
@@ -18,9 +19,9 @@ RUNS = 2  # readings of each press: a cold one, which is scored, and a warm one
 
 
 @lru_cache(maxsize=32)
-def entrant_of(method: Method) -> Entrant:
+def entrant_of(method: Method, gate: float = GATE) -> Entrant:
     """One per process, so that what it prepares is prepared once."""
-    return method.entrant()
+    return method.entrant(gate)
 
 
 def rows_of_presses(plan: TrustPlan, first: int, last: int) -> dict[str, Any]:
@@ -41,14 +42,17 @@ def rows_of_presses(plan: TrustPlan, first: int, last: int) -> dict[str, Any]:
             levels = [level for level in plan.levels if level.quantity == quantity]
             case = press.case(patch, quantity)
             about = {"case": press.name, "group": press.group}
-            rows += [
-                about | row for row in rows_of_case(case, levels, plan.methods, plan.seed + index)
-            ]
+            made = rows_of_case(case, levels, plan.methods, plan.seed + index, plan.gate)
+            rows += [about | row for row in made]
     return {"rows": rows, "balls": balls}
 
 
 def rows_of_case(
-    case: Case, levels: Sequence[Level], methods: Sequence[Method], seed: int
+    case: Case,
+    levels: Sequence[Level],
+    methods: Sequence[Method],
+    seed: int,
+    gate: float = GATE,
 ) -> Iterator[Row]:
     """Rows of one case of exact readings, level by level and method by method.
 
@@ -57,7 +61,7 @@ def rows_of_case(
     for level in levels:
         drawn = noisy(case, level, seed)
         for method in methods:
-            attempt = entrant_of(method).attempt(drawn)
+            attempt = entrant_of(method, gate).attempt(drawn)
             yield {"quantity": level.quantity, "noise": level.noise, "method": method.name} | _row(
                 attempt
             )

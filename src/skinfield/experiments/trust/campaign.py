@@ -1,9 +1,13 @@
 """The campaign as parts that can run beside each other, and what they found, together."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from skinfield.campaign import run
+from skinfield.errors import SkinfieldError
+from skinfield.experiments.parts import tasks_of
 from skinfield.experiments.scoring.rows import Row
 from skinfield.experiments.section import Part
 from skinfield.experiments.trust.attempts import idle_rows, rows_of_presses
@@ -73,3 +77,28 @@ def gathered(plan: TrustPlan, results: Sequence[dict[str, Any] | None]) -> Found
     whole = bool(tables) and len(tables) == len(radii(plan))
     bound = bound_rows(plan, tables, of("balls")) if whole else []
     return Found(of("rows"), bound, of("idle"), of("pairs"))
+
+
+def computed(
+    plan: TrustPlan,
+    folder: Path,
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Found:
+    """Run all parts that `folder` does not hold yet.
+
+    Raises
+    ------
+    SkinfieldError
+        Where a part fails: with its last line, and the file that has the rest.
+    """
+    tasks, results = tasks_of(trust_parts(plan), "trust"), {}
+    progress(0, len(tasks))
+    for event in run(tasks, folder, workers=workers):
+        outcome = event.outcome
+        if outcome.failure:
+            reason = outcome.failure.strip().splitlines()[-1]
+            raise SkinfieldError(f"{outcome.name} fails: {reason} ({outcome.folder}.failed.txt)")
+        results[outcome.name] = outcome.result
+        progress(event.done, event.total)
+    return gathered(plan, [results[task.name] for task in tasks])

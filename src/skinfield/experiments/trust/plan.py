@@ -7,6 +7,7 @@ import skinfield.inverse as inverse
 from skinfield.errors import InputError, check_choice, check_positive
 from skinfield.experiments.cases.standard import SILICONE
 from skinfield.experiments.cases.unseen import CELL
+from skinfield.experiments.scoring.matching import GATE
 from skinfield.experiments.scoring.validation import Entrant
 from skinfield.experiments.settings import SIZES
 from skinfield.inverse import GaussianField, PseudoInverse, Solver
@@ -64,9 +65,9 @@ class Method:
     mechanics: Mechanics | None = None
     nodes: int = 40
 
-    def entrant(self) -> Entrant:
-        """Ready for any case."""
-        return Entrant(solver=self.solver, mechanics=self.mechanics, nodes=self.nodes)
+    def entrant(self, gate: float = GATE) -> Entrant:
+        """Ready for any case; contacts farther apart than `gate` in m do not belong together."""
+        return Entrant(solver=self.solver, mechanics=self.mechanics, nodes=self.nodes, gate=gate)
 
 
 def methods() -> tuple[Method, ...]:
@@ -87,6 +88,8 @@ class TrustPlan:
     ----------
     methods : tuple of Method
     levels : tuple of Level
+    gate : float, m
+        Farther apart, a contact found is not the true one.
     layout : str
         Of a generator, see `skinfield.layout.generators`.
     layer : Layer
@@ -112,6 +115,7 @@ class TrustPlan:
 
     methods: tuple[Method, ...]
     levels: tuple[Level, ...]
+    gate: float = GATE
     layout: str = "icub_hexagon"
     layer: Layer = SILICONE
     presses: int = 200

@@ -1,0 +1,57 @@
+"""Solvers as the command line names them, ready for cases, and errors that name the case."""
+
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from skinfield.cli.named_solver import solver_from_text
+from skinfield.cli.options import MECHANICS
+from skinfield.errors import FileError, InputError
+
+
+def method_from_options(name: str, options: dict[str, Any]) -> Any:
+    """Solver of a name with the mechanics and the grid of the options; the paper's has its own.
+
+    Raises
+    ------
+    InputError
+        For a solver that there is not, or settings that it does not take.
+    """
+    from skinfield.experiments.trust.plan import PAPER, Method, methods
+
+    if name == PAPER:
+        return next(method for method in methods() if method.name == PAPER)
+    several = len(options["solvers"]) > 1
+    if several and options["settings"] != "{}":
+        raise InputError("--settings is given with several solvers, expected one that takes them")
+    mechanics = options["mechanics"]
+    return Method(
+        name,
+        solver_from_text(name, options["settings"]),
+        None if mechanics == "case" else MECHANICS[mechanics](),
+        options["grid"],
+    )
+
+
+@contextmanager
+def named(path: Path, solver: str) -> Iterator[None]:
+    """Errors name the case; those of a solver from elsewhere also where they come from."""
+    try:
+        yield
+    except InputError as error:
+        raise FileError(f"{path}: {error}") from error
+    except MemoryError as error:
+        raise FileError(
+            f"{path} does not fit into memory, expected positions in metres on a patch of some "
+            f"decimetres, or a coarser --grid: {error}"
+        ) from error
+    except Exception as error:
+        if ":" not in solver:
+            raise
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        raise FileError(
+            f"{path}: --solver {solver} fails with {type(error).__name__}: {error} "
+            f"({last.filename}, line {last.lineno})"
+        ) from error
