@@ -9,6 +9,7 @@ from skinfield.fields import Contact as Contact
 from skinfield.fields import Estimate as Estimate
 from skinfield.inverse import GaussianField as GaussianField
 from skinfield.inverse import Inverse as Inverse
+from skinfield.inverse import NonNegative as NonNegative
 from skinfield.inverse import PseudoInverse as PseudoInverse
 from skinfield.inverse import Tikhonov as Tikhonov
 from skinfield.layout import Grid as Grid

@@ -16,7 +16,14 @@ from skinfield.conditioning import (
     load_calibration,
 )
 from skinfield.errors import InputError
-from skinfield.inverse import GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
+from skinfield.inverse import (
+    GaussianField,
+    Inverse,
+    NonNegative,
+    PseudoInverse,
+    Solver,
+    Tikhonov,
+)
 from skinfield.layout import Grid, Patch, Skin
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
 from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
@@ -27,6 +34,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 SOLVERS: dict[str, Callable[[], Solver]] = {
     "gaussian": GaussianField,
+    "nonnegative": NonNegative,
     "tikhonov": Tikhonov,
     "pseudo-inverse": PseudoInverse,
     "inverse": Inverse,

@@ -2,6 +2,7 @@
 
 from skinfield.inverse.gaussian_field import GaussianField as GaussianField
 from skinfield.inverse.inverse import Inverse as Inverse
+from skinfield.inverse.non_negative import NonNegative as NonNegative
 from skinfield.inverse.operator import ContactOperator as ContactOperator
 from skinfield.inverse.operator import FieldOperator as FieldOperator
 from skinfield.inverse.operator import Fit as Fit
