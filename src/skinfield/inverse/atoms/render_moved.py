@@ -74,14 +74,9 @@ def _add_round(
                 place = OUTER * s / (s + fold)
                 i = min(int(place), OUTER - 1)
                 t = place - i
-                up = (
-                    (normal[INNER + i] * t + normal[INNER + OUTER + i]) * t
-                    + normal[INNER + 2 * OUTER + i]
-                ) * t + normal[INNER + 3 * OUTER + i]
-                out_by = (
-                    (radial[INNER + i] * t + radial[INNER + OUTER + i]) * t
-                    + radial[INNER + 2 * OUTER + i]
-                ) * t + radial[INNER + 3 * OUTER + i]
+                c = INNER + 4 * i
+                up = ((normal[c] * t + normal[c + 1]) * t + normal[c + 2]) * t + normal[c + 3]
+                out_by = ((radial[c] * t + radial[c + 1]) * t + radial[c + 2]) * t + radial[c + 3]
             k = row * mesh.columns + column
             out[k, 0] += share * out_by * away_x
             out[k, 1] += share * out_by * away_y

@@ -94,14 +94,12 @@ def _splines(values: Floats) -> Floats:
     """Coefficients of cubic B-splines through values, along axis 1."""
     from scipy.ndimage import spline_filter1d
 
-    out = np.empty_like(values)
-    spline_filter1d(values, 3, axis=1, output=out, mode="mirror")
-    return out
+    return np.ascontiguousarray(spline_filter1d(values, 3, axis=1, mode="mirror"))
 
 
 def exponents(family: int) -> Floats:
     """Powers of t in the pressure of a ball or a flat end."""
-    return 2.0 * np.arange(TERMS) + (1.0 if family == BALL else -1.0)
+    return np.asarray(2.0 * np.arange(TERMS) + (1.0 if family == BALL else -1.0))
 
 
 def _pressure_terms(layer: Layer, mechanics: Mechanics, family: int, a: float) -> Floats:
