@@ -6,6 +6,7 @@ import numpy as np
 
 from skinfield.errors import Floats, check_positive
 from skinfield.fields import PressurePosterior
+from skinfield.inverse.model_errors import GAUSSIAN_FIELD
 from skinfield.inverse.operator import InverseOperator
 from skinfield.layout import Grid
 from skinfield.mechanics import LatticeConvolution
@@ -61,7 +62,7 @@ class GaussianField:
         matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
         prior = variance * correlation(model.grid, length)
         posterior = PressurePosterior.of_lattice(prior, np.ascontiguousarray(factor.T))
-        return InverseOperator(matrix, posterior.std, posterior)
+        return InverseOperator(matrix, posterior.std, posterior, GAUSSIAN_FIELD.of(model))
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:

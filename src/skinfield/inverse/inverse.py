@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import Floats, InputError
+from skinfield.inverse.model_errors import INVERSE
 from skinfield.inverse.operator import InverseOperator, propagated_std
 from skinfield.inverse.resampled import resampled
 from skinfield.observation import ObservationModel
@@ -40,7 +41,8 @@ class Inverse:
                     "Inverse(resample=True), or PseudoInverse() for any number"
                 )
             matrix = _solve(model.matrix, np.eye(taxels))
-        return InverseOperator(matrix, propagated_std(matrix, model.noise_std))
+        std = propagated_std(matrix, model.noise_std)
+        return InverseOperator(matrix, std, model_error=INVERSE.of(model))
 
 
 def _solve(square: Floats, right: Floats) -> Floats:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import check_range
+from skinfield.inverse.model_errors import PSEUDO_INVERSE, RESAMPLED_PSEUDO_INVERSE
 from skinfield.inverse.operator import InverseOperator, propagated_std
 from skinfield.inverse.resampled import resampled
 from skinfield.observation import ObservationModel
@@ -38,4 +39,6 @@ class PseudoInverse:
         else:
             inverse = np.linalg.pinv(model.matrix, rcond=self.rcond)
             matrix = np.asarray(inverse, dtype=np.float64)
-        return InverseOperator(matrix, propagated_std(matrix, model.noise_std))
+        std = propagated_std(matrix, model.noise_std)
+        known = RESAMPLED_PSEUDO_INVERSE if self.resample else PSEUDO_INVERSE
+        return InverseOperator(matrix, std, model_error=known.of(model))

@@ -6,6 +6,7 @@ import numpy as np
 
 from skinfield.errors import check_positive
 from skinfield.fields import PressurePosterior
+from skinfield.inverse.model_errors import TIKHONOV
 from skinfield.inverse.operator import InverseOperator
 from skinfield.observation import ObservationModel
 
@@ -49,4 +50,4 @@ class Tikhonov:
         white[0, 0] = 1.0 / penalty
         factor = np.ascontiguousarray(factor.T) / np.sqrt(penalty)
         posterior = PressurePosterior.of_lattice(white, factor)
-        return InverseOperator(matrix, posterior.std, posterior)
+        return InverseOperator(matrix, posterior.std, posterior, TIKHONOV.of(model))
