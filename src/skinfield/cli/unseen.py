@@ -138,7 +138,7 @@ def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
     for index, row in enumerate(rows):
         new = index == 0 or row["noise"] != rows[index - 1]["noise"]
         last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
-        cells = [f"{row['noise']:g}" if new else "", row["method"]]
+        cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
         cells += [_pair(row, key, factor, digits) for key, factor, _, digits in SHOWN]
         cells += [_one(row.get(key), factor, digits) for key, factor, _, digits in RATES]
         cells += [_pair(row, key, factor, digits) for key, factor, _, digits in TIMES]

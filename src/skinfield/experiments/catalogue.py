@@ -9,6 +9,7 @@ from skinfield.experiments.paper.resolutions import resolutions
 from skinfield.experiments.paper.timing import timing
 from skinfield.experiments.recorded.sections import RECORDED, recorded
 from skinfield.experiments.section import Experiment
+from skinfield.experiments.trust.section import trust, trust_parts_of
 
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
@@ -16,6 +17,7 @@ EXPERIMENTS = (
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table",), accuracy, parts=accuracy_parts),
+    Experiment("trust", ("contacts",), trust, parts=trust_parts_of),
     Experiment("half-space", ("model",), half_space_error),
     Experiment("agreement", ("fem",), judged),
     *(Experiment(f"real-{name}", ("real-data",), recorded, (name,)) for name in RECORDED),
