@@ -23,7 +23,8 @@ from skinfield.layout import Grid
 
 STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right
 FEWEST, MOST = 5, 15  # round atoms along a segment
-FINE, COARSE = 8, 4  # Gauss-Legendre nodes across a row of cells: where these are wide, and narrow
+FINE, COARSE = 8, 4  # Gauss-Legendre nodes across a row of cells
+NARROW = 0.3  # radii: rows for which the coarse rule will do, if the edge is not sharp
 COUNT = OUTER * 4 + INNER
 
 
@@ -101,7 +102,7 @@ def _blend(radius: float, surface: Surface, basis: Floats) -> int:
 
 @njit(cache=True, nogil=True)
 def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -> None:
-    """Coefficients of the pressure of 1 N, times pi a², into `room` (TERMS + 4,)."""
+    """Coefficients of the pressure of 1 N, times pi a², into `room` (2 TERMS,)."""
     basis = room[TERMS:]
     first = _blend(radius, surface, basis)
     table = surface.pressure[family]
@@ -115,25 +116,21 @@ def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -
 
 
 @njit(cache=True, nogil=True)
-def _partial(x: float, square: float, family: int, terms: Floats) -> float:
-    r"""Integral over 0 .. x of the sum of terms times (s² - x²)^(j ± 1/2), by recursion in j."""
-    left = square - x * x
-    if left < 1e-14 * square:  # the end of a chord, but for rounding
-        left = 0.0
-    root = np.sqrt(left)
-    integral = np.arctan2(x, root)  # of (s² - x²)^(-1/2)
-    power, exponent = root, 0.5  # (s² - x²)^exponent
-    total = 0.0
-    start = 0
-    if family == 1:
-        total = terms[0] * integral
-        start = 1
-    for j in range(start, TERMS):
-        integral = (x * power + 2.0 * exponent * square * integral) / (2.0 * exponent + 1.0)
-        total += terms[j] * integral
-        power *= left
-        exponent += 1.0
-    return total
+def _chord(square: float, family: int, terms: Floats, chord: Floats) -> float:
+    r"""Prepare integrals of the pressure along a chord of half-length s.
+
+    With q = s² - x² and :math:`I_e = \int_0^x q^e dx`, :math:`(2e + 1) I_e = x q^e + 2e s² I_{e-1}`.
+    So the sum of terms is c I(-1/2) + x sqrt(q) times a polynomial in q; returns c, and writes the
+    polynomial's coefficients into `chord`.
+    """
+    carried = 0.0
+    exponent = TERMS - 0.5 - family
+    for j in range(TERMS - 1, family - 1, -1):
+        carried += terms[j]
+        chord[j - family] = carried / (2.0 * exponent + 1.0)
+        carried = chord[j - family] * 2.0 * exponent * square
+        exponent -= 1.0
+    return carried + (terms[0] if family == 1 else 0.0)
 
 
 @njit(cache=True, nogil=True)
@@ -153,10 +150,11 @@ def _add_round(
     Along x each chord is integrated in closed form, so that its parts add up exactly; across, the
     whole chords are a polynomial, which the rule integrates exactly.
     """
+    chord = terms[TERMS:]
     pitch = mesh.pitch / radius
     low_x = (mesh.x + (box[1] - 0.5) * mesh.pitch - x) / radius
     low_y = (mesh.y + (box[0] - 0.5) * mesh.pitch - y) / radius
-    count = COARSE if pitch < 0.3 else FINE
+    count = COARSE if pitch < NARROW and family == 0 else FINE
     for row in range(box[2]):
         low, high = max(low_y + row * pitch, -1.0), min(low_y + (row + 1) * pitch, 1.0)
         if high <= low:
@@ -164,15 +162,20 @@ def _add_round(
         for q in range(count):
             place = (low + high) / 2.0 + (high - low) / 2.0 * NODE[count, q]
             square = 1.0 - place * place
-            if square <= 0.0:
-                continue
             half = np.sqrt(square)
             weight = share * WEIGHT[count, q] * (high - low) / np.pi
-            first = int((-half - low_x) / pitch)
-            before = _partial(-half, square, family, terms)
-            for column in range(max(first, 0), box[3]):
+            whole = _chord(square, family, terms, chord)
+            before = -whole * np.pi / 2.0
+            for column in range(max(int((-half - low_x) / pitch), 0), box[3]):
                 edge = low_x + (column + 1) * pitch
-                now = _partial(min(edge, half), square, family, terms)
+                now = whole * np.pi / 2.0
+                if edge < half:
+                    left = square - edge * edge
+                    total = 0.0
+                    for j in range(TERMS - 1 - family, -1, -1):
+                        total = total * left + chord[j]
+                    root = np.sqrt(left)
+                    now = whole * np.arctan2(edge, root) + edge * root * total
                 cells[row * box[3] + column] += weight * (now - before)
                 before = now
                 if edge >= half:

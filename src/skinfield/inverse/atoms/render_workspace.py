@@ -22,7 +22,7 @@ class Workspace:
         self.found = np.empty(nodes, dtype=np.int64)
         self.boxes = np.zeros((2, 4), dtype=np.int64)
         self.cells = np.empty(1024)
-        self.room = np.empty(TERMS + 4)
+        self.room = np.empty(2 * TERMS)
         self.terms = np.empty((2, COUNT))
         self.small = np.empty((SIZE + 2, SIZE))
 
