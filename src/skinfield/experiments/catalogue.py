@@ -1,6 +1,7 @@
 """All experiments, in the order of the page: one more is one file, and one line here."""
 
 from skinfield.experiments.accuracy.section import accuracy, accuracy_parts
+from skinfield.experiments.light_touch.section import light_touch
 from skinfield.experiments.paper.detection import detection
 from skinfield.experiments.paper.half_space_error import half_space_error
 from skinfield.experiments.paper.imposed import imposed
@@ -14,6 +15,7 @@ from skinfield.experiments.trust.section import trust, trust_parts_of
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
     Experiment("detection", ("fig6", "fig7"), detection),
+    Experiment("light-touch", ("touch",), light_touch),
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table",), accuracy, parts=accuracy_parts),

@@ -1,0 +1,1 @@
+"""Light touch: what the detector finds beside the paper's method."""
