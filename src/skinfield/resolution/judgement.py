@@ -1,0 +1,198 @@
+"""All maps of one layout, what they come to in numbers, and in one sentence."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.errors import Floats
+from skinfield.resolution.accuracy import SIZE_PRIOR, PlaceAccuracy, place_accuracy
+from skinfield.resolution.blind import THRESHOLD, BlindSpots, blind_spots
+from skinfield.resolution.design import Places, SkinDesign, Touch
+from skinfield.resolution.detectable import DetectableForce, detectable_force
+from skinfield.resolution.two_points import TwoPointDistance, few_places, two_point_distance
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terms:
+    """What a layout is judged by.
+
+    Attributes
+    ----------
+    false_alarm_rate, detection_rate : float
+        See `detectable_force`.
+    error_rate : float
+        See `two_point_distance`.
+    size_prior : float
+        See `place_accuracy`.
+    blind_threshold : float
+        See `BlindSpots`.
+    """
+
+    false_alarm_rate: float = 1e-3
+    detection_rate: float = 0.9
+    error_rate: float = 0.05
+    size_prior: float = SIZE_PRIOR
+    blind_threshold: float = THRESHOLD
+
+
+@dataclass(frozen=True)
+class Row:
+    """One map in numbers: at half of the places it is better than `median`.
+
+    Attributes
+    ----------
+    name, unit : str
+        `unit` is that of the numbers below: mm and N, for people.
+    median, p90, p95, worst : float
+        Infinite where so many places have no finite value.
+    """
+
+    name: str
+    unit: str
+    median: float
+    p90: float
+    p95: float
+    worst: float
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Every map of a layout for one touch.
+
+    Attributes
+    ----------
+    design : SkinDesign
+    touch : Touch
+    terms : Terms
+    blind : BlindSpots
+    detectable : DetectableForce
+    accuracy : PlaceAccuracy
+    two_points : TwoPointDistance
+        At fewer places than the others.
+    """
+
+    design: SkinDesign
+    touch: Touch
+    terms: Terms
+    blind: BlindSpots
+    detectable: DetectableForce
+    accuracy: PlaceAccuracy
+    two_points: TwoPointDistance
+
+    def maps(self) -> Iterator[tuple[str, str, Places, Floats]]:
+        """Name, unit, places and values in that unit of every map where less is better."""
+        places, found, told = self.blind.places, self.detectable, self.accuracy
+        yield "smallest force found, place known", "N", places, found.known_place
+        yield "smallest force found, place unknown", "N", places, found.unknown_place
+        yield "place deviation, size known", "mm", places, told.place_std_known_size * 1e3
+        yield "place deviation, size unknown", "mm", places, told.place_std * 1e3
+        yield "force deviation, size known", "N", places, told.force_std_known_size
+        yield "force deviation, size unknown", "N", places, told.force_std
+        few = self.two_points.places
+        yield "two touches told, typical direction", "mm", few, self.two_points.typical * 1e3
+        yield "two touches told, worst direction", "mm", few, self.two_points.worst * 1e3
+
+    def rows(self) -> tuple[Row, ...]:
+        """Every map in numbers."""
+        found = [Row(name, unit, *_shares(values)) for name, unit, _, values in self.maps()]
+        loss = self.blind.response
+        weak = [part_of(loss, share, falling=True) * 100 for share in (0.5, 0.9, 0.95, 1.0)]
+        return (Row("response, of the best place's", "%", *weak), *found)
+
+    @property
+    def missed_share(self) -> float:
+        """Part of the patch where a touch of the stated force is not found."""
+        return float(self.detectable.missed.mean())
+
+    def verdict(self) -> str:
+        """What this skin is good for, in a sentence or two."""
+        force, accuracy = self.touch.force, self.accuracy
+        found = 1.0 - self.missed_share
+        place = part_of(accuracy.place_std, 0.5) * 1e3
+        apart = part_of(self.two_points.typical, 0.5) * 1e3
+        where = "everywhere" if found == 1.0 else f"on {_percent(found)} of the patch"
+        holes = self.blind.holes
+        blind = "no place is blind"
+        if holes:
+            largest = holes[0].area * 1e6
+            blind = (
+                f"{_percent(self.blind.blind_share)} of the patch is blind, the largest hole "
+                f"{largest:.3g} mm²"
+            )
+        pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
+        return (
+            f"A touch of {force:g} N is found {where}; half of the patch places it to "
+            f"{place:.2g} mm and {pair}; {blind}."
+        )
+
+
+def _percent(share: float) -> str:
+    """Write a share so that neither 0 nor 1 is said of anything else."""
+    if share == 0.0 or 0.01 <= share <= 0.99 or share == 1.0:
+        return f"{share:.0%}"
+    return "less than 1%" if share < 0.01 else "more than 99%"
+
+
+def _shares(values: Floats) -> tuple[float, float, float, float]:
+    median, p90, p95, worst = (part_of(values, share) for share in (0.5, 0.9, 0.95, 1.0))
+    return median, p90, p95, worst
+
+
+def part_of(values: Floats, share: float, *, falling: bool = False) -> float:
+    """Value that a share of all values does not exceed, or with `falling` does not fall short of.
+
+    No interpolation: values may be infinite.
+    """
+    ordered = np.sort(values)[::-1] if falling else np.sort(values)
+    return float(ordered[max(int(np.ceil(share * len(ordered))) - 1, 0)])
+
+
+Told = Callable[[str], None]
+
+
+def judge(
+    design: SkinDesign,
+    touch: Touch,
+    places: Places | None = None,
+    *,
+    two_point_places: Places | None = None,
+    terms: Terms | None = None,
+    ways: int = 12,
+    on_map: Told | None = None,
+) -> Judgement:
+    """Every map of a layout for one touch.
+
+    Parameters
+    ----------
+    design : SkinDesign
+    touch : Touch
+    places : Places, optional
+        Default `Places.over` the patch.
+    two_point_places : Places, optional
+        Default at most some hundred.
+    terms : Terms, optional
+    ways : int
+        Directions of a second touch.
+    on_map : function of str, optional
+        Called with the name of each map before it is made.
+    """
+    terms = Terms() if terms is None else terms
+    tell: Told = (lambda _: None) if on_map is None else on_map
+    places = Places.over(design.patch) if places is None else places
+    tell("blind spots")
+    blind = blind_spots(design, touch, places, threshold=terms.blind_threshold)
+    tell("smallest force")
+    found = detectable_force(
+        design,
+        touch,
+        places,
+        false_alarm_rate=terms.false_alarm_rate,
+        detection_rate=terms.detection_rate,
+    )
+    tell("place and force")
+    told = place_accuracy(design, touch, places, size_prior=terms.size_prior)
+    tell("two touches")
+    few = few_places(design) if two_point_places is None else two_point_places
+    pairs = two_point_distance(design, touch, few, error_rate=terms.error_rate, ways=ways)
+    return Judgement(design, touch, terms, blind, found, told, pairs)
