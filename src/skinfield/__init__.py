@@ -7,6 +7,7 @@ from skinfield.contacts import ContactFinder as ContactFinder
 from skinfield.detection import Detector as Detector
 from skinfield.fields import Contact as Contact
 from skinfield.fields import Estimate as Estimate
+from skinfield.inverse import ContactFit as ContactFit
 from skinfield.inverse import GaussianField as GaussianField
 from skinfield.inverse import Inverse as Inverse
 from skinfield.inverse import NonNegative as NonNegative

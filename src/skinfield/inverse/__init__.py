@@ -1,5 +1,6 @@
 """Solvers: from an observation model to an inverse operator."""
 
+from skinfield.inverse.contact_fit import ContactFit as ContactFit
 from skinfield.inverse.gaussian_field import GaussianField as GaussianField
 from skinfield.inverse.inverse import Inverse as Inverse
 from skinfield.inverse.non_negative import NonNegative as NonNegative

@@ -244,13 +244,25 @@ class ContactPlan:
         whole = len(nodes_of := setting.nodes) == len(setting.model.grid)
         for row, reading in zip(rows, readings, strict=True):
             fit = self.operator.fit(reading, _until(deadline))
-            out.contacts[row] = fit.contacts
+            out.contacts[row] = fit.contacts if whole else self._inside(fit.contacts)
             out.fields[row, :nodes] = fit.pressure if whole else fit.pressure[nodes_of]
             moved = fit.displacement if whole else fit.displacement[nodes_of]
             out.fields[row, nodes:].reshape(3, nodes)[:] = moved.T
             out.pressure_std[row] = fit.pressure_std if whole else fit.pressure_std[nodes_of]
             out.residual[row, self.valid] = reading - fit.predicted
             out.notes.extend(note for note in fit.notes if note not in out.notes)
+
+    def _inside(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+        """Contacts that press the window, with the window's own nodes."""
+        order = np.argsort(self.setting.nodes)
+        nodes = self.setting.nodes[order]
+        kept = []
+        for contact in contacts:
+            place = np.minimum(np.searchsorted(nodes, contact.cells), len(nodes) - 1)
+            here = nodes[place] == contact.cells
+            if here.any():
+                kept.append(replace(contact, cells=np.sort(order[place[here]])))
+        return tuple(kept)
 
     def reset(self) -> None:
         """Forget the reading before."""

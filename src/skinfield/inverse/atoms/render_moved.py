@@ -8,15 +8,24 @@ from numba import njit
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.render_kernels import (
     COUNT,
+    MOST,
     NODE,
     WEIGHT,
     Mesh,
     Surface,
     _blend,
     held,
-    points_along,
 )
 from skinfield.inverse.atoms.render_tables import FOLD, INNER, OUTER
+
+
+@njit(cache=True, nogil=True)
+def _points_along(radius: float, half: float, thickness: float) -> int:
+    """How many round atoms make up one: fewer than for the pressure, which is not as smooth."""
+    if half <= 0.0:
+        return 1
+    wide = max(radius, 0.5 * thickness)
+    return min(max(int(np.ceil(2.0 + 1.5 * half / wide)), 3), MOST)
 
 
 @njit(cache=True, nogil=True)
@@ -102,7 +111,7 @@ def displacement(
     for n in range(len(atoms)):
         radius = held(atoms[n, 3], surface)
         _radial_terms(radius, atoms[n, 2], family[n], surface, terms, room)
-        count = points_along(radius, atoms[n, 4])
+        count = _points_along(radius, atoms[n, 4], surface.thickness)
         east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
         for q in range(count):
             x, y = atoms[n, 0] + NODE[count, q] * east, atoms[n, 1] + NODE[count, q] * north

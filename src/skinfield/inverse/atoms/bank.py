@@ -1,0 +1,116 @@
+"""Templates of single contacts all over a patch: where a search starts."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, predict
+from skinfield.inverse.atoms.table import LOG_STEP, AtomTable
+
+SPACING = 0.5  # thicknesses between places
+RADII = (0.4, 0.8, 1.5, 2.6)  # thicknesses
+MARGIN = 1.5  # thicknesses beyond the outermost pads
+SHALLOW = 0.15  # strain of the gap at the axis at which templates are made
+FAINTEST = 0.02  # of the strongest template: below, a place is not seen
+
+
+@dataclass(frozen=True, eq=False)
+class Bank:
+    """Whitened templates of balls.
+
+    Attributes
+    ----------
+    templates : (T, L) float32 array
+        Of norm 1.
+    norms : (T,) array
+        Before that, per newton.
+    atoms : (T, 6) array
+        Parameters of each, with the force at which it was made.
+    """
+
+    templates: NDArray[np.float32]
+    norms: Floats
+    atoms: Floats
+
+    def scores(self, residual: Floats) -> NDArray[np.float32]:
+        """How well each template agrees with whitened residuals (L,), in standard deviations."""
+        return np.asarray(self.templates @ residual.astype(np.float32))
+
+    def starts(self, residual: Floats, most: int) -> Floats:
+        """Atoms (S, 6) at the best places, each with the force that explains most."""
+        best = best_of(self.scores(residual), self.atoms, most, 1.2 * SPACING)
+        atoms = self.atoms[best[:, 0].astype(np.int64)].copy()
+        atoms[:, 2] = np.log(np.maximum(best[:, 1] / self.norms[best[:, 0].astype(np.int64)], 1e-9))
+        return atoms
+
+
+@njit(cache=True, nogil=True)
+def best_of(scores: Any, atoms: Floats, most: int, near: float) -> Floats:
+    """Index and score (S, 2) of the best templates, none of them beside a better one."""
+    found = np.empty((most, 2))
+    count = 0
+    for _ in range(most):
+        best, value = -1, 0.0
+        for t in range(len(scores)):
+            if scores[t] <= value:
+                continue
+            beside = False
+            for k in range(count):
+                other = atoms[int(found[k, 0])]
+                if (
+                    abs(atoms[t, 0] - other[0]) < near
+                    and abs(atoms[t, 1] - other[1]) < near
+                    and abs(atoms[t, 3] - other[3]) < 1.0
+                ):
+                    beside = True
+                    break
+            if not beside:
+                best, value = t, scores[t]
+        if best < 0:
+            break
+        found[count, 0], found[count, 1] = best, value
+        count += 1
+    return found[:count]
+
+
+def make_bank(taxels: Floats, white: Floats, table: AtomTable, tables: Tables) -> Bank:
+    """Templates on a lattice over the taxels (L, 2), in thicknesses; `white` is 1/noise (L,)."""
+    low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
+    columns, rows = (np.ceil((high - low) / SPACING).astype(int) + 1).tolist()
+    x, y = np.meshgrid(low[0] + SPACING * np.arange(columns), low[1] + SPACING * np.arange(rows))
+    places = np.column_stack([x.ravel(), y.ravel()])
+    every = []
+    for radius in RADII:
+        atoms = np.zeros((len(places), PARAMETERS))
+        atoms[:, :2] = places
+        atoms[:, 3] = np.log(radius)
+        atoms[:, 2] = _shallow_log_force(table, float(np.log(radius)))
+        every.append(atoms)
+    atoms = np.concatenate(every)
+    templates = np.empty((len(atoms), len(taxels)))
+    family, jacobian = np.zeros(1, dtype=np.int64), np.empty((len(taxels), 1, PARAMETERS))
+    for index, atom in enumerate(atoms):
+        predict(atom[None], family, taxels, tables, templates[index], jacobian)
+    templates *= white
+    norms = np.linalg.norm(templates, axis=1)
+    seen = norms * np.exp(-atoms[:, 2])
+    kept = seen > FAINTEST * seen.max()
+    return Bank(
+        np.ascontiguousarray(templates[kept] / norms[kept, None], dtype=np.float32),
+        norms[kept] * np.exp(-atoms[kept, 2]),
+        atoms[kept],
+    )
+
+
+def _shallow_log_force(table: AtomTable, log_radius: float) -> float:
+    if table.linear:
+        return 0.0
+    from scipy.ndimage import map_coordinates
+
+    place = (log_radius - table.first_log) / LOG_STEP
+    log_strain = map_coordinates(table.strain[0], [[place]], order=3, prefilter=False)[0]
+    return float(np.log(SHALLOW) - log_strain)

@@ -1,0 +1,151 @@
+"""How sure a fit is of each of its contacts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.inverse.atoms.explore import explore
+from skinfield.inverse.atoms.kernel import PARAMETERS
+from skinfield.inverse.atoms.search import RARER, AtomSet, Problem
+from skinfield.inverse.atoms.table import SIGHT
+
+STEP = 0.9  # standard deviations between places
+SHORTEST, LONGEST = 0.004, 0.35  # thicknesses between them
+CERTAIN = 0.05  # thicknesses: deviation of the place up to which the minimum's curvature tells all
+SURE = 0.15  # thicknesses: deviation up to which other minima are not looked for
+AROUND = 3.0  # thicknesses beyond what the atom reaches, within which taxels count
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Weighted places of one contact, with what would press there.
+
+    Attributes
+    ----------
+    atoms : (C, 6) array
+        See `kernel`.
+    inner : (C, 6, 6) array
+        Covariance of the parameters beside the place, at each place.
+    weights : (C,) array
+        Of sum 1.
+    """
+
+    atoms: Floats
+    inner: Floats
+    weights: Floats
+
+    @property
+    def covariance(self) -> Floats:
+        """Of all parameters, (6, 6)."""
+        off = self.atoms - self.weights @ self.atoms
+        spread = (off * self.weights[:, None]).T @ off
+        return np.asarray(spread + np.einsum("c,cij->ij", self.weights, self.inner))
+
+
+def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, Floats]:
+    """An atom and its covariance as x m, y m, force N, radius m, half-length m and angle rad."""
+    half, angle = float(np.hypot(atom[4], atom[5])), float(np.arctan2(atom[5], atom[4]))
+    force, radius = float(np.exp(atom[2])), float(np.exp(atom[3])) * thickness
+    by = np.zeros((PARAMETERS, PARAMETERS))
+    by[0, 0] = by[1, 1] = thickness
+    by[2, 2], by[3, 3] = force, radius
+    if half > 0.0:
+        along, across = np.cos(angle), np.sin(angle)
+        by[4, 4], by[4, 5] = thickness * along, thickness * across
+        by[5, 4], by[5, 5] = -across / half, along / half
+    place = atom[:2] * thickness
+    return np.array([*place, force, radius, half * thickness, angle]), by @ covariance @ by.T
+
+
+def laplace(found: AtomSet, index: int) -> Belief:
+    """One atom by the curvature of the cost at its minimum, all others moving along."""
+    free = found.free.ravel()
+    whole = np.zeros((free.size, free.size))
+    whole[np.ix_(free, free)] = np.linalg.pinv(found.hessian[np.ix_(free, free)])
+    part = slice(PARAMETERS * index, PARAMETERS * (index + 1))
+    return Belief(found.atoms[index : index + 1], whole[part, part][None], np.ones(1))
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is spent on what a reading leaves open.
+
+    Attributes
+    ----------
+    places : int
+        That are tried at most, for each family.
+    starts : int
+        Places where further minima are sought.
+    both : bool
+        Whether the other family is tried, too.
+    """
+
+    places: int
+    starts: int
+    both: bool
+
+
+def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> Belief:
+    """What the reading leaves open about one atom, the others being where they are."""
+    own, free = found.atoms[index], found.free[index]
+    first = laplace(found, index)
+    variance, direction = np.linalg.eigh(first.inner[0, :2, :2])
+    widest = float(np.sqrt(max(variance[1], 0.0)))
+    if widest < CERTAIN or problem.late:
+        return first
+    step = np.clip(STEP * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
+    axes = np.ascontiguousarray((direction * step).T)
+    others = np.arange(len(found)) != index
+    left = problem.readings - problem.alone(found, others)
+    seeds = own[None]
+    if not free[4] and effort.starts and widest > SURE:
+        seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, effort.starts)])
+    kinds = (0, 1) if effort.both else (int(found.family[index]),)
+    near = _near(problem, own, axes)
+    walks = [_walk(problem, seeds, kind, free, axes, left, near, effort.places) for kind in kinds]
+    atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
+    if not len(atoms):
+        return first
+    weight = np.exp(log_weight - log_weight.max())
+    return Belief(atoms, inner, weight / weight.sum())
+
+
+def _near(problem: Problem, own: Floats, axes: Floats) -> NDArray[np.int64]:
+    """Taxels that an atom may be read by, wherever the walk takes it."""
+    reach = np.exp(own[3]) + np.hypot(own[4], own[5]) + problem.tables.pad_radius + SIGHT + AROUND
+    square = np.square(problem.taxels - own[:2]).sum(axis=1)
+    return np.flatnonzero(square <= reach**2)
+
+
+def _walk(
+    problem: Problem,
+    seeds: Floats,
+    kind: int,
+    free: NDArray[np.bool_],
+    axes: Floats,
+    left: Floats,
+    near: NDArray[np.int64],
+    places: int,
+) -> tuple[Floats, Floats, Floats]:
+    """Places, covariance beside them, and logarithm of their weights, for one family."""
+    atoms, inner = np.empty((places, PARAMETERS)), np.zeros((places, PARAMETERS, PARAMETERS))
+    weight = np.empty(places)
+    count = explore(
+        seeds,
+        kind,
+        free,
+        axes,
+        seeds[0, :2],
+        problem.places,
+        left[near],
+        problem.white[near],
+        problem.taxels[near],
+        problem.tables,
+        problem.priors,
+        atoms,
+        inner,
+        weight,
+    )
+    return atoms[:count], inner[:count], weight[:count] - RARER * kind

@@ -1,0 +1,188 @@
+"""A prepared contact fit: from readings to contacts and fields."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError
+from skinfield.inverse.atoms.bank import MARGIN, Bank, make_bank
+from skinfield.inverse.atoms.belief import Effort, belief_of, stated
+from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, tables_of
+from skinfield.inverse.atoms.refine import Priors
+from skinfield.inverse.atoms.render import AtomRenderer
+from skinfield.inverse.atoms.search import AtomSet, Problem, search
+from skinfield.inverse.atoms.table import atom_table
+from skinfield.inverse.operator import Fit
+from skinfield.observation import ObservationModel
+
+if TYPE_CHECKING:
+    from skinfield.inverse.contact_fit import ContactFit
+
+CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
+FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
+LENGTH_STD = 6e-3  # m: of each component of the half-length of a line
+PLACES = 100  # that are tried to tell how sure a contact is, for each family
+FEW = 24  # for a contact that the reading before had, too
+MOVED = 0.5  # standard deviations within which what was known of a contact still holds
+CHANGED = 0.2  # of its force's logarithm, likewise
+QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
+
+
+class ContactFitter:
+    """Finds contacts reading by reading; for one thread at a time.
+
+    Parameters
+    ----------
+    settings : ContactFit
+    model : ObservationModel
+        With its physics.
+    """
+
+    def __init__(self, settings: "ContactFit", model: ObservationModel) -> None:
+        if model.physics is None:
+            raise InputError(
+                "the model does not say what it is made of, expected physics: make it with "
+                "ObservationModel.of()"
+            )
+        physics = model.physics
+        self.settings, self.model = settings, model
+        self._thickness = thickness = physics.layer.thickness
+        table = atom_table(physics)
+        self._tables: Tables = tables_of(table)
+        self._taxels = np.ascontiguousarray(model.taxels / thickness)
+        self._bank: Bank = make_bank(self._taxels, 1.0 / model.noise_std, table, self._tables)
+        self._priors = Priors(
+            float(np.log(settings.typical_radius)),
+            CURVATURE_STD,
+            float(np.log(FLAT_RADIUS / thickness)),
+            FLAT_STD,
+            LENGTH_STD / thickness,
+        )
+        low, high = self._taxels.min(axis=0) - MARGIN, self._taxels.max(axis=0) + MARGIN
+        self._places = np.array([low, high])
+        self._threshold = significant(settings.false_alarm_rate, len(model.taxels))
+        self._renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        self._before: AtomSet | None = None
+        self._kept: tuple[Known, ...] = ()
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self._before, self._kept = None, ()
+
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
+        """See `ContactOperator.fit`."""
+        settings, before = self.settings, self._before if self.settings.warm else None
+        problem = self.problem(readings, deadline_ns)
+        found = search(problem, before, settings.most_contacts, settings.starts)
+        scale = quieter(problem, found)
+        if scale < 1.0 and not problem.late:
+            problem = replace(problem, white=self._white(problem.readings, scale))
+            found = search(problem, found, settings.most_contacts, settings.starts)
+        same = before is not None and np.array_equal(before.family, found.family)
+        self._before = found
+        if not len(found):
+            self._kept = ()
+            return self._idle(len(readings))
+        return self._fit_of(problem, found, same)
+
+    def problem(self, readings: Floats, deadline_ns: int | None = None) -> Problem:
+        """One reading beside all that is known."""
+        readings = np.ascontiguousarray(readings, dtype=np.float64)
+        return Problem(
+            readings,
+            self._white(readings, 1.0),
+            self._taxels,
+            self._tables,
+            self._priors,
+            self._bank,
+            self.model.noise_std,
+            self._places,
+            self._threshold,
+            deadline_ns,
+        )
+
+    def _white(self, readings: Floats, scale: float) -> Floats:
+        """One over the deviation of noise, at a scale, and model together."""
+        floor = self.settings.model_error * float(np.abs(readings).max())
+        return np.asarray(1.0 / np.hypot(scale * self.model.noise_std, floor))
+
+    def _idle(self, taxels: int) -> Fit:
+        nodes = len(self.model.grid)
+        zero = np.zeros(nodes)
+        return Fit(zero, zero, np.zeros((nodes, 3)), (), np.zeros(taxels), np.empty(0, np.int64))
+
+    def _fit_of(self, problem: Problem, found: AtomSet, same: bool) -> Fit:
+        atoms, covariance = self._stated(problem, found, same)
+        nodes = len(self.model.grid)
+        pressure, std, moved = np.empty(nodes), np.empty(nodes), np.empty((nodes, 3))
+        self._renderer.pressure(atoms, found.family, pressure)
+        self._renderer.pressure_std(atoms, found.family, covariance, std)
+        self._renderer.displacement(atoms, found.family, moved)
+        late = f"stopped at the deadline with {len(found)} contacts" if problem.late else ""
+        return Fit(
+            pressure=pressure,
+            pressure_std=std,
+            displacement=moved,
+            contacts=self._renderer.contacts(atoms, found.family, covariance),
+            predicted=found.predicted,
+            cells=np.flatnonzero(pressure),
+            notes=(late,) if late else (),
+        )
+
+    def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
+        """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""
+        atoms = np.empty((len(found), PARAMETERS))
+        covariance = np.zeros((len(found), PARAMETERS, PARAMETERS))
+        kept = []
+        for index, atom in enumerate(found.atoms):
+            known = self._kept[index] if same and index < len(self._kept) else None
+            if known is None or not holds(known, atom):
+                effort = Effort(PLACES, self.settings.starts, True)
+                if known is not None:
+                    effort = Effort(FEW, 0, False)
+                known = Known(atom.copy(), belief_of(problem, found, index, effort).covariance)
+            kept.append(known)
+            atoms[index], covariance[index] = stated(atom, known.covariance, self._thickness)
+        self._kept = tuple(kept)
+        return atoms, covariance
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What was found out about an atom (6,): its covariance (6, 6)."""
+
+    atom: Floats
+    covariance: Floats
+
+
+def holds(known: Known, atom: Floats) -> bool:
+    """Whether an atom is still about where it was when its covariance was found."""
+    off = atom - known.atom
+    deviation = np.sqrt(np.diag(known.covariance)[:2])
+    return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
+
+
+def quieter(problem: Problem, found: AtomSet) -> float:
+    """Scale of the noise, at most 1, by what the atoms leave over.
+
+    Of all taxels, and of those that see a contact: the larger of the two, so that taxels that
+    always read zero do not speak for the others.
+    """
+    parameters = int(found.free.sum()) if len(found) else 0
+    squares = np.square((problem.readings - found.predicted) * problem.white)
+    seen = np.abs(found.predicted) * problem.white > 1.0
+    scale = float(squares.sum()) / max(len(squares) - parameters, 1)
+    if seen.sum() > parameters + 2:
+        scale = max(scale, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
+    return 1.0 if scale > QUIET else float(np.sqrt(scale))
+
+
+def significant(false_alarm_rate: float, taxels: int) -> float:
+    """Gain in cost that noise exceeds at this rate: three parameters at as many places as taxels.
+
+    Half the quantile of chi-squared with three degrees of freedom (Wilks 1938).
+    """
+    from scipy.special import chdtri
+
+    return 0.5 * float(chdtri(3, false_alarm_rate / taxels))

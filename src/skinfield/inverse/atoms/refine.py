@@ -1,0 +1,278 @@
+"""Joint refinement of atoms: Levenberg's method on all their parameters, compiled.
+
+The cost is half the sum of squares of the whitened residuals and of the priors: for a ball, a
+normal one on the logarithm of its radius of curvature, which force and contact radius give; for a
+flat end, on that of its radius; and for both, on the half-length.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from skinfield.errors import Floats
+from skinfield.inverse.atoms.kernel import Tables, along, predict
+from skinfield.inverse.atoms.table import LOG_STEP
+
+LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
+DEEPEST = 0.93  # strain of the gap at the axis
+RISE, FALL = 8.0, 0.2  # of the damping, after a step that failed or succeeded
+FIRST_DAMPING = 1e-3
+LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
+
+
+class Priors(NamedTuple):
+    """What is known of contacts before any reading; lengths in thicknesses.
+
+    `ball_log` and `ball_std` are of ln(radius of curvature/m), the others of ln(radius/thickness);
+    `length_std` is of each component of the half-length, `force_*` of ln(force/N).
+    """
+
+    ball_log: float
+    ball_std: float
+    flat_log: float
+    flat_std: float
+    length_std: float
+
+
+@njit(cache=True, nogil=True)
+def prior_terms(
+    atom: Floats, family: int, tables: Tables, priors: Priors, gradient: Floats, hessian: Floats
+) -> float:
+    """Cost of one atom's prior; adds to its gradient (6,) and Hessian (6, 6)."""
+    if family == 0:
+        place = (atom[3] - tables.first_log) / LOG_STEP
+        value, slope = along(tables.curvature, place)
+        slope /= LOG_STEP
+        off = (value - atom[2] - priors.ball_log) / priors.ball_std
+        by_force, by_radius = -1.0 / priors.ball_std, slope / priors.ball_std
+    else:
+        off = (atom[3] - priors.flat_log) / priors.flat_std
+        by_force, by_radius = 0.0, 1.0 / priors.flat_std
+    gradient[2] += off * by_force
+    gradient[3] += off * by_radius
+    hessian[2, 2] += by_force * by_force
+    hessian[2, 3] += by_force * by_radius
+    hessian[3, 2] += by_force * by_radius
+    hessian[3, 3] += by_radius * by_radius
+    cost = 0.5 * off * off
+    weight = 1.0 / (priors.length_std * priors.length_std)
+    for k in (4, 5):
+        gradient[k] += atom[k] * weight
+        hessian[k, k] += weight
+        cost += 0.5 * atom[k] * atom[k] * weight
+    return float(cost)
+
+
+@njit(cache=True, nogil=True)
+def assemble(
+    atoms: Floats,
+    family: Any,
+    readings: Floats,
+    white: Floats,
+    taxels: Floats,
+    tables: Tables,
+    priors: Priors,
+    predicted: Floats,
+    jacobian: Floats,
+    gradient: Floats,
+    hessian: Floats,
+) -> float:
+    """Cost of N atoms; writes gradient (6 N,) and Gauss-Newton Hessian (6 N, 6 N)."""
+    count = atoms.shape[0]
+    predict(atoms, family, taxels, tables, predicted, jacobian)
+    gradient[:] = 0.0
+    hessian[:] = 0.0
+    cost = 0.0
+    flat = jacobian.reshape(taxels.shape[0], 6 * count)
+    for taxel in range(taxels.shape[0]):
+        weight = white[taxel] * white[taxel]
+        residual = readings[taxel] - predicted[taxel]
+        cost += 0.5 * residual * residual * weight
+        for i in range(6 * count):
+            slope = flat[taxel, i]
+            if slope == 0.0:
+                continue
+            gradient[i] -= slope * residual * weight
+            for j in range(i + 1):
+                hessian[i, j] += slope * flat[taxel, j] * weight
+    for i in range(6 * count):
+        for j in range(i):
+            hessian[j, i] = hessian[i, j]
+    for n in range(count):
+        part = slice(6 * n, 6 * n + 6)
+        cost += prior_terms(
+            atoms[n], family[n], tables, priors, gradient[part], hessian[part, part]
+        )
+    return cost
+
+
+@njit(cache=True, nogil=True)
+def cholesky_solve(matrix: Floats, right: Floats) -> bool:
+    """Solve in place, the lower triangle becoming the factor; False if it is not positive."""
+    size = len(right)
+    for j in range(size):
+        pivot = matrix[j, j]
+        for k in range(j):
+            pivot -= matrix[j, k] * matrix[j, k]
+        if not pivot > 0.0:
+            return False
+        pivot = np.sqrt(pivot)
+        matrix[j, j] = pivot
+        for i in range(j + 1, size):
+            value = matrix[i, j]
+            for k in range(j):
+                value -= matrix[i, k] * matrix[j, k]
+            matrix[i, j] = value / pivot
+    for i in range(size):
+        for k in range(i):
+            right[i] -= matrix[i, k] * right[k]
+        right[i] /= matrix[i, i]
+    for i in range(size - 1, -1, -1):
+        for k in range(i + 1, size):
+            right[i] -= matrix[k, i] * right[k]
+        right[i] /= matrix[i, i]
+    return True
+
+
+@njit(cache=True, nogil=True)
+def hold(atoms: Floats, family: Any, tables: Tables) -> None:
+    """Bring atoms back to where they are tabulated: radius, and depth below the gap's closing."""
+    for n in range(atoms.shape[0]):
+        atoms[n, 3] = min(max(atoms[n, 3], LOWEST_LOG), HIGHEST_LOG)
+        atoms[n, 2] = min(max(atoms[n, 2], -20.0), 12.0)
+        if tables.strain.shape[0]:
+            place = (atoms[n, 3] - tables.first_log) / LOG_STEP
+            scale = along(tables.strain[family[n]], place)[0]
+            half = np.hypot(atoms[n, 4], atoms[n, 5])
+            thin = 1.0 + 4.0 * half / (np.pi * np.exp(atoms[n, 3]))
+            atoms[n, 2] = min(atoms[n, 2], np.log(DEEPEST * thin) - scale)
+
+
+@njit(cache=True, nogil=True)
+def refine(
+    atoms: Floats,
+    family: Any,
+    free: Any,
+    readings: Floats,
+    white: Floats,
+    taxels: Floats,
+    tables: Tables,
+    priors: Priors,
+    iterations: int,
+    tolerance: float,
+    predicted: Floats,
+    hessian: Floats,
+) -> tuple[float, int]:
+    """Move atoms (N, 6) in place to a minimum of the cost; `free` (N, 6) says which may move.
+
+    Writes what they predict (L,) and the Hessian (6 N, 6 N) there. Returns the cost and how many
+    steps were tried; it has settled when the last step gains less than `tolerance`.
+    """
+    count = atoms.shape[0]
+    size = 6 * count
+    jacobian = np.empty((taxels.shape[0], count, 6))
+    gradient, step = np.empty(size), np.empty(size)
+    trial_hessian, trial_gradient = np.empty((size, size)), np.empty(size)
+    trial_predicted, factor = np.empty(len(predicted)), np.empty((size, size))
+    hold(atoms, family, tables)
+    cost = assemble(
+        atoms,
+        family,
+        readings,
+        white,
+        taxels,
+        tables,
+        priors,
+        predicted,
+        jacobian,
+        gradient,
+        hessian,
+    )
+    damping = FIRST_DAMPING
+    for iteration in range(iterations):
+        for i in range(size):
+            step[i] = -gradient[i]
+            for j in range(size):
+                factor[i, j] = hessian[i, j]
+            factor[i, i] += damping * hessian[i, i] + 1e-9
+        for i in range(size):
+            if not free[i // 6, i % 6]:
+                step[i] = 0.0
+                factor[i, :] = 0.0
+                factor[:, i] = 0.0
+                factor[i, i] = 1.0
+        if not cholesky_solve(factor, step):
+            damping *= RISE
+            continue
+        longest = max(np.abs(step).max(), 1e-300)
+        shrink = min(1.0, LONGEST_STEP / longest)
+        trial = atoms + shrink * step.reshape(count, 6)
+        hold(trial, family, tables)
+        trial_cost = assemble(
+            trial,
+            family,
+            readings,
+            white,
+            taxels,
+            tables,
+            priors,
+            trial_predicted,
+            jacobian,
+            trial_gradient,
+            trial_hessian,
+        )
+        if trial_cost < cost:
+            gain = cost - trial_cost
+            cost = trial_cost
+            atoms[:] = trial
+            gradient[:] = trial_gradient
+            hessian[:] = trial_hessian
+            predicted[:] = trial_predicted
+            damping = max(damping * FALL, 1e-9)
+            if gain < tolerance:
+                return cost, iteration + 1
+        else:
+            if longest < 1e-6:
+                return cost, iteration + 1
+            damping *= RISE
+            if damping > 1e8:
+                return cost, iteration + 1
+    return cost, iterations
+
+
+@njit(cache=True, nogil=True)
+def refine_each(
+    atoms: Floats,
+    family: Any,
+    free: Any,
+    readings: Floats,
+    white: Floats,
+    taxels: Floats,
+    tables: Tables,
+    priors: Priors,
+    iterations: int,
+    tolerance: float,
+    hessians: Floats,
+) -> Floats:
+    """Refine each of S atoms (S, 6) alone, in place; `free` (6,). Returns their costs (S,)."""
+    costs = np.empty(atoms.shape[0])
+    predicted = np.empty(len(readings))
+    moves = free.reshape(1, 6)
+    for index in range(atoms.shape[0]):
+        one = slice(index, index + 1)
+        costs[index] = refine(
+            atoms[one],
+            family[one],
+            moves,
+            readings,
+            white,
+            taxels,
+            tables,
+            priors,
+            iterations,
+            tolerance,
+            predicted,
+            hessians[index],
+        )[0]
+    return costs
