@@ -12,7 +12,14 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError, check_finite, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    check_finite,
+    check_positive,
+    check_range,
+    check_shape,
+)
 from skinfield.fields import Contact, Spread
 from skinfield.fields.spread import below
 
@@ -116,8 +123,9 @@ class Intervals:
         for name, ratio in (("force", self.force), ("area", self.area)):
             check_shape(f"{name}.centre", ratio.centre, (3,), "of three features")
             check_finite(f"{name}.centre", ratio.centre, "of three features")
-            check_finite(f"{name}.floor", np.array([ratio.floor]), "a relative deviation")
-        check_finite("place_floor", np.array([self.place_floor]), "in metres")
+            check_range(f"{name}.floor", ratio.floor, 0.0, 1e3, "a relative deviation")
+        check_range("place_floor", self.place_floor, 1e-12, 1.0, "in metres")
+        check_positive("noise_std", self.noise_std, "in the quantity's unit")
 
     def check(self, solver: str, quantity: str, taxels: int, noise_std: float) -> None:
         """Raise InputError unless the intervals are of such a reconstructor."""
