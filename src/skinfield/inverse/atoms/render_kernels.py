@@ -119,7 +119,7 @@ def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -
 def _chord(square: float, family: int, terms: Floats, chord: Floats) -> float:
     r"""Prepare integrals of the pressure along a chord of half-length s.
 
-    With q = s² - x², :math:`I_e = \int_0^x q^e dx` is (x q^e + 2e s² I_(e-1)) / (2e + 1). So the sum
+    With q = s² - x², I_e = :math:`\int_0^x q^e dx` is (x q^e + 2e s² I_(e-1)) / (2e + 1): the sum
     of terms is c I_(-1/2) + x sqrt(q) times a polynomial in q; returns c, and writes the
     polynomial's coefficients into `chord`.
     """
