@@ -13,6 +13,7 @@ from skinfield.observation import ObservationModel
 
 PITCHES = 0.4  # of the taxels, per length scale: longer than a linear field's, which may ring
 ROOM = 128  # free nodes at first
+ROUNDING = 1e-15  # of the objective: less than that is nothing gained
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,10 +56,11 @@ class NonNegative:
     force between taxels.
 
     Each step chooses free nodes, all with pressure and the steepest of the others, solves for them
-    exactly (Cholesky) and goes there as far as f falls, clipped at 0 (projected Newton, Bertsekas
-    1982). With the slope r at any p >= 0, its parts :math:`r^\pm` and S the covariance of the
-    posterior without the constraint, the multipliers :math:`r^+` are feasible in the dual problem,
-    whose value is below the minimum, so that
+    exactly (Cholesky) and goes there, clipped at 0, if f falls by enough (projected Newton,
+    Bertsekas 1982). Where it does not, nodes are exchanged one by one until a step succeeds (Lawson
+    and Hanson 1974), so that f never rises and the search ends. With the slope r at any p >= 0,
+    its parts :math:`r^\pm` and S the covariance of the posterior without the constraint, the
+    multipliers :math:`r^+` are feasible in the dual problem, whose value is below the minimum:
 
     .. math:: f(p) - f(p^*) \le p^T r^+ + \tfrac12 (r^-)^T S r^- =: \mathrm{gap}, \quad
               |w^T (p - p^*)| \le \sqrt{2\,\mathrm{gap}\; w^T S w}.
@@ -165,6 +167,7 @@ class NonNegativeOperator:
         self._chosen = np.zeros(nodes, dtype=np.bool_)
         self._free, self._count = np.zeros(nodes, dtype=np.int64), 0
         self._make_room(min(ROOM, nodes))
+        self._carefully = self._settled = False
 
     @property
     def pressure_std(self) -> Floats:
@@ -198,6 +201,7 @@ class NonNegativeOperator:
         if self.objective > 0.0:  # the reading before tells less than nothing of this one
             self._pressure[:] = 0.0
             self._evaluate()
+        self._carefully, self._settled = False, not self._pressure.any()
         lasted = 0
         while self.iterations < self.solver.most_iterations:
             start = time.perf_counter_ns()
@@ -233,21 +237,41 @@ class NonNegativeOperator:
         """Take one step; whether there was anything to gain beyond rounding."""
         from skinfield.inverse import non_negative_kernel as kernel
 
-        free, lower = self._free, self._lower
-        kernel.choose(self._slope, self._pressure, self._steepness, self.shape, self._chosen)
-        self._count, done = kernel.list_chosen(self._chosen, free, self._count)
-        count, width, table = self._count, self.shape[1], self.precision.table
-        if count > len(lower):
+        slope, pressure, chosen = self._slope, self._pressure, self._chosen
+        one_more = self._settled
+        if self._carefully:
+            kernel.choose_few(slope, pressure, self._steepness, one_more, chosen)
+        else:
+            kernel.choose_many(slope, pressure, self._steepness, self.shape, chosen)
+        if not self._solve_for_chosen():
+            return False
+        go = kernel.move_straight if self._carefully else kernel.move_clipped
+        change, self._settled = go(
+            self._lower, slope, self._free, self._count, self._step, self._moved, pressure
+        )
+        gained = bool(change < ROUNDING * self.objective)
+        if self._carefully:
+            self._carefully = not (self._settled and one_more)
+            return gained or (self._settled and not one_more)
+        if change == 0.0:
+            self._carefully, self._settled = True, one_more
+        return gained or self._carefully
+
+    def _solve_for_chosen(self) -> bool:
+        """Newton's step of the chosen nodes."""
+        from skinfield.inverse import non_negative_kernel as kernel
+
+        self._count, done = kernel.list_chosen(self._chosen, self._free, self._count)
+        free, count, width = self._free, self._count, self.shape[1]
+        if count > len(self._lower):
             self._make_room(min(2 * count, len(self._pressure)))
-            lower, done = self._lower, 0
+            done = 0
+        lower, table = self._lower, self.precision.table
         if not kernel.factor(self.signatures, table, width, free, done, count, lower):
             self._count = 0  # the factor's rows are not those of the list
             return False
         kernel.newton_step(lower, self._slope, free, count, self._step)
-        change = kernel.move(
-            lower, self._slope, free, count, self._step, self._moved, self._pressure
-        )
-        return bool(change < 0.0)
+        return True
 
     def _make_room(self, nodes: int) -> None:
         """For so many free nodes: kept, so that no later reading allocates it."""

@@ -14,7 +14,7 @@ from skinfield.errors import Floats
 Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
-HALVINGS = 40
+HALVINGS = 3  # of a step that bends at 0, before single nodes are exchanged
 DESCENT = 1e-4  # of what the slope promises, which a step must bring
 NEARLY_WORST = 0.5  # of the steepest node: as steep ones are freed with it
 
@@ -97,7 +97,7 @@ def gap_of(slope: Floats, pressure: Floats, std: Floats, stiffest: float) -> flo
 
 
 @njit(cache=True, nogil=True)
-def choose(
+def choose_many(
     slope: Floats, pressure: Floats, scale: Floats, shape: tuple[int, int], chosen: Flags
 ) -> None:
     """Mark the nodes that may move: all pressed ones, and the steepest of those that should rise.
@@ -122,6 +122,22 @@ def choose(
                 other = r * width + c
                 if pressure[other] <= 0.0 and slope[other] * scale[other] < steep:
                     chosen[node] = False
+
+
+@njit(cache=True, nogil=True)
+def choose_few(
+    slope: Floats, pressure: Floats, scale: Floats, one_more: bool, chosen: Flags
+) -> None:
+    """Mark all pressed nodes, and with `one_more` the steepest of those that should rise."""
+    worst = -1
+    for node in range(len(slope)):
+        chosen[node] = pressure[node] > 0.0
+        if chosen[node] or not one_more or slope[node] >= 0.0:
+            continue
+        if worst < 0 or slope[node] * scale[node] < slope[worst] * scale[worst]:
+            worst = node
+    if worst >= 0:
+        chosen[worst] = True
 
 
 @njit(cache=True, nogil=True)
@@ -196,7 +212,21 @@ def newton_step(lower: Floats, slope: Floats, free: Ints, count: int, step: Floa
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def move(
+def change_of(lower: Floats, slope: Floats, free: Ints, count: int, moved: Floats) -> float:
+    """How the objective changes, slope . d + |lower^T d|^2 / 2: exactly, as it is quadratic."""
+    first, second = 0.0, 0.0
+    for i in range(count):
+        first += slope[free[i]] * moved[i]
+    for k in range(count):
+        total = 0.0
+        for i in range(k, count):
+            total += lower[i, k] * moved[i]
+        second += total * total
+    return first + 0.5 * second
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def move_clipped(
     lower: Floats,
     slope: Floats,
     free: Ints,
@@ -204,29 +234,47 @@ def move(
     step: Floats,
     moved: Floats,
     pressure: Floats,
-) -> float:
-    """Go along the step as far as the objective falls, clipped at 0; return its change, < 0.
+) -> tuple[float, bool]:
+    """Go along the step, clipped at 0, as far as the objective falls by enough.
 
-    The change is slope . d + |lower^T d|^2 / 2 exactly, as the objective is quadratic. 0 where
-    rounding leaves nothing to gain: the pressure then stays.
+    Returns its change, 0 where a few halvings did not help, and whether the whole step was gone.
     """
     length = 1.0
-    for _ in range(HALVINGS):
-        first = 0.0
+    for _ in range(HALVINGS + 1):
+        promised, whole = 0.0, length == 1.0
         for i in range(count):
             at = pressure[free[i]]
-            moved[i] = max(at + length * step[i], 0.0) - at
-            first += slope[free[i]] * moved[i]
-        second = 0.0
-        for k in range(count):
-            total = 0.0
-            for i in range(k, count):
-                total += lower[i, k] * moved[i]
-            second += total * total
-        change = first + 0.5 * second
-        if change < DESCENT * first:
+            to = at + length * step[i]
+            whole = whole and to >= 0.0
+            moved[i] = max(to, 0.0) - at
+            promised += slope[free[i]] * moved[i]
+        change = change_of(lower, slope, free, count, moved)
+        if change < DESCENT * promised:
             for i in range(count):
                 pressure[free[i]] = max(pressure[free[i]] + length * step[i], 0.0)
-            return change
+            return change, whole
         length *= 0.5
-    return 0.0
+    return 0.0, False
+
+
+@njit(cache=True, nogil=True)
+def move_straight(
+    lower: Floats,
+    slope: Floats,
+    free: Ints,
+    count: int,
+    step: Floats,
+    moved: Floats,
+    pressure: Floats,
+) -> tuple[float, bool]:
+    """Go along the step until the first pressure is 0; returns as `move_clipped`."""
+    length, first = 1.0, -1
+    for i in range(count):
+        if pressure[free[i]] + length * step[i] < 0.0:
+            length, first = -pressure[free[i]] / step[i], i
+    for i in range(count):
+        moved[i] = length * step[i]
+    change = change_of(lower, slope, free, count, moved)
+    for i in range(count):
+        pressure[free[i]] = 0.0 if i == first else max(pressure[free[i]] + moved[i], 0.0)
+    return change, first < 0

@@ -9,7 +9,7 @@ from skinfield.layout import Grid
 from skinfield.mechanics.lattice import mirrored
 
 VANISHED = 20.0  # length scales at which the correlation is below 1e-13
-SINGULAR = 1e-10  # least part of the spectrum that rounding leaves meaningful
+LONGEST = 32.0  # length scale in pitches: beyond, the covariance is singular to rounding
 DROPPED = 1e-8  # of the least eigenvalue: what may be cut off the precision
 
 
@@ -52,20 +52,20 @@ def matern_precision(grid: Grid, length: float, variance: float) -> Precision:
     Raises
     ------
     InputError
-        If the nodes are so close that their covariance is singular to rounding.
+        If the nodes are too close for the length scale.
     """
     from scipy import fft
 
+    if not length <= LONGEST * grid.pitch:
+        raise InputError(
+            f"length_scale is {length * 1e3:.4g} mm on nodes {grid.pitch * 1e3:.4g} mm apart, "
+            f"expected at most {LONGEST:g} times their distance: neighbours could not differ; use "
+            "a shorter length_scale or a coarser grid"
+        )
     count = fft.next_fast_len(int(2 * np.ceil(VANISHED * length / grid.pitch)) + 32)
     offset = np.minimum(np.arange(count), count - np.arange(count)) * grid.pitch
     scaled = np.sqrt(3.0) * np.hypot(offset[:, None], offset) / length
-    spectrum = fft.fft2((1 + scaled) * np.exp(-scaled)).real
-    if not spectrum.min() > SINGULAR * spectrum.max():
-        raise InputError(
-            f"length_scale is {length * 1e3:.3g} mm on nodes {grid.pitch * 1e3:.3g} mm apart, "
-            "expected at most about 60 times their distance: the field could not vary; use a "
-            "shorter length_scale or a coarser grid"
-        )
+    spectrum = fft.fft2((1 + scaled) * np.exp(-scaled)).real  # above 1e-9 of its largest value
     full = fft.ifft2(1 / spectrum).real
     reach = _reach(full, 1 / float(spectrum.max()))
     reach = min(reach, max(grid.shape), count // 2)
