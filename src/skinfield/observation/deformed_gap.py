@@ -14,13 +14,12 @@ respect to the potential there.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
-from skinfield.observation.gap_modes import Modes, gap_modes
 
 MODES = 6  # polynomials in zeta, up to degree 7
 TOLERANCE = 1e-4  # of the potential's change, in the energy's norm of the flat gap
@@ -56,6 +55,44 @@ def charge_below(strain: Floats, step: float) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
+class _Modes:
+    """Integrals over zeta; row and column 0 are of 1 - zeta, the rest of the modes."""
+
+    mass: Floats
+    stiffness: Floats
+    mixed: Floats
+    stretched: Floats
+    eigenvalues: Floats
+
+
+@lru_cache(maxsize=4)
+def _modes(count: int) -> _Modes:
+    """Modes that diagonalise mass (to 1) and stiffness, from integrals of Legendre polynomials."""
+    from numpy.polynomial import legendre
+    from scipy.linalg import eigh
+
+    node, weight = legendre.leggauss(count + 4)
+    zeta, weight = (node + 1) / 2, weight / 2
+    values, slopes = [1 - zeta], [-np.ones_like(zeta)]
+    for degree in range(2, count + 2):
+        unit = np.eye(degree + 1)
+        slopes.append(legendre.legval(node, unit[degree - 1]))
+        bubble = legendre.legval(node, unit[degree] - unit[degree - 2])
+        values.append(bubble / (2 * (2 * degree - 1)))
+    value, slope = np.array(values), np.array(slopes)
+    mass, stiffness = (value * weight) @ value.T, (slope * weight) @ slope.T
+    eigenvalues, turn = eigh(stiffness[1:, 1:], mass[1:, 1:])
+    value[1:], slope[1:] = turn.T @ value[1:], turn.T @ slope[1:]
+    return _Modes(
+        (value * weight) @ value.T,
+        (slope * weight) @ slope.T,
+        (value * weight * zeta) @ slope.T,
+        (slope * weight * zeta**2) @ slope.T,
+        eigenvalues,
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class _Gap:
     """A gap (rows, columns), in thicknesses, periodic, and the equation in it."""
 
@@ -63,8 +100,8 @@ class _Gap:
     step: float
 
     @cached_property
-    def modes(self) -> Modes:
-        return gap_modes(MODES)
+    def modes(self) -> _Modes:
+        return _modes(MODES)
 
     @cached_property
     def waves(self) -> tuple[Spectra, Spectra]:
