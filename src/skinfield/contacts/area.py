@@ -6,6 +6,9 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.layout import Grid
 
+# Variance, in cells, of the count in a disc at random per side of its border: 0.4576 R over 8 R
+# (Kendall, On the number of lattice points inside a random oval, Quart. J. Math. 19, 1948).
+ROUNDING = 0.0572
 ALONG = ((0, 1), (0, -1), (1, 0), (-1, 0))  # row, column: from a cell to those beside it
 
 
@@ -64,4 +67,4 @@ def area_moves(
     moves = np.concatenate(weights)
     around.append(np.array([peak]))
     total = np.append(moves, -edge * moves.sum())
-    return np.concatenate(around), total, float(grid.cell_area * np.sqrt(sides / 12))
+    return np.concatenate(around), total, float(grid.cell_area * np.sqrt(ROUNDING * sides))

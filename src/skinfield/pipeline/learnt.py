@@ -133,12 +133,9 @@ def learn(
     training, rest = lesson.part(np.arange(split)), lesson.part(np.arange(split, len(lesson)))
     force, area = _ratio(training, training.force), _ratio(training, training.area)
     floor = _place_floor(training, patch.pitch)
-    count = max(min(GROUPS, len(rest) // (2 * LEAST)), 1)
-    edges = np.quantile(rest.deviation, np.arange(1, count) / count)
+    edges = _edges(rest.deviation)
     which = np.searchsorted(edges, rest.deviation)
-    parts = [rest.part(which == group) for group in range(count)]
-    if min(len(part) for part in parts) < LEAST:  # many are equally sure
-        edges, parts = np.zeros(0), [rest]
+    parts = [rest.part(which == group) for group in range(len(edges) + 1)]
     return Intervals(
         solver=solver,
         quantity=quantity,
@@ -220,6 +217,19 @@ def _metric(errors: Floats, blocks: Floats) -> Floats:
     """Root of e^T C^-1 e for errors (N, 2) and covariances (N, 2, 2)."""
     solved = np.linalg.solve(blocks, errors[:, :, None])[:, :, 0]
     return np.asarray(np.sqrt(np.maximum((errors * solved).sum(axis=1), 0.0)))
+
+
+def _edges(deviation: Floats) -> Floats:
+    """Where groups are cut, so that each has enough presses: many may be equally sure."""
+    kept: list[float] = []
+    below = 0
+    for share in np.arange(1, GROUPS) / GROUPS:
+        edge = float(np.quantile(deviation, share)) * (1 + 1e-9)
+        here = int((deviation <= edge).sum())
+        if here - below >= LEAST and len(deviation) - here >= LEAST:
+            kept.append(edge)
+            below = here
+    return np.array(kept)
 
 
 def _group(lesson: Lesson, force: Ratio, area: Ratio, floor: float) -> Group:

@@ -25,9 +25,9 @@ BODIES: tuple[Any, ...] = (
     Bar(length=9e-3, width=2.5e-3, edge_radius=0.5e-3),
 )
 LOADS = (0.1, 3.0)  # N
-STEPS = 4  # loads of each body
+STEPS = 5  # loads of each body
 DEEPEST = 0.7  # thicknesses: beyond, linear elasticity is no truth
-CELL = 0.25e-3  # m: of the truth's grid
+CELL = 0.5e-3  # m: of the truth's grid; contacts are solved on finer squares
 SPACING = 0.75e-3  # m: of the table of a press that is not round
 EXTENT = 30e-3  # m: side of the square in which bodies touch
 TRIES = 10_000  # places drawn at most for each press
@@ -56,12 +56,15 @@ class Rehearsal:
     forces : (N,) array, N
     areas : (N,) array, m²
         That touch.
+    angles : (N,) array, rad
+        By which the bodies are turned.
     """
 
     readings: Floats
     places: Floats
     forces: Floats
     areas: Floats
+    angles: Floats
 
 
 def rehearse(
@@ -128,7 +131,7 @@ def _carried(
     ]
     forces = np.array([each.force for each in solved])
     areas = np.array([each.area for each in solved])
-    return Rehearsal(np.array(rows), np.array(centres), forces, areas)
+    return Rehearsal(np.array(rows), np.array(centres), forces, areas, angles)
 
 
 def _spelt(quantity: Quantity) -> str:
