@@ -60,7 +60,7 @@ def _sentences(found: Found, runs: Sequence[Live]) -> list[str]:
 
     seconds, two, first = LOOKED / settings.rate, PLACES[1], runs[0]
     reached = [
-        f"{share(OURS, force)} of {force:g} N (asked for: {100 * target:.0f} %)"
+        f"{share(OURS, force)} of {force:g} N (target: {100 * target:.0f} %)"
         for force, target in TARGETS
     ]
     return [
