@@ -25,7 +25,7 @@ def _points_along(radius: float, half: float, thickness: float) -> int:
     if half <= 0.0:
         return 1
     wide = max(radius, 0.5 * thickness)
-    return min(max(int(np.ceil(2.0 + 1.5 * half / wide)), 3), MOST)
+    return min(max(int(np.ceil(2.0 + 2.0 * half / wide)), 3), MOST)
 
 
 @njit(cache=True, nogil=True)

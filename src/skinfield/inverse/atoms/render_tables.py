@@ -28,6 +28,7 @@ INNER = 10  # of the displacement below the contact
 OUTER = 64  # intervals of the displacement beside it
 FOLD = 2.0  # thicknesses beside the contact at which half of them are used up
 REACH = 12.0  # thicknesses beside the contact where a bonded layer is at rest: to 2e-4 of the peak
+NODES, NODES_PER_THICKNESS = 14, 3.0  # of quadrature along each coordinate
 PROBE = 1e-4  # thicknesses: side of the loaded square that stands for a point
 NEAREST, FARTHEST = 1e-3, 1e3  # thicknesses from it between which its response is tabulated
 
@@ -71,14 +72,9 @@ def surface_table(layer: Layer, mechanics: Mechanics) -> SurfaceTable:
         [[_pressure_terms(layer, mechanics, family, a) for a in radii] for family in (BALL, FLAT)]
     )
     response = _point_response(layer, mechanics)
-    moved = np.array(
-        [
-            [
-                _displacement_terms(response, h, family, a, c)
-                for a, c in zip(radii, coefficients[family], strict=True)
-            ]
-            for family in (BALL, FLAT)
-        ]
+    moved = np.stack(
+        [_displacement_terms(response, h, a, coefficients[:, i]) for i, a in enumerate(radii)],
+        axis=1,
     )
     finite = np.isfinite(mechanics.reach(layer))
     return SurfaceTable(
@@ -120,7 +116,7 @@ def _point_response(layer: Layer, mechanics: Mechanics) -> Callable[[Floats], Fl
     from scipy.interpolate import CubicSpline
 
     h = layer.thickness
-    logs = np.linspace(np.log(NEAREST * h), np.log(FARTHEST * h), 400)
+    logs = np.linspace(np.log(NEAREST * h), np.log(FARTHEST * h), 300)
     rho, side = np.exp(logs), PROBE * h
     offset = np.column_stack([rho, np.zeros_like(rho)])
     each = mechanics.surface_displacement(layer, offset, side) / -(side**2)
@@ -134,61 +130,64 @@ def _point_response(layer: Layer, mechanics: Mechanics) -> Callable[[Floats], Fl
     return response
 
 
-def _displacement_terms(response: Kernel, h: float, family: int, a: float, terms: Floats) -> Floats:
-    """Coefficients (2, INNER + 4 OUTER) of one radius, see `SurfaceTable`."""
+def _displacement_terms(response: Kernel, h: float, a: float, terms: Floats) -> Floats:
+    """Coefficients (2, 2, INNER + 4 OUTER) of one radius, see `SurfaceTable`.
+
+    `terms` (2, TERMS) are those of the pressure of both families.
+    """
     from scipy.interpolate import CubicSpline
 
     t = 0.5 - 0.5 * np.cos((np.arange(2 * INNER) + 0.5) * np.pi / (2 * INNER))
-    below = np.stack([_below(response, h, family, a, terms, r) for r in a * np.sqrt(1.0 - t**2)])
-    inner = np.linalg.lstsq(t[:, None] ** np.arange(INNER), below, rcond=None)[0]
+    below = np.stack([_below(response, h, a, terms, r) for r in a * np.sqrt(1.0 - t**2)])
+    inner = np.linalg.lstsq(t[:, None] ** np.arange(INNER), below.reshape(-1, 4), rcond=None)[0]
     x = np.arange(OUTER) / OUTER
     s = FOLD * h * x / (1.0 - x)
-    beside = np.stack([_beside(response, h, family, a, terms, r) for r in np.hypot(s, a)])
-    spline = CubicSpline(np.arange(OUTER + 1), np.vstack([beside, np.zeros(2)]))
-    outer = spline.c.transpose(1, 0, 2).reshape(4 * OUTER, 2)
-    return np.asarray(a * np.vstack([inner, outer]).T)
+    beside = np.stack([_beside(response, h, a, terms, r) for r in np.hypot(s, a)])
+    spline = CubicSpline(np.arange(OUTER + 1), np.vstack([beside.reshape(-1, 4), np.zeros(4)]))
+    outer = spline.c.transpose(1, 0, 2).reshape(4 * OUTER, 4)
+    return np.asarray(a * np.vstack([inner, outer]).T.reshape(2, 2, -1))
 
 
 def _rule(a: float, h: float) -> tuple[Floats, Floats]:
     """Gauss-Legendre nodes and weights on [0, 1] that resolve a response of the layer."""
-    node, weight = np.polynomial.legendre.leggauss(20 + int(5 * a / h))
+    node, weight = np.polynomial.legendre.leggauss(NODES + int(NODES_PER_THICKNESS * a / h))
     return (node + 1.0) / 2.0, weight / 2.0
 
 
-def _density(family: int, terms: Floats, t: Floats) -> Floats:
-    """Pressure of 1 N, times t, times pi a²."""
-    total = np.zeros_like(t)
-    for c in terms[::-1]:
-        total = total * t**2 + c
-    return total * t**2 if family == BALL else total
+def _densities(terms: Floats, t: Floats) -> Floats:
+    """Pressure (2, ...) of 1 N, times t, times pi a², of both families."""
+    square = t**2
+    ball, flat = (np.polynomial.polynomial.polyval(square, c) for c in terms)
+    return np.stack([ball * square, flat])
 
 
-def _below(response: Kernel, h: float, family: int, a: float, terms: Floats, r: float) -> Floats:
-    """Displacement (2,) at a point below the contact, over all lines through it.
+def _moved(load: Floats, response: Floats, direction: Floats, r: float) -> Floats:
+    """Sums (2, 2) of loads (2, ...): along the normal, and away from the axis over r."""
+    normal, radial = response
+    return np.stack([(load * normal).sum((1, 2)), (load * radial * direction).sum((1, 2)) / r], 1)
+
+
+def _below(response: Kernel, h: float, a: float, terms: Floats, r: float) -> Floats:
+    """Displacement (2, 2) at a point below the contact of each family, over all lines through it.
 
     On a line at the angle theta from the outward radius, the chord is -r cos(theta) + b sin(psi),
     b² = a² - r² sin²(theta), and t = (b/a) cos(psi): what is singular at the edge is not in psi.
     """
     u, weight = _rule(a, h)
-    theta, share = [], []
-    for side in (-1.0, 1.0):  # finer towards pi/2, where lines graze the edge of a close contact
-        theta.append(np.pi / 2 * (1.0 + side * u**3))
-        share.append(np.pi / 2 * 3.0 * u**2 * weight)
-    angle, width = np.hstack(theta)[:, None], np.hstack(share)[:, None]
-    half = np.sqrt(a**2 - (r * np.sin(angle)) ** 2)
-    start = np.arcsin(np.clip(r * np.cos(angle) / half, -1.0, 1.0))
+    # Finer towards pi/2, where lines graze the edge of a close contact.
+    angle = np.hstack([np.pi / 2 * (1.0 - u**3), np.pi / 2 * (1.0 + u**3)])[:, None]
+    width = np.tile(np.pi / 2 * 3.0 * u**2 * weight, 2)[:, None]
+    cosine, half = np.cos(angle), np.sqrt(a**2 - (r * np.sin(angle)) ** 2)
+    start = np.arcsin(np.clip(r * cosine / half, -1.0, 1.0))
     psi = start + (np.pi / 2 - start) * u
-    rho = -r * np.cos(angle) + half * np.sin(psi)
-    density = _density(family, terms, half / a * np.cos(psi)) / (np.pi * a**2)
-    element = (
-        2.0 * width * (np.pi / 2 - start) * weight * density * a
-    )  # dtheta drho / t, both sides
-    normal, radial = response(np.maximum(rho, 0.0))
-    return np.array([(element * normal).sum(), -(element * radial * np.cos(angle)).sum() / r])
+    rho = np.maximum(-r * cosine + half * np.sin(psi), 0.0)
+    load = _densities(terms, half / a * np.cos(psi)) / (np.pi * a)
+    element = 2.0 * width * (np.pi / 2 - start) * weight  # dtheta drho / t, both sides
+    return _moved(load * element, response(rho), -cosine, r)
 
 
-def _beside(response: Kernel, h: float, family: int, a: float, terms: Floats, r: float) -> Floats:
-    """Displacement (2,) at a point beside the contact, as `_below`.
+def _beside(response: Kernel, h: float, a: float, terms: Floats, r: float) -> Floats:
+    """Displacement (2, 2) at a point beside the contact, as `_below`.
 
     Lines at the angle alpha from the one through the middle, sin(alpha) = (a/r) sin(phi).
     """
@@ -198,8 +197,6 @@ def _beside(response: Kernel, h: float, family: int, a: float, terms: Floats, r:
     half = a * np.cos(phi)
     psi = np.pi * (u - 0.5)
     rho = r * cosine + half * np.sin(psi)
-    density = _density(family, terms, half / a * np.cos(psi)) / (np.pi * a**2)
+    load = _densities(terms, half / a * np.cos(psi)) / (np.pi * a)
     turn = np.pi / 2 * weight[:, None] * (a / r) * np.cos(phi) / cosine
-    element = 2.0 * turn * np.pi * weight * density * a
-    normal, radial = response(rho)
-    return np.array([(element * normal).sum(), (element * radial * cosine).sum() / r])
+    return _moved(load * (2.0 * np.pi * turn * weight), response(rho), cosine, r)
