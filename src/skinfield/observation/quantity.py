@@ -116,17 +116,20 @@ class Capacitance:
 
     The field lines between the electrodes smooth the indentation w by
     :math:`\hat S = kh/\sinh kh`; to first order the reading is the pad's mean of S w/h, and
-    `forward` adds the series to third order. Without `pad_averaged` it is S w/h above the centre.
+    `forward` has the field in the deformed gap. Without `pad_averaged` it is S w/h above the
+    centre.
 
     Parameters
     ----------
-    order : 1, 2 or 3
-        Terms of the series that `forward` sums.
+    order : None, 1, 2 or 3
+        None for the field in the deformed gap itself, or the terms of the series in the strain
+        that `forward` sums instead. The series falls short where the surface comes down by more
+        than some tenths of the thickness, but has an answer for a surface of any steepness.
     pad_averaged : bool
         Average over the pad; else the density of charge at its centre.
     """
 
-    order: int = 3
+    order: int | None = None
     pad_averaged: bool = True
 
     symbol = "ΔC/C₀"
@@ -135,7 +138,9 @@ class Capacitance:
     lowest = -1.0  # a pad cannot lose all its capacitance
 
     def __post_init__(self) -> None:
-        check_choice("order", str(self.order), ("1", "2", "3"), "terms of the series")
+        if self.order is not None:
+            why = "terms of the series, or None for the field in the deformed gap"
+            check_choice("order", str(self.order), ("1", "2", "3"), why)
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
