@@ -27,7 +27,7 @@ RATES = (
     ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
 )
 TIMES = (("cold_ms", 1.0, "cold\nms", 1), ("warm_ms", 1.0, "warm\nms", 2))
-WIDE = 126  # columns of the terminal that the table takes
+WIDE = 140  # columns of the terminal that the table takes
 
 
 def validate_unseen(options: dict[str, Any]) -> None:

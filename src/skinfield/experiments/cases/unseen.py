@@ -20,13 +20,13 @@ from skinfield.simulate.pressing.anywhere import readings_anywhere
 
 SINGLE, SEVERAL, EXTENDED = "single", "several", "extended"
 # 12 : 5 : 3, mixed so that any few presses in a row hold about these shares.
-GROUPS = tuple({"1": SINGLE, "+": SEVERAL, "=": EXTENDED}[sign] for sign in "1+1=1+11+1=11+1=1+111")
+GROUPS = tuple({"1": SINGLE, "+": SEVERAL, "=": EXTENDED}[sign] for sign in "1+1=1+11+1=11+1=1+11")
 BALLS = (2e-3, 15e-3)  # m: radius, log-uniform
 LOADS = (0.2, 3.0)  # N: of each body, log-uniform up to what the layer bears
 APART = (10e-3, 14e-3)  # m: least distance of several bodies, uniform
 DEEPEST = 0.7  # thicknesses: beyond, linear elasticity is more than 5 % off for balls
 CELL = 0.25e-3  # m: of the truth's grid
-TRIES = 200  # until places, or loads, are such as asked for
+TRIES, LOADINGS = 200, 40  # until places, and loads, are such as asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +216,7 @@ def _pressed(
     rng: np.random.Generator, layer: Layer, bodies: list[Any], extent: float, cell: float
 ) -> Press:
     """Solve with random loads, drawn again where the layer does not bear them."""
-    for _ in range(TRIES):
+    for _ in range(LOADINGS):
         loaded = [replace(body, force=_log(rng, *LOADS)) for body in bodies]
         try:
             solved = press(layer, loaded, extent, cell)

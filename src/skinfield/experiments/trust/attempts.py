@@ -19,7 +19,7 @@ RUNS = 2  # readings of each press: a cold one, which is scored, and a warm one
 
 
 @lru_cache(maxsize=32)
-def entrant_of(method: Method, gate: float = GATE) -> Entrant:
+def entrant_of(method: Method, gate: float) -> Entrant:
     """One per process, so that what it prepares is prepared once."""
     return method.entrant(gate)
 
@@ -115,7 +115,7 @@ def idle_rows(plan: TrustPlan, level: Level) -> dict[str, Any]:
     )
     rows = []
     for method in plan.methods:
-        found = entrant_of(method).false_contacts(quiet, plan.idle, plan.seed)
+        found = entrant_of(method, plan.gate).false_contacts(quiet, plan.idle, plan.seed)
         rows.append(
             {"quantity": level.quantity, "noise": level.noise, "method": method.name}
             | {"idle": len(found), "seen": sum(count > 0 for count in found), "false": sum(found)}

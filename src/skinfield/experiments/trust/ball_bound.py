@@ -19,11 +19,10 @@ from skinfield.experiments.scoring.bound import bound_of
 from skinfield.experiments.scoring.rows import Row
 from skinfield.experiments.trust.plan import Level, TrustPlan
 from skinfield.simulate import Sphere, press
-from skinfield.simulate.pressing.anywhere import readings_anywhere
 
 DEPTHS = (0.05, 0.75)  # thicknesses
-FAR = 40e-3  # m: beyond, a ball is not felt
-SPACING = 0.1e-3  # m
+FAR = 24e-3  # m: beyond, a ball is not felt
+SPACING = 0.2e-3  # m
 SIZE_PRIOR = 0.6  # standard deviation of ln radius where the size is not known
 DRAWS = 64  # of errors at the bound, per case
 KNOWN, UNKNOWN = "bound, size known", "bound, size unknown"
@@ -46,7 +45,7 @@ def ball_profiles(plan: TrustPlan, radius: float) -> dict[str, Any]:
         solved = press(plan.layer, [body], 2 * float(wide), plan.cell)
         forces.append(solved.force)
         for quantity, kept in profiles.items():
-            kept.append((readings_anywhere(solved, pad, quantity)(line) / solved.force).tolist())
+            kept.append((solved.readings(line, pad, quantity) / solved.force).tolist())
     return {"radius": radius, "depths": depths.tolist(), "forces": forces, "profiles": profiles}
 
 
@@ -126,13 +125,14 @@ class BallTable:
         slope = np.where(within, spline(np.minimum(away, FAR), 1), 0.0)
 
         def of(values: Floats) -> Floats:
-            return np.where(within, np.interp(away, _distances(), values), 0.0)
+            spline = CubicSpline(_distances(), values, bc_type="clamped")
+            return np.where(within, spline(np.minimum(away, FAR)), 0.0)
 
         return force * np.column_stack(
             [
                 slope * towards[:, 0],
                 slope * towards[:, 1],
-                of(per_newton + by_depth / stiff),
+                of(per_newton + by_depth / stiff),  # of force times readings per newton
                 of(by_size - by_depth * grows / stiff),
             ]
         )

@@ -70,14 +70,14 @@ class Method:
         return Entrant(solver=self.solver, mechanics=self.mechanics, nodes=self.nodes, gate=gate)
 
 
-def methods() -> tuple[Method, ...]:
-    """The paper's on its 20 x 20 nodes, the Gaussian field, and the fit of contacts."""
+def methods(nodes: int = 40) -> tuple[Method, ...]:
+    """The paper's on its 20 x 20 nodes, the Gaussian field, and the fit of contacts on `nodes`."""
     found = [
         Method(PAPER, PseudoInverse(resample=True), HalfSpace(), 20),
-        Method(GAUSSIAN, GaussianField()),
+        Method(GAUSSIAN, GaussianField(), nodes=nodes),
     ]
     make: Callable[[], Solver] | None = getattr(inverse, "ContactFit", None)
-    return (*found, Method(CONTACT, make())) if make is not None else tuple(found)
+    return (*found, Method(CONTACT, make(), nodes=nodes)) if make is not None else tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,12 +162,12 @@ def trust_plan(size: str, seed: int = 0) -> TrustPlan:
     check_choice("size", size, SIZES, "how much is computed")
     if size == "smoke":
         return TrustPlan(
-            methods=methods(),
+            methods=methods(nodes=20),
             levels=(Level("stress", 380.0),),
-            presses=4,
+            presses=3,
             idle=200,
             distances=(7e-3, 14e-3),
-            pairs=(Level("stress", 400.0),),
+            pairs=(Level("stress", 380.0),),
             trials=10,
             bound_grid=(3, 3),
             cell=0.5e-3,
@@ -182,7 +182,7 @@ def trust_plan(size: str, seed: int = 0) -> TrustPlan:
             idle=2000,
             distances=DISTANCES[1::2],
             pairs=PAIRS,
-            bound_grid=(5, 5),
+            bound_grid=(6, 7),
             seed=seed,
         )
     return TrustPlan(

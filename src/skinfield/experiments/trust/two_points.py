@@ -9,8 +9,9 @@ from skinfield.experiments.cases.case import Case, truth_of_press
 from skinfield.experiments.cases.posed import Pose, posed
 from skinfield.experiments.cases.standard import AROUND, INSET
 from skinfield.experiments.scoring.matching import matched
+from skinfield.experiments.scoring.validation import Entrant
 from skinfield.experiments.trust.attempts import entrant_of
-from skinfield.experiments.trust.plan import Level, Method, TrustPlan
+from skinfield.experiments.trust.plan import Level, TrustPlan
 from skinfield.layout import Patch
 from skinfield.simulate import Press, Sphere, press
 
@@ -36,7 +37,8 @@ def two_point_rows(plan: TrustPlan, distance: float) -> dict[str, Any]:
                 (len(cases), len(plan.patch))
             )
             for method in plan.methods:
-                found = _found(method, level, cases, noise, distance / 2)
+                entrant = entrant_of(method, plan.gate)
+                found = _found(entrant, level, cases, noise, distance / 2)
                 rows.append(
                     {"distance_mm": 1e3 * distance, "quantity": quantity, "noise": level.noise}
                     | {"method": method.name, "trials": len(cases), "found": found}
@@ -75,8 +77,8 @@ def _cases(solved: Press, poses: list[Pose], patch: Patch, quantity: str) -> lis
     ]
 
 
-def _found(method: Method, level: Level, cases: list[Case], noise: Floats, gate: float) -> int:
-    reconstruct = entrant_of(method).reconstructor(cases[0].told(level.told))
+def _found(entrant: Entrant, level: Level, cases: list[Case], noise: Floats, gate: float) -> int:
+    reconstruct = entrant.reconstructor(cases[0].told(level.told))
     hits = 0
     for case, white in zip(cases, noise, strict=True):
         reconstruct.reset()
