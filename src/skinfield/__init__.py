@@ -4,6 +4,7 @@ import importlib as _importlib
 import typing as _typing
 
 from skinfield.contacts import ContactFinder as ContactFinder
+from skinfield.contacts import Tracker as Tracker
 from skinfield.detection import Detector as Detector
 from skinfield.fields import Contact as Contact
 from skinfield.fields import Estimate as Estimate

@@ -1,3 +1,8 @@
-"""Contacts from fields, whoever made the fields."""
+"""Contacts from fields, whoever made the fields, and through time."""
 
 from skinfield.contacts.finder import ContactFinder as ContactFinder
+from skinfield.contacts.tracker import Tracker as Tracker
+from skinfield.contacts.tracking.habits import Gate as Gate
+from skinfield.contacts.tracking.motion import Motion as Motion
+from skinfield.contacts.tracking.tracked import ContactEvent as ContactEvent
+from skinfield.contacts.tracking.tracked import TrackedContact as TrackedContact

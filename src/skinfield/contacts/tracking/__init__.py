@@ -1,0 +1,1 @@
+"""Parts of the tracker: what it hands out, the filter, the assignment, merging and splitting."""
