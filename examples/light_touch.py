@@ -17,14 +17,14 @@ ball = sf.simulate.Sphere(radius=6e-3, position=(x, y), force=0.1)  # m, N
 touch = sf.simulate.press(layer, [ball]).base_stress(patch.positions, patch.pad_diameter)
 
 rng = np.random.default_rng(2)
-for index in range(100):
+seen = []
+for index in range(65):  # the touch begins with the 50th
     reading = rng.normal(scale=NOISE, size=len(patch)) + (touch if index >= 50 else 0.0)
     found = stream.update(reading, stamp_ns=round(index / RATE * 1e9))
     if found.detected:
-        off = np.linalg.norm(found.position[:2] - [x, y])
-        print(
-            f"{(index - 49) / RATE:.2f} s after touch: probability {found.probability:.2f}, "
-            f"{off * 1e3:.1f} mm off (stated: {found.position_std * 1e3:.1f} mm), "
-            f"{found.force:.2f} ± {found.force_std:.2f} N"
-        )
-        break
+        seen.append((index - 49) / RATE)
+
+off = np.linalg.norm(found.position[:2] - [x, y])
+print(f"first seen {seen[0]:.2f} s after touch; at 0.30 s probability {found.probability:.2f},")
+print(f"{off * 1e3:.1f} mm off (stated: {found.position_std * 1e3:.1f} mm),")
+print(f"{found.force:.2f} ± {found.force_std:.2f} N")
