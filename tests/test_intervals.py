@@ -167,7 +167,7 @@ def test_a_calibrated_reconstructor_shares_what_is_prepared() -> None:
 
 def test_too_few_presses_are_named() -> None:
     plain, reconstruct = calibrated()
-    with pytest.raises(InputError, match=r"presses is 12, of which .* were found, expected 31"):
+    with pytest.raises(InputError, match=r"presses is 12, of which .* were found, expected 61"):
         plain.calibrated(presses=12, seed=4, bodies=KNOWN)
     with pytest.raises(InputError, match="presses is 0"):
         plain.calibrated(presses=0)

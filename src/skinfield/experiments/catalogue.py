@@ -1,6 +1,7 @@
 """All experiments, in the order of the page: one more is one file, and one line here."""
 
 from skinfield.experiments.accuracy.section import accuracy, accuracy_parts
+from skinfield.experiments.coverage.section import coverage, coverage_parts_of
 from skinfield.experiments.light_touch.section import light_touch
 from skinfield.experiments.paper.detection import detection
 from skinfield.experiments.paper.half_space_error import half_space_error
@@ -20,6 +21,7 @@ EXPERIMENTS = (
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table",), accuracy, parts=accuracy_parts),
     Experiment("trust", ("contacts",), trust, parts=trust_parts_of),
+    Experiment("coverage", ("intervals",), coverage, parts=coverage_parts_of),
     Experiment("half-space", ("model",), half_space_error),
     Experiment("agreement", ("fem",), judged),
     *(Experiment(f"real-{name}", ("real-data",), recorded, (name,)) for name in RECORDED),

@@ -26,7 +26,7 @@ from skinfield.fields.spread import below
 NINETY = 1.6448536269514722  # standard deviations, each way, that hold 90 %
 NINETY_PLANE = 2.145966026289347  # the same for the radius in the plane: the root of 4.605
 SURE = 1e-6  # least relative deviation that counts
-LEAST = 20  # presses of a group: fewer have no 90 % interval to speak of
+LEAST = 40  # presses of a group: fewer have no 95 % interval
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
