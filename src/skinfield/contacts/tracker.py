@@ -6,22 +6,12 @@ import numpy as np
 
 from skinfield.contacts.tracking.habits import Gate, Habits
 from skinfield.contacts.tracking.motion import Motion
-from skinfield.contacts.tracking.tracked import (
-    ContactEvent,
-    EventKind,
-    Filtered,
-    Times,
-    TrackedContact,
-    tracked_contact,
-)
+from skinfield.contacts.tracking.tracked import ContactEvent, EventKind, TrackedContact
 from skinfield.errors import InputError
-from skinfield.fields import Contact, Estimate
+from skinfield.fields import Estimate
 
 if TYPE_CHECKING:
     from skinfield.contacts.tracking.chart import Chart
-    from skinfield.contacts.tracking.track import Seen, Track
-
-FLOOR = np.diag([1e-5, 1e-5, 1e-3]) ** 2  # m, m, N: no solver is surer than this
 
 
 class Tracker:
@@ -133,15 +123,17 @@ class Tracker:
     def _follow(
         self, estimate: Estimate
     ) -> tuple[tuple[TrackedContact, ...], tuple[ContactEvent, ...]]:
+        from skinfield.contacts.tracking.in_plane import contacts_of, seen_of
+
         chart, stamp = self._chart_of(estimate), int(estimate.stamp_ns)
-        seen = _seen(estimate.contacts, chart)
+        seen = seen_of(estimate.contacts, chart)
         follower = self._follower
         follower.step(seen, self._step_to(stamp))
         self._stamp, self._started = stamp, True
         tracks = [track for track in follower.tracks if track.is_confirmed]
         told = [one[1][0] for one in follower.told]
         everyone = list(dict.fromkeys([*tracks, *told]))
-        contacts = dict(zip(everyone, _contacts(everyone, chart, follower.now), strict=True))
+        contacts = dict(zip(everyone, contacts_of(everyone, chart, follower.now), strict=True))
         events = tuple(
             ContactEvent(
                 kind=cast(EventKind, kind),
@@ -152,9 +144,8 @@ class Tracker:
             )
             for kind, (first, *_), ids in follower.told
         )
-        found = [contacts[track] for track in tracks]
-        found.sort(key=lambda contact: (-contact.normal_force, contact.track_id))
-        return tuple(found), events
+        order = sorted(tracks, key=lambda track: (-track.mean[2], track.known.number))
+        return tuple(contacts[track] for track in order), events
 
     def _step_to(self, stamp: int) -> float:
         """Seconds since the reading before."""
@@ -183,49 +174,3 @@ class Tracker:
                 "before: take a tracker for each patch"
             )
         return self._chart
-
-
-def _seen(contacts: tuple[Contact, ...], chart: "Chart") -> list["Seen"]:
-    """The contacts in the developed plane."""
-    from skinfield.contacts.tracking.track import Seen
-
-    if not contacts:
-        return []
-    plane = chart.plane_from_position(np.array([contact.position for contact in contacts]))
-    found = []
-    for index, (contact, (x, y)) in enumerate(zip(contacts, plane.tolist(), strict=True)):
-        value = np.array([x, y, contact.normal_force])
-        noise = contact.covariance + FLOOR
-        a, b, c = noise[0, 0], noise[0, 1], noise[1, 1]
-        if not (np.isfinite(value).all() and np.isfinite(noise).all() and a * c > b * b):
-            raise InputError(
-                f"contacts[{index}] has force {contact.normal_force} N and covariance "
-                f"{contact.covariance.tolist()}, expected finite numbers and a covariance that is "
-                "positive: a tracker weighs contacts by it"
-            )
-        found.append(Seen(contact, value, noise))
-    return found
-
-
-def _contacts(tracks: "list[Track]", chart: "Chart", now: float) -> list[TrackedContact]:
-    if not tracks:
-        return []
-    plane = np.array([track.mean[:2] for track in tracks])
-    positions = chart.surface.position_from_plane(plane)
-    frames = chart.surface.frame_from_plane(plane)
-    found = []
-    for track, position, frame in zip(tracks, positions, frames, strict=True):
-        identity = track.identity
-        if identity is None:
-            raise AssertionError("only confirmed tracks are told")
-        found.append(
-            tracked_contact(
-                track.seen.contact,
-                identity.number,
-                Filtered(position, frame, track.mean, track.covariance),
-                Times(now - identity.made, track.time - identity.made, now - identity.slipped),
-                slips=identity.slips,
-                coasts=track.time < now,
-            )
-        )
-    return found

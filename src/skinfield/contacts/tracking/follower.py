@@ -1,5 +1,6 @@
 """The tracks of one patch: what happens to them from one reading to the next."""
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -99,14 +100,12 @@ class Follower:
     def _absorb(self, one: Track, other: Track, seen: Seen) -> None:
         """The stronger keeps its number, and begins anew where both are seen."""
         stays, goes = (one, other) if one.mean[2] > other.mean[2] else (other, one)
-        if stays.identity is None or goes.identity is None:
-            raise AssertionError("tracks that are not confirmed do not merge")
         forces = np.maximum([stays.mean[2], goes.mean[2]], 1e-9)
         rates = np.array([*(forces @ [stays.mean[3:5], goes.mean[3:5]] / forces.sum()), 0.0])
         stays.absorbed += [absorbed(goes, stays, self.now), *goes.absorbed]
         stays.restart(seen, self.now, rates)
         self.tracks.remove(goes)
-        self.told.append(("merged", (stays,), (stays.identity.number, goes.identity.number)))
+        self.told.append(("merged", (stays,), (stays.known.number, goes.known.number)))
 
     def _split(self, pairs: dict[Track, int], free: set[int], seen: list[Seen]) -> None:
         """Contacts without a track whose force was in another's."""
@@ -165,8 +164,8 @@ class Follower:
 
     def _confirm(self, track: Track) -> None:
         """A strong contact at once, a weak one when it was seen again."""
-        contact = track.seen.contact
-        strong = contact.normal_force >= self.habits.strong * contact.force_std
+        force, std = track.seen.value[2], math.sqrt(track.seen.noise[2, 2])
+        strong = force >= self.habits.strong * std
         if not strong and track.readings < self.habits.weak_readings:
             return
         parent, track.parent = track.parent, None
@@ -191,14 +190,16 @@ class Follower:
 
     def _slip(self, track: Track) -> None:
         """A place moves if its speed is above the threshold beyond doubt, or has hardly slowed."""
-        identity, velocity = track.identity, track.mean[3:5]
+        identity = track.identity
         if identity is None or track.time < self.now:
             return
-        speed = float(np.hypot(*velocity))
+        x, y = track.mean[3:5].tolist()
+        speed = math.hypot(x, y)
         if speed <= self.habits.slip_speed:
             identity.slips = False
             return
-        std = float(np.sqrt(velocity @ track.covariance[3:5, 3:5] @ velocity)) / speed
+        (a, b), (_, c) = track.covariance[3:5, 3:5].tolist()
+        std = math.sqrt(a * x * x + 2.0 * b * x * y + c * y * y) / speed
         sigmas = 1.0 if identity.slips else self.habits.slip_sigmas
         moves = speed - sigmas * std > self.habits.slip_speed
         if moves and not identity.slips:

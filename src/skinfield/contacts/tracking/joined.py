@@ -97,12 +97,10 @@ def split_score(whole: Track, half: Seen, other: Seen, habits: Habits) -> float 
 
 def absorbed(goes: Track, stays: Track, now: float) -> Absorbed:
     """What is remembered of a track that merges into another."""
-    if goes.identity is None:
-        raise AssertionError("a track that is not confirmed is not told, so it cannot merge")
     both = goes.covariance + stays.covariance
     forces = np.array([goes.mean[2], stays.mean[2]])
     variance = float(np.trace(both[:2, :2])) / 2, float(np.trace(both[3:5, 3:5])) / 2
-    return Absorbed(goes.identity, now, goes.mean - stays.mean, forces, variance)
+    return Absorbed(goes.known, now, goes.mean - stays.mean, forces, variance)
 
 
 def is_exchanged(memory: Absorbed, stays: Track, child: Track, habits: Habits) -> bool:

@@ -97,6 +97,13 @@ class Track:
         """Whether it is told."""
         return self.identity is not None
 
+    @property
+    def known(self) -> Identity:
+        """Identity of a track that is confirmed."""
+        if self.identity is None:
+            raise AssertionError("only confirmed tracks are told, merge and split")
+        return self.identity
+
     def restart(self, seen: Seen, now: float, rates: Floats) -> None:
         """Begin anew at what is seen, with rates (3,) of which little is known."""
         self.mean[:3], self.mean[3:] = seen.value, rates

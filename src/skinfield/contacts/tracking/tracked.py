@@ -1,6 +1,6 @@
 """What a tracker hands out: contacts that last, and what happened to them."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -83,64 +83,3 @@ class ContactEvent:
     time: float
     ids: tuple[int, ...]
     position: Floats
-
-
-_FILTERED = {"position", "force", "moment", "normal", "covariance", "track_id", "spread"}
-_KEPT = tuple(field.name for field in fields(Contact) if field.name not in _FILTERED)
-
-
-@dataclass(frozen=True, eq=False)
-class Filtered:
-    """State of a filter at a place of the surface.
-
-    Attributes
-    ----------
-    position : (3,) array, m
-    frame : (3, 3) array
-        Two tangents and the normal there.
-    mean : (6,) array
-        x and y m, normal force N, and their rates per s.
-    covariance : (6, 6) array
-    """
-
-    position: Floats
-    frame: Floats
-    mean: Floats
-    covariance: Floats
-
-
-@dataclass(frozen=True)
-class Times:
-    """Spans of a track, s; see `TrackedContact`."""
-
-    age: float
-    duration: float
-    since_slip: float
-
-
-def tracked_contact(
-    measured: Contact, track_id: int, state: Filtered, times: Times, *, slips: bool, coasts: bool
-) -> TrackedContact:
-    """The contact of a track; its `spread` is gone, as that of a filtered contact is another."""
-    mean, covariance, normal = state.mean, state.covariance, state.frame[:, 2]
-    force, seen = max(float(mean[2]), 0.0), measured.normal_force
-    share = force / seen if seen > 0 else 0.0
-    return TrackedContact(
-        **{name: getattr(measured, name) for name in _KEPT},
-        position=state.position,
-        force=share * measured.force if seen > 0 else -force * normal,
-        moment=share * measured.moment,
-        normal=normal,
-        covariance=covariance[:3, :3].copy(),
-        track_id=track_id,
-        velocity=state.frame[:, :2] @ mean[3:5],
-        velocity_covariance=covariance[3:5, 3:5].copy(),
-        force_rate=float(mean[5]),
-        force_rate_std=float(np.sqrt(covariance[5, 5])),
-        age=times.age,
-        duration=times.duration,
-        since_slip=times.since_slip,
-        is_slipping=slips,
-        is_coasting=coasts,
-        measured=measured,
-    )
