@@ -80,11 +80,7 @@ class RoundGap:
         v = as_floats("strain", strain)
         check_shape("strain", v, (None, len(self.nodes)), "one row per indentation, at the nodes")
         check_finite("strain", v, "of the gap, in thicknesses")
-        if v.size and v.max() >= 1.0:
-            raise InputError(
-                f"strain reaches {v.max():.2f}, expected below 1: the skin would touch its base; "
-                "lower the load or raise the modulus"
-            )
+        _check_open(v)
         return np.stack([self._charge(each) for each in v]) if len(v) else np.zeros_like(v)
 
     def readings(self, strain: ArrayLike) -> Floats:
@@ -93,7 +89,7 @@ class RoundGap:
 
     def _charge(self, strain: Floats) -> Floats:
         """Charge (M,) of one indentation; none where the surface is long at rest."""
-        from scipy.interpolate import PchipInterpolator
+        from scipy.interpolate import Akima1DInterpolator
 
         from skinfield.observation.ring_layer import charge_density, rules
 
@@ -104,13 +100,22 @@ class RoundGap:
         last = int(np.searchsorted(self.nodes, self.nodes[bent[-1]] + BEYOND)) + 1
         nodes, heights = self.nodes[:last], 1.0 - strain[:last]
         rings = nodes[:-1, None] + np.diff(nodes)[:, None] * rules().at
-        mirrored = np.concatenate([-nodes[1:2], nodes])
-        surface = PchipInterpolator(mirrored, np.concatenate([heights[1:2], heights]))
-        line = np.hypot(1.0, surface.derivative()(rings))
+        mirrored = np.concatenate([-nodes[2:0:-1], nodes])
+        surface = Akima1DInterpolator(mirrored, np.concatenate([heights[2:0:-1], heights]))
+        line, between = np.hypot(1.0, surface.derivative()(rings)), surface(rings)
+        _check_open(1.0 - between)
         out[:last] = charge_density(
-            np.stack([nodes, heights], axis=-1), np.stack([rings, surface(rings)], axis=-1), line
+            np.stack([nodes, heights], axis=-1), np.stack([rings, between], axis=-1), line
         )
         return out
+
+
+def _check_open(strain: Floats) -> None:
+    if strain.max(initial=0.0) >= 1.0:
+        raise InputError(
+            f"strain reaches {strain.max():.2f}, expected below 1: the skin would touch its base; "
+            "lower the load or raise the modulus"
+        )
 
 
 def _nodes(furthest: float, edges: Floats) -> Floats:

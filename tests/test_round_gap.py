@@ -1,0 +1,170 @@
+"""The field below round indentations, against plates, perturbation theory, meshes and elements."""
+
+import numpy as np
+import pytest
+
+from skinfield.errors import Floats, InputError
+from skinfield.fem import pad_capacitance
+from skinfield.mechanics import Layer
+from skinfield.mechanics.axisymmetric import Indentation, indent_by_force, indent_to_radius, punch
+from skinfield.mechanics.profiles import Ball, Paraboloid
+from skinfield.mechanics.radial import bessel, electrostatic, gauss_legendre, jinc
+from skinfield.observation.electrostatics import GapStrain, capacitance_change
+from skinfield.observation.round_gap import BEYOND, RoundGap
+
+H = 2e-3
+LAYER = Layer(H, 100e3, 0.5)
+PLACES = np.array([0.0, 0.5, 1.0, 1.7, 2.4, 3.2, 4.5])  # of pads, in thicknesses
+
+
+def strain_of(body: Indentation, gap: RoundGap) -> Floats:
+    return body.indentation(gap.nodes * H) / H
+
+
+@pytest.mark.parametrize("strain", [-0.5, 0.1, 0.5, 0.9, 0.97])
+def test_a_uniform_gap_holds_the_charge_of_plates(strain: float) -> None:
+    gap = RoundGap.of(2.0, PLACES)
+    uniform = np.full((1, len(gap.nodes)), strain)
+    rest = slice(0, 6)  # further out the end of the mesh is felt
+    expected = 1 / (1 - strain) - 1
+    assert gap.readings(uniform)[0, rest] == pytest.approx(expected, rel=3e-3)
+
+
+def test_a_slight_indentation_is_smoothed_by_the_field_lines() -> None:
+    gap = RoundGap.of(2.0, PLACES)
+    wide = 1.2
+    dent = 1e-4 * np.exp(-((gap.nodes / wide) ** 2))
+    wave, share = gauss_legendre(0.0, 12.0, 20)
+    hankel = 1e-4 * wide**2 / 2 * np.exp(-((wave * wide) ** 2) / 4)
+    expected = bessel(0, np.outer(PLACES, wave)) @ (
+        share * wave * hankel * electrostatic(wave) * jinc(wave, 1.0)
+    )
+    found = gap.readings(dent[None])[0]
+    assert found == pytest.approx(expected, abs=1e-3 * expected.max())
+
+
+@pytest.mark.parametrize(
+    ("ball", "force", "expected"),
+    [(6e-3, 0.5, 0.1258), (6e-3, 1.0, 0.2388), (6e-3, 3.0, 0.6848), (3e-3, 1.0, 0.4039)],
+)
+def test_balls_read_what_three_dimensional_meshes_found(
+    ball: float, force: float, expected: float
+) -> None:
+    gap = RoundGap.of(2.0, [0.0])
+    body = indent_by_force(LAYER, Ball(radius=ball), force)
+    assert gap.readings(strain_of(body, gap)[None])[0, 0] == pytest.approx(expected, rel=2e-3)
+
+
+def test_a_wide_flat_end_reads_what_three_dimensional_meshes_found() -> None:
+    body = punch(LAYER, 6e-3, force=3.0)
+    gap = RoundGap.of(2.0, [0.0], edges=[3.0])
+    assert gap.readings(strain_of(body, gap)[None])[0, 0] == pytest.approx(0.0547, rel=0.01)
+
+
+def on_mesh(profile: Floats, radii: Floats, step: float) -> GapStrain:
+    """A round surface on a square mesh."""
+    half = int(8.5 / step)
+    at = np.arange(-half, half + 1) * step
+    values = np.interp(np.hypot(at, at[:, None]), radii, profile, right=0.0)
+    return GapStrain(values, np.full(2, at[0] * H), step * H)
+
+
+@pytest.mark.parametrize(("radius", "top"), [(0.8, 0.85), (1.6, 0.5)])
+@pytest.mark.parametrize(("pad", "close"), [(0.0, 7e-3), (2.0, 1e-3)])  # h/10 is wide at a point
+def test_balls_agree_with_the_field_on_a_square_mesh(
+    radius: float, top: float, pad: float, close: float
+) -> None:
+    unit = indent_to_radius(LAYER, Paraboloid(radius=1.0), radius * H)
+    radii = np.linspace(0.0, 13.0, 4000)
+    scale = top / unit.indentation([0.0])[0]
+    mesh = on_mesh(scale * unit.indentation(radii * H), radii, 0.1)
+    places = np.column_stack([PLACES, np.zeros_like(PLACES)]) * H
+    expected = capacitance_change(mesh, H, places, pad * H, order=None)
+    gap = RoundGap.of(pad, PLACES)
+    found = gap.readings(scale * unit.indentation(gap.nodes * H)[None])[0]
+    assert found == pytest.approx(expected, abs=close * expected.max())
+
+
+@pytest.mark.parametrize(("depth", "width"), [(0.6, 0.1), (0.85, 0.15)])
+def test_a_steep_rim_agrees_with_finite_elements(depth: float, width: float) -> None:
+    def profile(r: Floats) -> Floats:
+        bulge = 1 - 0.3 * np.exp(-((r - 2.5) ** 2))
+        return np.asarray(depth / (1 + np.exp((r - 2) / width)) * bulge)
+
+    expected = pad_capacitance(
+        H, lambda r: profile(r / H) * H, PLACES * H, 2 * H, edges=(2 * H,), finest=0.03
+    )
+    gap = RoundGap.of(2.0, PLACES)
+    found = gap.readings(profile(gap.nodes)[None])[0]
+    assert found == pytest.approx(expected, abs=1e-3 * expected.max())
+
+
+def test_a_sharp_rim_is_the_limit_of_rounded_ones() -> None:
+    body = punch(LAYER, H, depth=0.6 * H)
+    gap = RoundGap.of(2.0, PLACES, edges=[1.0])
+    sharp = gap.readings(strain_of(body, gap)[None])[0]
+    radii = np.concatenate([np.linspace(0.0, 0.9, 50), np.linspace(0.9, 1.1, 2000)])
+    radii = np.unique(np.concatenate([radii, np.linspace(1.1, 13.0, 1500)])) * H
+    depths = body.indentation(radii)
+    node, weight = np.polynomial.legendre.leggauss(40)
+    left = []
+    for blunt in (0.1, 0.05):
+
+        def rounded(r: Floats, blunt: float = blunt) -> Floats:
+            around = np.abs(r[..., None] + blunt * node * H)  # a mean over radii around
+            return np.asarray(np.interp(around, radii, depths) @ weight / 2)
+
+        near = pad_capacitance(H, rounded, PLACES * H, 2 * H, edges=(H,), finest=0.02)
+        again = gap.readings(rounded(gap.nodes * H)[None] / H)[0]
+        assert again == pytest.approx(near, abs=4e-3 * near.max())
+        left.append(float(np.abs(near - sharp).max() / sharp.max()))
+    assert left[0] > left[1]
+    assert left[1] < 0.03
+
+
+def test_more_charge_is_below_many_indentations_than_below_one_by_one() -> None:
+    gap = RoundGap.of(1.5, PLACES)
+    depths = np.array([0.1, 0.4, 0.7])
+    each = depths[:, None] * np.exp(-(gap.nodes**2))
+    together = gap.readings(each)
+    assert together == pytest.approx(np.vstack([gap.readings(v[None]) for v in each]))
+    assert (np.diff(together[:, 0] / depths) > 0).all()  # more than in proportion
+    assert gap.charge(each).shape == (3, len(gap.nodes))
+    assert gap.readings(np.zeros((2, len(gap.nodes)))).tolist() == np.zeros((2, 7)).tolist()
+    assert gap.readings(np.zeros((0, len(gap.nodes)))).shape == (0, 7)
+
+
+def test_the_charge_below_the_whole_surface_is_what_all_pads_read() -> None:
+    """Discs that a pad sweeps: integral of readings over the plane = integral of the charge."""
+    away = np.linspace(0.0, 8.0, 321)
+    gap, point = RoundGap.of(2.0, away), RoundGap.of(0.0, away)
+    dent = [0.7 * np.exp(-(each.nodes**2)) for each in (gap, point)]
+    sums = [
+        np.trapezoid(each.readings(v[None])[0] * away, away)
+        for each, v in zip((gap, point), dent, strict=True)
+    ]
+    assert sums[0] == pytest.approx(sums[1], rel=2e-3)
+
+
+def test_the_mesh_covers_pads_and_edges() -> None:
+    gap = RoundGap.of(2.0, [0.0, -3.0], edges=[0.7, 2.0, 50.0])
+    assert gap.nodes[0] == 0.0
+    assert gap.nodes[-1] == pytest.approx(4.0 + BEYOND)
+    assert np.isin([0.7, 2.0], gap.nodes).all()
+    assert (np.diff(gap.nodes) > 0).all()
+    assert gap.averages.sum(axis=1) == pytest.approx(1.0)
+
+
+def test_surfaces_that_touch_the_pads_and_wrong_shapes_are_refused() -> None:
+    gap = RoundGap.of(2.0, [0.0])
+    count = len(gap.nodes)
+    with pytest.raises(InputError, match=r"strain reaches 1\.00, expected below 1: the skin"):
+        gap.readings(np.exp(-(gap.nodes**2))[None])
+    with pytest.raises(InputError, match=r"strain has shape \(3,\), expected \(any, "):
+        gap.readings(np.zeros(3))
+    with pytest.raises(InputError, match=r"strain\[\(0, 0\)\] is nan"):
+        gap.charge(np.full((1, count), np.nan))
+    with pytest.raises(InputError, match=r"pad_diameter is -1\.0, expected a number from 0"):
+        RoundGap.of(-1.0, [0.0])
+    with pytest.raises(InputError, match=r"distances\[0\] is inf"):
+        RoundGap.of(1.0, [np.inf])
