@@ -140,10 +140,9 @@ def test_the_surface_moves_as_its_own_pressure_moves_it(
     found, cells = displacement(FINE, atoms, BALL, layer, mechanics)
     deepest = np.abs(cells[:, 2]).max()
     assert found[:, :2] == pytest.approx(cells[:, :2], abs=0.006 * deepest)
-    rows = 0.04 if half else 0.01  # the row of round atoms has fewer of them than for the pressure
-    assert found[:, 2] == pytest.approx(cells[:, 2], abs=rows * deepest)
+    assert found[:, 2] == pytest.approx(cells[:, 2], abs=0.01 * deepest)
     flat, cells = displacement(FINE, atoms, FLAT, layer, mechanics)
-    assert np.linalg.norm(flat - cells) < 0.06 * np.linalg.norm(cells)  # its edge is sharp
+    assert np.linalg.norm(flat - cells) < 0.04 * np.linalg.norm(cells)  # its edge is sharp
 
 
 def test_a_ball_that_is_pressed_is_rendered_as_the_simulator_solves_it() -> None:

@@ -64,6 +64,7 @@ class AtomRenderer:
             self._mesh,
             self._frames,
             out,
+            space.boxes[0],
             space.terms,
             space.room,
         )

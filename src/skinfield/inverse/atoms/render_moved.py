@@ -8,24 +8,29 @@ from numba import njit
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.render_kernels import (
     COUNT,
-    MOST,
     NODE,
     WEIGHT,
     Mesh,
     Surface,
     _blend,
     held,
+    points_along,
 )
 from skinfield.inverse.atoms.render_tables import FOLD, INNER, OUTER
 
+NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
+FAR_POINTS = 4  # along the segment, for nodes farther away
+
 
 @njit(cache=True, nogil=True)
-def _points_along(radius: float, half: float, thickness: float) -> int:
-    """How many round atoms make up one: fewer than for the pressure, which is not as smooth."""
-    if half <= 0.0:
-        return 1
-    wide = max(radius, 0.5 * thickness)
-    return min(max(int(np.ceil(2.0 + 2.0 * half / wide)), 3), MOST)
+def _near(atom: Floats, radius: float, surface: Surface, mesh: Mesh, box: Any) -> None:
+    """First row and column and those behind the last, of the nodes near an atom."""
+    wide = abs(atom[4] * np.cos(atom[5])) + radius + NEAR * surface.thickness
+    high = abs(atom[4] * np.sin(atom[5])) + radius + NEAR * surface.thickness
+    box[0] = int(np.ceil((atom[1] - high - mesh.y) / mesh.pitch))
+    box[1] = int(np.ceil((atom[0] - wide - mesh.x) / mesh.pitch))
+    box[2] = int(np.floor((atom[1] + high - mesh.y) / mesh.pitch)) + 1
+    box[3] = int(np.floor((atom[0] + wide - mesh.x) / mesh.pitch)) + 1
 
 
 @njit(cache=True, nogil=True)
@@ -45,6 +50,28 @@ def _radial_terms(
             terms[part, j] = b0 * t0[j] + b1 * t1[j] + b2 * t2[j] + b3 * t3[j]
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _response(
+    normal: Floats, radial: Floats, r2: float, square: float, fold: float
+) -> tuple[float, float]:
+    """Displacement outwards, and away from the axis over the distance, at a squared distance."""
+    if r2 < square:
+        t = np.sqrt(1.0 - r2 / square)
+        up, away = normal[INNER - 1], radial[INNER - 1]
+        for j in range(INNER - 2, -1, -1):
+            up = up * t + normal[j]
+            away = away * t + radial[j]
+    else:
+        s = np.sqrt(r2 - square)
+        place = OUTER * s / (s + fold)
+        i = min(int(place), OUTER - 1)
+        t = place - i
+        c = INNER + 4 * i
+        up = ((normal[c] * t + normal[c + 1]) * t + normal[c + 2]) * t + normal[c + 3]
+        away = ((radial[c] * t + radial[c + 1]) * t + radial[c + 2]) * t + radial[c + 3]
+    return up, away
+
+
 @njit(cache=True, nogil=True)
 def _add_round(
     x: float,
@@ -54,42 +81,40 @@ def _add_round(
     terms: Floats,
     surface: Surface,
     mesh: Mesh,
+    box: Any,
+    inside: bool,
     out: Floats,
 ) -> None:
-    """Add a round atom's displacement along the two axes of the plane and outwards, (K, 3)."""
+    """Add a round atom's displacement along the axes of the plane and outwards, (K, 3).
+
+    To the nodes inside the box, or to those outside.
+    """
     far = min(radius + surface.reach, 1e9)
     pitch = mesh.pitch
     first_row = max(int(np.ceil((y - far - mesh.y) / pitch)), 0)
     first_column = max(int(np.ceil((x - far - mesh.x) / pitch)), 0)
-    last_row = min(int(np.floor((y + far - mesh.y) / pitch)), mesh.rows - 1)
-    last_column = min(int(np.floor((x + far - mesh.x) / pitch)), mesh.columns - 1)
+    end_row = min(int(np.floor((y + far - mesh.y) / pitch)) + 1, mesh.rows)
+    end_column = min(int(np.floor((x + far - mesh.x) / pitch)) + 1, mesh.columns)
+    if inside:
+        first_row, first_column = max(first_row, box[0]), max(first_column, box[1])
+        end_row, end_column = min(end_row, box[2]), min(end_column, box[3])
     square, limit, fold = radius * radius, far * far, FOLD * surface.thickness
     normal, radial = terms[0], terms[1]
-    for row in range(first_row, last_row + 1):
+    for row in range(first_row, end_row):
         away_y = mesh.y + row * pitch - y
-        for column in range(first_column, last_column + 1):
-            away_x = mesh.x + column * pitch - x
-            r2 = away_x * away_x + away_y * away_y
-            if r2 > limit:
-                continue
-            if r2 < square:
-                t = np.sqrt(1.0 - r2 / square)
-                up, out_by = normal[INNER - 1], radial[INNER - 1]
-                for j in range(INNER - 2, -1, -1):
-                    up = up * t + normal[j]
-                    out_by = out_by * t + radial[j]
-            else:
-                s = np.sqrt(r2 - square)
-                place = OUTER * s / (s + fold)
-                i = min(int(place), OUTER - 1)
-                t = place - i
-                c = INNER + 4 * i
-                up = ((normal[c] * t + normal[c + 1]) * t + normal[c + 2]) * t + normal[c + 3]
-                out_by = ((radial[c] * t + radial[c + 1]) * t + radial[c + 2]) * t + radial[c + 3]
-            k = row * mesh.columns + column
-            out[k, 0] += share * out_by * away_x
-            out[k, 1] += share * out_by * away_y
-            out[k, 2] += share * up
+        skipped = end_column, end_column  # columns that are left out
+        if not inside and box[0] <= row < box[2]:
+            skipped = max(box[1], first_column), max(box[3], first_column)
+        for start, end in ((first_column, min(skipped[0], end_column)), (skipped[1], end_column)):
+            for column in range(start, end):
+                away_x = mesh.x + column * pitch - x
+                r2 = away_x * away_x + away_y * away_y
+                if r2 <= limit:
+                    up, away = _response(normal, radial, r2, square, fold)
+                    k = row * mesh.columns + column
+                    out[k, 0] += share * away * away_x
+                    out[k, 1] += share * away * away_y
+                    out[k, 2] += share * up
 
 
 @njit(cache=True, nogil=True)
@@ -100,6 +125,7 @@ def displacement(
     mesh: Mesh,
     frames: Floats,
     out: Floats,
+    box: Any,
     terms: Floats,
     room: Floats,
 ) -> None:
@@ -111,11 +137,14 @@ def displacement(
     for n in range(len(atoms)):
         radius = held(atoms[n, 3], surface)
         _radial_terms(radius, atoms[n, 2], family[n], surface, terms, room)
-        count = _points_along(radius, atoms[n, 4], surface.thickness)
+        _near(atoms[n], radius, surface, mesh, box)
         east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
-        for q in range(count):
-            x, y = atoms[n, 0] + NODE[count, q] * east, atoms[n, 1] + NODE[count, q] * north
-            _add_round(x, y, radius, WEIGHT[count, q], terms, surface, mesh, out)
+        near = points_along(radius, atoms[n, 4])
+        for inside, count in ((True, near), (False, min(near, FAR_POINTS))):
+            for q in range(count):
+                x, y = atoms[n, 0] + NODE[count, q] * east, atoms[n, 1] + NODE[count, q] * north
+                share = WEIGHT[count, q]
+                _add_round(x, y, radius, share, terms, surface, mesh, box, inside, out)
     for k in range(len(out)):
         frame = frames[k if len(frames) > 1 else 0]
         u, v, w = out[k, 0], out[k, 1], out[k, 2]
