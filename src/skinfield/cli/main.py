@@ -30,6 +30,7 @@ COMMANDS = {
         "skinfield.cli.validate", "validate", "Score a solver on cases whose truth is known."
     ),
     "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
+    "design": Lazy("skinfield.cli.design", "design", "Judge a layout before it is made."),
     "rig": Lazy("skinfield.cli.rig", "rig", "Press a simulated skin on a virtual rig."),
     "experiments": Lazy(
         "skinfield.cli.experiments", "experiments", "Make the paper's figures anew, with a report."

@@ -1,7 +1,7 @@
 """A skin before it is made, the touch it is judged by, and the places where it is judged."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,8 @@ from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Physics, Quantity
 
 NARROWEST, WIDEST = 0.15, 6.0  # radius of a touch in thicknesses, with room to vary it
-PER_PITCH = 5.0  # places in the distance of two taxels
+PER_PITCH = 10.0  # places in the distance of two taxels
+MOST = 40_000  # places, unless a pitch is asked for
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,6 +57,14 @@ class SkinDesign:
         noise = noise.copy()
         noise.setflags(write=False)
         object.__setattr__(self, "noise_std", noise)
+
+    @property
+    def linear(self) -> "SkinDesign":
+        """The same skin, its readings taken as proportional to the force."""
+        quantity = self.quantity
+        if not isinstance(quantity, Capacitance) or quantity.order == 1:
+            return self
+        return replace(self, quantity=replace(quantity, order=1))
 
     @property
     def physics(self) -> Physics:
@@ -119,7 +128,8 @@ class Places:
         ----------
         patch : Patch
         pitch : float, m, optional
-            Distance of neighbouring places. Default a fifth of the distance of two taxels.
+            Distance of neighbouring places. Default a tenth of the distance of two taxels; more on
+            patches so large that there were above 40 000 places.
 
         Raises
         ------
@@ -128,9 +138,11 @@ class Places:
         """
         from scipy.spatial import cKDTree
 
-        pitch = patch.pitch / PER_PITCH if pitch is None else pitch
-        check_positive("pitch", pitch, "distance of neighbouring places, in metres")
         rim = patch.pad_diameter / 2
+        if pitch is None:
+            box = float(np.prod(np.ptp(patch.plane, axis=0) + 2 * rim))
+            pitch = max(patch.pitch / PER_PITCH, np.sqrt(box / MOST))
+        check_positive("pitch", pitch, "distance of neighbouring places, in metres")
         grid = Grid.window(
             patch, patch.plane.min(axis=0) - rim, patch.plane.max(axis=0) + rim, pitch
         )

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, check_range
 from skinfield.resolution.design import Places, SkinDesign, Touch
-from skinfield.resolution.response import FAINT, TRIAL, Responses, is_linear, respond
+from skinfield.resolution.response import FAINT, TRIAL, Responses, largest_force, respond
 
 STEPS = 12  # of the search for a force where readings are not proportional to it
 SETTLED = 1e-4  # relative
@@ -184,21 +184,24 @@ def force_for_snr(
 ) -> Floats:
     """Force in N, (P,), at which the readings of a touch at (P, 2) m have a signal-to-noise ratio.
 
-    `per_newton` (P,) is the ratio of a light touch over its force; where readings are not
-    proportional to the force, the search starts from there.
+    `per_newton` (P,) is the ratio of a light touch over its force. Where readings are not
+    proportional to the force, the search starts from there; forces above what a contact of this
+    radius can carry are those of a light touch in proportion.
     """
     heard = per_newton > FAINT * per_newton.max()
     forces = np.full(len(points), np.inf)
     forces[heard] = snr / per_newton[heard]
-    if is_linear(design):
+    most = largest_force(design, touch.radius)
+    bent = np.flatnonzero(forces < most)  # a wider contact is needed for more: in proportion
+    if most == np.inf or not len(bent):
         return forces
-    sought = forces[heard]
+    sought = forces[bent]
     for _ in range(STEPS):
-        gram = respond(design, touch, points[heard], sought).gram
+        gram = respond(design, touch, points[bent], sought).gram
         slope = np.maximum(gram[:, 0, 3] / gram[:, 0, 0], 0.3)  # of ln ratio by ln force
         step = np.log(snr / np.sqrt(gram[:, 0, 0])) / slope
-        sought = sought * np.exp(np.clip(step, -1.0, 1.0))
-        if np.abs(step).max() < SETTLED:
+        sought = np.minimum(sought * np.exp(np.clip(step, -1.0, 1.0)), most)
+        if np.abs(step[sought < most]).max(initial=0.0) < SETTLED:
             break
-    forces[heard] = sought
+    forces[bent] = sought
     return forces

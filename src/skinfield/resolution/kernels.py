@@ -6,7 +6,14 @@ from numba import njit
 from skinfield.errors import Floats, Ints
 from skinfield.inverse.atoms.kernel import Tables, predict
 
-BALL = 0
+
+@njit(cache=True, nogil=True)
+def picked(points: Floats, rows: Ints) -> Floats:
+    """Rows of points (N, 2): indexing by an array, but quick to compile."""
+    out = np.empty((len(rows), 2))
+    for n in range(len(rows)):
+        out[n, 0], out[n, 1] = points[rows[n], 0], points[rows[n], 1]
+    return out
 
 
 @njit(cache=True, nogil=True)
@@ -36,10 +43,11 @@ def grams(
         count = len(near)
         readings, slopes = np.empty(count), np.empty((count, 1, 6))
         atoms[0, 0], atoms[0, 1], atoms[0, 2] = places[p, 0], places[p, 1], log_force[p]
-        predict(atoms, family, taxels[near], tables, readings, slopes)
+        predict(atoms, family, picked(taxels, near), tables, readings, slopes)
         for n in range(count):
             five[0] = readings[n]
-            five[1:] = slopes[n, 0, :4]
+            for i in range(4):
+                five[i + 1] = slopes[n, 0, i]
             weight = white[near[n]] ** 2
             for i in range(5):
                 for j in range(i + 1):

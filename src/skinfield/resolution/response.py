@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats, InputError, Ints
 from skinfield.resolution.design import SkinDesign, Touch
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 BLOCK = 4096  # places whose neighbouring taxels are listed at once
 FAINT = 1e-6  # of the strongest reading per newton: what is below is no response
 TRIAL = 1e-3  # N: at which readings are proportional to the force
+DEEPEST = 0.9  # of the gap: beyond it the elastomer is flat
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +52,29 @@ def tables_of_design(design: SkinDesign) -> "Tables":
     return tables_of(atom_table(design.physics))
 
 
-def is_linear(design: SkinDesign) -> bool:
-    """Whether readings are proportional to the force."""
-    return not tables_of_design(design).strain.size
+def largest_force(design: SkinDesign, radius: float) -> float:
+    """Force in N at which a contact of some radius in m has closed the gap to DEEPEST of it.
+
+    Infinite where readings are taken as proportional to the force.
+    """
+    from skinfield.inverse.atoms.profiles import BALL, unit_indentation
+
+    if not tables_of_design(design).strain.size:
+        return float("inf")
+    axis = np.array([1e-6 * radius])
+    sunk = unit_indentation(design.layer, design.mechanics, BALL, radius, axis)
+    return float(DEEPEST * design.layer.thickness / sunk[0])
+
+
+def check_depth(design: SkinDesign, touch: Touch) -> None:
+    """Raise InputError where the touch would reach the base of the elastomer."""
+    most = largest_force(design, touch.radius)
+    if touch.force > most:
+        raise InputError(
+            f"force is {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
+            f"expected at most {most:.3g} N: it would press the elastomer flat; take less force, a "
+            "wider contact, a harder or thicker elastomer, or only the linear response"
+        )
 
 
 def sight_of(design: SkinDesign, radius: float) -> float:
@@ -81,8 +102,10 @@ def respond(
     from skinfield.resolution.kernels import grams
 
     touch.check_on(design.layer)
-    h, tables = design.layer.thickness, tables_of_design(design)
-    logs = np.log(np.full(len(points), touch.force) if forces is None else forces)
+    if forces is None:
+        check_depth(design, touch)
+        forces = np.full(len(points), touch.force)
+    h, tables, logs = design.layer.thickness, tables_of_design(design), np.log(forces)
     taxels, white = design.patch.plane / h, 1.0 / design.noise_std
     gram = np.empty((len(points), 5, 5))
     for first in range(0, len(points), BLOCK):

@@ -8,6 +8,7 @@ from numba import njit
 from skinfield.errors import Floats, Ints
 from skinfield.inverse.atoms.kernel import Tables, predict
 from skinfield.inverse.atoms.refine import HIGHEST_LOG, LOWEST_LOG, cholesky_solve
+from skinfield.resolution.kernels import picked
 
 STEPS = 30  # of one fit
 SETTLED = 3e-3  # relative fall of the misfit in one step: below it the fit has settled
@@ -33,6 +34,13 @@ class Ground(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
+def copy(source: Floats, target: Floats) -> None:
+    """Copy one atom: assignment to a slice, but quick to compile."""
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+@njit(cache=True, nogil=True)
 def fits(
     atom: Floats, readings: Floats, white: Floats, taxels: Floats, tables: Tables, enough: float
 ) -> float:
@@ -48,13 +56,17 @@ def fits(
     damping, misfit = 1e-3, np.inf
     for _ in range(STEPS):
         predict(trial, family, taxels, tables, found, slopes)
-        now = np.sum(((readings - found) * white) ** 2)
+        now = 0.0
+        for n in range(count):
+            found[n] = readings[n] - found[n]
+            now += (found[n] * white[n]) ** 2
         if now < misfit:
             done = misfit - now < SETTLED * misfit or now < enough
-            atom[:], misfit, damping = trial, now, max(damping * 0.2, 1e-7)
+            copy(trial[0], atom[0])
+            misfit, damping = now, max(damping * 0.2, 1e-7)
             if done:
                 break
-            _normal_equations(readings - found, white, slopes, hessian, gradient)
+            _normal_equations(found, white, slopes, hessian, gradient)
         else:
             damping *= 8.0
             if damping > 1e6:
@@ -99,20 +111,22 @@ def noncentrality(
     half = np.hypot(atoms[1, 0] - atoms[0, 0], atoms[1, 1] - atoms[0, 1]) / 2
     for start in range(4):
         if start == 0:
-            trial[:] = last
+            copy(last[0], trial[0])
         elif start == 1:
-            trial[0] = (atoms[0] + atoms[1]) / 2
-            trial[0, 2] = atoms[0, 2] + np.log(2.0)
+            copy(atoms[0], trial[0])
+            for i in range(2):
+                trial[0, i] = (atoms[0, i] + atoms[1, i]) / 2
+            trial[0, 2] += np.log(2.0)
             trial[0, 3] = min(0.5 * np.log(np.exp(2 * atoms[0, 3]) + half**2), HIGHEST_LOG)
         else:
-            trial[0] = atoms[start - 2]
+            copy(atoms[start - 2], trial[0])
         misfit = fits(trial, readings, white, taxels, tables, enough)
         if misfit < least:
             least = misfit
-            best[:] = trial
+            copy(trial[0], best[0])
         if least < enough:
             break
-    last[:] = best
+    copy(best[0], last[0])
     return least
 
 
@@ -187,15 +201,10 @@ def distances_told(
             away = np.hypot(taxels[taxel, 0] - places[p, 0], taxels[taxel, 1] - places[p, 1])
             for k in range(len(distances)):
                 counts[k] += away < distances[k] + sight
+        close, quiet = picked(taxels, near), np.empty(len(near))
+        for n in range(len(near)):
+            quiet[n] = white[near[n]]
         for d in range(len(ways)):
             out[p, d] = first_told(
-                places[p],
-                ways[d],
-                distances,
-                pair,
-                ground,
-                taxels[near],
-                white[near],
-                counts,
-                tables,
+                places[p], ways[d], distances, pair, ground, close, quiet, counts, tables
             )

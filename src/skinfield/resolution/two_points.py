@@ -21,7 +21,8 @@ from skinfield.resolution.response import near_taxels, sight_of, tables_of_desig
 UNKNOWN = 2  # what a pair has beyond a single touch: the two components of the distance
 PITCHES = 6.0  # of the taxels: no farther is sought
 STEPS = 13  # distances tried
-MOST_PLACES = 450
+PER_PITCH = 3.0  # places in the distance of two taxels
+MOST_PLACES = 600
 BLOCK = 256
 
 
@@ -89,13 +90,16 @@ def two_point_distance(
 ) -> TwoPointDistance:
     """Distance at which two touches are told from one, everywhere on a layout.
 
+    Readings are taken as proportional to the force, so those of two touches add up. Where touches
+    are deep, they are heard better than that.
+
     Parameters
     ----------
     design : SkinDesign
     touch : Touch
         Each of the two: both press with its force.
     places : Places, optional
-        Default some hundred over the patch, no closer than half the distance of two taxels.
+        Default some hundred over the patch, no closer than a third of the distance of two taxels.
     error_rate : float
     ways : int
         Directions, around the whole circle.
@@ -110,6 +114,7 @@ def two_point_distance(
     if ways < 1:
         raise InputError(f"ways is {ways!r}, expected one direction or more")
     touch.check_on(design.layer)
+    design = design.linear
     farthest = PITCHES * design.patch.pitch if farthest is None else farthest
     check_positive("farthest", farthest, "distance of two touches, in metres")
     places = few_places(design) if places is None else places
@@ -123,8 +128,8 @@ def two_point_distance(
 
 
 def few_places(design: SkinDesign, most: int = MOST_PLACES) -> Places:
-    """Places over a patch, half a taxel's pitch apart or so far that there are at most `most`."""
-    pitch = design.patch.pitch / 2
+    """Places over a patch, a third of a taxel's pitch apart; farther where there were too many."""
+    pitch = design.patch.pitch / PER_PITCH
     places = Places.over(design.patch, pitch)
     while len(places) > most:
         pitch *= max(1.05, np.sqrt(len(places) / most))
