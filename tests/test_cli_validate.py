@@ -159,6 +159,83 @@ def test_a_case_beyond_memory_is_named(folder: Path, monkeypatch: pytest.MonkeyP
     assert "000_ball12_1N.npz does not fit into memory" in result.output
 
 
+@pytest.fixture(scope="module")
+def exact(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("unseen") / "cases"
+    result = call(
+        "cases", str(made), "--unseen", "2", "--seed", "4", "--quantity", "stress",
+        "--layout", "icub_hexagon", "--draws", "0",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    return made
+
+
+def test_several_solvers_at_several_noises(exact: Path, tmp_path: Path) -> None:
+    files = tmp_path / "t.json", tmp_path / "t.csv"
+    result = call(
+        "validate", str(exact), "--solver", "paper", "--solver", "gaussian", "--grid", "20",
+        "--noise", "0", "--noise", "400", "--json", str(files[0]), "--csv", str(files[1]),
+        "--figures", str(tmp_path / "pictures"),
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert "stress: 2 cases" in result.output
+    read = json.loads(files[0].read_text())
+    found = [(row["noise"], row["method"]) for row in read["summary"]]
+    assert found == [(0, "paper"), (0, "gaussian"), (400, "paper"), (400, "gaussian")]
+    assert len(read["rows"]) == 2 * 2 * 2
+    with files[1].open() as file:
+        table = list(csv.DictReader(file))
+    assert 0.0 < float(table[0]["place_error_mm_median"]) < 5.0
+    assert (tmp_path / "pictures" / "errors-stress.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_unseen_presses_are_made_scored_and_kept(tmp_path: Path) -> None:
+    words = (
+        "validate", "--unseen", "2", "--quantity", "stress", "--noise", "400", "--solver",
+        "gaussian", "--grid", "20", "--idle", "50", "--workers", "1", "--keep",
+        str(tmp_path / "kept"), "--json",
+    )  # fmt: skip
+    first, again = tmp_path / "a.json", tmp_path / "b.json"
+    for path in (first, again):
+        result = call(*words, str(path))
+        assert result.exit_code == 0, result.output
+    assert "bound, size unknown" in result.output
+    one, two = (json.loads(path.read_text()) for path in (first, again))
+    assert one == two  # times too: nothing is computed twice
+    ours, known, unknown = one["summary"]
+    assert (ours["method"], ours["presses"], ours["idle_readings"]) == ("gaussian", 2, 50)
+    assert 0.0 < known["place_error_mm_median"] < unknown["place_error_mm_median"]
+
+
+def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) -> None:
+    path = tmp_path / "s.json"
+    result = call("validate", str(folder), "--solver", "tikhonov", "--solver", "gaussian",
+                  "--grid", "16", "--json", str(path))  # fmt: skip
+    assert result.exit_code == 0, result.output
+    read = json.loads(path.read_text())
+    assert list(read["summary"]) == read["options"]["solver"] == ["tikhonov", "gaussian"]
+    assert len(read["rows"]) == 6
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "expected either CASES"),
+        (("cases", "--unseen", "2"), "expected either CASES"),
+        (("--unseen", "2", "--noise", "5"), "expected one --quantity beside it"),
+        (("--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
+        (("--unseen", "2", "--layout", "nowhere"), "generator is 'nowhere'"),
+        (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
+        (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",
+          '{"snr": 2}'), "expected one that takes them"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_together_is_said(words: tuple[str, ...], message: str) -> None:
+    result = call("validate", *words)
+    assert result.exit_code == 2, result.output
+    assert message in " ".join(result.output.split())
+
+
 def test_errors_name_the_file(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "000_broken.npz").write_bytes(b"PK\x03\x04 nothing")
     result = call("validate", str(tmp_path))

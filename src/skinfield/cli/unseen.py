@@ -12,7 +12,7 @@ from rich.console import Console
 from skinfield.cli.contenders import method_from_options, named
 from skinfield.cli.report import console, plural, progress
 from skinfield.cli.scores import check_limits, limits_from_texts, say_written
-from skinfield.errors import InputError
+from skinfield.errors import FileError, InputError
 
 SHOWN = (  # columns of the accuracy rows, what the table calls them, and decimals
     ("force_error", 100.0, "force\n%", 0),
@@ -28,12 +28,14 @@ RATES = (
 )
 TIMES = (("cold_ms", 1.0, "cold\nms", 1), ("warm_ms", 1.0, "warm\nms", 2))
 WIDE = 140  # columns of the terminal that the table takes
+FINE, COARSE, MANY = (6, 7), (4, 5), 20  # balls for the bound: of as many presses, and of fewer
 
 
 def validate_unseen(options: dict[str, Any]) -> None:
     """Press at random, score every solver at every noise, and report."""
     from skinfield.experiments.trust.campaign import computed
     from skinfield.experiments.trust.plan import NOISES, Level, TrustPlan, methods
+    from skinfield.layout.generators import by_name
 
     quantities = options["quantities"] or tuple(NOISES)
     if options["noises"] and len(quantities) > 1:
@@ -51,8 +53,10 @@ def validate_unseen(options: dict[str, Any]) -> None:
         layout=options["layout"],
         presses=options["unseen"],
         idle=options["idle"],
+        bound_grid=FINE if options["unseen"] >= MANY else COARSE,
         seed=options["seed"],
     )
+    by_name(plan.layout)  # an unknown one is said before anything is computed
     with _folder(options["keep"]) as folder, progress() as bar:
         task = bar.add_task("unseen presses")
         found = computed(
@@ -61,13 +65,14 @@ def validate_unseen(options: dict[str, Any]) -> None:
             options["workers"],
             lambda done, of: bar.update(task, completed=done, total=of),
         )
-    _report(found.rows, found.bound, found.idle, options, plan.layout)
+    _report(found, options, plan.layout)
 
 
 def validate_at_noises(cases: str, options: dict[str, Any]) -> None:
     """Add noises to cases that hold exact readings, score every solver, and report."""
     from skinfield.experiments.cases.files import case_paths, load_case
     from skinfield.experiments.trust.attempts import rows_of_case
+    from skinfield.experiments.trust.campaign import Found
     from skinfield.experiments.trust.plan import Level
 
     paths, rows = case_paths(cases), []
@@ -84,7 +89,7 @@ def validate_at_noises(cases: str, options: dict[str, Any]) -> None:
                     )
                     rows += [{"case": case.name, "file": path.name} | row for row in made]
             bar.update(task, advance=1)
-    _report(rows, [], [], options, str(cases))
+    _report(Found(rows, [], [], []), options, str(cases))
 
 
 @contextmanager
@@ -97,17 +102,12 @@ def _folder(kept: str | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _report(
-    rows: list[dict[str, Any]],
-    bound: list[dict[str, Any]],
-    idle: list[dict[str, Any]],
-    options: dict[str, Any],
-    where: str,
-) -> None:
+def _report(found: Any, options: dict[str, Any], where: str) -> None:
     from skinfield.experiments.scoring.rows import write_csv, write_json
     from skinfield.experiments.trust.table import accuracy_rows
 
-    table = accuracy_rows(rows, bound, idle, seed=options["seed"])
+    rows = found.rows
+    table = accuracy_rows(rows, found.bound, found.idle, seed=options["seed"])
     presses = len({row["case"] for row in rows})
     for quantity in dict.fromkeys(row["quantity"] for row in table):
         mine = [row for row in table if row["quantity"] == quantity]
@@ -116,12 +116,31 @@ def _report(
     if options["csv_path"]:
         write_csv(table, options["csv_path"])
     if options["json_path"]:
-        write_json(rows, options["json_path"], options={"on": where}, summary=table, idle=idle)
+        about = {"options": {"on": where}, "summary": table, "idle": found.idle}
+        write_json(rows, options["json_path"], **about)
     say_written(options)
+    if options["figures"]:
+        _draw(found, Path(options["figures"]))
     limits = limits_from_texts(options["require"])
     for row in table:
         if "missed" in row:
             check_limits(limits, row)
+
+
+def _draw(found: Any, folder: Path) -> None:
+    """Write a picture of the errors for each quantity."""
+    from skinfield.experiments.trust.pictures import picture_of_errors
+    from skinfield.sinks.pending import write_bytes
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise FileError(f"{folder} cannot be made: {error}, expected a folder") from error
+    for quantity in dict.fromkeys(row["quantity"] for row in found.rows):
+        picture = picture_of_errors(quantity, found.rows, found.bound)
+        path = folder / f"{picture.name}.png"
+        write_bytes(path, picture.png)
+        console().print(f"wrote {path}", highlight=False, soft_wrap=True, markup=False)
 
 
 def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:

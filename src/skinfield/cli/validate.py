@@ -107,6 +107,11 @@ def _options(function: Any) -> Any:
                 type=click.Path(file_okay=False),
                 help="Folder of what --unseen has computed: a run that was stopped goes on there.",
             ),
+            click.option(
+                "--figures",
+                type=click.Path(file_okay=False),
+                help="Folder for a picture of the errors per quantity, with --unseen or --noise.",
+            ),
             click.option("--per-case", is_flag=True, help="A line per case, too."),
             click.option("--json", "json_path", help="Write summary and cases: .json."),
             click.option("--csv", "csv_path", help="Write a row per case: .csv."),

@@ -30,14 +30,13 @@ def noise_in_words(quantity: str, noise: float) -> str:
 
 def name_of(method: str) -> str:
     """What a method is called in words."""
-    return NAMES.get(method, method)
+    return NAMES.get(method, method.rpartition(":")[2])
 
 
-def picture_of_errors(
-    plan: TrustPlan, quantity: str, rows: Sequence[Row], bound: Sequence[Row]
-) -> Picture:
+def picture_of_errors(quantity: str, rows: Sequence[Row], bound: Sequence[Row]) -> Picture:
     """Share of readings below each error of force and place, noise by noise."""
-    noises = [level.noise for level in plan.levels if level.quantity == quantity]
+    noises = list(dict.fromkeys(row["noise"] for row in rows if row["quantity"] == quantity))
+    solvers = list(dict.fromkeys(row["method"] for row in rows))
     balls = {row["case"] for row in bound}
     panels = []
     for key, label, factor, _ in ERRORS:
@@ -45,7 +44,7 @@ def picture_of_errors(
         for noise in noises:
             errors = []
             for name, among in [
-                *((method.name, rows) for method in plan.methods),
+                *((solver, rows) for solver in solvers),
                 *((limit, bound) for limit in (KNOWN, UNKNOWN)),
             ]:
                 wanted = (quantity, noise, name)
@@ -57,14 +56,18 @@ def picture_of_errors(
                     errors.append(Errors(name_of(name), factor * column(mine, key), limit))
             line.append(DistributionPanel(noise_in_words(quantity, noise), label, errors))
         panels.append(line)
-    number = len(balls) if balls else len({row["case"] for row in rows})
+    count = len(balls) if balls else len({row["case"] for row in rows})
     caption = (
-        f"{quantity.capitalize()} read with the noise named above each panel: share "
-        f"of {number} presses, by balls alone, whose error of the force of all contacts (top) and "
-        "mean error of place of those found (bottom) is below a value; what found nothing stays "
-        "out, so that curves of place end below 1. Black: what an unbiased estimate at the "
-        "Cramér-Rao bound would show, with the ball's size known and with 0.6 in its logarithm."
+        f"{quantity.capitalize()} read with the noise named above each panel: share of {count} "
+        f"presses{', by balls alone,' if balls else ''} whose error of the force of all contacts "
+        "(top) and mean error of place of those found (bottom) is below a value; where nothing is "
+        "found there is no place, so that curves of place end below 1."
     )
+    if balls:
+        caption += (
+            " Black: what an unbiased estimate at the Cramér-Rao bound would show, with the "
+            "balls' sizes known, and known to a standard deviation of 0.6 in the logarithm."
+        )
     figure = draw_distributions(panels, [ends for *_, ends in ERRORS])
     return Picture(f"errors-{quantity}", caption, png_of(figure))
 

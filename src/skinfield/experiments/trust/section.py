@@ -50,7 +50,7 @@ def trust(settings: Settings, results: Sequence[dict[str, Any] | None]) -> Secti
         return Missing("trust: none of its parts could be computed")
     table = accuracy_rows(found.rows, found.bound, found.idle, plan.resamples, plan.seed)
     pictures = [
-        picture_of_errors(plan, quantity, found.rows, found.bound) for quantity in plan.quantities
+        picture_of_errors(quantity, found.rows, found.bound) for quantity in plan.quantities
     ]
     pictures += [picture_of_pairs(plan, found.pairs)] if found.pairs else []
     return Section(
