@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, PANEL, HEAD, FOOT = 9.6, 2.75, 0.62, 1.1  # inches
+WIDTH, PANEL, HEAD, FOOT = 9.6, 2.6, 0.62, 1.0  # inches
 NEAR = 5.0  # % by which an interval may be off and still be called honest
 DODGE = 0.7  # % between neighbouring curves, so that their bars do not hide each other
 

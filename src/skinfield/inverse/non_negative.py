@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive, check_range
-from skinfield.fields import PressureNoise, PressurePosterior
+from skinfield.fields import ModelError, PressureNoise, PressurePosterior
 from skinfield.inverse.gaussian_field import GaussianField, taxel_distance
+from skinfield.inverse.model_errors import NON_NEGATIVE
 from skinfield.inverse.non_negative_prior import Precision, matern_precision
 from skinfield.observation import ObservationModel
 
@@ -106,6 +107,7 @@ class NonNegative:
             shape=model.grid.shape,
             noise=PressureNoise(linear.matrix * model.noise_std),
             posterior=posterior,
+            model_error=NON_NEGATIVE.of(model),
         )
 
 
@@ -134,6 +136,8 @@ class NonNegativeOperator:
     posterior : PressurePosterior
         Covariance of that field, given the readings. The constraint only narrows a posterior, so
         this one is too wide rather than too narrow where the model is right.
+    model_error : ModelError
+        That a contact has without noise.
 
     Attributes
     ----------
@@ -154,6 +158,7 @@ class NonNegativeOperator:
     shape: tuple[int, int]
     noise: PressureNoise
     posterior: PressurePosterior
+    model_error: ModelError
     iterations: int = field(default=0, init=False)
     gap: float = field(default=0.0, init=False)
     objective: float = field(default=0.0, init=False)

@@ -48,6 +48,10 @@ class FieldOperator(Protocol):
     pressure_std : (K,) array, Pa
     noise : PressureNoise
         By which contacts are told from noise.
+    posterior : PressurePosterior or None
+        By which contacts are said to be sure, if by more than the readings' noise.
+    model_error : ModelError
+        What is wrong with contacts beside: added to their covariance.
     """
 
     @property
@@ -58,6 +62,16 @@ class FieldOperator(Protocol):
     @property
     def noise(self) -> PressureNoise:
         """How the readings' noise moves the pressure, about."""
+        ...
+
+    @property
+    def posterior(self) -> PressurePosterior | None:
+        """What the readings leave open, about."""
+        ...
+
+    @property
+    def model_error(self) -> ModelError:
+        """What is wrong with contacts beside."""
         ...
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:

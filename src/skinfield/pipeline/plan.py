@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -204,6 +205,15 @@ class FieldPlan:
     operator: FieldOperator
     valid: NDArray[np.bool_]
 
+    @cached_property
+    def _noise(self) -> PressureNoise:
+        return PressureNoise(self.operator.noise.factor[self.setting.nodes])
+
+    @cached_property
+    def _posterior(self) -> PressurePosterior | None:
+        whole = self.operator.posterior
+        return None if whole is None else whole.on(self.setting.nodes)
+
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
         """See `Plan.solve`."""
         setting, nodes = self.setting, len(self.setting.grid)
@@ -216,8 +226,13 @@ class FieldPlan:
             out.fields[row, nodes:] = moved.T.ravel()
             out.pressure_std[row] = self.operator.pressure_std[setting.nodes]
             out.residual[row, self.valid] = linear - self.model.matrix @ whole
-            noise = PressureNoise(self.operator.noise.factor[setting.nodes])
-            out.contacts[row] = setting.finder(setting.grid, pressure, noise)
+            out.contacts[row] = setting.finder(
+                setting.grid,
+                pressure,
+                self._noise,
+                self._posterior,
+                self.operator.model_error if setting.model_errors else EXACT,
+            )
 
     def reset(self) -> None:
         """Forget the reading before, where the operator keeps it."""

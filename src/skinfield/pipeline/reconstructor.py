@@ -79,16 +79,8 @@ class Reconstructor:
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
-        self._setting = Setting(
-            self.model,
-            self.deformation,
-            nodes,
-            self.grid,
-            self.quantity,
-            self.finder,
-            precision,
-            model_errors=intervals is None,
-        )
+        made = (self.model, self.deformation, nodes, self.grid, self.quantity, self.finder)
+        self._setting = Setting(*made, precision, model_errors=intervals is None)
         self.intervals = intervals
         if intervals is not None:
             intervals.check(*self.kind)
@@ -156,8 +148,7 @@ class Reconstructor:
         """
         start = time.perf_counter()
         table, mask = self._checked(readings, valid)
-        single = np.ndim(readings) == 1
-        stamps = np.asarray(stamp_ns, dtype=np.int64)
+        single, stamps = np.ndim(readings) == 1, np.asarray(stamp_ns, dtype=np.int64)
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if deadline is not None:
@@ -194,15 +185,15 @@ class Reconstructor:
             Each at a place, with a load and with noise of its own; see `pipeline.rehearsal`.
         seed : int
         bodies : sequence of Indenter, optional
-            That press. Default balls, flats, a cone and a bar.
+            Default balls, flats, a cone and a bar.
 
         Returns
         -------
         Reconstructor
-            One that shares what is prepared. The covariance of its contacts is such that 1.645
-            standard deviations each way hold 90 % of the forces, and the ellipse of squared radius
-            4.605 as many places; `force_interval`, `place_radius` and `area_interval` give any
-            level. Its `intervals` can be saved, and handed to a reconstructor that is made anew.
+            One that shares what is prepared. By the covariance of its contacts, 1.645 deviations
+            each way hold 90 % of the forces, and the ellipse of squared radius 4.605 as many
+            places; any level by `force_interval`, `place_radius` and `area_interval`. Its
+            `intervals` can be saved, and handed to a reconstructor that is made anew.
 
         Raises
         ------
@@ -220,17 +211,16 @@ class Reconstructor:
         other = copy.copy(self)
         other.intervals = intervals
         other._setting = replace(self._setting, model_errors=False)
+        plans = self._plans.items()
         other._plan = self._plan.within(other._setting)
-        other._plans = OrderedDict(
-            (key, plan.within(other._setting)) for key, plan in self._plans.items()
-        )
+        other._plans = OrderedDict((key, each.within(other._setting)) for key, each in plans)
         return other
 
     @property
     def kind(self) -> tuple[str, str, int, float]:
         """What intervals are learnt for: solver, what is read, number of taxels, mean noise."""
-        noise = float(self.model.noise_std.mean())
-        return type(self.solver).__name__, self.quantity.symbol, len(self.patch), noise
+        name, noise = type(self.solver).__name__, float(self.model.noise_std.mean())
+        return name, self.quantity.symbol, len(self.patch), noise
 
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
