@@ -26,7 +26,7 @@ from skinfield.errors import Floats, InputError, as_floats, check_positive
 from skinfield.mechanics.elastomer import Layer
 from skinfield.mechanics.profiles import Profile, height_of, kink_of, springs_of
 from skinfield.mechanics.radial import bessel, gauss_legendre
-from skinfield.mechanics.transfer import LayerTransfer
+from skinfield.mechanics.transfer import CoveredTransfer, LayerTransfer
 
 CUTOFF = 26.0  # of k h: 1 - X falls as exp(-2 k h)
 WIDEST = 60.0  # contact radius over thickness that the nodes are chosen for
@@ -135,6 +135,23 @@ class Indentation:
             out[outside] = 2.0 / np.pi * (self._over_contact(flat[outside]) - rest)
         return np.asarray(out.reshape(r.shape))
 
+    def covered_indentation(self, r: ArrayLike) -> Floats:
+        """What the same pressure does to the layer under an inextensible cover, m, as above.
+
+        The pressure is that of the free layer: below a cover, the body itself presses a little
+        otherwise.
+        """
+        r = np.abs(as_floats("r", r))
+        h, nu = self.layer.thickness, self.layer.poisson_ratio
+        covered, free = CoveredTransfer(nu), LayerTransfer(nu)
+        share = gauss_legendre(0.0, CUTOFF / h, _panels(self.contact_radius, h))[1]
+        alpha = self._wave * h
+        factor = covered.half_space_factor
+        rest = covered.normal_rest(alpha) - factor * free.normal_rest(alpha)
+        waves = bessel(0, np.outer(r.ravel(), self._wave))
+        more = 2.0 / np.pi * waves @ (share * rest * self._spectrum)
+        return np.asarray(factor * self.indentation(r) + more.reshape(r.shape))
+
     def _over_contact(self, r: Floats) -> Floats:
         """Integral of phi / sqrt(r² - x²) over the contact for r beyond it, with x = r sin(w)."""
         a, (u, weight) = self.contact_radius, _unit_rule(NODES)
@@ -211,6 +228,11 @@ def kappa(a_over_h: float, poisson_ratio: float) -> float:
     return state.force / (2.0 * state.modulus * a_over_h)
 
 
+def _panels(a: float, h: float) -> int:
+    """Of wave numbers."""
+    return PANELS + int(3 * a / h)
+
+
 def _unit_rule(count: int) -> tuple[Floats, Floats]:
     """Gauss-Legendre nodes and weights on [0, 1]."""
     node, weight = np.polynomial.legendre.leggauss(count)
@@ -232,7 +254,7 @@ def _solve(layer: Layer, profile: Profile | None, a: float, depth: float) -> Ind
     _check_radius(layer, profile, a)
     h = layer.thickness
     t, weight = _rule(a, h, profile)
-    wave, share = gauss_legendre(0.0, CUTOFF / h, panels=PANELS + int(3 * a / h))
+    wave, share = gauss_legendre(0.0, CUTOFF / h, _panels(a, h))
     missing = -share * LayerTransfer(layer.poisson_ratio).normal_rest(wave * h)
     cosine = np.cos(np.outer(t, wave))
     kernel = 2.0 / np.pi * (cosine * missing) @ cosine.T * weight

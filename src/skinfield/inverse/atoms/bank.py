@@ -40,9 +40,15 @@ class Bank:
         """How well each template agrees with whitened residuals (L,), in standard deviations."""
         return np.asarray(self.templates @ residual.astype(np.float32))
 
-    def starts(self, residual: Floats, most: int) -> Floats:
-        """Atoms (S, 6) at the best places, each with the force that explains most."""
-        best = best_of(self.scores(residual), self.atoms, most, 1.2 * SPACING)
+    def starts(self, residual: Floats, most: int, least: float = 0.0) -> Floats:
+        """Atoms (S, 6) at the best places, each with the force that explains most.
+
+        None if no template agrees with the residual by more than `least` standard deviations.
+        """
+        scores = self.scores(residual)
+        if not float(scores.max(initial=0.0)) > least:
+            return np.empty((0, PARAMETERS))
+        best = best_of(scores, self.atoms, most, 1.2 * SPACING)
         atoms = self.atoms[best[:, 0].astype(np.int64)].copy()
         atoms[:, 2] = np.log(np.maximum(best[:, 1] / self.norms[best[:, 0].astype(np.int64)], 1e-9))
         return atoms

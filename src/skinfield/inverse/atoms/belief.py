@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.explore import explore
 from skinfield.inverse.atoms.kernel import PARAMETERS
-from skinfield.inverse.atoms.search import RARER, AtomSet, Problem
+from skinfield.inverse.atoms.problem import RARER, AtomSet, Problem
+from skinfield.inverse.atoms.profiles import BALL, FLAT, RING
 from skinfield.inverse.atoms.table import SIGHT
 
 STEP = 0.9  # standard deviations between places
@@ -89,7 +90,7 @@ class Effort:
 
 def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> Belief:
     """What the reading leaves open about one atom, the others being where they are."""
-    own, free = found.atoms[index], found.free[index]
+    own, free, family = found.atoms[index], found.free[index], int(found.family[index])
     first = laplace(found, index)
     variance, direction = np.linalg.eigh(first.inner[0, :2, :2])
     widest = float(np.sqrt(max(variance[1], 0.0)))
@@ -100,9 +101,9 @@ def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> B
     others = np.arange(len(found)) != index
     left = problem.readings - problem.alone(found, others)
     seeds = own[None]
-    if not free[4] and effort.starts and widest > SURE:
+    if not free[4] and family != RING and effort.starts and widest > SURE:
         seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, effort.starts)])
-    kinds = (0, 1) if effort.both else (int(found.family[index]),)
+    kinds = (BALL, FLAT) if effort.both and family != RING else (family,)
     near = _near(problem, own, axes)
     walks = [_walk(problem, seeds, kind, free, axes, left, near, effort.places) for kind in kinds]
     atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
@@ -148,4 +149,4 @@ def _walk(
         inner,
         weight,
     )
-    return atoms[:count], inner[:count], weight[:count] - RARER * kind
+    return atoms[:count], inner[:count], weight[:count] - RARER[kind]

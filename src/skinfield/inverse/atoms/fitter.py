@@ -9,9 +9,11 @@ from skinfield.errors import Floats, InputError
 from skinfield.inverse.atoms.bank import MARGIN, Bank, make_bank
 from skinfield.inverse.atoms.belief import Effort, belief_of, stated
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, tables_of
+from skinfield.inverse.atoms.problem import AtomSet, Problem
 from skinfield.inverse.atoms.refine import Priors
 from skinfield.inverse.atoms.render import AtomRenderer
-from skinfield.inverse.atoms.search import AtomSet, Problem, search
+from skinfield.inverse.atoms.rims import drawable
+from skinfield.inverse.atoms.search import search
 from skinfield.inverse.atoms.table import atom_table
 from skinfield.inverse.operator import Fit
 from skinfield.observation import ObservationModel
@@ -21,11 +23,13 @@ if TYPE_CHECKING:
 
 CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
+RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 6e-3  # m: of each component of the half-length of a line
 PLACES = 100  # that are tried to tell how sure a contact is, for each family
 FEW = 24  # for a contact that the reading before had, too
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
+RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
 QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
 
 
@@ -57,6 +61,8 @@ class ContactFitter:
             CURVATURE_STD,
             float(np.log(FLAT_RADIUS / thickness)),
             FLAT_STD,
+            float(np.log(RING_RADIUS / thickness)),
+            RING_STD,
             LENGTH_STD / thickness,
         )
         low, high = self._taxels.min(axis=0) - MARGIN, self._taxels.max(axis=0) + MARGIN
@@ -65,26 +71,37 @@ class ContactFitter:
         self._renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
         self._before: AtomSet | None = None
         self._kept: tuple[Known, ...] = ()
+        self._compared = 0.0
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self._before, self._kept = None, ()
+        self._before, self._kept, self._compared = None, (), 0.0
 
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
         """See `ContactOperator.fit`."""
         settings, before = self.settings, self._before if self.settings.warm else None
         problem = self.problem(readings, deadline_ns)
-        found = search(problem, before, settings.most_contacts, settings.starts)
+        shapes = self._shapes_due(problem)
+        found = search(problem, before, settings.most_contacts, settings.starts, shapes)
         scale = quieter(problem, found)
         if scale < 1.0 and not problem.late:
             problem = replace(problem, white=self._white(problem.readings, scale))
             found = search(problem, found, settings.most_contacts, settings.starts)
+            shapes = True
         same = before is not None and np.array_equal(before.family, found.family)
         self._before = found
         if not len(found):
             self._kept = ()
             return self._idle(len(readings))
         return self._fit_of(problem, found, same)
+
+    def _shapes_due(self, problem: Problem) -> bool:
+        """Whether the readings say much more, or less, than when shapes were last compared."""
+        energy = float(np.square(problem.readings * problem.white).sum())
+        due = not self._compared / RISE < energy < self._compared * RISE
+        if due:
+            self._compared = energy
+        return due
 
     def problem(self, readings: Floats, deadline_ns: int | None = None) -> Problem:
         """One reading beside all that is known."""
@@ -116,15 +133,19 @@ class ContactFitter:
         atoms, covariance = self._stated(problem, found, same)
         nodes = len(self.model.grid)
         pressure, std, moved = np.empty(nodes), np.empty(nodes), np.empty((nodes, 3))
-        self._renderer.pressure(atoms, found.family, pressure)
-        self._renderer.pressure_std(atoms, found.family, covariance, std)
-        self._renderer.displacement(atoms, found.family, moved)
+        drawn = drawable(atoms, found.family, covariance, self._thickness)
+        self._renderer.pressure(drawn.atoms, drawn.family, pressure)
+        self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)
+        self._renderer.displacement(drawn.atoms, drawn.family, moved)
+        contacts = self._renderer.contacts(
+            drawn.atoms, drawn.family, drawn.covariance, drawn.groups
+        )
         late = f"stopped at the deadline with {len(found)} contacts" if problem.late else ""
         return Fit(
             pressure=pressure,
             pressure_std=std,
             displacement=moved,
-            contacts=self._renderer.contacts(atoms, found.family, covariance),
+            contacts=contacts,
             predicted=found.predicted,
             cells=np.flatnonzero(pressure),
             notes=(late,) if late else (),

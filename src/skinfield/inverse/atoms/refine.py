@@ -2,7 +2,7 @@
 
 The cost is half the sum of squares of the whitened residuals and of the priors: for a ball, a
 normal one on the logarithm of its radius of curvature, which force and contact radius give; for a
-flat end, on that of its radius; and for both, on the half-length.
+flat end or a ring, on that of its radius; and for all, on the half-length.
 """
 
 from typing import Any, NamedTuple
@@ -32,6 +32,8 @@ class Priors(NamedTuple):
     ball_std: float
     flat_log: float
     flat_std: float
+    ring_log: float
+    ring_std: float
     length_std: float
 
 
@@ -47,8 +49,11 @@ def prior_terms(
         off = (value - atom[2] - priors.ball_log) / priors.ball_std
         by_force, by_radius = -1.0 / priors.ball_std, slope / priors.ball_std
     else:
-        off = (atom[3] - priors.flat_log) / priors.flat_std
-        by_force, by_radius = 0.0, 1.0 / priors.flat_std
+        middle, std = priors.flat_log, priors.flat_std
+        if family == 2:
+            middle, std = priors.ring_log, priors.ring_std
+        off = (atom[3] - middle) / std
+        by_force, by_radius = 0.0, 1.0 / std
     gradient[2] += off * by_force
     gradient[3] += off * by_radius
     hessian[2, 2] += by_force * by_force

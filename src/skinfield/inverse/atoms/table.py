@@ -4,8 +4,8 @@ A reading at the distance r of a contact of radius a that is pressed with the fo
 
 .. math:: F\,s(a)\,\frac{\sum_k u^k\,C_k(r, \ln a)}{1 - u}, \quad u = F\,s(a),
 
-for a pad that reads the capacitance: s is the strain of the gap at the axis per newton, and the
-denominator what a uniform gap would have. A quantity that is linear in the force is
+for a pad that reads the capacitance: s is the strain of the gap where it is highest, per newton,
+and the denominator what a uniform gap would have. A quantity that is linear in the force is
 :math:`F\,C_0(r, \ln a)`. The tables :math:`C_k` are cubic B-splines over r and ln a.
 """
 
@@ -17,23 +17,23 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.profiles import (
-    BALL,
-    FLAT,
+    FAMILIES,
     curvature_force,
+    edges_of,
     load_quadrature,
     unit_indentation,
 )
 from skinfield.layout import Grid, Patch
 from skinfield.observation import Capacitance, Physics
 
-LOG_STEP = 0.2  # of ln(a/h)
+LOG_STEP = 0.25  # of ln(a/h)
 SMALLEST, LARGEST = 0.18, 7.0  # radii a fit may try, in thicknesses: smaller ones look the same
 MARGIN = 3  # nodes beyond: where a B-spline feels the end of its data
 DISTANCE_STEP = 0.125  # of r/h
 SIGHT = 6.0  # thicknesses beyond the rims of pad and contact, where all readings are below 1e-3
 CELL = 0.02  # thicknesses: side of the square that stands for a point load
 SHARE = 0.25  # thicknesses between the points of a ring
-STRAINS = (0.02, 0.1, 0.22, 0.36, 0.52, 0.68, 0.82, 0.92)  # of the gap at the axis
+STRAINS = (0.03, 0.15, 0.34, 0.56, 0.76, 0.9)  # of the gap, at its narrowest
 DEGREE = 4  # of the polynomial over these
 
 
@@ -111,8 +111,8 @@ def _linear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floats,
     h = physics.layer.thickness
     mesh = np.arange(0.0, distances[-1] + radii[-1] + h, CELL * h)
     point = CubicSpline(mesh, _point_response(physics, mesh), bc_type="clamped")
-    out = np.empty((2, len(radii), 1, len(distances)))
-    for family in (BALL, FLAT):
+    out = np.empty((len(FAMILIES), len(radii), 1, len(distances)))
+    for family in FAMILIES:
         for index, radius in enumerate(radii):
             rings, forces = load_quadrature(physics.layer, physics.mechanics, family, radius)
             out[family, index, 0] = sum(
@@ -150,16 +150,16 @@ def _nonlinear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floa
 
     layer, h = physics.layer, physics.layer.thickness
     pad = physics.pad_diameter if getattr(physics.quantity, "pad_averaged", True) else 0.0
-    gap = RoundGap.of(pad / h, distances / h)
     depths = np.array(STRAINS)
     powers = np.vander(depths, DEGREE + 1, increasing=True)
     fit = np.linalg.pinv(powers)
-    out = np.empty((2, len(radii), DEGREE + 1, len(distances)))
-    strain = np.empty((2, len(radii)))
-    for family in (BALL, FLAT):
+    out = np.empty((len(FAMILIES), len(radii), DEGREE + 1, len(distances)))
+    strain = np.empty((len(FAMILIES), len(radii)))
+    for family in FAMILIES:
         for index, radius in enumerate(radii):
+            gap = RoundGap.of(pad / h, distances / h, edges_of(layer, family, radius) / h)
             each = unit_indentation(layer, physics.mechanics, family, radius, gap.nodes * h) / h
-            strain[family, index] = top = each[0]
+            strain[family, index] = top = each.max()
             readings = gap.readings(depths[:, None] * (each / top))
             reduced = readings * ((1 - depths) / depths)[:, None]
             out[family, index] = fit @ reduced
