@@ -10,7 +10,6 @@ from skinfield.errors import Floats
 from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
 from skinfield.observation import ObservationModel
 
-
 EXACT = ModelError()
 
 
