@@ -30,11 +30,16 @@ def load_of(one: Track | Seen) -> Load:
 
 def together(one: Load, other: Load) -> Load:
     """Sum of two loads, at their centre; the covariance to first order."""
-    forces = np.maximum([one.value[2], other.value[2]], 1e-9)
+    # a force below its own uncertainty says nothing of where the centre is
+    forces = np.array(
+        [max(float(each.value[2]), each.covariance[2, 2] ** 0.5) for each in (one, other)]
+    )
     total = float(forces.sum())
     share = forces / total
     apart = one.value[:2] - other.value[:2]
-    value = np.array([*(share[0] * one.value[:2] + share[1] * other.value[:2]), total])
+    value = np.array(
+        [*(share[0] * one.value[:2] + share[1] * other.value[:2]), one.value[2] + other.value[2]]
+    )
     moves = np.zeros((3, 6))
     for index, (mine, theirs, sign) in enumerate(((0, 1, 1.0), (1, 0, -1.0))):
         first = 3 * index
