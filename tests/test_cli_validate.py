@@ -261,7 +261,7 @@ def test_the_page_on_cases_runs(
     monkeypatch.chdir(tmp_path)
     page = Path(__file__).resolve().parents[1] / "docs" / "cases.md"
     snippets, commands = follow(page)
-    assert (snippets, commands) == (1, 4)
+    assert (snippets, commands) == (1, 6)
     assert "mm off" in capsys.readouterr().out
     assert load_case("rig_017.npz").truth.contacts[0].force == 1.0
 
