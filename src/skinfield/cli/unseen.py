@@ -104,7 +104,7 @@ def _folder(kept: str | None) -> Iterator[Path]:
 
 def _report(found: Any, options: dict[str, Any], where: str) -> None:
     from skinfield.experiments.scoring.rows import write_csv, write_json
-    from skinfield.experiments.trust.table import accuracy_rows
+    from skinfield.experiments.trust.table import accuracy_rows, group_rows
 
     rows = found.rows
     table = accuracy_rows(rows, found.bound, found.idle, seed=options["seed"])
@@ -117,6 +117,7 @@ def _report(found: Any, options: dict[str, Any], where: str) -> None:
         write_csv(table, options["csv_path"])
     if options["json_path"]:
         about = {"options": {"on": where}, "summary": table, "idle": found.idle}
+        about["groups"] = group_rows(rows, seed=options["seed"])
         write_json(rows, options["json_path"], **about)
     say_written(options)
     if options["figures"]:

@@ -15,7 +15,7 @@ from skinfield.experiments.trust.pictures import (
     picture_of_pairs,
 )
 from skinfield.experiments.trust.plan import TrustPlan, trust_plan
-from skinfield.experiments.trust.table import accuracy_rows
+from skinfield.experiments.trust.table import accuracy_rows, group_rows
 from skinfield.figures.style import number
 
 PAIRED = (  # median with its interval, and the 90th percentile
@@ -59,7 +59,12 @@ def trust(settings: Settings, results: Sequence[dict[str, Any] | None]) -> Secti
         claim="",
         sentences=tuple(_sentences(plan, found, table)),
         pictures=tuple(pictures),
-        tables=(*(_table(q, table) for q in plan.quantities), _pairs(found), *_files(found, table)),
+        tables=(
+            *(_table(quantity, table) for quantity in plan.quantities),
+            _groups(group_rows(found.rows, seed=plan.seed)),
+            _pairs(found),
+            *_files(found, table),
+        ),
     )
 
 
@@ -136,6 +141,27 @@ def _table(quantity: str, table: Sequence[Row]) -> Table:
         "bounds are errors of an estimate at the Cramér-Rao bound, for presses by balls."
     )
     return Table(quantity, caption, tuple(columns), tuple(rows))
+
+
+def _groups(rows: Sequence[Row]) -> Table:
+    """Medians by what presses."""
+    columns = ["reads", "noise", "presses", "solver", *(name for _, name, _ in PAIRED)]
+    columns += [name for _, name, _ in PLAIN[:2]]
+    cells = [
+        (
+            row["quantity"],
+            noise_in_words(row["quantity"], row["noise"]),
+            f"{row['presses']} {row['group']}",
+            name_of(row["method"]),
+            *(_interval(row, key, factor) for key, _, factor in PAIRED),
+            *(factor * row[key] for key, _, factor in PLAIN[:2]),
+        )
+        for row in sorted(rows, key=lambda row: (row["quantity"], row["noise"]))
+    ]
+    caption = (
+        "Medians with their 95 % intervals by what presses: one ball or cone, several, others."
+    )
+    return Table("groups", caption, tuple(columns), tuple(cells))
 
 
 def _interval(row: Row, key: str, factor: float) -> str | None:

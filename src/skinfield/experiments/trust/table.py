@@ -53,6 +53,15 @@ def accuracy_rows(
     return out
 
 
+def group_rows(rows: Sequence[Row], resamples: int = 199, seed: int = 0) -> list[Row]:
+    """The same, without bounds, for each group of presses: single, several, extended."""
+    found: list[Row] = []
+    for group in dict.fromkeys(row.get("group", "all") for row in rows):
+        mine = [row for row in rows if row.get("group", "all") == group]
+        found += [{"group": group} | row for row in accuracy_rows(mine, (), (), resamples, seed)]
+    return found
+
+
 def _of(rows: Sequence[Row], quantity: str, noise: float, method: str) -> list[Row]:
     wanted = (quantity, noise, method)
     return [row for row in rows if (row["quantity"], row["noise"], row["method"]) == wanted]
