@@ -71,7 +71,7 @@ def validate_unseen(options: dict[str, Any]) -> None:
 def validate_at_noises(cases: str, options: dict[str, Any]) -> None:
     """Add noises to cases that hold exact readings, score every solver, and report."""
     from skinfield.experiments.cases.files import case_paths, load_case
-    from skinfield.experiments.trust.attempts import rows_of_case
+    from skinfield.experiments.trust.attempts import noise_seed, rows_of_case
     from skinfield.experiments.trust.campaign import Found
     from skinfield.experiments.trust.plan import Level
 
@@ -85,7 +85,11 @@ def validate_at_noises(cases: str, options: dict[str, Any]) -> None:
             for method in tried:
                 with named(path, method.name):
                     made = rows_of_case(
-                        case, levels, [method], options["seed"] + index, options["gate_mm"] * 1e-3
+                        case,
+                        levels,
+                        [method],
+                        noise_seed(options["seed"], index),
+                        options["gate_mm"] * 1e-3,
                     )
                     rows += [{"case": case.name, "file": path.name} | row for row in made]
             bar.update(task, advance=1)

@@ -24,6 +24,11 @@ def entrant_of(method: Method, gate: float) -> Entrant:
     return method.entrant(gate)
 
 
+def noise_seed(seed: int, index: int) -> int:
+    """Of the noise of a press of a campaign: another one for each."""
+    return seed * 1_000_003 + index
+
+
 def rows_of_presses(plan: TrustPlan, first: int, last: int) -> dict[str, Any]:
     """Rows of the presses from `first` up to `last`, and the balls in them for the bound."""
     rows: list[Row] = []
@@ -42,7 +47,7 @@ def rows_of_presses(plan: TrustPlan, first: int, last: int) -> dict[str, Any]:
             levels = [level for level in plan.levels if level.quantity == quantity]
             case = press.case(patch, quantity)
             about = {"case": press.name, "group": press.group}
-            made = rows_of_case(case, levels, plan.methods, plan.seed + index, plan.gate)
+            made = rows_of_case(case, levels, plan.methods, noise_seed(plan.seed, index), plan.gate)
             rows += [about | row for row in made]
     return {"rows": rows, "balls": balls}
 
