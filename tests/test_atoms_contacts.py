@@ -5,6 +5,7 @@ import pytest
 
 from skinfield.fields import Contact
 from skinfield.inverse.atoms import outline
+from skinfield.inverse.atoms.body import body_of
 from skinfield.inverse.atoms.profiles import BALL, FLAT, unit_pressure
 from skinfield.inverse.atoms.render import AtomRenderer
 from skinfield.layout import Grid, Patch
@@ -95,7 +96,8 @@ def spread(atom: np.ndarray, angle: float) -> float:
     axis = np.linspace(-5e-3, 5e-3, 801)
     points = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
     way = atom[4] * np.array([np.cos(atom[5]), np.sin(atom[5])])
-    inside = points[outline.distance(points, -way, way) <= atom[3]]
+    share = np.clip(points @ way / (way @ way), -1.0, 1.0)
+    inside = points[np.linalg.norm(points - share[:, None] * way, axis=1) <= atom[3]]
     return float(2.0 * np.std(inside @ [np.cos(angle), np.sin(angle)]))
 
 
@@ -164,20 +166,41 @@ def test_a_body_has_the_covariance_of_random_atoms() -> None:
     assert np.sqrt(np.diag(body.covariance)) == pytest.approx(np.sqrt(np.diag(sampled)), rel=0.06)
     scale = np.sqrt(np.outer(np.diag(sampled), np.diag(sampled)))
     assert body.covariance / scale == pytest.approx(sampled / scale, abs=0.06)
-    areas = [outline.body(draw).area for draw in draws[:300]]
+    areas = [body_of(draw).area for draw in draws[:300]]
     assert body.area_std == pytest.approx(np.std(areas), rel=0.25)
 
 
-def test_the_outline_of_a_ring_of_atoms_is_the_outer_one() -> None:
-    turn = np.arange(8) * np.pi / 4
-    atoms = np.zeros((8, 6))
+def ring(radius: float) -> np.ndarray:
+    turn = np.arange(24) * np.pi / 12
+    atoms = np.zeros((24, 6))
     atoms[:, 0], atoms[:, 1] = 5e-3 * np.cos(turn), 5e-3 * np.sin(turn)
-    atoms[:, 2:4] = 0.2, 2.2e-3
-    assert outline.bodies(atoms) == [list(range(8))]
-    body = outline.body(atoms)
-    assert body.area > np.pi * 6e-3**2
-    assert body.area < np.pi * 7.2e-3**2
-    assert body.axes[0] == pytest.approx(body.axes[1], rel=0.02)
+    atoms[:, 2:4] = 0.2, radius
+    return atoms
+
+
+def test_a_ring_of_atoms_has_its_outer_outline_and_no_area_in_the_hole() -> None:
+    atoms = ring(1.2e-3)
+    assert outline.bodies(atoms) == [list(range(24))]
+    body = body_of(atoms)
+    axis = np.linspace(-7e-3, 7e-3, 701)
+    points = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+    near = np.min([np.linalg.norm(points - atom[:2], axis=1) for atom in atoms], axis=0)
+    inside = points[near <= 1.2e-3]
+    assert body.area == pytest.approx(len(inside) * (axis[1] - axis[0]) ** 2, rel=0.01)
+    assert body.axes == pytest.approx(2.0 * inside.std(axis=0), rel=0.01)
+    away = np.linalg.norm(body.outline, axis=1)
+    assert away.min() > 5.9e-3
+    assert away.max() == pytest.approx(6.2e-3, rel=1e-3)
+
+
+def test_atoms_that_do_not_touch_have_an_outline_around_all() -> None:
+    atoms = ring(0.6e-3)
+    (contact,) = RENDERER.contacts(
+        atoms, np.zeros(24, dtype=int), np.stack([COVARIANCE] * 24), groups=[list(range(24))]
+    )
+    assert contact.area == pytest.approx(24 * np.pi * 0.6e-3**2, rel=0.01)
+    assert np.linalg.norm(contact.outline, axis=1) == pytest.approx(5.6e-3, rel=0.02)
+    assert np.linalg.norm(GRID.plane[contact.cells], axis=1).min() > 4.3e-3
 
 
 def test_segments_that_cross_are_one_body_and_neighbours_are_two() -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.fields import Contact
 from skinfield.inverse.atoms import outline
+from skinfield.inverse.atoms.body import body_of
 from skinfield.inverse.atoms.profiles import FLAT
 from skinfield.inverse.atoms.render_kernels import (
     NODE,
@@ -193,7 +194,7 @@ class _Shape:
 def _shape_of(atoms: Floats, family: int) -> _Shape:
     """How a body of atoms looks in the plane."""
     if len(atoms) > 1:
-        body = outline.body(atoms)
+        body = body_of(atoms)
         radius = float(np.sqrt(body.area / np.pi))
         return _Shape(body.outline, body.area, body.axes, body.angle, radius, "other", body.moves)
     atom = atoms[0]
