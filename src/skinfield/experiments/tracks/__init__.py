@@ -1,0 +1,1 @@
+"""Contacts over time, in the report: do the numbers last, and how near are the tracks."""
