@@ -27,9 +27,6 @@ SOLVERS: dict[str, Callable[[], Solver]] = {
     "ContactFit": ContactFit,
     "GaussianField": GaussianField,
 }
-    "ContactFit": ContactFit,
-    "GaussianField": GaussianField,
-}
 TRACKER, NEAREST, ANEW = "Tracker", "nearest one before", "a new number each reading"
 NEAR = 5e-3  # m: within which the nearest one before is taken for the same
 GATE = 8e-3  # m: farther from every ball, a contact is false

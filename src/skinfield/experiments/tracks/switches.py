@@ -112,10 +112,7 @@ class Switches:
         numbers: dict[int, list[int]] = defaultdict(list)
         for hit in steps.hits:
             numbers[hit.ball].append(hit.number)
-        changes = {
-            ball: sum(a != b for a, b in pairwise(each))
-            for ball, each in numbers.items()
-        }
+        changes = {ball: sum(a != b for a, b in pairwise(each)) for ball, each in numbers.items()}
         whole = sum(count == 0 for count in changes.values())
         return cls(sum(changes.values()), whole, steps.missed, len(steps.others))
 
