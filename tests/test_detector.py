@@ -1,7 +1,9 @@
 """Light touch: false alarms as stated, the targets, and every number against another way to it."""
 
+import re
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -413,3 +415,13 @@ def test_the_section_finds_the_targets_and_keeps_the_rate() -> None:
     assert float(light["stress", 0.1, "over a taxel"][-2]) >= 85.0  # of a hundred presses
     for _, _, stated, alarms, of, *_ in section.tables[1].rows:
         assert alarms <= 2.5 * stated * of + 6
+
+
+def test_the_page_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    page = Path(__file__).parents[1] / "docs" / "light-touch.md"
+    names: dict[str, object] = {}
+    for code in re.findall(r"^```python\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S):
+        exec(compile(code, str(page), "exec"), names)
+    first, second = capsys.readouterr().out.strip().splitlines()
+    assert first.startswith("True 0.9") or first.startswith("True 1.0")
+    assert second == "True 15"

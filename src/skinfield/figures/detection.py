@@ -126,5 +126,5 @@ def _draw(axes: "Axes", panel: CurvePanel, names: list[str], handles: dict[str, 
     axes.grid(color=FAINT, lw=0.5, alpha=0.7)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.set_title(panel.title, fontsize=9.5, fontweight="bold", loc="left", pad=5)
-    axes.set_title(panel.note, fontsize=8, color=QUIET, loc="right", pad=5)
+    axes.set_title(panel.title, fontsize=9.0, fontweight="bold", loc="left", pad=5)
+    axes.set_title(panel.note, fontsize=7.5, color=QUIET, loc="right", pad=5)

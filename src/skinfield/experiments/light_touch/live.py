@@ -10,14 +10,15 @@ from skinfield.errors import Floats
 from skinfield.experiments.light_touch.trials import LOOKED, Touch, clean, detector, noise_of
 from skinfield.experiments.settings import Settings
 
-BEFORE, AFTER = 2 * LOOKED, 2 * LOOKED  # readings around the moment of touch
+BEFORE, AFTER = LOOKED - 1, 2 * LOOKED  # readings around the moment of touch
 TRIALS = {"smoke": 12, "short": 300, "full": 2000}
 CHUNK = 50  # touches at once
+SHARE = 4  # idle readings of the settings, per idle window of a stream
 
 
 @dataclass(frozen=True, eq=False)
 class Live:
-    """Shares (N,) of touches seen by the time of each reading since touch, and before it.
+    """Shares (N,) of touches seen by the time of each reading since touch.
 
     Attributes
     ----------
@@ -27,16 +28,12 @@ class Live:
     once : (N,) array
         Seen at this reading or one before it, since the touch.
     trials : int
-    idle_alarms, idle_updates : int
-        Before the touch, with all lengths full.
     """
 
     touch: Touch
     now: Floats
     once: Floats
     trials: int
-    idle_alarms: int
-    idle_updates: int
 
 
 @lru_cache(maxsize=4)
@@ -58,16 +55,20 @@ def watched(touch: Touch, settings: Settings, seed: int) -> Live:
         noise[:, BEFORE:] += part[:, None]
         seen.append(_seen(stream, noise))
     table = np.concatenate(seen)
-    after = table[:, -AFTER:]
-    idle = table[:, :-AFTER]
-    return Live(
-        touch,
-        after.mean(axis=0),
-        np.logical_or.accumulate(after, axis=1).mean(axis=0),
-        count,
-        int(idle.sum()),
-        idle.size,
-    )
+    once = np.logical_or.accumulate(table, axis=1).mean(axis=0)
+    return Live(touch, table.mean(axis=0), once, count)
+
+
+def idle_alarms(settings: Settings, quantity: str) -> tuple[int, int]:
+    """Alarms, and of how many windows of an idle patch; windows that do not overlap."""
+    stream, count = _stream(settings, quantity), settings.size.quiet // SHARE
+    rng = np.random.default_rng([settings.seed, 44])
+    scale, taxels = noise_of(settings, quantity), len(stream.detector.patch)
+    alarms = 0
+    for first in range(0, count, CHUNK):
+        shape = (min(CHUNK, count - first), stream.lengths[-1], taxels)
+        alarms += int(_seen(stream, rng.normal(scale=scale, size=shape)).sum())
+    return alarms, count
 
 
 def _seen(stream: DetectorStream, readings: Floats) -> Floats:
