@@ -152,7 +152,8 @@ presses by balls, the Cramér-Rao bound.
 )
 @click.argument("cases", required=False)
 @_options
-def validate(cases: str | None, **options: Any) -> None:
+@click.pass_context
+def validate(context: click.Context, /, cases: str | None, **options: Any) -> None:
     """Score and report."""
     from skinfield.cli import unseen
 
@@ -161,12 +162,28 @@ def validate(cases: str | None, **options: Any) -> None:
         raise InputError(
             "expected either CASES, a folder or file, or --unseen with a number of presses"
         )
+    _check_together(context, unseen=cases is None, noisy=bool(options["noises"]))
     if cases is None:
         unseen.validate_unseen(options)
     elif options["noises"]:
         unseen.validate_at_noises(cases, options)
     else:
         _score_as_it_is(cases, options)
+
+
+def _check_together(context: click.Context, *, unseen: bool, noisy: bool) -> None:
+    """Refuse what would have no effect."""
+    needs = {
+        **dict.fromkeys(("quantities", "layout", "idle", "workers", "keep"), (unseen, "--unseen")),
+        "figures": (unseen or noisy, "--unseen or --noise"),
+        "seed": (unseen or noisy, "--unseen or --noise"),
+        "per_case": (not unseen and not noisy, "CASES as they are: --json has every press"),
+    }
+    for parameter in context.command.params:
+        fits, to = needs.get(str(parameter.name), (True, ""))
+        given = context.get_parameter_source(str(parameter.name))
+        if not fits and given is click.core.ParameterSource.COMMANDLINE:
+            raise InputError(f"{parameter.opts[0]} has no effect here: it belongs to {to}")
 
 
 def _score_as_it_is(cases: str, options: dict[str, Any]) -> None:
