@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.errors import InputError
 from skinfield.inverse.atoms.profiles import BALL, FLAT, unit_pressure
 from skinfield.inverse.atoms.render import AtomRenderer
 from skinfield.layout import Grid, Patch
@@ -266,3 +267,23 @@ def test_no_atom_is_no_pressure() -> None:
     assert not moved.any()
     assert not std.any()
     assert renderer.contacts(none, family, np.zeros((0, 6, 6))) == ()
+
+
+def test_what_cannot_be_drawn_is_named() -> None:
+    renderer, out = AtomRenderer(GRID, LAYER, BondedLayer()), np.empty(len(GRID))
+    with pytest.raises(InputError, match=r"atoms\[\(0, 3\)\] is nan"):
+        renderer.pressure(atom(radius=np.nan), np.array([BALL]), out)
+    with pytest.raises(InputError, match="expected 0"):
+        renderer.contacts(atom(), np.array([2]), np.zeros((1, 6, 6)))
+
+
+def test_a_longer_atom_or_a_finer_grid_has_room() -> None:
+    grid = Grid.window(SQUARE, (-0.02, -0.02), (0.02, 0.02), 0.2e-3)
+    field = pressure(grid, atom(0.0, 0.0, 1.0, 6e-3, 10e-3, 0.3), BALL)
+    assert field.sum() * grid.cell_area == pytest.approx(1.0, rel=1e-8)
+    covariance = np.diag([1e-8, 1e-8, 0.01, 1e-4, 1e-4, 1.0])[None]
+    std = np.empty(len(grid))
+    AtomRenderer(grid, LAYER, BondedLayer()).pressure_std(
+        atom(0.0, 0.0, 1.0, 6e-3, 10e-3, 0.3), np.array([BALL]), covariance, std
+    )
+    assert np.isfinite(std).all()

@@ -128,9 +128,10 @@ class ContactBuilder:
         )
         cells = space.found[: _inside(atoms, mesh, space.found)].copy()
         shape = _shape_of(atoms, int(family[0]))
-        position, normal, push, moment = self._resultant(centre, total, space.first)
+        places = self._position(np.vstack([centre, shape.outline]))  # at once: it is slow if curved
+        normal, push, moment = self._resultant(places[0], centre, total, space.first)
         return Contact(
-            position=position,
+            position=places[0],
             force=push,
             moment=moment,
             normal=normal,
@@ -140,7 +141,7 @@ class ContactBuilder:
             area_std=_area_std(shape.moves, covariance),
             radius=shape.radius,
             shape=shape.name,
-            outline=self._position(shape.outline),
+            outline=places[1:],
             axes=shape.axes,
             angle=shape.angle,
             cells=cells,
@@ -152,22 +153,21 @@ class ContactBuilder:
         return np.asarray(self._flat[0] + plane @ self._flat[1][:, :2].T)
 
     def _resultant(
-        self, centre: Floats, total: float, pressure: Floats
-    ) -> tuple[Floats, Floats, Floats, Floats]:
-        """Position, outward normal, force and moment about the position, (3,) each.
+        self, position: Floats, centre: Floats, total: float, pressure: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Outward normal, force and moment about the position, (3,) each.
 
         On a curved patch the force is the sum over the cells, less what lies off the grid.
         """
-        position = self._position(centre[None])[0]
         if self._flat is not None:
             normal = self._flat[1][:, 2]
-            return position, normal, 0.0 - total * normal, np.zeros(3)
+            return normal, 0.0 - total * normal, np.zeros(3)
         normal = self.grid.patch.surface.frame_from_plane(centre[None])[0, :, 2]
         cells = np.flatnonzero(pressure)
         weight = pressure[cells] * self.grid.cell_area
         forces = -weight[:, None] * self.grid.normals[cells]
         lever = self.grid.positions[cells] - position
-        return position, normal, forces.sum(axis=0), np.cross(lever, forces).sum(axis=0)
+        return normal, forces.sum(axis=0), np.cross(lever, forces).sum(axis=0)
 
 
 def _moves(atoms: Floats, share: Floats, centre: Floats, total: float) -> Floats:

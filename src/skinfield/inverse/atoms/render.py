@@ -6,10 +6,11 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError, check_finite
 from skinfield.fields import Contact
 from skinfield.inverse.atoms import outline, render_kernels, render_moved, render_std
 from skinfield.inverse.atoms.contacts import ContactBuilder
+from skinfield.inverse.atoms.profiles import BALL, FLAT
 from skinfield.inverse.atoms.render_kernels import mesh_of, surface_of
 from skinfield.inverse.atoms.render_tables import LARGEST, surface_table
 from skinfield.inverse.atoms.render_workspace import Workspace
@@ -45,18 +46,18 @@ class AtomRenderer:
     def pressure(self, atoms: Floats, family: Family, out: Floats) -> None:
         """Write the mean pressure on each cell into `out` (K,), Pa.
 
-        The cells share the whole force of an atom as far as they lie on the grid. Where the atom
-        is wider than a cell, so do its first moments: the cells are tilted a little for it.
+        The cells share the whole force of an atom as far as they lie on the grid. Means over cells
+        move the centre of pressure a little; the shares are tilted to bring it back, as far as the
+        atom covers several cells.
         """
-        self._space.make_room(self._mesh, self._extent(atoms))
-        space = self._space
+        space = self._prepared(atoms, family)
         render_kernels.pressure(
             atoms, family, self._surface, self._mesh, out, space.boxes[0], space.cells, space.room
         )
 
     def displacement(self, atoms: Floats, family: Family, out: Floats) -> None:
         """Write the displacement of the nodes in the patch's frame into `out` (K, 3), m."""
-        space = self._space
+        space = self._prepared(atoms, family)
         render_moved.displacement(
             atoms,
             family,
@@ -74,11 +75,8 @@ class AtomRenderer:
 
         `covariance` (N, 6, 6) is of the parameters of each atom.
         """
-        far = 3.0 * np.sqrt(covariance[:, 4, 4].max(initial=0.0))
-        self._space.make_room(
-            self._mesh, max(self._extent(atoms), LARGEST * self._surface.thickness) + far
-        )
-        space = self._space
+        longer = LARGEST * self._surface.thickness + 3.0 * _largest(np.sqrt(covariance[:, 4, 4]))
+        space = self._prepared(atoms, family, longer)
         render_std.pressure_std(
             atoms,
             family,
@@ -111,19 +109,27 @@ class AtomRenderer:
         groups : sequence of sequences of int, optional
             Atoms of each contact; by default those that overlap belong to one.
         """
-        self._space.make_room(self._mesh, self._extent(atoms))
+        self._prepared(atoms, family)
         found = []
         for group in outline.bodies(atoms) if groups is None else groups:
             rows = np.asarray(group)
             found.append(self._builder.contact(atoms[rows], family[rows], _joint(covariance, rows)))
         return tuple(sorted(found, key=lambda contact: -contact.normal_force))
 
-    def _extent(self, atoms: Floats) -> float:
-        """Farthest that any atom reaches from its middle, m."""
-        if not len(atoms):
-            return 0.0
-        widest = min(max(atoms[:, 3].max(), 0.0), LARGEST * self._surface.thickness)
-        return float(widest + atoms[:, 4].max())
+    def _prepared(self, atoms: Floats, family: Family, longer: float = 0.0) -> Workspace:
+        """Workspace with room for atoms that reach farther by `longer` m than they say."""
+        if not np.isfinite(atoms.sum()):
+            check_finite("atoms", atoms, "of these nothing can be drawn")
+        if _largest(family) > FLAT:
+            raise InputError(f"family is {family}, expected {BALL} (ball) or {FLAT} (flat end)")
+        widest = min(_largest(atoms[:, 3]), LARGEST * self._surface.thickness)
+        self._space.make_room(self._mesh, widest + _largest(atoms[:, 4]) + longer)
+        return self._space
+
+
+def _largest(values: Floats | Family) -> float:
+    """Largest of some values, 0 at least."""
+    return float(values.max(initial=0))
 
 
 def _joint(covariance: Floats, rows: NDArray[np.int64]) -> Floats:
