@@ -14,6 +14,9 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import FileError, Floats, InputError
+from skinfield.experiments.coverage.section import coverage, coverage_parts_of, panels
+from skinfield.experiments.section import Missing, Section
+from skinfield.experiments.settings import SMOKE, Settings
 from skinfield.fields import Contact, Estimate
 from skinfield.layout import Grid
 from skinfield.pipeline import Intervals, load_intervals, save_intervals
@@ -268,3 +271,42 @@ def test_any_bytes_are_refused(tmp_path: Path, content: bytes) -> None:
     path.write_bytes(content)
     with pytest.raises(FileError, match="expected"):
         load_intervals(path)
+
+
+def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from test_readme import ROOT, follow
+
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "uncertainty.md") == (3, 0)
+
+
+def test_the_report_counts_what_was_held() -> None:
+    """Rows that are made up: 90 of 100 at every level, so too many at 50 % and too few at 95 %."""
+    counts = {f"{name}_{level}": 90 for name in ("force", "place") for level in (50, 68, 90, 95)}
+    counts |= {"found": 100, "trials": 120, "force_by_covariance": 80, "place_by_covariance": 99}
+    widths = {"force_std": 0.3, "place_std_mm": 1.0, "force_width": 1.0, "place_radius_mm": 2.0}
+    rows = [
+        {"quantity": quantity, "noise": 1.0, "noise_std": 0.1, "solver": solver, "intervals": way}
+        | counts
+        | widths
+        for quantity in ("stress", "capacitance")
+        for solver in ("one", "other")
+        for way in ("stated", "calibrated")
+    ]
+    section = coverage(Settings(size=SMOKE), [rows])
+    assert isinstance(section, Section)
+    assert "hold 90 % [86–93 %] of the truths" in section.sentences[1]  # Wilson, 360 of 400
+    assert "Of the 8 calibrated rows of the table, 8 hold" in section.sentences[3]
+    assert section.tables[0].rows[0][5:7] == ("90 [83–94]", "80 [71–87]")
+    assert section.pictures[0].png.startswith(b"\x89PNG")
+    line = panels(rows)[0][0]
+    assert line.held[0].shares == pytest.approx([0.9] * 4)
+    assert isinstance(coverage(Settings(size=SMOKE), [None]), Missing)
+
+
+def test_the_smoke_form_of_the_experiment_runs() -> None:
+    (part,) = coverage_parts_of(Settings(size=SMOKE))
+    rows = part.function(*part.arguments)
+    assert [row["intervals"] for row in rows] == ["stated", "calibrated"]
+    assert all(0 < row["found"] <= row["trials"] for row in rows)
+    assert all(row["force_50"] <= row["force_95"] <= row["found"] for row in rows)
