@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 import skinfield as sf
 from skinfield.errors import Floats, InputError
 from skinfield.inverse import GaussianField, NonNegative
-from skinfield.inverse.non_negative import NonNegativeOperator
+from skinfield.inverse.non_negative_operator import NonNegativeOperator
 from skinfield.inverse.non_negative_prior import matern_precision
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, Layer
