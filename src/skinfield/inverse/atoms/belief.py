@@ -10,7 +10,6 @@ from skinfield.inverse.atoms.explore import explore
 from skinfield.inverse.atoms.kernel import PARAMETERS
 from skinfield.inverse.atoms.problem import RARER, AtomSet, Problem
 from skinfield.inverse.atoms.profiles import BALL, FLAT, RING
-from skinfield.inverse.atoms.table import SIGHT
 
 STEP = 0.9  # standard deviations between places
 SHORTEST, LONGEST = 0.004, 0.35  # thicknesses between them
@@ -27,6 +26,7 @@ class Belief:
     ----------
     atoms : (C, 6) array
         See `kernel`.
+    family : (C,) int array
     inner : (C, 6, 6) array
         Covariance of the parameters beside the place, at each place.
     weights : (C,) array
@@ -34,8 +34,20 @@ class Belief:
     """
 
     atoms: Floats
+    family: NDArray[np.int64]
     inner: Floats
     weights: Floats
+
+    def mean(self, family: int) -> Floats:
+        """Of all parameters, (6,): of place and ln force whatever presses, else if it is a family.
+
+        A ball and a flat end that are read alike have another radius.
+        """
+        mean = self.weights @ self.atoms
+        same = self.family == family
+        if same.any():
+            mean[3:] = self.weights[same] @ self.atoms[same, 3:] / self.weights[same].sum()
+        return np.asarray(mean)
 
     @property
     def covariance(self) -> Floats:
@@ -66,7 +78,8 @@ def laplace(found: AtomSet, index: int) -> Belief:
     whole = np.zeros((free.size, free.size))
     whole[np.ix_(free, free)] = np.linalg.pinv(found.hessian[np.ix_(free, free)])
     part = slice(PARAMETERS * index, PARAMETERS * (index + 1))
-    return Belief(found.atoms[index : index + 1], whole[part, part][None], np.ones(1))
+    one = slice(index, index + 1)
+    return Belief(found.atoms[one], found.family[one], whole[part, part][None], np.ones(1))
 
 
 @dataclass(frozen=True)
@@ -107,15 +120,22 @@ def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> B
     near = _near(problem, own, axes)
     walks = [_walk(problem, seeds, kind, free, axes, left, near, effort.places) for kind in kinds]
     atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
+    families = np.repeat(kinds, [len(walk[0]) for walk in walks])
     if not len(atoms):
         return first
     weight = np.exp(log_weight - log_weight.max())
-    return Belief(atoms, inner, weight / weight.sum())
+    return Belief(atoms, families, inner, weight / weight.sum())
 
 
 def _near(problem: Problem, own: Floats, axes: Floats) -> NDArray[np.int64]:
     """Taxels that an atom may be read by, wherever the walk takes it."""
-    reach = np.exp(own[3]) + np.hypot(own[4], own[5]) + problem.tables.pad_radius + SIGHT + AROUND
+    reach = (
+        np.exp(own[3])
+        + np.hypot(own[4], own[5])
+        + problem.tables.pad_radius
+        + problem.tables.sight
+        + AROUND
+    )
     square = np.square(problem.taxels - own[:2]).sum(axis=1)
     return np.flatnonzero(square <= reach**2)
 

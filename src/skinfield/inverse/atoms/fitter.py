@@ -162,18 +162,32 @@ class ContactFitter:
                 effort = Effort(PLACES, self.settings.starts, True)
                 if known is not None:
                     effort = Effort(FEW, 0, False)
-                known = Known(atom.copy(), belief_of(problem, found, index, effort).covariance)
+                belief = belief_of(problem, found, index, effort)
+                offset = belief.mean(int(found.family[index])) - atom
+                known = Known(atom.copy(), offset, belief.covariance)
             kept.append(known)
-            atoms[index], covariance[index] = stated(atom, known.covariance, self._thickness)
+            atoms[index], covariance[index] = stated(
+                atom + known.offset, known.covariance, self._thickness
+            )
         self._kept = tuple(kept)
         return atoms, covariance
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What was found out about an atom (6,): its covariance (6, 6)."""
+    """What was found out about an atom (6,).
+
+    Attributes
+    ----------
+    atom : (6,) array
+        The minimum of the cost.
+    offset : (6,) array
+        From there to the posterior's mean, which is stated: its error is smaller.
+    covariance : (6, 6) array
+    """
 
     atom: Floats
+    offset: Floats
     covariance: Floats
 
 

@@ -19,12 +19,18 @@ WEIGHT = WEIGHT / 2.0
 
 
 class Tables(NamedTuple):
-    """An `AtomTable` as compiled functions take it."""
+    """An `AtomTable` as compiled functions take it.
+
+    Its steps go along: what is compiled is kept on disk, and a constant would be kept with it.
+    """
 
     coefficients: Floats
     strain: Floats
     curvature: Floats
     first_log: float
+    log_step: float
+    distance_step: float
+    sight: float
     pad_radius: float
 
 
@@ -36,6 +42,9 @@ def tables_of(table: AtomTable) -> Tables:
         strain,
         table.curvature,
         table.first_log,
+        LOG_STEP,
+        DISTANCE_STEP,
+        SIGHT,
         table.pad_diameter / 2 / table.thickness,
     )
 
@@ -56,7 +65,9 @@ def along(coefficients: Floats, place: float) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def _radial(grid: Floats, place: float, power: Floats, nodes: int, out: Floats) -> None:
+def _radial(
+    grid: Floats, place: float, log_step: float, power: Floats, nodes: int, out: Floats
+) -> None:
     """B-spline coefficients over distance alone of an atom of one radius and depth.
 
     Of the polynomial in u, of its slope by ln radius, and of that by u, into `out` (3, nodes);
@@ -77,7 +88,7 @@ def _radial(grid: Floats, place: float, power: Floats, nodes: int, out: Floats) 
         for k in range(power.shape[1]):
             row = grid[i - 1 + a, k]
             value = weight[0, a] * power[0, k]
-            by_radius = weight[1, a] / LOG_STEP * power[0, k]
+            by_radius = weight[1, a] / log_step * power[0, k]
             by_u = weight[0, a] * power[1, k]
             for j in range(nodes):
                 out[0, j] += value * row[j]
@@ -129,13 +140,13 @@ def _add_atom(
 ) -> None:
     """Add the readings of one atom, and their derivatives at [:, n]."""
     x, y, log_force, log_radius, east, north = atom
-    place = (log_radius - tables.first_log) / LOG_STEP
+    place = (log_radius - tables.first_log) / tables.log_step
     force, radius, half = np.exp(log_force), np.exp(log_radius), np.hypot(east, north)
     points = 1 if half == 0.0 else 7
     scale, scale_slope, u, narrow, thin = 1.0, 0.0, 0.0, 1.0, 0.0
     if tables.strain.shape[0]:
         value, slope = along(tables.strain[family], place)
-        scale, scale_slope = np.exp(value), slope / LOG_STEP
+        scale, scale_slope = np.exp(value), slope / tables.log_step
         thin = 4.0 * half / (np.pi * radius)  # a longer contact is less deep
         narrow = 1.0 / (1.0 + thin)
         u = min(force * scale * narrow, 0.95)
@@ -145,9 +156,9 @@ def _add_atom(
         power[0, k] = power[0, k - 1] * u
         power[1, k] = k * power[0, k - 1]
     gain = force * scale / (1.0 - u)
-    reach = radius + half + tables.pad_radius + SIGHT
-    last = min(int((reach + half) / DISTANCE_STEP) + 4, radial.shape[1]) - 1
-    _radial(tables.coefficients[family], place, power, last + 1, radial)
+    reach = radius + half + tables.pad_radius + tables.sight
+    last = min(int((reach + half) / tables.distance_step) + 4, radial.shape[1]) - 1
+    _radial(tables.coefficients[family], place, tables.log_step, power, last + 1, radial)
     found = np.empty(4)
     log_slope = scale_slope + thin * narrow  # of u, by ln radius
     stretch = thin * narrow / (half * half) if points > 1 else 0.0  # of u, by the half-length
@@ -160,11 +171,11 @@ def _add_atom(
             node = 0.0 if points == 1 else NODE[q]
             rx, ry = away_x - node * east, away_y - node * north
             r = np.hypot(rx, ry)
-            if r > (last - 2) * DISTANCE_STEP:
+            if r > (last - 2) * tables.distance_step:
                 continue
-            _look_up(radial, r / DISTANCE_STEP, last, found)
+            _look_up(radial, r / tables.distance_step, last, found)
             reading = share * found[0]
-            slope = share * found[1] / DISTANCE_STEP / max(r, 1e-9)
+            slope = share * found[1] / tables.distance_step / max(r, 1e-9)
             by_u = u * (share * found[3] + reading / (1.0 - u))  # per d ln u
             out[taxel] += reading
             jacobian[taxel, n, 0] -= slope * rx

@@ -12,7 +12,6 @@ from numba import njit
 
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.kernel import Tables, along, predict
-from skinfield.inverse.atoms.table import LOG_STEP
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
 DEEPEST = 0.93  # strain of the gap at the axis
@@ -43,9 +42,9 @@ def prior_terms(
 ) -> float:
     """Cost of one atom's prior; adds to its gradient (6,) and Hessian (6, 6)."""
     if family == 0:
-        place = (atom[3] - tables.first_log) / LOG_STEP
+        place = (atom[3] - tables.first_log) / tables.log_step
         value, slope = along(tables.curvature, place)
-        slope /= LOG_STEP
+        slope /= tables.log_step
         off = (value - atom[2] - priors.ball_log) / priors.ball_std
         by_force, by_radius = -1.0 / priors.ball_std, slope / priors.ball_std
     else:
@@ -147,7 +146,7 @@ def hold(atoms: Floats, family: Any, tables: Tables) -> None:
         atoms[n, 3] = min(max(atoms[n, 3], LOWEST_LOG), HIGHEST_LOG)
         atoms[n, 2] = min(max(atoms[n, 2], -20.0), 12.0)
         if tables.strain.shape[0]:
-            place = (atoms[n, 3] - tables.first_log) / LOG_STEP
+            place = (atoms[n, 3] - tables.first_log) / tables.log_step
             scale = along(tables.strain[family[n]], place)[0]
             half = np.hypot(atoms[n, 4], atoms[n, 5])
             thin = 1.0 + 4.0 * half / (np.pi * np.exp(atoms[n, 3]))
