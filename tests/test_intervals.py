@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -198,9 +199,9 @@ def test_intervals_of_another_reconstructor_are_refused() -> None:
         ({"quantity": sf.Capacitance()}, "quantity 'stress', expected 'ΔC/C₀'"),
         ({"noise_std": 900.0}, "noise_std 400, expected about 900"),
     ):
-        setting = {"quantity": sf.BaseStress(), "noise_std": 400.0, "intervals": learnt} | other
+        setting: dict[str, Any] = {"quantity": sf.BaseStress(), "noise_std": 400.0, **other}
         with pytest.raises(InputError, match=what):
-            sf.Reconstructor(PATCH, LAYER, plain.grid, **setting)
+            sf.Reconstructor(PATCH, LAYER, plain.grid, intervals=learnt, **setting)
 
 
 def test_a_rehearsed_press_reads_as_one_that_is_made_there() -> None:
@@ -282,10 +283,17 @@ def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_report_counts_what_was_held() -> None:
     """Rows that are made up: 90 of 100 at every level, so too many at 50 % and too few at 95 %."""
-    counts = {f"{name}_{level}": 90 for name in ("force", "place") for level in (50, 68, 90, 95)}
+    counts: dict[str, Any] = {
+        f"{name}_{level}": 90 for name in ("force", "place") for level in (50, 68, 90, 95)
+    }
     counts |= {"found": 100, "trials": 120, "force_by_covariance": 80, "place_by_covariance": 99}
-    widths = {"force_std": 0.3, "place_std_mm": 1.0, "force_width": 1.0, "place_radius_mm": 2.0}
-    rows = [
+    widths: dict[str, Any] = {
+        "force_std": 0.3,
+        "place_std_mm": 1.0,
+        "force_width": 1.0,
+        "place_radius_mm": 2.0,
+    }
+    rows: list[dict[str, Any]] = [
         {"quantity": quantity, "noise": 1.0, "noise_std": 0.1, "solver": solver, "intervals": way}
         | counts
         | widths
@@ -295,7 +303,7 @@ def test_the_report_counts_what_was_held() -> None:
     ]
     section = coverage(Settings(size=SMOKE), [rows])
     assert isinstance(section, Section)
-    assert "hold 90 % [86–93 %] of the truths" in section.sentences[1]  # Wilson, 360 of 400
+    assert "hold 90 % [87–93 %] of the truths" in section.sentences[1]  # Wilson, 360 of 400
     assert "Of the 8 calibrated rows of the table, 8 hold" in section.sentences[3]
     assert section.tables[0].rows[0][5:7] == ("90 [83–94]", "80 [71–87]")
     assert section.pictures[0].png.startswith(b"\x89PNG")
