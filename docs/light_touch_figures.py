@@ -68,7 +68,13 @@ def traps() -> None:
             fresh = rng.normal(scale=NOISE * np.sqrt(1 - kept**2), size=(COUNT, 72))
             series = kept * series + fresh
             total += series
-        click.echo(f"  correlation {kept:g} in time: {1e3 * alarms(plain, total / 15, 15):.2f}")
+        told = sf.Detector(
+            patch, LAYER, quantity=quantity, noise_std=NOISE, correlation=kept
+        )  # fmt: skip
+        rates = [1e3 * alarms(detector, total / 15, 15) for detector in (plain, told)]
+        click.echo(f"  correlation {kept:g} in time: {rates[0]:.2f}, told of it {rates[1]:.2f}")
+        pressed = touch + (total / 15)[: len(touch)]
+        click.echo(f"    and found {alarms(told, pressed, 15):.1%}")
 
 
 def times() -> None:

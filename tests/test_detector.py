@@ -278,11 +278,38 @@ def _sums(detector: Detector, readings: np.ndarray) -> np.ndarray:
     return detector.lookback.bank.whitened(filled).sum(axis=0)[None, None]
 
 
+def test_noise_that_lasts_longer_than_a_reading_keeps_the_rate() -> None:
+    kept, decisions = 0.5, 20_000
+    rng = np.random.default_rng(25)
+    series = [rng.normal(size=(decisions, 12))]
+    for _ in range(14):
+        series.append(kept * series[-1] + np.sqrt(1 - kept**2) * rng.normal(size=(decisions, 12)))
+    readings = NOISE * np.stack(series[::-1], axis=1)  # newest first
+    detector = triangle(correlation=kept, false_alarm_rate=1e-2)
+    alarms = detector.statistics(readings.mean(axis=1), count=15) > detector.threshold
+    assert plausible(int(alarms.sum()), 0.95 * 200)
+    stream = detector.stream()
+    whitened = stream.lookback.bank.whitened(readings)
+    sums = np.stack([whitened[:, :n].sum(axis=1) for n in stream.lengths], axis=1)
+    found = detector.statistic(stream.lookback.matches(sums)) > stream.threshold
+    assert plausible(int(found.sum()), 0.95 * 200)
+    white = triangle(false_alarm_rate=1e-2)  # the trap
+    assert (white.statistics(readings.mean(axis=1), count=15) > white.threshold).mean() > 0.1
+    covariance = np.cov(_summed(readings, stream.lengths))
+    assert stream.lookback.covariance == pytest.approx(covariance, rel=0.05)
+
+
+def _summed(readings: np.ndarray, lengths: tuple[int, ...]) -> np.ndarray:
+    """Sums (W, N) of the first taxel's noise over each length."""
+    return np.stack([readings[:, :n, 0].sum(axis=1) for n in lengths]) / NOISE
+
+
 # Live readings
 
 
-def test_a_stream_of_one_length_says_what_a_call_says() -> None:
-    detector, readings = triangle(), noise((20, 12), seed=22)
+@pytest.mark.parametrize("correlation", [0.0, 0.4])
+def test_a_stream_of_one_length_says_what_a_call_says(correlation: float) -> None:
+    detector, readings = triangle(correlation=correlation), noise((20, 12), seed=22)
     readings[11, 2] = readings[14:, 7] = np.nan
     stream = detector.stream(lengths=(8,))
     for index, reading in enumerate(readings):
@@ -362,6 +389,7 @@ def test_lengths_of_a_stream() -> None:
         ({"strength": 0.0}, "strength is 0.0"),
         ({"common_mode": -1.0}, "common_mode is -1.0, expected False, True, or"),
         ({"common_mode": np.nan}, "common_mode is nan"),
+        ({"correlation": 1.0}, "correlation is 1.0, expected a number from 0 to 0.99"),
         ({"radii": ()}, "radii is empty"),
         ({"radii": (1e-3, 0.0)}, "radii is 0.0"),
         ({"spacing": 0.0}, "spacing is 0.0"),

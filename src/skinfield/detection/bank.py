@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.detection.templates import Templates
-from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.errors import Floats, InputError, Ints, as_floats, check_range, check_shape
 
 UNSEEN = 1e-12  # of the best template's information: below, a template is not seen at all
 MASKS_KEPT = 32  # sets of taxels whose information stays known
@@ -14,20 +14,25 @@ MASKS_KEPT = 32  # sets of taxels whose information stays known
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    r"""Gaussian noise of one reading: independent per taxel, and an offset that all share.
+    """Gaussian noise of one reading: independent per taxel, and an offset that all share.
 
     Attributes
     ----------
     std : (L,) array, unit of the reading
     common : float, unit of the reading
         Standard deviation of the offset; infinite where nothing is known of it, 0 for none.
+    correlation : float
+        With the next reading; it falls as a power of the readings between (an AR(1) process).
     """
 
     std: Floats
     common: float
+    correlation: float = 0.0
 
     @classmethod
-    def of(cls, noise_std: object, common_mode: bool | float, taxels: int) -> "Noise":
+    def of(
+        cls, noise_std: object, common_mode: bool | float, correlation: float, taxels: int
+    ) -> "Noise":
         """Check what the caller gave: a number or (L,); False, True or a number."""
         std = as_floats("noise_std", noise_std)  # type: ignore[arg-type]
         std = np.full(taxels, float(std)) if std.ndim == 0 else std.copy()
@@ -46,7 +51,15 @@ class Noise:
                 f"common_mode is {common_mode!r}, expected False, True, or the standard deviation "
                 "of an offset that all taxels share, in the unit of a reading"
             )
-        return cls(std, common)
+        why = "of a reading's noise with that of the next; 0 for white noise"
+        check_range("correlation", correlation, 0.0, 0.99, why)
+        return cls(std, common, float(correlation))
+
+    def growth(self, count: Ints) -> Floats:
+        """Variance of the sum of so many readings, in variances of one; the count if white."""
+        kept = self.correlation
+        far = 2.0 * kept * (1.0 - kept**count) / (1.0 - kept) ** 2
+        return np.asarray(count * (1.0 + kept) / (1.0 - kept) - far)
 
     @property
     def offset(self) -> Floats:

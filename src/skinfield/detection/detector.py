@@ -37,8 +37,8 @@ class Detector:
     quantity : Quantity, optional
         What a reading is. Default `Capacitance()`. Only its linear part counts: touches are light.
     noise_std : float or (L,) array, in the quantity's unit, optional
-        Standard deviation of one reading: Gaussian, independent from reading to reading. Default
-        the quantity's `typical_noise`.
+        Standard deviation of one reading, of Gaussian noise. Default the quantity's
+        `typical_noise`.
     false_alarm_rate : float
         Share of calls on an idle patch that may say "detected".
     common_mode : bool or float, in the quantity's unit
@@ -46,6 +46,10 @@ class Detector:
         True: any offset is taken out first, whatever its course in time. A number: its standard
         deviation, of offsets that are independent from reading to reading. Left out where there is
         one, false alarms are more than stated.
+    correlation : float
+        Of a taxel's noise in one reading with that in the next, as filters leave it: it falls as a
+        power of the readings between. Default 0, white noise. It matters where readings are taken
+        together; stated too low, false alarms are more than stated.
     statistic : Statistic, optional
         What is compared with the threshold. Default `MarginalLikelihood()`; `LargestMatch()` finds
         somewhat more between taxels and less over them.
@@ -82,6 +86,7 @@ class Detector:
         noise_std: ArrayLike | None = None,
         false_alarm_rate: float = 1e-3,
         common_mode: bool | float = False,
+        correlation: float = 0.0,
         statistic: Statistic | None = None,
         strength: float = 7.0,
         touch_rate: float = 0.01,
@@ -99,7 +104,7 @@ class Detector:
         self.statistic = MarginalLikelihood() if statistic is None else statistic
         self.false_alarm_rate, self.touch_rate, self.seed = false_alarm_rate, touch_rate, seed
         noise = self.quantity.typical_noise if noise_std is None else noise_std
-        self.noise = Noise.of(noise, common_mode, len(patch))
+        self.noise = Noise.of(noise, common_mode, correlation, len(patch))
         self.templates = round_touches(
             patch, self.layer, self.mechanics, self.quantity, radii, spacing
         )
@@ -210,4 +215,4 @@ class Detector:
             return None
         masks, counts = np.unique(valid, axis=0, return_counts=True)
         known = [n * self.lookback.bank.information(m) for m, n in zip(masks, counts, strict=True)]
-        return spread_of(np.sum(known, axis=0))
+        return spread_of(np.sum(known, axis=0) * self.lookback.weight([len(valid)]))

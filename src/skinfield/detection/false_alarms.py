@@ -88,16 +88,18 @@ def _touches(
 def _sums(
     lookback: Lookback, entry: NDArray[np.int64], force: Floats, rng: "np.random.Generator"
 ) -> Floats:
-    """Sums (N, W, L) of whitened readings of touches that last as long as each says."""
-    bank, lengths = lookback.bank, np.array(lookback.lengths)
+    """Sums (N, W, L) of whitened readings that match, by chance or touch, a template over a length.
+
+    The sums over other lengths follow as far as they are correlated with that one: in white noise
+    they are what a touch brings that lasts as long.
+    """
+    bank, lengths, covariance = lookback.bank, lookback.lengths, lookback.covariance
     length, row = np.divmod(entry, len(bank.scaled))
     touch = force[:, None] * bank.whitened(bank.scaled[row] * bank.noise.std)
-    out = np.empty((len(entry), len(lengths), touch.shape[1]))
-    noise = np.zeros_like(touch)
-    for index, (long, before) in enumerate(zip(lengths, [0, *lengths[:-1]], strict=True)):
-        noise += np.sqrt(long - before) * bank.idle(len(entry), rng)
-        out[:, index] = noise + np.minimum(lengths[length], long)[:, None] * touch
-    return out
+    idle = np.stack([bank.idle(len(entry), rng) for _ in lengths], axis=1)
+    follow = np.array(lengths) * covariance / np.diag(covariance)  # [v, w]: v, of a touch over w
+    out = np.linalg.cholesky(covariance) @ idle + follow.T[length][:, :, None] * touch[:, None]
+    return np.asarray(out)
 
 
 def _ratio(matches: Matches) -> Floats:

@@ -75,7 +75,7 @@ class DetectorStream:
         self._take(reading, int(stamp_ns))
         used = [min(length, self._held) for length in self.lengths]
         sums = np.stack([self._whitened[:n].sum(axis=0) for n in used])
-        matches = self.lookback.matches(sums[None], self._spread(used))
+        matches = self.lookback.matches(sums[None], self._spread(used), used)
         return detection(
             self.lookback,
             matches,
@@ -109,9 +109,9 @@ class DetectorStream:
             return None
         bank = self.lookback.bank
         parts, total, done = [], np.zeros(len(bank.scaled)), 0
-        for length in used:
+        for length, weight in zip(used, self.lookback.weight(used), strict=True):
             for row in range(done, length):
                 total = total + bank.information(self._valid[row])
             done = length
-            parts.append(spread_of(total))
+            parts.append(spread_of(total * weight))
         return np.concatenate(parts)
