@@ -108,12 +108,12 @@ def coverage_plan(size: str, seed: int = 0) -> CoveragePlan:
             quantities=("stress",),
             noises=(1.0,),
             presses=100,
-            trials=40,
+            trials=30,
             known=BODIES[1:2],
             others=OTHERS[1:2],
             nodes=20,
             seed=seed,
         )
     if size == "short":
-        return CoveragePlan(presses=200, trials=200, seed=seed)
+        return CoveragePlan(presses=150, trials=150, seed=seed)
     return CoveragePlan(presses=1000, trials=1500, seed=seed)

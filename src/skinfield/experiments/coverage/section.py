@@ -19,7 +19,7 @@ HONEST = (0.85, 0.95)
 
 
 def coverage_parts_of(settings: Settings) -> list[Part]:
-    """One per quantity and noise."""
+    """One per quantity."""
     return coverage_parts(coverage_plan(settings.size.name, settings.seed))
 
 

@@ -23,12 +23,13 @@ APART = 1_000  # between the seeds of what is learnt from and of what is tried o
 
 
 def coverage_parts(plan: CoveragePlan) -> list[Part]:
-    """One per quantity and noise."""
-    return [
-        Part(f"{quantity}-{noise:g}", rows_of, (plan, quantity, noise))
-        for quantity in plan.quantities
-        for noise in plan.noises
-    ]
+    """One per quantity: its noises share the presses that are solved."""
+    return [Part(quantity, rows_of_quantity, (plan, quantity)) for quantity in plan.quantities]
+
+
+def rows_of_quantity(plan: CoveragePlan, quantity: str) -> list[Row]:
+    """One row per noise, solver and way of stating intervals."""
+    return [row for noise in plan.noises for row in rows_of(plan, quantity, noise)]
 
 
 def rows_of(plan: CoveragePlan, quantity: str, noise: float) -> list[Row]:
