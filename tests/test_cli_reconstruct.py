@@ -91,7 +91,41 @@ def test_the_drawn_reading_can_be_chosen(press_csv: Path, tmp_path: Path) -> Non
     assert "--reading is 150, expected 0 to 149" in said
 
 
-@pytest.mark.parametrize("solver", ["gaussian", "tikhonov", "pseudo-inverse", "inverse"])
+@pytest.mark.parametrize("solver", ["nonnegative", "contact"])
+def test_demo_times_what_is_not_linear(tmp_path: Path, solver: str) -> None:
+    picture = tmp_path / "demo.png"
+    code, said = run("demo", "--press", "0,12,1,6", "--grid", 16, "--solver", solver, "-o", picture)
+    assert code == 0, said
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert "the next time" in said
+    assert ("sphere" in said) == (solver == "contact")
+
+
+def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path) -> None:
+    code, said = run(
+        "reconstruct", press_csv, "--layout", "hexagon72", "--solver", "contact",
+        "-o", tmp_path / "c.csv",
+    )  # fmt: skip
+    assert code == 0, said
+    assert "sphere" in said
+    rows = list(csv.DictReader((tmp_path / "c.csv").open()))
+    pressed = [row for row in rows if int(row["reading"]) >= 100 and int(row["contact"]) == 0]
+    assert len(pressed) == 50
+    force = np.array([float(row["normal_force_N"]) for row in pressed])
+    assert np.median(force) == pytest.approx(1.5, rel=0.15)  # a field finds 1.5 N within 40 %
+    apart = [
+        np.hypot(float(row["x_m"]) - PATCH.plane[30, 0], float(row["y_m"]) - PATCH.plane[30, 1])
+        for row in pressed
+    ]
+    assert np.median(apart) < 0.3e-3
+    stated = np.median([float(row["place_std_m"]) for row in pressed])
+    assert 0.02e-3 < stated < 0.6e-3
+    assert sum(int(row["contact"]) >= 0 for row in rows if int(row["reading"]) < 100) <= 1
+
+
+@pytest.mark.parametrize(
+    "solver", ["gaussian", "nonnegative", "tikhonov", "pseudo-inverse", "inverse"]
+)
 @pytest.mark.parametrize("mechanics", ["layer", "covered-layer", "half-space"])
 def test_every_solver_and_mechanics_can_be_chosen(
     press_csv: Path, solver: str, mechanics: str

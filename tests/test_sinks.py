@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,16 +70,22 @@ def since(batch: Estimate, first: int) -> Estimate:
     return replace(batch, **each)
 
 
-def table(path: Path) -> list[dict[str, float | None]]:
+def table(path: Path) -> list[dict[str, Any]]:
     """Rows of either kind of file, None for what is not there."""
     if path.suffix == ".parquet":
         parquet = pytest.importorskip("pyarrow.parquet")
         return parquet.read_table(path).to_pylist()
     with path.open(newline="") as file:
         return [
-            {key: float(value) if value else None for key, value in row.items()}
+            {key: value_of(key, value) for key, value in row.items()}
             for row in csv.DictReader(file)
         ]
+
+
+def value_of(column: str, text: str) -> float | str | None:
+    if not text:
+        return None
+    return text if column == "shape" else float(text)
 
 
 KINDS = pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -108,13 +115,15 @@ def test_contacts_come_back_with_every_reading(tmp_path: Path, suffix: str) -> N
         assert row["total_force_N"] == pytest.approx(one.normal_force, rel=1e-8)
         assert row["valid_taxels"] == 11 - reading
         if number < 0:
-            assert all(row[key] is None for key in COLUMNS[6:])
+            assert all(row[key] is None for key in COLUMNS[6:])  # beyond `contact`
             continue
         made = one.contacts[number]
         assert [row[k] for k in ("x_m", "y_m", "z_m")] == pytest.approx(made.position.tolist())
         assert [row[k] for k in ("fx_N", "fy_N", "fz_N")] == pytest.approx(made.force.tolist())
         assert row["normal_force_N"] == pytest.approx(-made.force[2])
         assert row["area_m2"] == pytest.approx(made.area)
+        assert row["place_std_m"] == pytest.approx(np.sqrt(2e-8))
+        assert (row["shape"], row["radius_m"]) == ("other", 3e-3)
         assert row["peak_pressure_Pa"] == pytest.approx(made.peak_pressure)
         assert (row["axis_major_m"], row["axis_minor_m"], row["angle_rad"]) == (3e-3, 1e-3, 0.5)
 

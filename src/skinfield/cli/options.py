@@ -17,6 +17,7 @@ from skinfield.conditioning import (
 )
 from skinfield.errors import InputError
 from skinfield.inverse import (
+    ContactFit,
     GaussianField,
     Inverse,
     NonNegative,
@@ -34,6 +35,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 SOLVERS: dict[str, Callable[[], Solver]] = {
     "gaussian": GaussianField,
+    "contact": ContactFit,
     "nonnegative": NonNegative,
     "tikhonov": Tikhonov,
     "pseudo-inverse": PseudoInverse,
@@ -80,7 +82,7 @@ def model_options(grid: int) -> Callable[[F], F]:
             type=click.Choice(list(SOLVERS)),
             default="gaussian",
             show_default=True,
-            help="How readings become pressure.",
+            help="How readings become pressure; contact fits the fewest contacts instead.",
         ),
         click.option(
             "--mechanics",

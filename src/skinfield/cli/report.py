@@ -9,6 +9,7 @@ from rich.table import Table
 from skinfield.fields import Contact
 
 MOST_CONTACTS = 12
+FLAT = 5e-5  # m: heights below read 0.0 mm
 
 
 def console() -> Console:
@@ -42,17 +43,27 @@ def plural(count: int, noun: str) -> str:
 
 
 def table_of_contacts(contacts: Sequence[Contact], title: str) -> Table:
-    """Contacts with force, place, area, peak."""
+    """Contacts with force and place and how sure they are, shape, size and peak.
+
+    The height stands there where one is not 0: on a flat patch it says nothing.
+    """
+    shown = contacts[:MOST_CONTACTS]
+    curved = any(abs(contact.position[2]) > FLAT for contact in shown)
     table = Table(title=title, title_justify="left")
-    for column in ("#", "force N", "± noise", "x mm", "y mm", "z mm", "area mm²", "peak kPa"):
+    places = ("x mm", "y mm", "z mm") if curved else ("x mm", "y mm")
+    for column in ("#", "force N", "± N", *places, "± mm", "shape"):
+        table.add_column(column, justify="left" if column == "shape" else "right")
+    for column in ("radius mm", "area mm²", "peak kPa"):
         table.add_column(column, justify="right")
-    for index, contact in enumerate(contacts[:MOST_CONTACTS], start=1):
-        x, y, z = contact.position * 1e3
+    for index, contact in enumerate(shown, start=1):
         table.add_row(
             str(index),
             f"{contact.normal_force:.2f}",
             f"{contact.force_std:.2f}",
-            *(f"{value:.1f}" for value in (x, y, z)),
+            *(f"{value * 1e3:.1f}" for value in contact.position[: len(places)]),
+            f"{contact.place_std * 1e3:.2f}",
+            contact.shape,
+            f"{contact.radius * 1e3:.1f}",
             f"{contact.area * 1e6:.0f}",
             f"{contact.peak_pressure / 1e3:.1f}",
         )

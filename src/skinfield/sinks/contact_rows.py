@@ -6,15 +6,18 @@ import numpy as np
 
 from skinfield.fields import Contact, Estimate
 
+WORDS = ("shape",)
 WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
 READING = ("reading", "stamp_ns", "time_s", "total_force_N", "valid_taxels")
 CONTACT = (
-    *("x_m", "y_m", "z_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
+    *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
     *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
+    *("shape", "radius_m"),
 )
 COLUMNS = (*READING, "contact", *CONTACT)
 NONE = -1  # `contact` of a reading without contact
-Row = tuple[int | float | None, ...]
+Value = int | float | str | None
+Row = tuple[Value, ...]
 
 
 def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterator[Row]:
@@ -35,9 +38,10 @@ def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterato
             yield (*reading, number, *map(_or_none, _values(contact)))
 
 
-def _values(contact: Contact) -> tuple[float, ...]:
+def _values(contact: Contact) -> tuple[float | str, ...]:
     return (
         *contact.position.tolist(),
+        contact.place_std,
         *contact.force.tolist(),
         contact.normal_force,
         contact.force_std,
@@ -45,8 +49,12 @@ def _values(contact: Contact) -> tuple[float, ...]:
         contact.peak_pressure,
         *contact.axes.tolist(),
         contact.angle,
+        contact.shape,
+        contact.radius,
     )
 
 
-def _or_none(value: float) -> float | None:
+def _or_none(value: float | str) -> float | str | None:
+    if isinstance(value, str):
+        return value
     return float(value) if np.isfinite(value) else None

@@ -11,7 +11,14 @@ import numpy as np
 
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.fields import Estimate
-from skinfield.sinks.contact_rows import COLUMNS, WHOLE, Row, rows_from_estimate
+from skinfield.sinks.contact_rows import (
+    COLUMNS,
+    WHOLE,
+    WORDS,
+    Row,
+    Value,
+    rows_from_estimate,
+)
 from skinfield.sinks.pending import Pending, explained, pending
 from skinfield.sinks.sink import Closing
 
@@ -144,16 +151,19 @@ class _Csv:
         pass  # the last chunk was written by `append`
 
 
-def _text(value: float | None) -> str:
+def _text(value: Value) -> str:
     if value is None:
         return ""
-    return str(value) if isinstance(value, int) else f"{value:.9g}"
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 class _Parquet:
     def __init__(self, file: IO[bytes]) -> None:
         arrow = _pyarrow()
-        types = [arrow.int64() if name in WHOLE else arrow.float64() for name in COLUMNS]
+        types = [
+            arrow.int64() if name in WHOLE else arrow.string() if name in WORDS else arrow.float64()
+            for name in COLUMNS
+        ]
         self.schema = arrow.schema(list(zip(COLUMNS, types, strict=True)))
         self.writer = arrow.parquet.ParquetWriter(file, self.schema)
 
