@@ -53,7 +53,7 @@ def draw_reliability(
     Parameters
     ----------
     panels : sequence of rows of ReliabilityPanel
-        As many in each row; a curve's colour goes by its place in its panel.
+        As many in each row; a solver has one colour in all of them.
     levels : (N,) floats
         Nominal shares, 0 to 1.
 
@@ -65,6 +65,8 @@ def draw_reliability(
     columns = columns_of(panels)
     height = len(panels) * (PANEL + HEAD) + FOOT
     nominal = 100 * np.asarray(levels, dtype=np.float64)
+    names = list(dict.fromkeys(h.name for line in panels for panel in line for h in panel.held))
+    handles: dict[str, Any] = {}
     with style():
         figure = new_figure(WIDTH, height)
         width = (WIDTH - 0.75 - 0.15) / columns
@@ -74,7 +76,7 @@ def draw_reliability(
                 left = (0.75 + column * width) / WIDTH
                 size = ((width - 0.3) / WIDTH, PANEL / height)
                 axes = figure.add_axes((left, low / height, *size))
-                _draw_panel(axes, panel, nominal)
+                _draw_panel(axes, panel, nominal, names, handles)
                 letter = "abcdefghijklmnop"[row * columns + column]
                 add_title(axes, letter, panel.title, panel.note)
                 if column:
@@ -85,23 +87,36 @@ def draw_reliability(
                     axes.set_xlabel("stated level (%)")
                 else:
                     axes.tick_params(labelbottom=False)
-        handles, labels = axes.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="lower center", ncols=3, frameon=False, fontsize=8.5)
+        words = sorted(handles, key=names.index)
+        figure.legend(
+            [handles[word] for word in words],
+            words,
+            loc="lower center",
+            ncols=3,
+            frameon=False,
+            fontsize=8.5,
+        )
     return figure
 
 
-def _draw_panel(axes: "Axes", panel: ReliabilityPanel, nominal: Floats) -> None:
+def _draw_panel(
+    axes: "Axes",
+    panel: ReliabilityPanel,
+    nominal: Floats,
+    names: list[str],
+    handles: dict[str, Any],
+) -> None:
     ends = np.array([nominal[0] - 5.0, 100.0])
     axes.fill_between(ends, ends - NEAR, ends + NEAR, color=FAINT, alpha=0.45, lw=0)
     axes.plot(ends, ends, color=INK, lw=0.8)
-    middle = (len(panel.held) - 1) / 2
-    for index, held in enumerate(panel.held):
+    middle = (len(names) - 1) / 2
+    for held in panel.held:
+        index = names.index(held.name)
         bars: Any = 100 * np.stack([held.shares - held.low, held.high - held.shares])
-        axes.errorbar(
+        handles[held.name] = axes.errorbar(
             nominal + DODGE * (index - middle),
             100 * held.shares,
             np.maximum(bars, 0.0),
-            label=held.name,
             color=COLOURS[index % len(COLOURS)],
             marker=MARKS[index % len(MARKS)],
             ms=4.2,
