@@ -54,4 +54,6 @@ class ContactFit:
         """Tabulate what single contacts are read as, and templates of them all over the patch."""
         from skinfield.inverse.atoms.fitter import ContactFitter
 
-        return ContactFitter(self, model)
+        fitter = ContactFitter(self, model)
+        fitter.run_in()
+        return fitter

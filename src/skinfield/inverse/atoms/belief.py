@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.inverse.atoms.explore import explore
+from skinfield.inverse.atoms.explore import Found, Lattice, explore
 from skinfield.inverse.atoms.kernel import PARAMETERS
 from skinfield.inverse.atoms.problem import RARER, AtomSet, Problem
 from skinfield.inverse.atoms.profiles import BALL, FLAT, RING
@@ -153,20 +153,9 @@ def _walk(
     """Places, covariance beside them, and logarithm of their weights, for one family."""
     atoms, inner = np.empty((places, PARAMETERS)), np.zeros((places, PARAMETERS, PARAMETERS))
     weight = np.empty(places)
-    count = explore(
-        seeds,
-        kind,
-        free,
-        axes,
-        seeds[0, :2],
-        problem.places,
-        left[near],
-        problem.white[near],
-        problem.taxels[near],
-        problem.tables,
-        problem.priors,
-        atoms,
-        inner,
-        weight,
+    given = problem.given._replace(
+        readings=left[near], white=problem.white[near], taxels=problem.taxels[near]
     )
+    lattice = Lattice(axes, seeds[0, :2], problem.places)
+    count = explore(seeds, kind, free, lattice, given, Found(atoms, inner, weight))
     return atoms[:count], inner[:count], weight[:count] - RARER[kind]

@@ -25,12 +25,17 @@ CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before 
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 6e-3  # m: of each component of the half-length of a line
+FORCE_ERROR = 0.03  # of a contact: what presses is no perfect ball, flat end, line or ring
+PLACE_ERROR = 0.02  # thicknesses, likewise
+FIRST = 15.0  # standard deviations: strength of the touch by which all is loaded
 PLACES = 100  # that are tried to tell how sure a contact is, for each family
 FEW = 24  # for a contact that the reading before had, too
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
 QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
+
+MODEL_ERROR = np.diag([PLACE_ERROR**2, PLACE_ERROR**2, FORCE_ERROR**2, FORCE_ERROR**2, 0.0, 0.0])
 
 
 class ContactFitter:
@@ -73,6 +78,13 @@ class ContactFitter:
         self._kept: tuple[Known, ...] = ()
         self._compared = 0.0
 
+    def run_in(self) -> None:
+        """Load all that is compiled: a first reading is as fast as the next."""
+        strongest = int(np.argmax(self._bank.norms))
+        template = self._bank.templates[strongest].astype(np.float64)
+        self.fit(template * (FIRST * self.model.noise_std))
+        self.reset()
+
     def reset(self) -> None:
         """Forget the reading before."""
         self._before, self._kept, self._compared = None, (), 0.0
@@ -92,7 +104,7 @@ class ContactFitter:
         self._before = found
         if not len(found):
             self._kept = ()
-            return self._idle(len(readings))
+            return self._idle(len(readings), problem.late)
         return self._fit_of(problem, found, same)
 
     def _shapes_due(self, problem: Problem) -> bool:
@@ -124,10 +136,17 @@ class ContactFitter:
         floor = self.settings.model_error * float(np.abs(readings).max())
         return np.asarray(1.0 / np.hypot(scale * self.model.noise_std, floor))
 
-    def _idle(self, taxels: int) -> Fit:
+    def _idle(self, taxels: int, late: bool) -> Fit:
         nodes = len(self.model.grid)
-        zero = np.zeros(nodes)
-        return Fit(zero, zero, np.zeros((nodes, 3)), (), np.zeros(taxels), np.empty(0, np.int64))
+        return Fit(
+            pressure=np.zeros(nodes),
+            pressure_std=np.zeros(nodes),
+            displacement=np.zeros((nodes, 3)),
+            contacts=(),
+            predicted=np.zeros(taxels),
+            cells=np.empty(0, np.int64),
+            notes=_notes(late, 0),
+        )
 
     def _fit_of(self, problem: Problem, found: AtomSet, same: bool) -> Fit:
         atoms, covariance = self._stated(problem, found, same)
@@ -140,7 +159,6 @@ class ContactFitter:
         contacts = self._renderer.contacts(
             drawn.atoms, drawn.family, drawn.covariance, drawn.groups
         )
-        late = f"stopped at the deadline with {len(found)} contacts" if problem.late else ""
         return Fit(
             pressure=pressure,
             pressure_std=std,
@@ -148,7 +166,7 @@ class ContactFitter:
             contacts=contacts,
             predicted=found.predicted,
             cells=np.flatnonzero(pressure),
-            notes=(late,) if late else (),
+            notes=_notes(problem.late, len(found)),
         )
 
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
@@ -164,13 +182,17 @@ class ContactFitter:
                     effort = Effort(FEW, 0, False)
                 belief = belief_of(problem, found, index, effort)
                 offset = belief.mean(int(found.family[index])) - atom
-                known = Known(atom.copy(), offset, belief.covariance)
+                known = Known(atom.copy(), offset, belief.covariance + MODEL_ERROR)
             kept.append(known)
             atoms[index], covariance[index] = stated(
                 atom + known.offset, known.covariance, self._thickness
             )
         self._kept = tuple(kept)
         return atoms, covariance
+
+
+def _notes(late: bool, count: int) -> tuple[str, ...]:
+    return (f"ContactFit stopped at the deadline, with {count} found",) if late else ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +226,9 @@ def quieter(problem: Problem, found: AtomSet) -> float:
     Of all taxels, and of those that see a contact: the larger of the two, so that taxels that
     always read zero do not speak for the others.
     """
-    parameters = int(found.free.sum()) if len(found) else 0
+    if not len(found):
+        return 1.0
+    parameters = int(found.free.sum())
     squares = np.square((problem.readings - found.predicted) * problem.white)
     seen = np.abs(found.predicted) * problem.white > 1.0
     scale = float(squares.sum()) / max(len(squares) - parameters, 1)

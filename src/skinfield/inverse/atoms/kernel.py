@@ -128,6 +128,29 @@ def predict(
 
 
 @njit(cache=True, nogil=True)
+def _depth(
+    atom: Floats, family: int, slenderness: float, tables: Tables, power: Floats
+) -> tuple[float, float, float, float]:
+    """Factor of the table; strain u; slope of ln s by ln radius; how a longer contact is less deep.
+
+    Writes the powers of u and their slopes into `power` (2, terms).
+    """
+    force, scale, scale_slope, u, thinning = np.exp(atom[2]), 1.0, 0.0, 0.0, 0.0
+    if tables.strain.shape[0]:
+        place = (atom[3] - tables.first_log) / tables.log_step
+        value, slope = along(tables.strain[family], place)
+        scale, scale_slope = np.exp(value), slope / tables.log_step
+        thin = 4.0 * slenderness / np.pi  # area beside the round ends over theirs
+        thinning = thin / (1.0 + thin)
+        u = min(force * scale / (1.0 + thin), 0.95)
+    power[0, 0], power[1, 0] = 1.0, 0.0
+    for k in range(1, power.shape[1]):
+        power[0, k] = power[0, k - 1] * u
+        power[1, k] = k * power[0, k - 1]
+    return force * scale / (1.0 - u), u, scale_slope, thinning
+
+
+@njit(cache=True, nogil=True)
 def _add_atom(
     n: int,
     atom: Floats,
@@ -139,29 +162,18 @@ def _add_atom(
     jacobian: Floats,
 ) -> None:
     """Add the readings of one atom, and their derivatives at [:, n]."""
-    x, y, log_force, log_radius, east, north = atom
-    place = (log_radius - tables.first_log) / tables.log_step
-    force, radius, half = np.exp(log_force), np.exp(log_radius), np.hypot(east, north)
+    x, y, east, north = atom[0], atom[1], atom[4], atom[5]
+    radius, half = np.exp(atom[3]), np.hypot(east, north)
     points = 1 if half == 0.0 else 7
-    scale, scale_slope, u, narrow, thin = 1.0, 0.0, 0.0, 1.0, 0.0
-    if tables.strain.shape[0]:
-        value, slope = along(tables.strain[family], place)
-        scale, scale_slope = np.exp(value), slope / tables.log_step
-        thin = 4.0 * half / (np.pi * radius)  # a longer contact is less deep
-        narrow = 1.0 / (1.0 + thin)
-        u = min(force * scale * narrow, 0.95)
     power = np.empty((2, tables.coefficients.shape[2]))
-    power[0, 0], power[1, 0] = 1.0, 0.0
-    for k in range(1, power.shape[1]):
-        power[0, k] = power[0, k - 1] * u
-        power[1, k] = k * power[0, k - 1]
-    gain = force * scale / (1.0 - u)
+    gain, u, scale_slope, thinning = _depth(atom, family, half / radius, tables, power)
+    place = (atom[3] - tables.first_log) / tables.log_step
     reach = radius + half + tables.pad_radius + tables.sight
     last = min(int((reach + half) / tables.distance_step) + 4, radial.shape[1]) - 1
     _radial(tables.coefficients[family], place, tables.log_step, power, last + 1, radial)
     found = np.empty(4)
-    log_slope = scale_slope + thin * narrow  # of u, by ln radius
-    stretch = thin * narrow / (half * half) if points > 1 else 0.0  # of u, by the half-length
+    log_slope = scale_slope + thinning  # of u, by ln radius
+    stretch = thinning / (half * half) if points > 1 else 0.0  # of u, by the half-length
     for taxel in range(taxels.shape[0]):
         away_x, away_y = taxels[taxel, 0] - x, taxels[taxel, 1] - y
         if away_x * away_x + away_y * away_y > reach * reach:

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.inverse.atoms.kernel import PARAMETERS
 from skinfield.inverse.atoms.problem import BURST, LONG, ROUND, SETTLED, AtomSet, Problem
 from skinfield.inverse.atoms.profiles import BALL, RING
 from skinfield.inverse.atoms.refine import refine_each
@@ -39,19 +38,8 @@ def settle(
     problem: Problem, left: Floats, seeds: Floats, family: int, free: NDArray[np.bool_]
 ) -> Floats:
     """Refine each of the seeds (S, 6) alone, in place, on what is left to explain; costs (S,)."""
-    costs = refine_each(
-        seeds,
-        np.full(len(seeds), family),
-        free,
-        left,
-        problem.white,
-        problem.taxels,
-        problem.tables,
-        problem.priors,
-        BURST,
-        SETTLED,
-        np.empty((len(seeds), PARAMETERS, PARAMETERS)),
-    )
+    given = problem.given._replace(readings=left)
+    costs = refine_each(seeds, np.full(len(seeds), family), free, given, BURST, SETTLED)
     return np.asarray(costs)
 
 

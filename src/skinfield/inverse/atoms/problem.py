@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.bank import Bank
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, predict
-from skinfield.inverse.atoms.refine import Priors, refine
+from skinfield.inverse.atoms.refine import Given, Priors, refine, room
 
 ROUND = np.array([True, True, True, True, False, False])
 LONG = np.ones(6, dtype=np.bool_)
@@ -89,6 +90,11 @@ class Problem:
     threshold: float
     deadline_ns: int | None = None
 
+    @cached_property
+    def given(self) -> Given:
+        """As compiled functions take it."""
+        return Given(self.readings, self.white, self.taxels, self.tables, self.priors)
+
     @property
     def late(self) -> bool:
         """Whether the time is up."""
@@ -105,27 +111,13 @@ class Problem:
         """Atoms moved to the next minimum of the cost, or until the time is up."""
         atoms = np.array(atoms, order="C")
         free = np.where(np.any(atoms[:, 4:], axis=1)[:, None], LONG, ROUND)
-        size = PARAMETERS * len(atoms)
-        predicted, hessian = np.empty(len(self.readings)), np.empty((size, size))
+        normal = room(len(self.readings), len(atoms))
         done = 0
         while True:
-            cost, tried = refine(
-                atoms,
-                family,
-                free,
-                self.readings,
-                self.white,
-                self.taxels,
-                self.tables,
-                self.priors,
-                BURST,
-                SETTLED,
-                predicted,
-                hessian,
-            )
+            cost, tried = refine(atoms, family, free, self.given, BURST, SETTLED, normal)
             done += tried
             if tried < BURST or done >= iterations or self.late:
-                return AtomSet(atoms, family, float(cost), predicted, hessian)
+                return AtomSet(atoms, family, float(cost), normal.predicted, normal.hessian)
 
     def evidence(self, found: AtomSet) -> float:
         """Logarithm of the marginal likelihood, up to a constant, by Laplace's approximation.

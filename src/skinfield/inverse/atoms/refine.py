@@ -36,6 +36,41 @@ class Priors(NamedTuple):
     length_std: float
 
 
+class Given(NamedTuple):
+    """What atoms are to explain, and what is known beside; lengths in thicknesses.
+
+    `readings` (L,), `white` (L,) one over their deviations, `taxels` (L, 2).
+    """
+
+    readings: Floats
+    white: Floats
+    taxels: Floats
+    tables: Tables
+    priors: Priors
+
+
+class Normal(NamedTuple):
+    """What N atoms predict, and the cost about them to second order.
+
+    `predicted` (L,) and its `jacobian` (L, N, 6); the cost's `gradient` (6 N,) and Gauss-Newton
+    `hessian` (6 N, 6 N).
+    """
+
+    predicted: Floats
+    jacobian: Floats
+    gradient: Floats
+    hessian: Floats
+
+
+@njit(cache=True, nogil=True)
+def room(taxels: int, atoms: int) -> Normal:
+    """Arrays for as many taxels and atoms."""
+    size = 6 * atoms
+    return Normal(
+        np.empty(taxels), np.empty((taxels, atoms, 6)), np.empty(size), np.empty((size, size))
+    )
+
+
 @njit(cache=True, nogil=True)
 def prior_terms(
     atom: Floats, family: int, tables: Tables, priors: Priors, gradient: Floats, hessian: Floats
@@ -69,29 +104,18 @@ def prior_terms(
 
 
 @njit(cache=True, nogil=True)
-def assemble(
-    atoms: Floats,
-    family: Any,
-    readings: Floats,
-    white: Floats,
-    taxels: Floats,
-    tables: Tables,
-    priors: Priors,
-    predicted: Floats,
-    jacobian: Floats,
-    gradient: Floats,
-    hessian: Floats,
-) -> float:
-    """Cost of N atoms; writes gradient (6 N,) and Gauss-Newton Hessian (6 N, 6 N)."""
-    count = atoms.shape[0]
-    predict(atoms, family, taxels, tables, predicted, jacobian)
+def assemble(atoms: Floats, family: Any, given: Given, normal: Normal) -> float:
+    """Cost of N atoms; writes all else into `normal`."""
+    count, taxels = atoms.shape[0], given.taxels.shape[0]
+    gradient, hessian = normal.gradient, normal.hessian
+    predict(atoms, family, given.taxels, given.tables, normal.predicted, normal.jacobian)
     gradient[:] = 0.0
     hessian[:] = 0.0
     cost = 0.0
-    flat = jacobian.reshape(taxels.shape[0], 6 * count)
-    for taxel in range(taxels.shape[0]):
-        weight = white[taxel] * white[taxel]
-        residual = readings[taxel] - predicted[taxel]
+    flat = normal.jacobian.reshape(taxels, 6 * count)
+    for taxel in range(taxels):
+        weight = given.white[taxel] * given.white[taxel]
+        residual = given.readings[taxel] - normal.predicted[taxel]
         cost += 0.5 * residual * residual * weight
         for i in range(6 * count):
             slope = flat[taxel, i]
@@ -106,7 +130,7 @@ def assemble(
     for n in range(count):
         part = slice(6 * n, 6 * n + 6)
         cost += prior_terms(
-            atoms[n], family[n], tables, priors, gradient[part], hessian[part, part]
+            atoms[n], family[n], given.tables, given.priors, gradient[part], hessian[part, part]
         )
     return cost
 
@@ -154,94 +178,70 @@ def hold(atoms: Floats, family: Any, tables: Tables) -> None:
 
 
 @njit(cache=True, nogil=True)
+def _damped_step(normal: Normal, free: Any, damping: float, factor: Floats, step: Floats) -> bool:
+    """Write Levenberg's step (6 N,) of the free parameters; False where there is none."""
+    size = len(step)
+    for i in range(size):
+        step[i] = -normal.gradient[i]
+        for j in range(size):
+            factor[i, j] = normal.hessian[i, j]
+        factor[i, i] += damping * normal.hessian[i, i] + 1e-9
+    for i in range(size):
+        if not free[i // 6, i % 6]:
+            step[i] = 0.0
+            factor[i, :] = 0.0
+            factor[:, i] = 0.0
+            factor[i, i] = 1.0
+    return cholesky_solve(factor, step)
+
+
+@njit(cache=True, nogil=True)
+def _keep(normal: Normal, trial: Normal) -> None:
+    normal.predicted[:] = trial.predicted
+    normal.gradient[:] = trial.gradient
+    normal.hessian[:] = trial.hessian
+
+
+@njit(cache=True, nogil=True)
 def refine(
     atoms: Floats,
     family: Any,
     free: Any,
-    readings: Floats,
-    white: Floats,
-    taxels: Floats,
-    tables: Tables,
-    priors: Priors,
+    given: Given,
     iterations: int,
     tolerance: float,
-    predicted: Floats,
-    hessian: Floats,
+    normal: Normal,
 ) -> tuple[float, int]:
     """Move atoms (N, 6) in place to a minimum of the cost; `free` (N, 6) says which may move.
 
-    Writes what they predict (L,) and the Hessian (6 N, 6 N) there. Returns the cost and how many
-    steps were tried; it has settled when the last step gains less than `tolerance`.
+    Writes predicted readings, gradient and Hessian there into `normal`. Returns the cost and how
+    many steps were tried; it has settled when the last step gains less than `tolerance`.
     """
     count = atoms.shape[0]
     size = 6 * count
-    jacobian = np.empty((taxels.shape[0], count, 6))
-    gradient, step = np.empty(size), np.empty(size)
-    trial_hessian, trial_gradient = np.empty((size, size)), np.empty(size)
-    trial_predicted, factor = np.empty(len(predicted)), np.empty((size, size))
-    hold(atoms, family, tables)
-    cost = assemble(
-        atoms,
-        family,
-        readings,
-        white,
-        taxels,
-        tables,
-        priors,
-        predicted,
-        jacobian,
-        gradient,
-        hessian,
-    )
+    step, factor = np.empty(size), np.empty((size, size))
+    trial = room(given.taxels.shape[0], count)
+    hold(atoms, family, given.tables)
+    cost = assemble(atoms, family, given, normal)
     damping = FIRST_DAMPING
     for iteration in range(iterations):
-        for i in range(size):
-            step[i] = -gradient[i]
-            for j in range(size):
-                factor[i, j] = hessian[i, j]
-            factor[i, i] += damping * hessian[i, i] + 1e-9
-        for i in range(size):
-            if not free[i // 6, i % 6]:
-                step[i] = 0.0
-                factor[i, :] = 0.0
-                factor[:, i] = 0.0
-                factor[i, i] = 1.0
-        if not cholesky_solve(factor, step):
+        if not _damped_step(normal, free, damping, factor, step):
             damping *= RISE
             continue
         longest = max(np.abs(step).max(), 1e-300)
-        shrink = min(1.0, LONGEST_STEP / longest)
-        trial = atoms + shrink * step.reshape(count, 6)
-        hold(trial, family, tables)
-        trial_cost = assemble(
-            trial,
-            family,
-            readings,
-            white,
-            taxels,
-            tables,
-            priors,
-            trial_predicted,
-            jacobian,
-            trial_gradient,
-            trial_hessian,
-        )
-        if trial_cost < cost:
-            gain = cost - trial_cost
-            cost = trial_cost
-            atoms[:] = trial
-            gradient[:] = trial_gradient
-            hessian[:] = trial_hessian
-            predicted[:] = trial_predicted
+        moved = atoms + min(1.0, LONGEST_STEP / longest) * step.reshape(count, 6)
+        hold(moved, family, given.tables)
+        gain = cost - assemble(moved, family, given, trial)
+        if gain > 0.0:
+            cost -= gain
+            atoms[:] = moved
+            _keep(normal, trial)
             damping = max(damping * FALL, 1e-9)
-            if gain < tolerance:
-                return cost, iteration + 1
         else:
-            if longest < 1e-6:
-                return cost, iteration + 1
             damping *= RISE
-            if damping > 1e8:
-                return cost, iteration + 1
+        settled = 0.0 < gain < tolerance
+        if settled or (gain <= 0.0 and (longest < 1e-6 or damping > 1e8)):
+            return cost, iteration + 1
     return cost, iterations
 
 
@@ -250,33 +250,17 @@ def refine_each(
     atoms: Floats,
     family: Any,
     free: Any,
-    readings: Floats,
-    white: Floats,
-    taxels: Floats,
-    tables: Tables,
-    priors: Priors,
+    given: Given,
     iterations: int,
     tolerance: float,
-    hessians: Floats,
 ) -> Floats:
     """Refine each of S atoms (S, 6) alone, in place; `free` (6,). Returns their costs (S,)."""
     costs = np.empty(atoms.shape[0])
-    predicted = np.empty(len(readings))
+    normal = room(given.taxels.shape[0], 1)
     moves = free.reshape(1, 6)
     for index in range(atoms.shape[0]):
         one = slice(index, index + 1)
-        costs[index] = refine(
-            atoms[one],
-            family[one],
-            moves,
-            readings,
-            white,
-            taxels,
-            tables,
-            priors,
-            iterations,
-            tolerance,
-            predicted,
-            hessians[index],
-        )[0]
+        costs[index] = refine(atoms[one], family[one], moves, given, iterations, tolerance, normal)[
+            0
+        ]
     return costs
