@@ -183,7 +183,7 @@ def _title(judgement: Judgement) -> str:
 def _reads(judgement: Judgement) -> str:
     """Thickness, quantity and noise."""
     design = judgement.design
-    noise, unit = float(np.median(design.noise_std)), design.quantity.unit
+    noise, unit = float(np.median(design.noise)), design.quantity.unit
     of = "" if unit == "1" else f" {unit}"
     return (
         f"h = {design.layer.thickness * MM:g} mm, {design.quantity.symbol} with noise "

@@ -36,27 +36,28 @@ class SkinDesign:
     quantity : Quantity
         What a taxel reads.
     noise_std : float or (L,) array, in the quantity's unit
-        Of one reading, independent from taxel to taxel; kept as (L,). Default the quantity's
-        typical noise.
+        Of one reading, independent from taxel to taxel. Default the quantity's typical noise.
     """
 
     patch: Patch
     layer: Layer
     mechanics: Mechanics = field(default_factory=BondedLayer)
     quantity: Quantity = field(default_factory=Capacitance)
-    noise_std: Floats = field(default=None)  # type: ignore[arg-type]
+    noise_std: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        for value in self.noise:
+            check_positive("noise_std", float(value), "no reading is exact")
+
+    @cached_property
+    def noise(self) -> Floats:
+        """`noise_std` of each taxel, (L,)."""
         given = self.quantity.typical_noise if self.noise_std is None else self.noise_std
         noise = as_floats("noise_std", given)
         if noise.ndim == 0:
             noise = np.full(len(self.patch), float(noise))
         check_shape("noise_std", noise, (len(self.patch),), "one per taxel, or one for all")
-        for value in noise:
-            check_positive("noise_std", float(value), "no reading is exact")
-        noise = noise.copy()
-        noise.setflags(write=False)
-        object.__setattr__(self, "noise_std", noise)
+        return noise
 
     @property
     def linear(self) -> "SkinDesign":

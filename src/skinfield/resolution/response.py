@@ -106,7 +106,7 @@ def respond(
         check_depth(design, touch)
         forces = np.full(len(points), touch.force)
     h, tables, logs = design.layer.thickness, tables_of_design(design), np.log(forces)
-    taxels, white = design.patch.plane / h, 1.0 / design.noise_std
+    taxels, white = design.patch.plane / h, 1.0 / design.noise
     gram = np.empty((len(points), 5, 5))
     for first in range(0, len(points), BLOCK):
         part = slice(first, first + BLOCK)

@@ -157,7 +157,7 @@ def _search(
     left, low = grid.origin / h
     ground = Ground(places.inside, float(left), float(low), grid.pitch / h)
     ways = np.column_stack([np.cos(angles), np.sin(angles)])
-    plane, white = design.patch.plane / h, 1.0 / design.noise_std
+    plane, white = design.patch.plane / h, 1.0 / design.noise
     tables = tables_of_design(design)
     distances_told(
         points / h, ways, steps / h, pair, ground, plane, white, sight / h, start, rows, tables, out

@@ -88,7 +88,7 @@ def _mapping(judgement: Judgement) -> dict[str, Any]:
         "modulus_kpa": design.layer.young_modulus / 1e3,
         "poisson": design.layer.poisson_ratio,
         "quantity": design.quantity.symbol,
-        "noise": design.noise_std,
+        "noise": design.noise,
         "force_n": judgement.touch.force,
         "radius_mm": judgement.touch.radius * 1e3,
         "terms": vars(judgement.terms),

@@ -1,0 +1,112 @@
+"""`skinfield design`: table, verdict, maps as picture, CSV and JSON; words for what is wrong."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import skinfield as sf
+from skinfield.cli import main
+from skinfield.layout.generators import icub_triangle
+from skinfield.observation import BaseStress
+from skinfield.resolution import Places, SkinDesign, Touch, detectable_force
+
+STRESS = ("--quantity", "stress", "--noise", 400)
+
+
+def run(*words: object) -> tuple[int, str]:
+    result = CliRunner().invoke(main, ["design", *(str(word) for word in words)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.output
+    return result.exit_code, result.output
+
+
+def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
+    picture, table, maps = (tmp_path / name for name in ("d.png", "d.csv", "d.json"))
+    code, said = run(
+        "icub_triangle", "--thickness", 4, "--modulus", 0.1, "--poisson", 0.49, *STRESS,
+        "--force", 0.4, "--radius", 1.5, "--pitch-mm", 1.5, "-o", picture, "--csv", table,
+        "--json", maps,
+    )  # fmt: skip
+    assert code == 0, said
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    design = SkinDesign(
+        patch=icub_triangle(),
+        layer=sf.Layer(4e-3, 100e3, 0.49),
+        quantity=BaseStress(),
+        noise_std=400.0,
+    )
+    places = Places.over(design.patch, 1.5e-3)
+    want = detectable_force(design, Touch(0.4, 1.5e-3), places).unknown_place
+    rows = np.genfromtxt(table, delimiter=",", names=True)
+    np.testing.assert_allclose(rows["x_mm"], places.plane[:, 0] * 1e3, atol=1e-3)
+    np.testing.assert_allclose(rows["smallest_force_found_place_unknown_N"], want, rtol=1e-4)
+    assert "smallest force found, place unknown" in said
+    assert f"{np.sort(want)[-1]:.3g}" in said
+    assert "A touch of 0.4 N is found" in said
+    found = json.loads(maps.read_text())
+    assert found["modulus_kpa"] == pytest.approx(100)
+    assert found["radius_mm"] == pytest.approx(1.5)
+    assert found["verdict"] in said.replace("\n", " ")
+    assert {entry["name"] for entry in found["maps"]} == {
+        row["name"] for row in found["numbers"][1:]
+    }
+    for entry in found["maps"]:
+        assert len(entry["values"]) == len(entry["x_mm"]) == len(entry["y_mm"])
+
+
+def test_thicknesses_are_compared(tmp_path: Path) -> None:
+    picture = tmp_path / "t.svg"
+    code, said = run("icub_triangle", *STRESS, "--compare-thickness", "4,2", "-o", picture)
+    assert code == 0, said
+    assert "<svg" in picture.read_text()[:400]
+    lines = [line for line in said.splitlines() if line.startswith("│")]
+    assert [line.split()[1] for line in lines] == ["2", "4"]
+    assert "sharpest for places at 4 mm" in said
+
+
+def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
+    code, said = run(
+        "cylinder:radius_mm=30", *STRESS, "--thickness", 4, "--pitch-mm", 4,
+        "-o", tmp_path / "c.png",
+    )  # fmt: skip
+    assert code == 0, said
+    assert "is found" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["nothing"], "no such file, and no generator"),
+        (["hexagon72", "-o", "a.txt"], "expected one of .png"),
+        (["hexagon72", "--csv", "a.txt"], "ends in .csv"),
+        (["hexagon72", "--json", "a.csv"], "ends in .json"),
+        (["hexagon72", "--csv", "a.csv", "--compare-thickness", "1,2"], "expected one of them"),
+        (["hexagon72", "--compare-thickness", "1;2"], "thicknesses in mm"),
+        (["hexagon72", "--compare-thickness", "2"], "two or more"),
+        (["hexagon72", "--thickness", "-1"], "thickness"),
+        (["hexagon72", "--modulus", "0.1", "--modulus-kpa", "100"], "expected one of them"),
+        (["hexagon72", "--poisson", "0.7"], "poisson_ratio"),
+        (["hexagon72", "--noise", "0"], "noise_std is 0"),
+        (["hexagon72", "--force", "nan"], "force is nan"),
+        (["hexagon72", "--radius", "0.01", "--linear"], "radius is"),
+        (["hexagon72", "--pitch-mm", "-2"], "pitch is"),
+        (["hexagon72", "--false-alarms", "2", "--linear"], "false_alarm_rate is 2"),
+        (["hexagon72", "--patch", "left"], "left"),
+    ],
+)
+def test_what_is_wrong_is_said(words: list[str], part: str, tmp_path: Path) -> None:
+    if "-o" not in words:
+        words = [*words, "-o", str(tmp_path / "d.png")]
+    code, said = run(*words)
+    assert code == 2
+    assert part in " ".join(said.split())
+    assert not (tmp_path / "d.png").exists()
+
+
+def test_help_teaches() -> None:
+    code, said = run("--help")
+    assert code == 0
+    for words in ("skinfield design hexagon72", "--compare-thickness", "no method can beat"):
+        assert words in " ".join(said.split())

@@ -1,0 +1,334 @@
+"""Maps of a layout against sums over cells, simulated presses, and Monte Carlo."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from skinfield.errors import Floats, InputError
+from skinfield.experiments.scoring.bound import contact_bounds, contact_family
+from skinfield.inverse.atoms.profiles import BALL, unit_pressure
+from skinfield.layout import Grid, Patch
+from skinfield.layout.generators import hexagon72, icub_hexagon, icub_triangle, rectangular
+from skinfield.layout.hull import inside_hull
+from skinfield.mechanics import Layer
+from skinfield.mechanics.axisymmetric import indent_by_force
+from skinfield.mechanics.profiles import Paraboloid
+from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.resolution import (
+    Places,
+    SkinDesign,
+    Touch,
+    blind_spots,
+    compare_thickness,
+    detectable_force,
+    judge,
+    place_accuracy,
+)
+from skinfield.resolution.accuracy import bounds
+from skinfield.resolution.judgement import part_of
+from skinfield.resolution.response import respond, snr_per_newton
+from skinfield.simulate import Sphere
+
+LAYER = Layer(2e-3, 150e3, 0.5)
+PLACES = np.array([[0, 7.48], [0, 0], [3, 9], [8, 1], [15, 5]]) * 1e-3
+QUANTITIES = [(BaseStress(), 400.0), (Gap(), 0.002), (Capacitance(order=1), 0.002)]
+
+
+def skin(
+    patch: Patch | None = None,
+    quantity: Quantity | None = None,
+    noise: float = 0.002,
+    layer: Layer = LAYER,
+) -> SkinDesign:
+    return SkinDesign(
+        patch=hexagon72() if patch is None else patch,
+        layer=layer,
+        quantity=Capacitance(order=1) if quantity is None else quantity,
+        noise_std=noise,
+    )
+
+
+def stress_skin(patch: Patch | None = None, layer: Layer = LAYER) -> SkinDesign:
+    return skin(patch, BaseStress(), 400.0, layer)
+
+
+def readings_by_cells(design: SkinDesign, touch: Touch, place: Floats) -> Floats:
+    """Readings of a ball's pressure as a sum over small cells."""
+    cell = touch.radius / 8
+    reach = touch.radius + cell
+    grid = Grid.window(design.patch, place - reach, place + reach, cell)
+    away = np.linalg.norm(grid.plane - place, axis=1)
+    pressure = unit_pressure(design.layer, design.mechanics, BALL, touch.radius, away)
+    pressure *= touch.force / (pressure.sum() * grid.cell_area)
+    matrix = design.quantity.matrix(
+        design.mechanics, design.layer, grid, design.patch.plane, design.patch.pad_diameter
+    )
+    return np.asarray(matrix @ pressure)
+
+
+@pytest.mark.parametrize(("quantity", "noise"), QUANTITIES)
+def test_signal_to_noise_is_that_of_a_sum_over_cells(quantity: Quantity, noise: float) -> None:
+    design, touch = skin(None, quantity, noise), Touch(0.5, 1.5e-3)
+    found = respond(design, touch, PLACES[[0, 2, 3]]).snr
+    expected = [
+        np.linalg.norm(readings_by_cells(design, touch, place)) / noise
+        for place in PLACES[[0, 2, 3]]
+    ]
+    np.testing.assert_allclose(found, expected, rtol=0.02)
+
+
+@pytest.mark.parametrize(("name", "quantity", "noise"), [("stress", BaseStress(), 1e3),
+                                                         ("gap", Gap(), 2e-3)])  # fmt: skip
+def test_accuracy_is_the_bound_of_a_simulated_press(
+    name: str, quantity: Quantity, noise: float
+) -> None:
+    layer, force, radius = replace(LAYER, thickness=4e-3), 0.5, 6e-3
+    design = skin(None, quantity, noise, layer)
+    family = contact_family(
+        layer, Sphere(radius=radius, force=force), name, 4e-3, extent=50e-3, cell=0.4e-3
+    )
+    expected = contact_bounds(family, design.patch.plane, PLACES, noise)
+    contact = [
+        indent_by_force(layer, Paraboloid(radius=radius), force * part).contact_radius
+        for part in (0.95, 1.0, 1.05)
+    ]
+    widening = np.log(contact[2] / contact[0]) / np.log(1.05 / 0.95)  # a heavier ball is wider
+    gram = respond(design, Touch(force, contact[1]), PLACES).gram
+    change = np.zeros((3, 5))
+    change[[0, 1, 2], [1, 2, 3]], change[2, 4] = 1.0, widening
+    place, log_force = bounds(np.einsum("ij,pjk,lk->pil", change, gram, change))
+    np.testing.assert_allclose(place, [bound.place for bound in expected], rtol=0.05)
+    np.testing.assert_allclose(log_force, [bound.force for bound in expected], rtol=0.05)
+
+
+def test_thicker_skins_are_sharper_as_found_before() -> None:
+    # an earlier prototype with Hertz's pressure, 1 N, radius 2 mm, 1 kPa of noise, size known:
+    # median and 95th percentile of the place, mm, at 2, 4 and 6 mm, 5 mm inside the outline
+    earlier = {2e-3: (1.26, 5.3), 4e-3: (0.42, 1.35), 6e-3: (0.48, 0.73)}
+    patch = icub_hexagon()
+    places = Places.over(patch, 1e-3)
+    inner = inside_hull(patch.plane * (1 - 5 / 26), places.plane)
+    medians = []
+    for thickness, (median, high) in earlier.items():
+        design = skin(patch, BaseStress(), 1e3, replace(LAYER, thickness=thickness))
+        std = place_accuracy(design, Touch(1.0, 2e-3), places).place_std_known_size[inner] * 1e3
+        assert part_of(std, 0.5) == pytest.approx(median, rel=0.5)
+        assert part_of(std, 0.95) == pytest.approx(high, rel=0.25)
+        medians.append(part_of(std, 0.5))
+    assert 2.0 < medians[0] / medians[1] < 4.0
+    assert 2.0 < medians[0] / medians[2] < 4.0
+
+
+def test_hexagon_looks_the_same_from_six_sides() -> None:
+    c, s = np.cos(np.pi / 3), np.sin(np.pi / 3)
+    turn = np.array([[c, -s], [s, c]])
+    patch = hexagon72()
+    middle = patch.plane.mean(axis=0)
+    turned = (PLACES - middle) @ turn.T + middle
+    for design in (skin(patch), stress_skin(patch)):
+        here, there = (respond(design, Touch(0.5, 1e-3), at) for at in (PLACES, turned))
+        np.testing.assert_allclose(here.snr, there.snr, rtol=2e-4)
+        scale = np.array([1.0, 1.0, 1.0, 1.0])
+        for part in (3, 4):
+            pair = [bounds(r.gram[:, 1 : part + 1, 1 : part + 1] + np.diag(scale[:part]) * 1e-9)
+                    for r in (here, there)]  # fmt: skip
+            for one, other in zip(*pair, strict=True):
+                np.testing.assert_allclose(one, other, rtol=0.01)
+
+
+def test_forces_scale_with_the_noise_and_stress_knows_no_modulus() -> None:
+    places = Places.over(hexagon72(), 3e-3)
+    touch = Touch(0.2, 1e-3)
+    quiet, loud = skin(noise=0.001), skin(noise=0.003)
+    one, three = (detectable_force(design, touch, places) for design in (quiet, loud))
+    np.testing.assert_allclose(three.unknown_place, 3 * one.unknown_place, rtol=1e-9)
+    np.testing.assert_allclose(three.known_place, 3 * one.known_place, rtol=1e-9)
+    soft, hard = (stress_skin(layer=replace(LAYER, young_modulus=e)) for e in (150e3, 2e6))
+    maps = [
+        (
+            blind_spots(design, touch, places).snr,
+            place_accuracy(design, touch, places).place_std,
+            detectable_force(design, touch, places).unknown_place,
+        )
+        for design in (soft, hard)
+    ]
+    for one, other in zip(*maps, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-6)
+    # a capacitive one reads the strain: half as stiff is half the noise
+    stiff = skin(layer=replace(LAYER, young_modulus=2 * LAYER.young_modulus))
+    np.testing.assert_allclose(
+        snr_per_newton(skin(), 1e-3, PLACES), 2 * snr_per_newton(stiff, 1e-3, PLACES), rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("design", [skin(), stress_skin()])
+def test_more_taxels_are_never_worse(design: SkinDesign) -> None:
+    fewer = replace(
+        design, patch=design.patch.subset(np.arange(0, 72, 2)), noise_std=design.noise[::2]
+    )
+    touch = Touch(0.5, 1e-3)
+    all_of, half = (respond(d, touch, PLACES) for d in (design, fewer))
+    assert (all_of.snr >= half.snr * (1 - 1e-12)).all()
+    for many, few in zip(
+        bounds(all_of.gram[:, 1:4, 1:4]), bounds(half.gram[:, 1:4, 1:4]), strict=True
+    ):
+        assert (many <= few * (1 + 1e-9)).all()
+
+
+def templates(design: SkinDesign, touch: Touch, points: Floats) -> Floats:
+    """Whitened readings at points (P, 2) as unit vectors (P, L), by sums over cells."""
+    rows = np.stack([readings_by_cells(design, touch, place) for place in points])
+    rows = rows / design.noise
+    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
+
+
+@pytest.fixture(scope="module")
+def bank() -> tuple[SkinDesign, Touch, Places, Floats]:
+    design, touch = skin(icub_triangle(), layer=replace(LAYER, thickness=4e-3)), Touch(0.3, 2e-3)
+    places = Places.over(design.patch, 1e-3)
+    return design, touch, places, templates(design, touch, places.plane)
+
+
+def test_false_alarms_are_as_rare_as_stated(
+    bank: tuple[SkinDesign, Touch, Places, Floats],
+) -> None:
+    design, touch, places, rows = bank
+    searched = detectable_force(design, touch, places, false_alarm_rate=0.01).searched
+    rng = np.random.default_rng(0)
+    loudest = [(rng.standard_normal((1000, rows.shape[1])) @ rows.T).max(1) for _ in range(20)]
+    largest = np.concatenate(loudest)
+    for rate in (0.05, 0.01, 0.003):
+        found = float((largest > searched.level(rate)).mean())
+        spread = 3 * np.sqrt(rate / len(largest))
+        assert 0.6 * rate - spread < found < 1.1 * rate + spread
+    assert searched.independent(0.01) == pytest.approx(
+        0.01 / 0.5 / float(np.vectorize(_erfc)(searched.level(0.01) / np.sqrt(2))), rel=1e-6
+    )
+
+
+def _erfc(value: float) -> float:
+    from math import erfc
+
+    return erfc(value)
+
+
+def test_the_smallest_force_is_found_as_often_as_stated(
+    bank: tuple[SkinDesign, Touch, Places, Floats],
+) -> None:
+    design, touch, places, rows = bank
+    found = detectable_force(design, touch, places, false_alarm_rate=0.01, detection_rate=0.9)
+    level = found.searched.level(0.01)
+    rng = np.random.default_rng(1)
+    for place in rng.integers(len(places), size=4):
+        noise = rng.standard_normal((4000, rows.shape[1]))
+        shape = readings_by_cells(design, replace(touch, force=1.0), places.plane[place])
+        shape = shape / design.noise
+        known = (noise + found.known_place[place] * shape) @ rows[place] > 2.3263
+        assert float(known.mean()) == pytest.approx(0.9, abs=0.025)
+        searched = ((noise + found.unknown_place[place] * shape) @ rows.T).max(axis=1) > level
+        assert 0.885 < float(searched.mean()) < 0.965  # at least as often: a bound from below
+
+
+def test_holes_of_a_thin_stress_skin_are_the_six_and_the_middle() -> None:
+    found = blind_spots(stress_skin(), Touch(0.5, 1e-3), threshold=0.03)
+    middle, *others = found.holes[:7]  # the rest are slits between two of them
+    np.testing.assert_allclose(middle.middle, hexagon72().plane.mean(axis=0), atol=0.4e-3)
+    away = [float(np.linalg.norm(hole.middle - middle.middle)) for hole in others]
+    assert np.ptp(away) < 1e-3
+    assert np.mean(away) == pytest.approx(16.7e-3, rel=0.02)
+    assert sum(hole.area for hole in found.holes) / found.places.area == pytest.approx(
+        found.blind_share, rel=1e-9
+    )
+    assert 0 < middle.deepest < 0.03
+    thick = blind_spots(
+        stress_skin(layer=replace(LAYER, thickness=4e-3)), Touch(0.5, 1e-3), threshold=0.03
+    )
+    assert thick.blind_share < found.blind_share / 3
+
+
+def test_deep_touches_are_heard_better_and_never_through_the_base() -> None:
+    design, places = skin(quantity=Capacitance()), Places.over(hexagon72(), 3e-3)
+    touch = Touch(0.3, 1e-3)
+    bent, straight = (detectable_force(d, touch, places) for d in (design, design.linear))
+    assert (bent.unknown_place <= straight.unknown_place * 1.001)[
+        straight.unknown_place < 0.5
+    ].all()
+    on_taxel = int(straight.unknown_place.argmin())
+    ratio = bent.unknown_place[on_taxel] / straight.unknown_place[on_taxel]
+    assert 0.75 < ratio < 0.97  # the gap narrows: about 1 less its strain
+    with pytest.raises(InputError, match="press the elastomer flat"):
+        place_accuracy(design, Touch(5.0, 1e-3), places)
+
+
+def test_thousand_taxels_take_memory_in_proportion() -> None:
+    import tracemalloc
+
+    design = stress_skin(rectangular(rows=34, columns=34))
+    places = Places.over(design.patch, 3e-3)
+    snr_per_newton(design, 1e-3, places.plane[:2])
+    tracemalloc.start()
+    blind_spots(design, Touch(0.5, 1e-3), places)
+    assert tracemalloc.get_traced_memory()[1] < 60e6  # all pairs of places and taxels: 400 MB
+    tracemalloc.stop()
+
+
+def test_judging_says_what_it_found() -> None:
+    design = stress_skin(icub_triangle())
+    told: list[str] = []
+    found = judge(design, Touch.small(LAYER), Places.over(design.patch, 1e-3), on_map=told.append,
+                  two_point_places=Places.over(design.patch, 5e-3), ways=4)  # fmt: skip
+    assert len(told) == 4
+    rows = {row.name: row for row in found.rows()}
+    assert all(row.median <= row.p90 <= row.p95 <= row.worst for row in found.rows()[1:])
+    place = rows["place deviation, size unknown"]
+    assert place.median == pytest.approx(np.median(found.accuracy.place_std) * 1e3, rel=0.05)
+    assert "0.5 N" in found.verdict()
+    assert "blind" in found.verdict()
+    assert (found.accuracy.place_std >= found.accuracy.place_std_known_size * (1 - 1e-9)).all()
+    assert (found.detectable.unknown_place > found.detectable.known_place).all()
+
+
+def test_comparison_keeps_the_touch_and_sorts() -> None:
+    design = stress_skin(icub_triangle())
+    found = compare_thickness(design, Touch(0.5, 1e-3), [4e-3, 2e-3])
+    assert found.thickness.tolist() == [2e-3, 4e-3]
+    assert {judgement.touch for judgement in found.judgements} == {Touch(0.5, 1e-3)}
+    name = "place deviation, size unknown"
+    thin, thick = found.rows(name)
+    assert thick.median < thin.median
+    assert found.best(name) == 4e-3
+    with pytest.raises(InputError, match="expected one of"):
+        found.rows("beauty")
+    with pytest.raises(InputError, match="two or more"):
+        compare_thickness(design, Touch(0.5, 1e-3), [2e-3])
+
+
+def test_bad_input_is_named() -> None:
+    with pytest.raises(InputError, match="noise_std"):
+        skin(noise=-1.0)
+    with pytest.raises(InputError, match="noise_std has shape"):
+        SkinDesign(patch=hexagon72(), layer=LAYER, noise_std=np.ones(3))
+    with pytest.raises(InputError, match="radius is"):
+        blind_spots(skin(), Touch(0.5, 0.1e-3))
+    with pytest.raises(InputError, match="force is"):
+        Touch(-1.0, 1e-3)
+    with pytest.raises(InputError, match="pitch is"):
+        Places.over(hexagon72(), -1.0)
+    with pytest.raises(InputError, match="false_alarm_rate"):
+        detectable_force(skin(), Touch(0.5, 1e-3), false_alarm_rate=0.5)
+    with pytest.raises(InputError, match="threshold"):
+        blind_spots(skin(), Touch(0.5, 1e-3), threshold=2.0)
+
+
+def test_places_cover_the_patch_and_its_pads() -> None:
+    patch = Patch(np.zeros((1, 2)))
+    alone = Places.over(patch)
+    assert alone.area == pytest.approx(np.pi * 2e-3**2, rel=0.05)
+    places = Places.over(hexagon72(), 1e-3)
+    values = np.arange(len(places), dtype=np.float64)
+    picture = places.picture(values)
+    np.testing.assert_array_equal(picture[places.inside], values)
+    assert np.isnan(picture[~places.inside]).all()
+    halves = [places.plane[:, 0] < -5e-3, places.plane[:, 0] > 5e-3]
+    assert [len(list(places.parts(m))) for m in (halves[0], halves[0] | halves[1])] == [1, 2]

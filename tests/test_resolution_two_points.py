@@ -1,0 +1,211 @@
+"""When two touches are told from one: against other optimisers and Monte Carlo."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from skinfield.errors import Floats, InputError
+from skinfield.inverse.atoms.kernel import Tables, predict
+from skinfield.inverse.atoms.refine import HIGHEST_LOG, LOWEST_LOG
+from skinfield.layout.generators import hexagon72
+from skinfield.mechanics import Layer
+from skinfield.observation import BaseStress, Capacitance
+from skinfield.resolution import Places, SkinDesign, Touch, few_places, two_point_distance
+from skinfield.resolution.response import tables_of_design
+from skinfield.resolution.two_points import needed_noncentrality
+
+THICKNESS = 4e-3
+LAYER = Layer(THICKNESS, 150e3, 0.5)
+RADIUS = 1e-3
+BALLS = np.zeros(2, np.int64)
+LOW, HIGH = [-99.0, -99.0, -9.0, LOWEST_LOG], [99.0, 99.0, 9.0, HIGHEST_LOG]
+
+
+def design(noise: float = 400.0) -> SkinDesign:
+    return SkinDesign(
+        patch=hexagon72(),
+        layer=LAYER,
+        quantity=BaseStress(),
+        noise_std=noise,
+    )
+
+
+def places_near(*points: tuple[float, float]) -> Places:
+    """The whole patch as ground for a second touch, judged at the places nearest to some mm."""
+    whole = Places.over(hexagon72(), 2e-3)
+    rows = [np.linalg.norm(whole.plane * 1e3 - p, axis=1).argmin() for p in points]
+    picked = Places(whole.grid, whole.nodes[rows])
+    picked.__dict__["inside"] = whole.inside
+    return picked
+
+
+class Fits:
+    """Least squares of one contact, or of two equal ones, by SciPy."""
+
+    def __init__(self, skin: SkinDesign) -> None:
+        self.tables: Tables = tables_of_design(skin)
+        self.taxels = skin.patch.plane / THICKNESS
+        self.white = 1 / skin.noise
+
+    def read(self, atoms: Floats) -> tuple[Floats, Floats]:
+        """Whitened readings (L,) of N contacts of 4 parameters, and derivatives (L, N, 4)."""
+        full = np.pad(np.atleast_2d(atoms), ((0, 0), (0, 2)))
+        out, slopes = np.empty(len(self.taxels)), np.empty((len(self.taxels), len(full), 6))
+        predict(full, BALLS[: len(full)], self.taxels, self.tables, out, slopes)
+        return out * self.white, slopes[:, :, :4] * self.white[:, None, None]
+
+    def single(self, readings: Floats, starts: list[Floats]) -> tuple[float, Floats]:
+        from scipy.optimize import least_squares
+
+        def misfit(v: Floats) -> Floats:
+            return self.read(v)[0] - readings
+
+        def slopes(v: Floats) -> Floats:
+            return self.read(v)[1][:, 0]
+
+        found = [
+            least_squares(
+                misfit,
+                np.clip(start, LOW, HIGH),
+                jac=slopes,
+                bounds=(LOW, HIGH),
+                x_scale="jac",
+            )
+            for start in starts
+        ]
+        best = min(found, key=lambda f: f.cost)
+        return 2 * float(best.cost), np.asarray(best.x)
+
+    def double(self, readings: Floats, pairs: list[Floats]) -> float:
+        """Misfit of two contacts (2, 4) of one force and one radius."""
+        from scipy.optimize import least_squares
+
+        def split(v: Floats) -> Floats:
+            return np.stack([v[[0, 1, 4, 5]], v[[2, 3, 4, 5]]])
+
+        def slopes(v: Floats) -> Floats:
+            each = self.read(split(v))[1]
+            return np.concatenate([each[:, 0, :2], each[:, 1, :2], each[:, :, 2:].sum(1)], axis=1)
+
+        def misfit(v: Floats) -> Floats:
+            return self.read(split(v))[0] - readings
+
+        low, high = LOW[:2] + LOW, HIGH[:2] + HIGH
+        costs = [
+            least_squares(
+                misfit,
+                np.concatenate([pair[0, :2], pair[1, :2], pair[0, 2:]]),
+                jac=slopes,
+                bounds=(low, high),
+                x_scale="jac",
+            ).cost
+            for pair in pairs
+        ]
+        return 2 * float(min(costs))
+
+
+def pair_at(place: Floats, distance: float, angle: float, force: float) -> Floats:
+    one = np.array([*place / THICKNESS, np.log(force), np.log(RADIUS / THICKNESS)])
+    other = one.copy()
+    other[:2] += distance / THICKNESS * np.array([np.cos(angle), np.sin(angle)])
+    return np.stack([one, other])
+
+
+def starts_of(pair: Floats) -> list[Floats]:
+    middle = pair.mean(axis=0) + np.array([0, 0, np.log(2), 0])
+    wider = [middle + np.array([0, 0, 0, step]) for step in (0.3, 0.8, 1.3)]
+    return [*wider, pair[0], pair[1]]
+
+
+def test_at_the_distance_the_best_single_touch_misses_by_what_is_needed() -> None:
+    skin, force = design(), 1.0
+    needed = needed_noncentrality(0.05)
+    found = two_point_distance(skin, Touch(force, RADIUS), places_near((8, 8), (3, 9)), ways=4)
+    fits = Fits(skin)
+    for place, distances in zip(found.places.plane, found.distance, strict=True):
+        for angle, distance in zip(found.ways, distances, strict=True):
+            if not np.isfinite(distance):
+                continue
+            at, closer = (
+                fits.single(fits.read(pair)[0], starts_of(pair))[0]
+                for pair in (pair_at(place, d, angle, force) for d in (distance, 0.8 * distance))
+            )
+            assert 0.7 * needed < at < 1.4 * needed
+            assert closer < needed
+
+
+def test_both_errors_are_as_rare_as_stated() -> None:
+    from scipy.stats import chi2
+
+    skin, force, rate = design(), 1.0, 0.05
+    found = two_point_distance(skin, Touch(force, RADIUS), places_near((8, 8)), ways=4)
+    way = int(np.nanargmin(found.distance[0]))
+    pair = pair_at(found.places.plane[0], found.distance[0, way], found.ways[way], force)
+    fits = Fits(skin)
+    two = fits.read(pair)[0]
+    _, alike = fits.single(two, starts_of(pair))
+    one = fits.read(alike)[0]
+    turned = pair.copy()
+    turned[:, :2] = pair[:, :2].mean(axis=0) + (pair[:, :2] - pair[:, :2].mean(axis=0)) @ [
+        [0, 1],
+        [-1, 0],
+    ]
+    level, rng, wrong = chi2.isf(rate, 2), np.random.default_rng(0), np.zeros(2)
+    runs = 80
+    for _ in range(runs):
+        noise = rng.standard_normal(len(one))
+        for truth, readings in enumerate((one + noise, two + noise)):
+            gain = fits.single(readings, [alike])[0] - fits.double(readings, [pair, turned])
+            wrong[truth] += (gain > level) if truth == 0 else (gain < level)
+    assert (wrong / runs < rate + 3 * np.sqrt(rate / runs)).all()  # never much more often
+    assert wrong.sum() / runs > rate / 5  # nor is the statement idle
+
+
+def test_more_force_and_less_noise_bring_two_closer() -> None:
+    places = places_near((8, 8), (3, 9), (-9, 2))
+    base = two_point_distance(design(), Touch(0.5, RADIUS), places, ways=6)
+    for better in (
+        two_point_distance(design(), Touch(1.0, RADIUS), places, ways=6),
+        two_point_distance(design(200.0), Touch(0.5, RADIUS), places, ways=6),
+        two_point_distance(design(), Touch(0.5, RADIUS), places, ways=6, error_rate=0.2),
+    ):
+        assert (better.typical < base.typical).all()
+        assert (better.worst <= base.worst).all()
+    # readings are proportional: twice the force is half the noise
+    np.testing.assert_allclose(
+        two_point_distance(design(), Touch(1.0, RADIUS), places, ways=6).distance,
+        two_point_distance(design(200.0), Touch(0.5, RADIUS), places, ways=6).distance,
+        rtol=0.06,
+    )
+    assert (base.worst >= base.typical).all()
+
+
+def test_needed_noncentrality_is_where_both_errors_meet() -> None:
+    from scipy.stats import chi2
+
+    rng = np.random.default_rng(0)
+    for rate in (0.05, 0.01):
+        needed = needed_noncentrality(rate)
+        pairs = rng.standard_normal((400_000, 2)) + np.array([np.sqrt(needed), 0.0])
+        missed = float(((pairs**2).sum(axis=1) < chi2.isf(rate, 2)).mean())
+        assert missed == pytest.approx(rate, rel=0.06)
+
+
+def test_two_touches_are_judged_in_proportion_also_where_readings_bend() -> None:
+    places, touch = places_near((8, 8)), Touch(0.2, RADIUS)
+    bent = SkinDesign(patch=hexagon72(), layer=LAYER, quantity=Capacitance())
+    straight = replace(bent, quantity=Capacitance(order=1))
+    found = [two_point_distance(d, touch, places, ways=3).distance for d in (bent, straight)]
+    np.testing.assert_array_equal(found[0], found[1])
+
+
+def test_few_places_are_few_and_bad_input_is_named() -> None:
+    skin = design()
+    assert 60 < len(few_places(skin, 100)) <= 100
+    with pytest.raises(InputError, match="ways"):
+        two_point_distance(skin, Touch(1.0, RADIUS), ways=0)
+    with pytest.raises(InputError, match="error_rate"):
+        two_point_distance(skin, Touch(1.0, RADIUS), error_rate=0.7)
+    with pytest.raises(InputError, match="farthest"):
+        two_point_distance(skin, Touch(1.0, RADIUS), farthest=-1.0)
