@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skinfield.experiments.coverage.plan import LEVELS, coverage_plan
+from skinfield.experiments.coverage.plan import LEVELS, CoveragePlan, coverage_plan
 from skinfield.experiments.coverage.trials import coverage_parts
 from skinfield.experiments.scoring.rows import Row
 from skinfield.experiments.scoring.statistics import wilson
@@ -28,7 +28,11 @@ def coverage(settings: Settings, results: Sequence[list[Row] | None]) -> Section
     rows = [row for part in results for row in part or () if row["found"]]
     if not rows:
         return Missing("coverage: none of its parts could be computed")
-    plan = coverage_plan(settings.size.name, settings.seed)
+    return section_of(coverage_plan(settings.size.name, settings.seed), rows)
+
+
+def section_of(plan: CoveragePlan, rows: Sequence[Row]) -> Section:
+    """The section of some rows."""
     return Section(
         name="coverage",
         title="Intervals: do they hold the truth as often as they say?",
