@@ -11,6 +11,7 @@ from skinfield.experiments.paper.resolutions import resolutions
 from skinfield.experiments.paper.timing import timing
 from skinfield.experiments.recorded.sections import RECORDED, recorded
 from skinfield.experiments.section import Experiment
+from skinfield.experiments.tracks.section import tracks, tracks_parts_of
 from skinfield.experiments.trust.section import trust, trust_parts_of
 
 EXPERIMENTS = (
@@ -22,6 +23,7 @@ EXPERIMENTS = (
     Experiment("accuracy", ("table",), accuracy, parts=accuracy_parts),
     Experiment("trust", ("contacts",), trust, parts=trust_parts_of),
     Experiment("coverage", ("intervals",), coverage, parts=coverage_parts_of),
+    Experiment("tracks", ("time",), tracks, parts=tracks_parts_of),
     Experiment("half-space", ("model",), half_space_error),
     Experiment("agreement", ("fem",), judged),
     *(Experiment(f"real-{name}", ("real-data",), recorded, (name,)) for name in RECORDED),

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.contacts import Tracker
-from skinfield.contacts.tracking.tracked import TrackedContact
+from skinfield.contacts import TrackedContact, Tracker
 from skinfield.errors import Floats
 from skinfield.experiments.paper.presses import paper_patch
 from skinfield.experiments.settings import Settings

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.contacts import TrackedContact
 from skinfield.errors import Floats
 from skinfield.fields import Contact
 
@@ -43,6 +44,7 @@ class Steps:
 
     hits: list[Hit] = field(default_factory=list)
     others: list[tuple[int, int, Contact]] = field(default_factory=list)
+    last: dict[int, int] = field(default_factory=dict)
     missed: int = 0
     readings: int = 0
 
@@ -56,26 +58,39 @@ class Steps:
     ) -> None:
         """Take up a reading: balls (B,) at places (B, 2) m, and contacts with their numbers.
 
-        Each ball goes with at most one contact nearer than `gate` m, as many as there are, and
-        then the nearest.
+        A ball keeps the number that it had while that contact is nearer than `gate` m; the others
+        go with at most one contact each, as many as there are, and then the nearest.
         """
-        from scipy.optimize import linear_sum_assignment
-
         index, self.readings = self.readings, self.readings + 1
-        taken = set()
+        taken: set[int] = set()
         if len(balls) and found:
             seen = np.array([contact.position[:2] for _, contact in found])
             away = np.linalg.norm(places[:, None] - seen[None], axis=2)
-            beyond = gate * (min(away.shape) + 1)
-            rows, columns = linear_sum_assignment(np.where(away <= gate, away, beyond))
-            for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
-                if away[row, column] <= gate:
-                    number, contact = found[column]
-                    off, force = seen[column] - places[row], float(forces[row])
-                    self.hits.append(Hit(index, int(balls[row]), number, contact, off, force))
-                    taken.add(column)
+            for row, column in self._pairs(balls, away, [number for number, _ in found], gate):
+                number, contact = found[column]
+                off, force, ball = seen[column] - places[row], float(forces[row]), int(balls[row])
+                self.hits.append(Hit(index, ball, number, contact, off, force))
+                self.last[ball] = number
+                taken.add(column)
         self.missed += len(balls) - len(taken)
-        self.others += [(index, *one) for at, one in enumerate(found) if at not in taken]
+        for at, (number, contact) in enumerate(found):
+            if at not in taken:
+                self.others.append((index, number, contact))
+
+    def _pairs(
+        self, balls: NDArray[np.int64], away: Floats, numbers: Sequence[int], gate: float
+    ) -> list[tuple[int, int]]:
+        from scipy.optimize import linear_sum_assignment
+
+        beyond = gate * (min(away.shape) + 2)
+        cost = np.where(away <= gate, away, beyond)
+        for row, ball in enumerate(balls.tolist()):
+            last = self.last.get(ball)
+            if last in numbers and away[row, numbers.index(last)] <= gate:
+                cost[row, numbers.index(last)] = -beyond  # whatever else is nearer
+        rows, columns = linear_sum_assignment(cost)
+        pairs = zip(rows.tolist(), columns.tolist(), strict=True)
+        return [(row, column) for row, column in pairs if away[row, column] <= gate]
 
     def as_lines(self) -> dict[str, list[list[float]]]:
         """For each number its readings: index, x and y in mm, force in N."""
@@ -99,12 +114,15 @@ class Switches:
         Balls that have one number from the first to the last.
     missed, false : int
         Balls without a contact, and contacts without a ball, summed over the readings.
+    coasting : int
+        Contacts without a ball that are foretold and not seen; they are not among the false.
     """
 
     switches: int
     whole: int
     missed: int
     false: int
+    coasting: int
 
     @classmethod
     def of(cls, steps: Steps) -> "Switches":
@@ -114,7 +132,10 @@ class Switches:
             numbers[hit.ball].append(hit.number)
         changes = {ball: sum(a != b for a, b in pairwise(each)) for ball, each in numbers.items()}
         whole = sum(count == 0 for count in changes.values())
-        return cls(sum(changes.values()), whole, steps.missed, len(steps.others))
+        others = [contact for *_, contact in steps.others]
+        coasting = sum(isinstance(one, TrackedContact) and one.is_coasting for one in others)
+        switches = sum(changes.values())
+        return cls(switches, whole, steps.missed, len(others) - coasting, coasting)
 
 
 def added(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
