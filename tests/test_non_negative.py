@@ -2,6 +2,7 @@
 
 import time
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
+from test_readme import ROOT, follow
 
 import skinfield as sf
 from skinfield.errors import Floats, InputError
@@ -324,6 +326,16 @@ def test_through_a_reconstructor_taxels_may_be_missing() -> None:
     assert part.pressure.min() == 0.0
     assert part[0].pressure.max() > 0
     assert not part[1].pressure.any()
+
+
+def test_the_page_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "non-negative.md") == (1, 0)
+    said = capsys.readouterr().out
+    assert said.endswith("N of 2 N, least pressure 0 Pa\n")
+    assert 1.0 < float(said.split()[0]) < 2.4
 
 
 def test_the_unit_of_the_readings_does_not_matter() -> None:

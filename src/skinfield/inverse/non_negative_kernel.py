@@ -16,7 +16,7 @@ Flags = NDArray[np.bool_]
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 HALVINGS = 3  # of a step that bends at 0, before single nodes are exchanged
 DESCENT = 1e-4  # of what the slope promises, which a step must bring
-NEARLY_WORST = 0.5  # of the steepest node: as steep ones are freed with it
+NEARLY_WORST = 0.05  # of the steepest node: those that are as steep are freed with it
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -102,8 +102,8 @@ def choose_many(
 ) -> None:
     """Mark the nodes that may move: all pressed ones, and the steepest of those that should rise.
 
-    Of the latter, each that is steeper than its eight neighbours, or nearly as steep as the
-    steepest of all; so that the set grows from many places at once but stays near the support.
+    Of the latter, each that is steeper than its eight neighbours or than a part of the steepest of
+    all; so that the set grows from many places at once but stays near the support.
     """
     height, width = shape
     worst = 0.0
