@@ -1,8 +1,9 @@
 """Contacts as few round or drawn-out loads: the most accurate answer on a thin skin."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from skinfield.errors import InputError, check_positive, check_range
+from skinfield.inverse.non_negative import NonNegative
 from skinfield.inverse.operator import ContactOperator
 from skinfield.observation import ObservationModel
 
@@ -32,6 +33,9 @@ class ContactFit:
         Places from which each new contact is sought.
     warm : bool
         Start from the reading before. Its answer is kept only as long as it explains the readings.
+    extended : NonNegative or None
+        Answers the readings that no few contacts explain, such as a whole palm's; the estimate's
+        `notes` say so. None leaves them to the best set of contacts.
     """
 
     most_contacts: int = 8
@@ -40,6 +44,7 @@ class ContactFit:
     model_error: float = 0.002
     starts: int = 8
     warm: bool = True
+    extended: NonNegative | None = field(default_factory=NonNegative)
 
     def __post_init__(self) -> None:
         if not 1 <= self.most_contacts <= 64:

@@ -96,6 +96,8 @@ class Fit:
         What the taxels would read of them.
     cells : (N,) int array
         Nodes with pressure other than 0.
+    explained : bool
+        Whether noise accounts for what the contacts leave over.
     notes : tuple of str
     """
 
@@ -105,12 +107,24 @@ class Fit:
     contacts: tuple[Contact, ...]
     predicted: Floats
     cells: NDArray[np.int64]
+    explained: bool = True
     notes: tuple[str, ...] = ()
 
 
 @runtime_checkable
 class ContactOperator(Protocol):
-    """Prepared search for the contacts that explain L readings."""
+    """Prepared search for the contacts that explain L readings.
+
+    Attributes
+    ----------
+    extended : FieldOperator or None
+        For readings that no few contacts explain.
+    """
+
+    @property
+    def extended(self) -> FieldOperator | None:
+        """What answers the readings that no few contacts explain."""
+        ...
 
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
         """Contacts and fields of `readings` (L,) in the quantity's unit.

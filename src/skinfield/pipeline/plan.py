@@ -15,6 +15,7 @@ from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosteri
 from skinfield.inverse import (
     ContactOperator,
     FieldOperator,
+    Fit,
     InverseOperator,
     Solver,
 )
@@ -113,7 +114,9 @@ def make_plan(setting: Setting, solver: Solver, valid: NDArray[np.bool_]) -> Pla
     if isinstance(inverse, InverseOperator):
         return linear_plan(setting, part, inverse, valid)
     if isinstance(inverse, ContactOperator):
-        return ContactPlan(setting, inverse, valid)
+        field = inverse.extended
+        extended = None if field is None else FieldPlan(setting, part, field, valid)
+        return ContactPlan(setting, inverse, valid, extended)
     return FieldPlan(setting, part, inverse, valid)
 
 
@@ -252,20 +255,40 @@ class ContactPlan:
     setting: Setting
     operator: ContactOperator
     valid: NDArray[np.bool_]
+    extended: FieldPlan | None
 
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
         """See `Plan.solve`."""
-        setting, nodes = self.setting, len(self.setting.grid)
-        whole = len(nodes_of := setting.nodes) == len(setting.model.grid)
         for row, reading in zip(rows, readings, strict=True):
-            fit = self.operator.fit(reading, _until(deadline))
-            out.contacts[row] = fit.contacts if whole else self._inside(fit.contacts)
-            out.fields[row, :nodes] = fit.pressure if whole else fit.pressure[nodes_of]
-            moved = fit.displacement if whole else fit.displacement[nodes_of]
-            out.fields[row, nodes:].reshape(3, nodes)[:] = moved.T
-            out.pressure_std[row] = fit.pressure_std if whole else fit.pressure_std[nodes_of]
-            out.residual[row, self.valid] = reading - fit.predicted
+            until = _until(deadline)
+            fit = self.operator.fit(reading, until)
+            late = until is not None and time.perf_counter_ns() >= until
+            if fit.explained or late or not self._answered(reading, fit, row, out):
+                self._write(reading, fit, row, out)
             out.notes.extend(note for note in fit.notes if note not in out.notes)
+
+    def _write(self, reading: Floats, fit: Fit, row: int, out: Results) -> None:
+        setting, nodes = self.setting, len(self.setting.grid)
+        whole, here = len(setting.nodes) == len(setting.model.grid), setting.nodes
+        out.contacts[row] = fit.contacts if whole else self._inside(fit.contacts)
+        out.fields[row, :nodes] = fit.pressure if whole else fit.pressure[here]
+        moved = fit.displacement if whole else fit.displacement[here]
+        out.fields[row, nodes:].reshape(3, nodes)[:] = moved.T
+        out.pressure_std[row] = fit.pressure_std if whole else fit.pressure_std[here]
+        out.residual[row, self.valid] = reading - fit.predicted
+
+    def _answered(self, reading: Floats, fit: Fit, row: int, out: Results) -> bool:
+        """Let a field answer a reading that contacts do not explain, if it explains more."""
+        if self.extended is None:
+            return False
+        self.extended.solve(reading[None], np.array([row]), out, None)
+        noise = self.extended.model.noise_std
+        left = np.square(out.residual[row, self.valid] / noise).sum()
+        if left >= np.square((reading - fit.predicted) / noise).sum():
+            return False
+        note = "more than few contacts: a non-negative field answers"
+        out.notes.extend([] if note in out.notes else [note])
+        return True
 
     def _inside(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
         """Contacts that press the window, with the window's own nodes."""
@@ -282,10 +305,13 @@ class ContactPlan:
     def reset(self) -> None:
         """Forget the reading before."""
         self.operator.reset()
+        if self.extended is not None:
+            self.extended.reset()
 
     def within(self, setting: Setting) -> "ContactPlan":
         """See `Plan.within`."""
-        return replace(self, setting=setting)
+        extended = None if self.extended is None else self.extended.within(setting)
+        return replace(self, setting=setting, extended=extended)
 
 
 def _until(deadline: float | None) -> int | None:

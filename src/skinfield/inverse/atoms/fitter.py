@@ -25,6 +25,7 @@ CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before 
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 6e-3  # m: of each component of the half-length of a line
+ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
 FORCE_ERROR = 0.03  # of a contact: what presses is no perfect ball, flat end, line or ring
 PLACE_ERROR = 0.02  # thicknesses, likewise
 FIRST = 15.0  # standard deviations: strength of the touch by which all is loaded
@@ -33,6 +34,7 @@ FEW = 24  # for a contact that the reading before had, too
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
+QUIETEST = 1e-3  # of the stated noise, that is believed
 QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
 
 MODEL_ERROR = np.diag([PLACE_ERROR**2, PLACE_ERROR**2, FORCE_ERROR**2, FORCE_ERROR**2, 0.0, 0.0])
@@ -74,6 +76,7 @@ class ContactFitter:
         self._places = np.array([low, high])
         self._threshold = significant(settings.false_alarm_rate, len(model.taxels))
         self._renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        self.extended = settings.extended.prepare(model) if settings.extended else None
         self._before: AtomSet | None = None
         self._kept: tuple[Known, ...] = ()
         self._compared = 0.0
@@ -166,6 +169,7 @@ class ContactFitter:
             contacts=contacts,
             predicted=found.predicted,
             cells=np.flatnonzero(pressure),
+            explained=explains(problem, found),
             notes=_notes(problem.late, len(found)),
         )
 
@@ -220,6 +224,14 @@ def holds(known: Known, atom: Floats) -> bool:
     return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
 
 
+def explains(problem: Problem, found: AtomSet) -> bool:
+    """Whether noise and model error account for what is left over, but for one reading in 1e4."""
+    from scipy.special import chdtri
+
+    squares = np.square((problem.readings - found.predicted) * problem.white).sum()
+    return bool(squares <= chdtri(len(problem.readings), ODD))
+
+
 def quieter(problem: Problem, found: AtomSet) -> float:
     """Scale of the noise, at most 1, by what the atoms leave over.
 
@@ -234,7 +246,7 @@ def quieter(problem: Problem, found: AtomSet) -> float:
     scale = float(squares.sum()) / max(len(squares) - parameters, 1)
     if seen.sum() > parameters + 2:
         scale = max(scale, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
-    return 1.0 if scale > QUIET else float(np.sqrt(scale))
+    return 1.0 if scale > QUIET else max(float(np.sqrt(scale)), QUIETEST)
 
 
 def significant(false_alarm_rate: float, taxels: int) -> float:
