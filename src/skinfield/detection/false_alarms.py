@@ -21,7 +21,8 @@ from skinfield.detection.lookback import Lookback
 from skinfield.detection.statistics import Matches, Statistic
 from skinfield.errors import Floats
 
-DRAWS = 4000
+DRAWS, LEAST = 4000, 1500  # least: where a patch has so many taxels that draws take long
+WORK = 8.5e9  # products of template and reading, for all draws: some seconds
 CHUNK = 1_000_000  # scores at once: 8 MB
 MEAN, STD = 4.5, 1.2  # of the matches that are drawn: false alarms at rates from 0.1 to 1e-8
 IDLE = 0.1  # share of the draws without touch, for rates above
@@ -48,10 +49,13 @@ class FalseAlarms:
 
     @classmethod
     def sampled(
-        cls, lookback: Lookback, statistic: Statistic, seed: int, draws: int = DRAWS
+        cls, lookback: Lookback, statistic: Statistic, seed: int, draws: int | None = None
     ) -> "FalseAlarms":
         """Draw touches, and weigh them."""
         rng = np.random.default_rng(seed)
+        if draws is None:
+            each = len(lookback.rate) * len(lookback.bank.noise.std)
+            draws = int(np.clip(WORK / each, LEAST, DRAWS))
         levels, weights = np.empty(draws), np.empty(draws)
         chunk = max(1, CHUNK // len(lookback.rate))
         entry, force = _touches(lookback, draws, rng)

@@ -98,11 +98,7 @@ def draw_curves(
             for column, panel in enumerate(line):
                 axes = grid[row][column]
                 _draw(axes, panel, names, handles)
-                axes.set_xscale("log" if log_x else "linear")
-                axes.set(xlim=x_limits or (None, None), ylim=(-0.03, 1.03))
-                if x_ticks is not None:
-                    axes.set_xticks(x_ticks, [f"{tick:g}" for tick in x_ticks])
-                    axes.xaxis.minorticks_off()
+                _scale(axes, log_x, x_limits, x_ticks)
                 if row == len(rows) - 1:
                     axes.set_xlabel(x)
             grid[row][0].set_ylabel(y)
@@ -111,6 +107,19 @@ def draw_curves(
             ncols=min(3, len(names)), handlelength=2.6,
         )  # fmt: skip
     return figure
+
+
+def _scale(
+    axes: "Axes",
+    log_x: bool,
+    limits: tuple[float, float] | None,
+    ticks: tuple[float, ...] | None,
+) -> None:
+    axes.set_xscale("log" if log_x else "linear")
+    axes.set(xlim=limits or (None, None), ylim=(-0.03, 1.03))
+    if ticks is not None:
+        axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.xaxis.minorticks_off()
 
 
 def _draw(axes: "Axes", panel: CurvePanel, names: list[str], handles: dict[str, Any]) -> None:
