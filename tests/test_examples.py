@@ -16,6 +16,7 @@ FOUND = {  # the last number with that unit, between; two-sided, so that an odd 
     "light_touch": ("N", 0.05, 0.25),  # 0.1, just above what 0.3 s can show
     "press_truth": ("mm deep", 0.5195, 0.5205),  # the integral equation has 0.5200
     "virtual_rig": ("N", 0.8, 1.4),  # 1.0
+    "sliding_finger": ("N", 1.3, 1.7),  # 1.5, filtered
     "own_solver_validated": ("mm", 1.0, 3.0),  # of place, median of four cases
 }
 

@@ -1,8 +1,8 @@
 """What moves over the skin: places and forces through time, and what the taxels read of it.
 
 The layer has no border, so a press that is moved gives the readings of taxels that are moved the
-other way. Readings of several balls are added up: 12 mm apart that is true to a part in a hundred of
-the highest reading, and 5 mm apart to a few, as each ball then feels the other's dent.
+other way. Readings of several balls are added up: 12 mm apart that is true to a part in a hundred
+of the highest reading, and 5 mm apart to a few, as each ball then feels the other's dent.
 """
 
 from dataclasses import dataclass
