@@ -1,20 +1,28 @@
 """How often intervals of linear solvers hold the truth: a picture, and a table.
 
   python docs/uncertainty_figures.py [-o FOLDER]     coverage.png into docs/images; prints the table
+  python docs/uncertainty_figures.py --two           prints what holds of two bodies at once
 
-Two minutes of one core. `skinfield experiments --only intervals` has ContactFit, too.
+Two minutes of one core, and half a minute. ContactFit is in the report of
+`skinfield experiments --only intervals`.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
+import numpy as np
 
+import skinfield as sf
+from skinfield.experiments.cases.truth import TrueContact
 from skinfield.experiments.coverage.plan import SOLVERS, CoveragePlan
 from skinfield.experiments.coverage.section import section_of
-from skinfield.experiments.coverage.trials import rows_of_quantity
+from skinfield.experiments.coverage.trials import rehearsal_of, rows_of_quantity
+from skinfield.experiments.scoring.matching import matched
 from skinfield.experiments.scoring.rows import Row
 
 IMAGES = Path(__file__).parent / "images"
+PAIRS = 250  # of presses at each distance
 PLAN = CoveragePlan(
     solvers=tuple(entry for entry in SOLVERS if entry.linear), presses=300, trials=300
 )
@@ -43,10 +51,45 @@ def table(rows: list[Row]) -> list[str]:
     return lines
 
 
+def two_bodies() -> Iterator[str]:
+    """What 90 % intervals that are learnt from one body at a time hold of two, by distance.
+
+    Stress at the typical noise, Gaussian field. Readings of two presses are added: they are so far
+    apart that neither changes the other's contact.
+    """
+    made, rng = rehearsal_of(PLAN, "stress"), np.random.default_rng(0)
+    grid = sf.Grid.square(PLAN.patch, nodes=PLAN.nodes)
+    plain = sf.Reconstructor(PLAN.patch, PLAN.layer, grid, quantity=sf.BaseStress())
+    noise, learnt = plain.model.noise_std, plain.calibrated(PLAN.presses, PLAN.seed)
+    apart = np.linalg.norm(made.places[:, None] - made.places[None], axis=2)
+    for low, high in ((8e-3, 12e-3), (12e-3, 16e-3), (16e-3, 40e-3)):
+        pairs = np.argwhere(np.triu((apart >= low) & (apart < high)))
+        held = []
+        for pair in pairs[rng.permutation(len(pairs))[:PAIRS]]:
+            reading = made.readings[pair].sum(axis=0) + noise * rng.standard_normal(len(noise))
+            true = [
+                TrueContact((float(made.places[i, 0]), float(made.places[i, 1])), made.forces[i])
+                for i in pair
+            ]
+            found = learnt(reading).contacts
+            for match in matched(PLAN.patch, true, found)[0]:
+                contact, force = found[match.found], match.true_force
+                ends = contact.force_interval(0.9)
+                inside = match.distance <= contact.place_radius(0.9)
+                held.append((ends[0] <= force <= ends[1], inside))
+        shares = ", ".join(f"{100 * share:.0f} %" for share in np.mean(held, axis=0))
+        yield f"{1e3 * low:g} to {1e3 * high:g} mm: force and place {shares} of {len(held)}"
+
+
 @click.command()
 @click.option("-o", "folder", type=click.Path(path_type=Path), default=IMAGES)
-def main(folder: Path) -> None:
+@click.option("--two", is_flag=True, help="Two bodies at once instead.")
+def main(folder: Path, two: bool) -> None:
     """Make the picture and print the table."""
+    if two:
+        for line in two_bodies():
+            click.echo(line)
+        return
     rows = [row for quantity in PLAN.quantities for row in rows_of_quantity(PLAN, quantity)]
     section = section_of(PLAN, rows)
     (folder / "coverage.png").write_bytes(section.pictures[0].png)
