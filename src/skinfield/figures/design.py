@@ -17,7 +17,6 @@ from skinfield.figures.style import (
     TITLE,
     add_title,
     new_figure,
-    number,
     style,
 )
 from skinfield.resolution import Judgement, Places, ThicknessComparison
@@ -48,7 +47,7 @@ def draw_judgement(judgement: Judgement, *, title: str = "") -> "Figure":
     places, few = found.places, pairs.places
     force = f"{judgement.touch.force:g} N"
     rates = f"{found.detection_rate:.0%} found, {found.false_alarm_rate:g} false alarms a reading"
-    error = f"{pairs.error_rate:.0%} errors, two of {force} each"
+    error = f"{pairs.error_rate:.0%} errors, two of {force} each; grey: never told"
     panels = (
         (places, judgement.blind.response * 100, "response (% of the best place)",
          "Blind spots", f"a light touch; outlined: below {judgement.blind.threshold:.0%}"),
@@ -113,7 +112,7 @@ def draw_thickness(comparison: ThicknessComparison, *, title: str = "") -> "Figu
     title : str
     """
     touch = comparison.judgements[0].touch
-    first, radius = comparison.judgements[0], number(touch.radius * MM, 2)
+    first, radius = comparison.judgements[0], f"{touch.radius * MM:g}"
     panels = (
         ("smallest force found, place unknown", "force (N)", "Smallest force found",
          f"{first.terms.false_alarm_rate:g} false alarms, {first.terms.detection_rate:.0%} found"),
@@ -133,7 +132,9 @@ def draw_thickness(comparison: ThicknessComparison, *, title: str = "") -> "Figu
             axes = figure.add_axes((0.055 + 0.245 * index, 0.15, 0.19, 0.53))
             _draw_curves(axes, comparison, name, label)
             add_title(axes, "abcd"[index], heading, note)
-        figure.axes[0].legend(frameon=False, fontsize=8)
+        lines = figure.axes[0].get_lines()
+        figure.legend(lines, [str(line.get_label()) for line in lines], frameon=False, fontsize=8,
+                      loc="upper right", bbox_to_anchor=(0.995, 0.995))  # fmt: skip
     return figure
 
 
@@ -177,18 +178,16 @@ def _extent(places: Places) -> Floats:
 
 def _title(judgement: Judgement) -> str:
     patch = judgement.design.patch
-    return f"{patch.name}, {len(patch)} taxels: {_reads(judgement)}"
+    thickness = judgement.design.layer.thickness * MM
+    return f"{patch.name}, {len(patch)} taxels: h = {thickness:g} mm, {_reads(judgement)}"
 
 
 def _reads(judgement: Judgement) -> str:
-    """Thickness, quantity and noise."""
+    """Quantity and noise."""
     design = judgement.design
     noise, unit = float(np.median(design.noise)), design.quantity.unit
     of = "" if unit == "1" else f" {unit}"
-    return (
-        f"h = {design.layer.thickness * MM:g} mm, {design.quantity.symbol} with noise "
-        f"{noise:.3g}{of}"
-    )
+    return f"{design.quantity.symbol} with noise {noise:.3g}{of}"
 
 
 def _draw_places(
