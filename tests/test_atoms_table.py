@@ -1,0 +1,170 @@
+"""Tabulated readings of single contacts against simulated presses, equilibrium and kernels."""
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pytest
+from contact_truth import LAYER, PATCH, solved
+from numpy.typing import NDArray
+from test_atoms_kernel import read, tables
+
+import skinfield as sf
+from skinfield.inverse.atoms.profiles import (
+    BALL,
+    FAMILIES,
+    FLAT,
+    RING,
+    curvature_force,
+    load_quadrature,
+    unit_indentation,
+    unit_pressure,
+)
+from skinfield.inverse.atoms.table import AtomTable, atom_table
+from skinfield.mechanics import BondedLayer, HalfSpace, Layer
+from skinfield.mechanics.axisymmetric import indent_by_force
+from skinfield.mechanics.profiles import Ball
+from skinfield.observation import Capacitance, Physics, Quantity
+
+Floats = NDArray[np.float64]
+H = LAYER.thickness
+LINE = np.column_stack([np.linspace(0.0, 8e-3, 33), np.zeros(33)])  # m from the axis
+BODIES = {
+    "a ball": (sf.simulate.Sphere(radius=6e-3, force=1.0), BALL),
+    "a small ball, deep": (sf.simulate.Sphere(radius=4e-3, force=1.0), BALL),
+    "a big ball": (sf.simulate.Sphere(radius=14e-3, force=2.0), BALL),
+    "a flat end": (sf.simulate.Cylinder(radius=3e-3, force=1.0), FLAT),
+}
+
+
+def atom_of(body: Any, family: int, force: float) -> Floats:
+    """Parameters of the atom that a body is, by exact radii."""
+    radius = body.radius if family == FLAT else touching(body.radius, force)
+    return np.array([0.0, 0.0, np.log(force), np.log(radius / H), 0.0, 0.0])
+
+
+def touching(curvature: float, force: float) -> float:
+    """Contact radius in m of a ball: a true one, not the paraboloid that atoms are made of."""
+    return indent_by_force(LAYER, Ball(radius=curvature), force).contact_radius
+
+
+@pytest.mark.parametrize("quantity", ["stress", "capacitance"])
+@pytest.mark.parametrize("name", list(BODIES))
+def test_the_simulator_reads_the_same(name: str, quantity: str) -> None:
+    """Below 1 %, but for the gap below a ball: a paraboloid that touches as far is less deep."""
+    body, family = BODIES[name]
+    press, anywhere = solved(body, quantity)
+    expected = anywhere(LINE)
+    found = read(quantity, atom_of(body, family, press.force), [family], LINE / H)
+    off = np.abs(found - expected).max() / np.abs(expected).max()
+    assert off < (0.025 if quantity == "capacitance" else 0.01)
+    assert off > 1e-6  # they share no code below the elasticity
+
+
+@pytest.mark.parametrize("quantity", ["stress", "capacitance"])
+@pytest.mark.parametrize("name", list(BODIES))
+def test_force_and_radius_make_up_for_what_is_no_paraboloid(name: str, quantity: str) -> None:
+    """What a fit without noise can reach: 0.7 % of a ball's force, 0.05 mm of the radius."""
+    from scipy.optimize import least_squares
+
+    body, family = BODIES[name]
+    press, anywhere = solved(body, quantity)
+    expected = anywhere(LINE)
+    start = atom_of(body, family, press.force)
+
+    def residuals(moved: Floats) -> Floats:
+        atom = start.copy()
+        atom[2:4] += moved
+        return (read(quantity, atom, [family], LINE / H) - expected) / np.abs(expected).max()
+
+    found = least_squares(residuals, [0.1, -0.1])
+    assert np.abs(found.fun).max() < 1e-3
+    hidden = family == FLAT and quantity == "capacitance"  # its middle hardly changes the gap
+    assert np.exp(found.x[0]) == pytest.approx(1.0, abs=0.06 if hidden else 0.007)
+    assert np.exp(start[3]) * H * np.expm1(found.x[1]) == pytest.approx(0.0, abs=0.05e-3)
+
+
+def test_the_simulator_touches_as_far_as_the_ball_is_said_to() -> None:
+    """Within a part of the 0.25 mm of its cells; a paraboloid touches farther."""
+    press, _ = solved(BODIES["a small ball, deep"][0], "stress")
+    radius = np.sqrt(press.contact_area / np.pi)
+    assert radius == pytest.approx(touching(4e-3, press.force), abs=0.03e-3)
+    assert curvature_force(LAYER, radius) / 4e-3 < 0.95 * press.force
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("radius", [0.3, 1.0, 3.0])
+def test_the_stress_below_carries_the_force(family: int, radius: float) -> None:
+    """Equilibrium: summed over the whole base, pads in place of points or not."""
+    r = np.linspace(0.0, radius + 7.0, 4001)
+    atom = np.array([0.0, 0.0, 0.0, np.log(radius), 0.0, 0.0])
+    reading = read("stress", atom, [family], np.column_stack([r, np.zeros_like(r)]))
+    total = np.trapezoid(2 * np.pi * r * reading, r) * H**2
+    assert total == pytest.approx(1.0, abs=6e-3)  # the rest lies beyond what is tabulated
+
+
+@lru_cache(maxsize=1)
+def first_order() -> AtomTable:
+    quantity: Quantity = Capacitance(order=1)
+    return atom_table(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter))
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("radius", [0.5, 2.0])
+def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> None:
+    """The field in a gap that hardly changes is that of its linear kernel, on a grid."""
+    from skinfield.inverse.atoms.kernel import PARAMETERS, predict, tables_of
+
+    table = first_order()
+    assert table.linear
+    atom = np.array([[0.0, 0.0, np.log(1e-4), np.log(radius), 0.0, 0.0]])
+    taxels = LINE / H
+    expected, slopes = np.empty(len(taxels)), np.empty((len(taxels), 1, PARAMETERS))
+    predict(atom, np.array([family]), taxels, tables_of(table), expected, slopes)
+    found = read("capacitance", atom[0], [family], taxels)
+    share = 0.04 if family == RING else 0.02
+    assert np.abs(found - expected).max() < share * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("mechanics", [BondedLayer(), HalfSpace()], ids=["layer", "half-space"])
+def test_rings_of_force_stand_for_the_pressure(family: int, mechanics: object) -> None:
+    radius = 2.5e-3
+    rings, forces = load_quadrature(LAYER, mechanics, family, radius)
+    assert forces.sum() == pytest.approx(1.0)
+    assert (forces > 0).all()
+    edge = radius + H
+    r = edge * np.sin(np.linspace(0.0, np.pi / 2, 40_001))  # dense where a flat end is singular
+    if family != RING:
+        r = radius * np.sin(np.linspace(0.0, np.pi / 2, 40_001))[:-1]
+    pressure = unit_pressure(LAYER, mechanics, family, radius, r)
+    for power in (0, 2):
+        moment = np.trapezoid(2 * np.pi * r ** (1 + power) * pressure, r)
+        assert forces @ rings**power == pytest.approx(moment, rel=5e-3)
+
+
+def test_on_a_thick_layer_contacts_are_hertz_and_boussinesq() -> None:
+    thick, radius = Layer(thickness=0.2, young_modulus=150e3, poisson_ratio=0.5), 2e-3
+    reduced = 150e3 / (1 - 0.5**2)
+    r = np.linspace(0.0, 0.9 * radius, 10)
+    for family, pressure in (
+        (BALL, 1.5 / (np.pi * radius**2) * np.sqrt(1 - (r / radius) ** 2)),
+        (FLAT, 0.5 / (np.pi * radius**2) / np.sqrt(1 - (r / radius) ** 2)),
+    ):
+        assert unit_pressure(thick, BondedLayer(), family, radius, r) == pytest.approx(
+            pressure, rel=2e-3
+        )
+    assert curvature_force(thick, radius) == pytest.approx(4 / 3 * reduced * radius**3, rel=0.03)
+    depth = unit_indentation(thick, BondedLayer(), FLAT, radius, np.zeros(1))
+    assert depth == pytest.approx(1 / (2 * reduced * radius), rel=0.03)
+
+
+def test_taxels_and_contacts_change_places() -> None:
+    """Reciprocity: a pad under a point load of the pad's size reads what the load would."""
+    table = tables("stress")
+    near = np.array([0.0, 0.0, 0.0, np.log(0.5), 0.0, 0.0])
+    away = np.array([[1.7, 0.0]])
+    forth = read("stress", near, [BALL], away)
+    swapped = read("stress", near + np.array([1.7, 0, 0, 0, 0, 0]), [BALL], np.zeros((1, 2)))
+    assert forth == pytest.approx(swapped, rel=1e-12)
+    assert table.strain.size == 0
