@@ -35,7 +35,8 @@ class Tracker:
     strong : float
         A contact whose force is above so many of its standard deviations is told at once,
     weak_readings : int
-        any other when so many readings in a row have seen it. 1 tells all at once.
+        any other when so many readings in a row have seen it, and so is one that splits from
+        another. 1 tells all at once.
     near : float, m
         Contacts farther from each other neither merge nor split.
     memory : float, s

@@ -163,9 +163,9 @@ class Follower:
                 self.told.append(("lost", (track,), (track.identity.number,)))
 
     def _confirm(self, track: Track) -> None:
-        """A strong contact at once, a weak one when it was seen again."""
+        """A strong contact at once; a weak one, and a part of another, when it was seen again."""
         force, std = track.seen.value[2], math.sqrt(track.seen.noise[2, 2])
-        strong = force >= self.habits.strong * std
+        strong = force >= self.habits.strong * std and track.parent is None
         if not strong and track.readings < self.habits.weak_readings:
             return
         parent, track.parent = track.parent, None

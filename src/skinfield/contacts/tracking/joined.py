@@ -89,13 +89,14 @@ def split_score(whole: Track, half: Seen, other: Seen, habits: Habits) -> float 
     Of a track that absorbed another shortly before, two contacts nearby are taken for both.
     """
     parts = load_of(half), load_of(other)
-    before = load_of(whole)
-    if apart(*parts) > habits.near or apart(before, parts[0]) > habits.near:
-        return None
-    floor = habits.gate.floor
+    before, floor = load_of(whole), habits.gate.floor
     distance, score = misfit(before, together(*parts), floor)
+    if max(apart(before, part) for part in parts) > habits.near:
+        return None
     if whole.absorbed:
         return score
+    if apart(*parts) > habits.near:
+        return None
     alone = min(misfit(before, part, floor)[1] for part in parts)
     return score if distance < LIMIT and score < alone else None
 

@@ -29,6 +29,8 @@ class Motion:
         One standard deviation of the velocity of a new contact, along each tangent.
     first_force_rate : float, N/s
         One standard deviation of its force's rate.
+    top_speed : float, m/s
+        No contact moves faster along the skin: a jump of a solver's answer is no velocity.
     surprise : float
         Squared Mahalanobis distance of place and force from what is foretold, beyond which an
         onset is assumed: 16.3 has a chance of 1e-3.
@@ -38,6 +40,7 @@ class Motion:
     force_rate: float = 4.0
     first_speed: float = 0.06
     first_force_rate: float = 15.0
+    top_speed: float = 0.25
     surprise: float = 16.3
 
     def __post_init__(self) -> None:
@@ -45,6 +48,7 @@ class Motion:
         check_positive("force_rate", self.force_rate, "change of it within 0.1 s, in N/s")
         check_positive("first_speed", self.first_speed, "of a new contact, in m/s")
         check_positive("first_force_rate", self.first_force_rate, "of a new contact, in N/s")
+        check_positive("top_speed", self.top_speed, "of a contact along the skin, in m/s")
         check_positive("surprise", self.surprise, "squared Mahalanobis distance of an onset")
 
     @cached_property

@@ -1,5 +1,6 @@
 """One track: a filter, whose contact it is, and what it has absorbed."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,6 +131,9 @@ class Track:
             motion.first_rates,
             motion.surprise,
         )
+        speed = math.hypot(self.mean[3], self.mean[4])
+        if speed > motion.top_speed:
+            self.mean[3:5] *= motion.top_speed / speed
         self._saw(seen, now)
 
     def _saw(self, seen: Seen, now: float) -> None:
