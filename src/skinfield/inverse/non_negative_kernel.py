@@ -16,7 +16,6 @@ Flags = NDArray[np.bool_]
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 HALVINGS = 3  # of a step that bends at 0, before single nodes are exchanged
 DESCENT = 1e-4  # of what the slope promises, which a step must bring
-NEARLY_WORST = 0.05  # of the steepest node: those that are as steep are freed with it
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -98,11 +97,16 @@ def gap_of(slope: Floats, pressure: Floats, std: Floats, stiffest: float) -> flo
 
 @njit(cache=True, nogil=True)
 def choose_many(
-    slope: Floats, pressure: Floats, scale: Floats, shape: tuple[int, int], chosen: Flags
+    slope: Floats,
+    pressure: Floats,
+    scale: Floats,
+    shape: tuple[int, int],
+    part: float,
+    chosen: Flags,
 ) -> None:
     """Mark the nodes that may move: all pressed ones, and the steepest of those that should rise.
 
-    Of the latter, each that is steeper than its eight neighbours or than a part of the steepest of
+    Of the latter, each that is steeper than its eight neighbours or than `part` of the steepest of
     all; so that the set grows from many places at once but stays near the support.
     """
     height, width = shape
@@ -112,7 +116,7 @@ def choose_many(
             worst = min(worst, slope[node] * scale[node])
     for node in range(len(slope)):
         steep = slope[node] * scale[node]
-        chosen[node] = pressure[node] > 0.0 or steep < min(NEARLY_WORST * worst, 0.0)
+        chosen[node] = pressure[node] > 0.0 or steep < min(part * worst, 0.0)
         if chosen[node] or steep >= 0.0:
             continue
         chosen[node] = True

@@ -13,6 +13,7 @@ ROOM = 128  # free nodes at first
 PACE = 0.5  # ns per product, until it is measured
 SLOWER = 1.2  # by which a step may raise the pace
 LEAST_WORK = 100_000.0  # products: what a step takes beside its factor
+PARTS = (0.05, 1.0)  # of the steepest node: as steep ones are freed with it; in haste none
 ROUNDING = 1e-15  # of the objective: less than that is nothing gained
 
 
@@ -82,7 +83,7 @@ class NonNegativeOperator:
         self._free, self._count = np.zeros(nodes, dtype=np.int64), 0
         self._make_room(min(ROOM, nodes))
         self._carefully = self._settled = False
-        self._pace = PACE
+        self._listed, self._work, self._pace = 0, 0.0, PACE
 
     @property
     def pressure_std(self) -> Floats:
@@ -164,9 +165,16 @@ class NonNegativeOperator:
         one_more = self._settled
         if self._carefully:
             kernel.choose_few(slope, pressure, self._steepness, one_more, chosen)
+            if not self._in_time(deadline_ns):
+                return False
         else:
-            kernel.choose_many(slope, pressure, self._steepness, self.shape, chosen)
-        if not self._solve_for_chosen(deadline_ns):
+            for part in PARTS:
+                kernel.choose_many(slope, pressure, self._steepness, self.shape, part, chosen)
+                if self._in_time(deadline_ns):
+                    break
+            else:
+                return False
+        if not self._solve():
             return False
         go = kernel.move_straight if self._carefully else kernel.move_clipped
         change, self._settled = go(
@@ -180,27 +188,32 @@ class NonNegativeOperator:
             self._carefully, self._settled = True, one_more
         return gained or self._carefully
 
-    def _solve_for_chosen(self, deadline_ns: int | None) -> bool:
-        """Newton's step of the chosen nodes, unless it would take longer than is left."""
+    def _in_time(self, deadline_ns: int | None) -> bool:
+        """List the chosen nodes; whether there is time to solve for them."""
         from skinfield.inverse import non_negative_kernel as kernel
 
-        free, width, taxels = self._free, self.shape[1], self.signatures.shape[1]
-        count, done = kernel.list_chosen(self._chosen, free, self._count)
+        count, done = kernel.list_chosen(self._chosen, self._free, self._count)
         if count > len(self._lower):
             self._make_room(min(2 * count, len(self._pressure)))
             done = 0
-        work = (count**2 - done**2) * taxels / 2 + (count**3 - done**3) / 6 + LEAST_WORK
-        start = time.perf_counter_ns()
-        self._count = done  # so many rows of the factor hold
-        ahead = self._pace * work if self.iterations else 0.0  # the first step is a small one
-        if deadline_ns is not None and start + ahead > deadline_ns:
-            return False
-        lower, table = self._lower, self.precision.table
+        self._count, self._listed = done, count  # so many rows of the factor hold
+        taxels = self.signatures.shape[1]
+        self._work = (count**2 - done**2) * taxels / 2 + (count**3 - done**3) / 6 + LEAST_WORK
+        if deadline_ns is None:
+            return True
+        return time.perf_counter_ns() + self._pace * self._work < deadline_ns
+
+    def _solve(self) -> bool:
+        """Newton's step of the listed nodes."""
+        from skinfield.inverse import non_negative_kernel as kernel
+
+        start, free, done, count = time.perf_counter_ns(), self._free, self._count, self._listed
+        lower, table, width = self._lower, self.precision.table, self.shape[1]
         if not kernel.factor(self.signatures, table, width, free, done, count, lower):
             return False
         self._count = count
         kernel.newton_step(lower, self._slope, free, count, self._step)
-        pace = (time.perf_counter_ns() - start) / work
+        pace = (time.perf_counter_ns() - start) / self._work
         self._pace = min(pace, SLOWER * self._pace)  # a step that was interrupted tells little
         return True
 
