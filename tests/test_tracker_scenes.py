@@ -17,7 +17,7 @@ from skinfield.experiments.tracks.section import tracks, tracks_parts_of
 from skinfield.experiments.tracks.switches import Steps, Switches
 from skinfield.simulate import Sphere, press
 
-CELL = 0.4e-3
+CELL = 0.5e-3
 SETTINGS = Settings(size=SMOKE)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from skinfield.errors import Floats
 from skinfield.experiments.paper.presses import paper_patch
 from skinfield.mechanics import Layer
-from skinfield.simulate import Sphere, press_ladder
+from skinfield.simulate import Press, Sphere, press_ladder
 from skinfield.simulate.pressing.anywhere import readings_anywhere
 
 BALL = 6e-3  # m: radius
@@ -123,6 +123,11 @@ def _idle(rate: float) -> Scene:
     return Scene("idle", np.zeros((steps, 1, 2)), np.zeros((steps, 1)))
 
 
+@lru_cache(maxsize=4)
+def _presses(layer: Layer, cell: float) -> list[Press]:
+    return press_ladder(layer, Sphere(radius=BALL), FORCES, EXTENT, cell)
+
+
 @lru_cache(maxsize=8)
 def _table(layer: Layer, cell: float, quantity: str) -> Any:
     """What a taxel reads of a ball, as a function of force N and distance m."""
@@ -131,7 +136,7 @@ def _table(layer: Layer, cell: float, quantity: str) -> Any:
     patch = paper_patch()
     points = np.column_stack([FAR, 0 * FAR])
     rows = [np.zeros(len(FAR))]
-    for solved in press_ladder(layer, Sphere(radius=BALL), FORCES, EXTENT, cell):
+    for solved in _presses(layer, cell):
         rows.append(readings_anywhere(solved, patch.pad_diameter, quantity)(points))
     return RectBivariateSpline([0.0, *FORCES], FAR, np.array(rows))
 
