@@ -27,7 +27,7 @@ RATES = (
     ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
 )
 TIMES = (("cold_ms", 1.0, "cold\nms", 1), ("warm_ms", 1.0, "warm\nms", 2))
-WIDE = 140  # columns of the terminal that the table takes
+WIDE = 150  # columns of the terminal that the table takes
 FINE, COARSE, MANY = (6, 7), (4, 5), 20  # balls for the bound: of as many presses, and of fewer
 
 

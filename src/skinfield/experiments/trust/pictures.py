@@ -88,11 +88,13 @@ def picture_of_pairs(plan: TrustPlan, pairs: Sequence[Row]) -> Picture:
                 lines.append(Line(name_of(method.name), x, share, ends[0], ends[1]))
         noise = noise_in_words(level.quantity, level.noise)
         panels.append(Panel(level.quantity, f"noise {noise}", tuple(lines)))
+    low, high = 1e3 * plan.distances[0] - 0.3, 1e3 * plan.distances[-1] + 0.3
     scale = Scale(
         x="distance (mm)",
         y="share found as two",
         y_limits=(0.0, 1.02),
-        x_limits=(1e3 * plan.distances[0] - 0.3, 1e3 * plan.distances[-1] + 0.3),
+        x_limits=(low, high),
+        x_ticks=tuple(t for t in range(0, 100, 2) if low <= t <= high),
     )
     caption = (
         f"Two balls of 6 mm with 1 N each, {plan.trials} presses at random places and angles per "
