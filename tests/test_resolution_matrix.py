@@ -1,10 +1,13 @@
 """Resolution matrices of solvers against readings inverted one by one, and known spreads."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from skinfield.errors import Floats, InputError
-from skinfield.inverse import ContactOperator, Fit, GaussianField, PseudoInverse, Tikhonov
+from skinfield.figures.resolution import draw_spread, draw_spread_metrics
+from skinfield.inverse import Fit, GaussianField, PseudoInverse, Tikhonov
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import icub_triangle
 from skinfield.mechanics import BondedLayer, Layer
@@ -95,7 +98,7 @@ def test_a_shift_by_one_cell_is_measured_as_one_pitch() -> None:
 class Finder:
     """A solver that is not linear, in name only."""
 
-    def prepare(self, model: ObservationModel) -> ContactOperator:
+    def prepare(self, model: ObservationModel) -> Any:
         return self
 
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
@@ -103,6 +106,16 @@ class Finder:
 
     def reset(self) -> None:
         raise NotImplementedError
+
+
+def test_pictures_hold_what_was_found() -> None:
+    found = resolution_matrix(model(), Tikhonov())
+    spread = draw_spread(found, 40)
+    shown = [axes.images[0].get_array() for axes in spread.axes if axes.images]
+    assert shown[0] is not None
+    np.testing.assert_allclose(np.ravel(shown[0]), found.point_spread(40))
+    metrics = draw_spread_metrics(found.spread_metrics())
+    assert len([axes for axes in metrics.axes if axes.images]) == 4
 
 
 def test_bad_input_is_named() -> None:

@@ -118,7 +118,7 @@ class Judgement:
             largest = holes[0].area * 1e6
             blind = (
                 f"{_percent(self.blind.blind_share)} of the patch is blind, the largest hole "
-                f"{largest:.3g} mm²"
+                f"{largest:.{0 if largest >= 10 else 1}f} mm²"
             )
         pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
         return (
