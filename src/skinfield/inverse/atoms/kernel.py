@@ -11,7 +11,10 @@ import numpy as np
 from numba import njit
 
 from skinfield.errors import Floats
+from skinfield.inverse.atoms.stale import drop_stale
 from skinfield.inverse.atoms.table import DISTANCE_STEP, LOG_STEP, SIGHT, AtomTable
+
+drop_stale()  # before the first function of this folder is compiled, or read from disk
 
 PARAMETERS = 6
 NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment

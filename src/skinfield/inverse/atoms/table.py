@@ -17,6 +17,7 @@ import numpy as np
 
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.profiles import (
+    BALL,
     FAMILIES,
     curvature_force,
     edges_of,
@@ -34,6 +35,7 @@ SIGHT = 6.0  # thicknesses beyond the rims of pad and contact, where all reading
 CELL = 0.02  # thicknesses: side of the square that stands for a point load
 SHARE = 0.25  # thicknesses between the points of a ring
 STRAINS = (0.03, 0.15, 0.34, 0.56, 0.76, 0.9)  # of the gap, at its narrowest
+SHARP = 0.5  # thicknesses: balls that touch within less need nodes at their rim
 DEGREE = 4  # of the polynomial over these
 
 
@@ -155,9 +157,12 @@ def _nonlinear(physics: Physics, radii: Floats, distances: Floats) -> tuple[Floa
     fit = np.linalg.pinv(powers)
     out = np.empty((len(FAMILIES), len(radii), DEGREE + 1, len(distances)))
     strain = np.empty((len(FAMILIES), len(radii)))
+    smooth = RoundGap.of(pad / h, distances / h)
     for family in FAMILIES:
         for index, radius in enumerate(radii):
-            gap = RoundGap.of(pad / h, distances / h, edges_of(layer, family, radius) / h)
+            gap = smooth
+            if family != BALL or radius < SHARP * h:
+                gap = RoundGap.of(pad / h, distances / h, edges_of(layer, family, radius) / h)
             each = unit_indentation(layer, physics.mechanics, family, radius, gap.nodes * h) / h
             strain[family, index] = top = each.max()
             readings = gap.readings(depths[:, None] * (each / top))
