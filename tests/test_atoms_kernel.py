@@ -18,14 +18,14 @@ from skinfield.observation import BaseStress, Capacitance, Physics, Quantity
 Floats = NDArray[np.float64]
 THICKNESS = LAYER.thickness
 TAXELS = np.ascontiguousarray(PATCH.plane / THICKNESS)
-QUANTITIES = {"stress": BaseStress(), "capacitance": Capacitance()}
+QUANTITIES: dict[str, Quantity] = {"stress": BaseStress(), "capacitance": Capacitance()}
 NAMES = pytest.mark.parametrize("name", list(QUANTITIES))
 
 
 @lru_cache(maxsize=2)
 def tables(name: str) -> Tables:
-    quantity: Quantity = QUANTITIES[name]
-    return tables_of(atom_table(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter)))
+    physics = Physics(LAYER, BondedLayer(), QUANTITIES[name], PATCH.pad_diameter)
+    return tables_of(atom_table(physics))
 
 
 def read(name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS) -> Floats:

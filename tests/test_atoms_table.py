@@ -21,7 +21,7 @@ from skinfield.inverse.atoms.profiles import (
     unit_pressure,
 )
 from skinfield.inverse.atoms.table import AtomTable, atom_table
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer
+from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
 from skinfield.mechanics.axisymmetric import indent_by_force
 from skinfield.mechanics.profiles import Ball
 from skinfield.observation import Capacitance, Physics, Quantity
@@ -75,7 +75,8 @@ def test_force_and_radius_make_up_for_what_is_no_paraboloid(name: str, quantity:
     def residuals(moved: Floats) -> Floats:
         atom = start.copy()
         atom[2:4] += moved
-        return (read(quantity, atom, [family], LINE / H) - expected) / np.abs(expected).max()
+        off = read(quantity, atom, [family], LINE / H) - expected
+        return np.asarray(off / np.abs(expected).max())
 
     found = least_squares(residuals, [0.1, -0.1])
     assert np.abs(found.fun).max() < 1e-3
@@ -128,7 +129,7 @@ def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> Non
 
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("mechanics", [BondedLayer(), HalfSpace()], ids=["layer", "half-space"])
-def test_rings_of_force_stand_for_the_pressure(family: int, mechanics: object) -> None:
+def test_rings_of_force_stand_for_the_pressure(family: int, mechanics: Mechanics) -> None:
     radius = 2.5e-3
     rings, forces = load_quadrature(LAYER, mechanics, family, radius)
     assert forces.sum() == pytest.approx(1.0)

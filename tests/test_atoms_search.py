@@ -1,0 +1,155 @@
+"""The search for atoms: its minima, evidence and posterior against other ways to get them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from contact_truth import LAYER, PATCH, truth
+from numpy.typing import NDArray
+
+import skinfield as sf
+from skinfield.inverse.atoms.belief import Effort, belief_of, laplace
+from skinfield.inverse.atoms.fitter import CURVATURE_STD, ContactFitter
+from skinfield.inverse.atoms.problem import LOG_FORCES, AtomSet, Problem
+from skinfield.inverse.atoms.profiles import BALL, curvature_force
+from skinfield.inverse.atoms.search import search
+from skinfield.mechanics import BondedLayer
+from skinfield.observation import BaseStress, Capacitance, ObservationModel, Quantity
+
+Floats = NDArray[np.float64]
+H = LAYER.thickness
+NOISE = {"stress": 400.0, "capacitance": 0.002}
+BALL_6 = sf.simulate.Sphere(radius=6e-3, force=1.0)
+PLACE = (-3.8e-3, 6.1e-3)
+
+
+def fitter_of(name: str) -> ContactFitter:
+    quantity: Quantity = BaseStress() if name == "stress" else Capacitance()
+    grid = sf.Grid.square(PATCH, nodes=12)
+    model = ObservationModel.of(PATCH, LAYER, grid, BondedLayer(), quantity, NOISE[name])
+    return ContactFitter(sf.ContactFit(extended=None), model)
+
+
+@pytest.fixture(scope="module", name="fitters")
+def _fitters() -> dict[str, ContactFitter]:
+    return {name: fitter_of(name) for name in NOISE}
+
+
+def noisy(name: str, seed: int, place: tuple[float, float] = PLACE, body: Any = BALL_6) -> Floats:
+    rng = np.random.default_rng(seed)
+    return truth(body, place, name) + rng.normal(scale=NOISE[name], size=len(PATCH))
+
+
+def ball_residuals(problem: Problem, atom: Floats) -> Floats:
+    """Of the readings and of the prior of a ball, which is made of the exact contact here."""
+    one = AtomSet(np.append(atom, [0.0, 0.0])[None], np.array([BALL]), 0.0, np.empty(0), np.eye(6))
+    predicted = problem.alone(one, np.ones(1, dtype=np.bool_))
+    curvature = curvature_force(LAYER, float(np.exp(atom[3]) * H)) / np.exp(atom[2])
+    prior = (np.log(curvature) - np.log(6e-3)) / CURVATURE_STD
+    return np.append((problem.readings - predicted) * problem.white, prior)
+
+
+@pytest.mark.parametrize("name", list(NOISE))
+@pytest.mark.parametrize("seed", [1, 2])
+def test_refinement_ends_where_scipy_does(
+    fitters: dict[str, ContactFitter], name: str, seed: int
+) -> None:
+    from scipy.optimize import least_squares
+
+    problem = fitters[name].problem(noisy(name, seed))
+    start = np.array([PLACE[0] / H + 0.3, PLACE[1] / H - 0.2, -0.2, 0.3])
+    found = problem.refined(np.append(start, [0.0, 0.0])[None], np.array([BALL]))
+    by_scipy = least_squares(
+        lambda atom: ball_residuals(problem, atom),
+        start,
+        xtol=1e-12,
+        ftol=1e-12,
+        x_scale=[0.1, 0.1, 0.1, 0.1],
+        diff_step=1e-5,
+    )
+    assert found.cost == pytest.approx(by_scipy.cost, abs=0.01)  # of half a chi-squared
+    curvature = np.linalg.pinv(by_scipy.jac.T @ by_scipy.jac)
+    off = found.atoms[0, :4] - by_scipy.x
+    assert off @ np.linalg.solve(curvature, off) < 0.1  # deviations, squared
+    inner = laplace(found, 0).inner[0][:4, :4]
+    assert np.sqrt(np.diag(inner)) == pytest.approx(np.sqrt(np.diag(curvature)), rel=0.1)
+
+
+def drawn(problem: Problem, found: AtomSet, count: int) -> tuple[Floats, Floats]:
+    """Samples (C, 4) of a ball about a minimum, wider than it, and their log-weights."""
+    rng = np.random.default_rng(5)
+    middle, inner = found.atoms[0, :4], laplace(found, 0).inner[0][:4, :4]
+    scale = np.linalg.cholesky(1.5 * inner)
+    freedom = 5.0  # Student's t: heavier tails than what is sampled
+    normal = rng.normal(size=(count, 4))
+    chi = rng.chisquare(freedom, size=count) / freedom
+    samples = middle + (normal / np.sqrt(chi)[:, None]) @ scale.T
+    from scipy.stats import multivariate_t
+
+    proposal = multivariate_t(middle, 1.5 * inner, freedom).logpdf(samples)
+    cost = np.array([0.5 * np.square(ball_residuals(problem, atom)).sum() for atom in samples])
+    return samples, -cost - proposal
+
+
+@pytest.mark.parametrize("place", [PLACE, (-9e-3, 3e-3)], ids=["between", "beside"])
+def test_evidence_and_covariance_are_those_of_samples(
+    fitters: dict[str, ContactFitter], place: tuple[float, float]
+) -> None:
+    """Importance sampling of all four parameters against Laplace and against the walk."""
+    problem = fitters["capacitance"].problem(noisy("capacitance", 3, place))
+    start = np.array([[place[0] / H, place[1] / H, 0.0, 0.2, 0.0, 0.0]])
+    found = problem.refined(start, np.array([BALL]))
+    samples, log_weight = drawn(problem, found, 1500)
+    highest = log_weight.max()
+    weight = np.exp(log_weight - highest)
+    assert weight.sum() ** 2 / np.square(weight).sum() > 100  # effective samples
+    area = float(np.prod(problem.places[1] - problem.places[0]))
+    prior = -np.log(area * LOG_FORCES) - 0.5 * np.log(2 * np.pi) - np.log(CURVATURE_STD)
+    evidence = highest + np.log(weight.mean()) + prior
+    assert problem.evidence(found) == pytest.approx(evidence, abs=0.5)
+    weight /= weight.sum()
+    mean = weight @ samples
+    spread = np.sqrt(weight @ np.square(samples - mean))
+    belief = belief_of(problem, found, 0, Effort(100, 0, False))
+    assert np.sqrt(np.diag(belief.covariance)[:3]) == pytest.approx(spread[:3], rel=0.35)
+    assert np.abs(belief.mean(BALL)[:3] - mean[:3]).max() < 0.5 * spread[:3].max()
+
+
+def test_more_is_never_worse_and_nothing_is_left_out(fitters: dict[str, ContactFitter]) -> None:
+    """Two balls 19 mm apart: each atom lowers the cost, the search keeps both."""
+    readings = noisy("stress", 4, (-9e-3, 3e-3)) + truth(BALL_6, (1e-2, 2e-3), "stress")
+    problem = fitters["stress"].problem(readings)
+    found = search(problem, None, 8, 8)
+    assert len(found) == 2
+    one = search(problem, None, 1, 8)
+    assert len(one) == 1
+    assert found.cost + problem.threshold < one.cost < problem.nothing().cost
+    assert problem.evidence(found) > problem.evidence(one) > problem.evidence(problem.nothing())
+    warm = search(problem, found, 8, 8)
+    assert warm.cost == pytest.approx(found.cost, abs=0.05)
+
+
+@pytest.mark.parametrize("name", list(NOISE))
+def test_noise_alone_is_seldom_taken_for_a_contact(
+    fitters: dict[str, ContactFitter], name: str
+) -> None:
+    """4000 idle readings at 1e-3: 4 are expected at most, 12 would be one chance in a thousand."""
+    rng = np.random.default_rng(6)
+    seen = 0
+    for _ in range(4000):
+        readings = rng.normal(scale=NOISE[name], size=len(PATCH))
+        seen += len(search(fitters[name].problem(readings), None, 8, 8)) > 0
+    assert seen <= 11
+
+
+def test_the_stated_rate_sets_the_threshold(fitters: dict[str, ContactFitter]) -> None:
+    """At a rate a hundred times higher, weaker touches are found; idle ones more often, too."""
+    grid = sf.Grid.square(PATCH, nodes=12)
+    model = ObservationModel.of(PATCH, LAYER, grid, BondedLayer(), BaseStress(), NOISE["stress"])
+    bold = ContactFitter(sf.ContactFit(false_alarm_rate=0.1, extended=None), model)
+    careful = fitters["stress"]
+    assert bold.problem(np.zeros(72)).threshold < careful.problem(np.zeros(72)).threshold
+    rng = np.random.default_rng(7)
+    idle = rng.normal(scale=NOISE["stress"], size=(600, len(PATCH)))
+    seen = sum(len(search(bold.problem(readings), None, 8, 8)) > 0 for readings in idle)
+    assert 1 <= seen <= 85  # 60 and three deviations
