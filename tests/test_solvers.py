@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.inverse import GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
+from skinfield.inverse import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
 from skinfield.inverse.gaussian_field import smoothed
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer
@@ -45,6 +45,14 @@ class TestGaussianField(SolverContract):
     solver = GaussianField(snr=300.0)
     force_ratio = (0.95, 1.05)
     place_error = 0.3e-3
+
+
+class TestContactFit(SolverContract):
+    """The paraboloid of the broad press is near to what a ball leaves, so one contact finds it."""
+
+    solver = ContactFit()
+    force_ratio = (0.97, 1.03)
+    place_error = 0.1e-3
 
 
 def small_model(nodes: int = 9, quantity: BaseStress | None = None) -> ObservationModel:
