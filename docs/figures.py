@@ -187,7 +187,8 @@ def random_presses() -> None:
     force = np.array([indenter.force for indenter in pressed])
     click.echo("\n60 presses, typical noise: missed | contacts' force | field's force | place")
     solvers: Sequence[tuple[Any, int]] = (
-        (sf.GaussianField(), 40), (sf.Tikhonov(), 40), (sf.Tikhonov(), 20), (sf.Inverse(), 20),
+        (sf.ContactFit(), 40), (sf.GaussianField(), 40), (sf.Tikhonov(), 40),
+        (sf.Tikhonov(), 20), (sf.Inverse(), 20),
     )  # fmt: skip
     for name, taken in (*zip(QUANTITIES, QUANTITIES, strict=True), ("capacitance", "stress")):
         clean = np.vstack(

@@ -71,14 +71,14 @@ def test_refinement_ends_where_scipy_does(
     curvature = np.linalg.pinv(by_scipy.jac.T @ by_scipy.jac)
     off = found.atoms[0, :4] - by_scipy.x
     assert off @ np.linalg.solve(curvature, off) < 0.1  # deviations, squared
-    inner = laplace(found, 0).inner[0][:4, :4]
+    inner = laplace(problem, found, 0).inner[0][:4, :4]
     assert np.sqrt(np.diag(inner)) == pytest.approx(np.sqrt(np.diag(curvature)), rel=0.1)
 
 
 def drawn(problem: Problem, found: AtomSet, count: int) -> tuple[Floats, Floats]:
     """Samples (C, 4) of a ball about a minimum, wider than it, and their log-weights."""
     rng = np.random.default_rng(5)
-    middle, inner = found.atoms[0, :4], laplace(found, 0).inner[0][:4, :4]
+    middle, inner = found.atoms[0, :4], laplace(problem, found, 0).inner[0][:4, :4]
     scale = np.linalg.cholesky(1.5 * inner)
     freedom = 5.0  # Student's t: heavier tails than what is sampled
     normal = rng.normal(size=(count, 4))
