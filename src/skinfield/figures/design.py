@@ -130,7 +130,8 @@ def draw_thickness(comparison: ThicknessComparison, *, title: str = "") -> "Figu
         figure.text(0.015, 0.92, title or head, **TITLE)
         for index, (name, label, heading, note) in enumerate(panels):
             axes = figure.add_axes((0.055 + 0.245 * index, 0.15, 0.19, 0.53))
-            _draw_curves(axes, comparison, name, label)
+            if not _draw_curves(axes, comparison, name, label):
+                note += "; none: never"
             add_title(axes, "abcd"[index], heading, note)
         lines = figure.axes[0].get_lines()
         figure.legend(lines, [str(line.get_label()) for line in lines], frameon=False, fontsize=8,
@@ -138,7 +139,8 @@ def draw_thickness(comparison: ThicknessComparison, *, title: str = "") -> "Figu
     return figure
 
 
-def _draw_curves(axes: "Axes", comparison: ThicknessComparison, name: str, label: str) -> None:
+def _draw_curves(axes: "Axes", comparison: ThicknessComparison, name: str, label: str) -> bool:
+    """Draw one panel's curves; whether all of their points are finite."""
     rows = comparison.rows(name)
     thickness = comparison.thickness * MM
     for values, colour, word in (
@@ -154,6 +156,7 @@ def _draw_curves(axes: "Axes", comparison: ThicknessComparison, name: str, label
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(color=QUIET)
     axes.grid(axis="y", color=FAINT, lw=0.4)
+    return len(finite) == 2 * len(rows)
 
 
 def _page(extent: Floats) -> tuple["Figure", list[tuple[float, float, float, float]]]:
