@@ -33,6 +33,9 @@ class ContactFit:
         Places from which each new contact is sought.
     warm : bool
         Start from the reading before. Its answer is kept only as long as it explains the readings.
+    common_mode : float
+        Standard deviation of an offset that all taxels share, such as a drift, in those of the
+        noise; it is integrated out. 0 for none.
     extended : NonNegative or None
         Answers the readings that no few contacts explain, such as a whole palm's; the estimate's
         `notes` say so. None leaves them to the best set of contacts.
@@ -44,6 +47,7 @@ class ContactFit:
     model_error: float = 0.002
     starts: int = 8
     warm: bool = True
+    common_mode: float = 5.0
     extended: NonNegative | None = field(default_factory=NonNegative)
 
     def __post_init__(self) -> None:
@@ -53,6 +57,9 @@ class ContactFit:
             raise InputError(f"starts is {self.starts!r}, expected 1 to 64")
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
+        check_range(
+            "common_mode", self.common_mode, 0.0, 1e6, "in standard deviations of the noise"
+        )
         check_range("model_error", self.model_error, 0.0, 0.5, "part of the highest reading")
 
     def prepare(self, model: ObservationModel) -> ContactOperator:

@@ -96,6 +96,8 @@ class Fit:
         What the taxels would read of them.
     cells : (N,) int array
         Nodes with pressure other than 0.
+    offset : float, in the quantity's unit
+        That all taxels are taken to share; it is part of what is predicted.
     explained : bool
         Whether noise accounts for what the contacts leave over.
     notes : tuple of str
@@ -107,6 +109,7 @@ class Fit:
     contacts: tuple[Contact, ...]
     predicted: Floats
     cells: NDArray[np.int64]
+    offset: float = 0.0
     explained: bool = True
     notes: tuple[str, ...] = ()
 

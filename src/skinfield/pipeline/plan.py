@@ -22,6 +22,7 @@ from skinfield.inverse import (
 from skinfield.layout import Grid
 from skinfield.observation import Deformation, ObservationModel, Quantity
 
+LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 
 
@@ -281,10 +282,10 @@ class ContactPlan:
         """Let a field answer a reading that contacts do not explain, if it explains more."""
         if self.extended is None:
             return False
-        self.extended.solve(reading[None], np.array([row]), out, None)
+        self.extended.solve(reading[None] - fit.offset, np.array([row]), out, None)
         noise = self.extended.model.noise_std
         left = np.square(out.residual[row, self.valid] / noise).sum()
-        if left >= np.square((reading - fit.predicted) / noise).sum():
+        if left >= LESS * np.square((reading - fit.predicted) / noise).sum():
             return False
         note = "more than few contacts: a non-negative field answers"
         out.notes.extend([] if note in out.notes else [note])

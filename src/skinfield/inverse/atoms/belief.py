@@ -13,6 +13,7 @@ from skinfield.inverse.atoms.profiles import BALL, FLAT, RING
 
 STEP = 0.9  # standard deviations between places
 SHORTEST, LONGEST = 0.004, 0.35  # thicknesses between them
+LEAST = 1e-6  # of all weights: a family with less has no radius of its own
 CERTAIN = 0.05  # thicknesses: deviation of the place up to which the minimum's curvature tells all
 SURE = 0.15  # thicknesses: deviation up to which other minima are not looked for
 AROUND = 3.0  # thicknesses beyond what the atom reaches, within which taxels count
@@ -45,8 +46,9 @@ class Belief:
         """
         mean = self.weights @ self.atoms
         same = self.family == family
-        if same.any():
-            mean[3:] = self.weights[same] @ self.atoms[same, 3:] / self.weights[same].sum()
+        share = float(self.weights[same].sum())
+        if share > LEAST:
+            mean[3:] = self.weights[same] @ self.atoms[same, 3:] / share
         return np.asarray(mean)
 
     @property
@@ -72,11 +74,19 @@ def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, 
     return np.array([*place, force, radius, half * thickness, angle]), by @ covariance @ by.T
 
 
-def laplace(found: AtomSet, index: int) -> Belief:
-    """One atom by the curvature of the cost at its minimum, all others moving along."""
+def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
+    """One atom by the curvature of the cost at its minimum, all others moving along.
+
+    Places that no reading tells are even over the patch: their variance is its width squared / 12.
+    """
     free = found.free.ravel()
+    hessian = found.hessian.copy()
+    width = problem.places[1] - problem.places[0]
+    for axis in (0, 1):
+        rows = np.arange(len(found)) * PARAMETERS + axis
+        hessian[rows, rows] += 12.0 / width[axis] ** 2
     whole = np.zeros((free.size, free.size))
-    whole[np.ix_(free, free)] = np.linalg.pinv(found.hessian[np.ix_(free, free)])
+    whole[np.ix_(free, free)] = np.linalg.pinv(hessian[np.ix_(free, free)])
     part = slice(PARAMETERS * index, PARAMETERS * (index + 1))
     one = slice(index, index + 1)
     return Belief(found.atoms[one], found.family[one], whole[part, part][None], np.ones(1))
@@ -104,7 +114,7 @@ class Effort:
 def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> Belief:
     """What the reading leaves open about one atom, the others being where they are."""
     own, free, family = found.atoms[index], found.free[index], int(found.family[index])
-    first = laplace(found, index)
+    first = laplace(problem, found, index)
     variance, direction = np.linalg.eigh(first.inner[0, :2, :2])
     widest = float(np.sqrt(max(variance[1], 0.0)))
     if widest < CERTAIN or problem.late:
@@ -112,7 +122,8 @@ def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> B
     step = np.clip(STEP * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
     axes = np.ascontiguousarray((direction * step).T)
     others = np.arange(len(found)) != index
-    left = problem.readings - problem.alone(found, others)
+    offset = problem.offset(found.predicted)
+    left = problem.readings - problem.alone(found, others) - offset
     seeds = own[None]
     if not free[4] and family != RING and effort.starts and widest > SURE:
         seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, effort.starts)])
@@ -154,7 +165,7 @@ def _walk(
     atoms, inner = np.empty((places, PARAMETERS)), np.zeros((places, PARAMETERS, PARAMETERS))
     weight = np.empty(places)
     given = problem.given._replace(
-        readings=left[near], white=problem.white[near], taxels=problem.taxels[near]
+        readings=left[near], white=problem.white[near], taxels=problem.taxels[near], shared=0.0
     )
     lattice = Lattice(axes, seeds[0, :2], problem.places)
     count = explore(seeds, kind, free, lattice, given, Found(atoms, inner, weight))

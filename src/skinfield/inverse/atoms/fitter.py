@@ -9,7 +9,9 @@ from skinfield.errors import Floats, InputError
 from skinfield.inverse.atoms.bank import MARGIN, Bank, make_bank
 from skinfield.inverse.atoms.belief import Effort, belief_of, stated
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, tables_of
+from skinfield.inverse.atoms.left_over import explains, first_scale, noise_scale, significant
 from skinfield.inverse.atoms.problem import AtomSet, Problem
+from skinfield.inverse.atoms.profiles import RING
 from skinfield.inverse.atoms.refine import Priors
 from skinfield.inverse.atoms.render import AtomRenderer
 from skinfield.inverse.atoms.rims import drawable
@@ -24,20 +26,23 @@ if TYPE_CHECKING:
 CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
-LENGTH_STD = 6e-3  # m: of each component of the half-length of a line
-ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
-FORCE_ERROR = 0.03  # of a contact: what presses is no perfect ball, flat end, line or ring
-PLACE_ERROR = 0.02  # thicknesses, likewise
+LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
 FIRST = 15.0  # standard deviations: strength of the touch by which all is loaded
+ROUNDS = 5  # of searches, until the noise is as what is left over
 PLACES = 100  # that are tried to tell how sure a contact is, for each family
 FEW = 24  # for a contact that the reading before had, too
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
-QUIETEST = 1e-3  # of the stated noise, that is believed
-QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
 
-MODEL_ERROR = np.diag([PLACE_ERROR**2, PLACE_ERROR**2, FORCE_ERROR**2, FORCE_ERROR**2, 0.0, 0.0])
+
+def _model_error(place: float, force: float) -> Floats:
+    return np.diag(np.square([place, place, force, force, 0.0, 0.0]))
+
+
+# What presses is no perfect ball, flat end, line or ring: in thicknesses, and part of the force.
+ROUND_ERROR, ODD_ERROR = _model_error(0.02, 0.03), _model_error(0.25, 0.1)
+QUIETER = 2.0  # times the stated precision, from which the noise is less than was stated
 
 
 class ContactFitter:
@@ -79,7 +84,7 @@ class ContactFitter:
         self.extended = settings.extended.prepare(model) if settings.extended else None
         self._before: AtomSet | None = None
         self._kept: tuple[Known, ...] = ()
-        self._compared = 0.0
+        self._compared, self._scale = 0.0, 1.0
 
     def run_in(self) -> None:
         """Load all that is compiled: a first reading is as fast as the next."""
@@ -90,25 +95,30 @@ class ContactFitter:
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self._before, self._kept, self._compared = None, (), 0.0
+        self._before, self._kept, self._compared, self._scale = None, (), 0.0, 1.0
 
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
         """See `ContactOperator.fit`."""
         settings, before = self.settings, self._before if self.settings.warm else None
         problem = self.problem(readings, deadline_ns)
         shapes = self._shapes_due(problem)
-        found = search(problem, before, settings.most_contacts, settings.starts, shapes)
-        scale = quieter(problem, found)
-        if scale < 1.0 and not problem.late:
-            problem = replace(problem, white=self._white(problem.readings, scale))
-            found = search(problem, found, settings.most_contacts, settings.starts)
-            shapes = True
+        scale = first_scale(problem) if before is None or not len(before) else self._scale
+        start = before
+        for _ in range(ROUNDS):
+            if scale != 1.0:
+                problem = replace(problem, white=self._white(problem.readings, scale))
+            found = search(problem, start, settings.most_contacts, settings.starts, shapes)
+            step = noise_scale(problem, found, scale)
+            if step == 1.0 or problem.late:
+                break
+            scale, shapes, start = scale * step, True, found if step < 1.0 else None
+        self._scale = scale
         same = before is not None and np.array_equal(before.family, found.family)
         self._before = found
         if not len(found):
             self._kept = ()
-            return self._idle(len(readings), problem.late)
-        return self._fit_of(problem, found, same)
+            return self._idle(problem, scale)
+        return self._fit_of(problem, found, same, scale)
 
     def _shapes_due(self, problem: Problem) -> bool:
         """Whether the readings say much more, or less, than when shapes were last compared."""
@@ -131,6 +141,7 @@ class ContactFitter:
             self.model.noise_std,
             self._places,
             self._threshold,
+            self.settings.common_mode * float(self.model.noise_std.mean()),
             deadline_ns,
         )
 
@@ -139,19 +150,22 @@ class ContactFitter:
         floor = self.settings.model_error * float(np.abs(readings).max())
         return np.asarray(1.0 / np.hypot(scale * self.model.noise_std, floor))
 
-    def _idle(self, taxels: int, late: bool) -> Fit:
-        nodes = len(self.model.grid)
+    def _idle(self, problem: Problem, scale: float) -> Fit:
+        nodes, zero = len(self.model.grid), np.zeros(len(problem.readings))
+        offset = problem.offset(zero)
         return Fit(
             pressure=np.zeros(nodes),
             pressure_std=np.zeros(nodes),
             displacement=np.zeros((nodes, 3)),
             contacts=(),
-            predicted=np.zeros(taxels),
+            predicted=zero + offset,
             cells=np.empty(0, np.int64),
-            notes=_notes(late, 0),
+            offset=offset,
+            explained=explains(problem, problem.nothing()),
+            notes=_notes(problem.late, 0, scale),
         )
 
-    def _fit_of(self, problem: Problem, found: AtomSet, same: bool) -> Fit:
+    def _fit_of(self, problem: Problem, found: AtomSet, same: bool, scale: float) -> Fit:
         atoms, covariance = self._stated(problem, found, same)
         nodes = len(self.model.grid)
         pressure, std, moved = np.empty(nodes), np.empty(nodes), np.empty((nodes, 3))
@@ -167,10 +181,11 @@ class ContactFitter:
             pressure_std=std,
             displacement=moved,
             contacts=contacts,
-            predicted=found.predicted,
+            predicted=found.predicted + problem.offset(found.predicted),
             cells=np.flatnonzero(pressure),
+            offset=problem.offset(found.predicted),
             explained=explains(problem, found),
-            notes=_notes(problem.late, len(found)),
+            notes=_notes(problem.late, len(found), scale),
         )
 
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
@@ -186,7 +201,11 @@ class ContactFitter:
                     effort = Effort(FEW, 0, False)
                 belief = belief_of(problem, found, index, effort)
                 offset = belief.mean(int(found.family[index])) - atom
-                known = Known(atom.copy(), offset, belief.covariance + MODEL_ERROR)
+                if problem.white.max() * self.model.noise_std.min() > QUIETER:
+                    offset[:] = 0.0  # what is left over is model error, of which no mean is known
+                odd = found.long[index] or found.family[index] == RING
+                error = belief.covariance + (ODD_ERROR if odd else ROUND_ERROR)
+                known = Known(atom.copy(), offset, error)
             kept.append(known)
             atoms[index], covariance[index] = stated(
                 atom + known.offset, known.covariance, self._thickness
@@ -195,8 +214,13 @@ class ContactFitter:
         return atoms, covariance
 
 
-def _notes(late: bool, count: int) -> tuple[str, ...]:
-    return (f"ContactFit stopped at the deadline, with {count} found",) if late else ()
+def _notes(late: bool, count: int, scale: float) -> tuple[str, ...]:
+    notes = []
+    if late:
+        notes.append(f"ContactFit stopped at the deadline, with {count} found")
+    if scale > 1.0:
+        notes.append("ContactFit saw more noise than was stated, and went by what it saw")
+    return tuple(notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,38 +246,3 @@ def holds(known: Known, atom: Floats) -> bool:
     off = atom - known.atom
     deviation = np.sqrt(np.diag(known.covariance)[:2])
     return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
-
-
-def explains(problem: Problem, found: AtomSet) -> bool:
-    """Whether noise and model error account for what is left over, but for one reading in 1e4."""
-    from scipy.special import chdtri
-
-    squares = np.square((problem.readings - found.predicted) * problem.white).sum()
-    return bool(squares <= chdtri(len(problem.readings), ODD))
-
-
-def quieter(problem: Problem, found: AtomSet) -> float:
-    """Scale of the noise, at most 1, by what the atoms leave over.
-
-    Of all taxels, and of those that see a contact: the larger of the two, so that taxels that
-    always read zero do not speak for the others.
-    """
-    if not len(found):
-        return 1.0
-    parameters = int(found.free.sum())
-    squares = np.square((problem.readings - found.predicted) * problem.white)
-    seen = np.abs(found.predicted) * problem.white > 1.0
-    scale = float(squares.sum()) / max(len(squares) - parameters, 1)
-    if seen.sum() > parameters + 2:
-        scale = max(scale, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
-    return 1.0 if scale > QUIET else max(float(np.sqrt(scale)), QUIETEST)
-
-
-def significant(false_alarm_rate: float, taxels: int) -> float:
-    """Gain in cost that noise exceeds at this rate: three parameters at as many places as taxels.
-
-    Half the quantile of chi-squared with three degrees of freedom (Wilks 1938).
-    """
-    from scipy.special import chdtri
-
-    return 0.5 * float(chdtri(3, false_alarm_rate / taxels))

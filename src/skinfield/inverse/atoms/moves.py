@@ -19,7 +19,7 @@ def one_more(problem: Problem, found: AtomSet, starts: int) -> AtomSet | None:
     """The best set with one more ball, or None where none could bring enough."""
     left = problem.readings - found.predicted
     least = float(np.sqrt(2.0 * problem.threshold / OFF_LATTICE))
-    seeds = problem.bank.starts(left / problem.noise, starts, least)
+    seeds = problem.bank.starts(problem.left(found.predicted) / problem.noise, starts, least)
     if not len(seeds):
         return None
     costs = settle(problem, left, seeds, BALL, ROUND)

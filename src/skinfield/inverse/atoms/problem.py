@@ -17,7 +17,7 @@ LONG = np.ones(6, dtype=np.bool_)
 BURST = 12  # steps of refinement between looks at the clock
 SETTLED = 1e-3  # gain in cost of the last step
 RARER = (0.0, 1.0, 2.0)  # ln odds of a ball over each family, before any reading
-LONGER = 1.0  # ln odds of a round contact over a drawn-out one
+LONGER = 4.0  # ln odds of a round contact over a drawn-out one
 LOG_FORCES = np.log(1e4)  # width of what forces may be, on a logarithmic scale
 
 
@@ -76,6 +76,8 @@ class Problem:
         Lowest and highest x and y that contacts may have.
     threshold : float
         Gain in cost that a new contact must bring.
+    common : float
+        Standard deviation of an offset that all taxels share, before any reading.
     deadline_ns : int or None
     """
 
@@ -88,12 +90,26 @@ class Problem:
     noise: Floats
     places: Floats
     threshold: float
+    common: float = 0.0
     deadline_ns: int | None = None
 
     @cached_property
     def given(self) -> Given:
         """As compiled functions take it."""
-        return Given(self.readings, self.white, self.taxels, self.tables, self.priors)
+        return Given(self.readings, self.white, self.taxels, self.tables, self.priors, self._shared)
+
+    @cached_property
+    def _shared(self) -> float:
+        """Variance of the shared offset, given the readings."""
+        return self.common**2 / (1.0 + self.common**2 * float(np.square(self.white).sum()))
+
+    def offset(self, predicted: Floats) -> float:
+        """The shared offset that is most probable, if atoms are read as `predicted` (L,)."""
+        return self._shared * float(np.square(self.white) @ (self.readings - predicted))
+
+    def left(self, predicted: Floats) -> Floats:
+        """Readings without what atoms are read as, and without the shared offset."""
+        return self.readings - predicted - self.offset(predicted)
 
     @property
     def late(self) -> bool:
@@ -102,10 +118,12 @@ class Problem:
 
     def nothing(self) -> AtomSet:
         """No contact at all."""
-        size = len(self.readings)
-        cost = 0.5 * float(np.square(self.readings * self.white).sum())
+        zero = np.zeros(len(self.readings))
+        total = float(np.square(self.white) @ self.readings)
+        squares = float(np.square(self.readings * self.white).sum())
+        cost = 0.5 * (squares - self._shared * total**2)
         none = np.empty((0, PARAMETERS))
-        return AtomSet(none, np.empty(0, np.int64), cost, np.zeros(size), np.empty((0, 0)))
+        return AtomSet(none, np.empty(0, np.int64), cost, zero, np.empty((0, 0)))
 
     def refined(self, atoms: Floats, family: NDArray[np.int64], iterations: int = 60) -> AtomSet:
         """Atoms moved to the next minimum of the cost, or until the time is up."""
@@ -118,6 +136,11 @@ class Problem:
             done += tried
             if tried < BURST or done >= iterations or self.late:
                 return AtomSet(atoms, family, float(cost), normal.predicted, normal.hessian)
+
+    def misfit(self, found: AtomSet) -> float:
+        """By how many standard deviations the squares of the residuals exceed their number."""
+        squares = float(np.square(self.left(found.predicted) * self.white).sum())
+        return (squares - len(self.readings)) / float(np.sqrt(2.0 * len(self.readings)))
 
     def evidence(self, found: AtomSet) -> float:
         """Logarithm of the marginal likelihood, up to a constant, by Laplace's approximation.

@@ -1,5 +1,7 @@
 """Joint refinement of atoms: Levenberg's method on all their parameters, compiled.
 
+An offset that all taxels share is integrated out, as its prior is normal and it enters linearly.
+
 The cost is half the sum of squares of the whitened residuals and of the priors: for a ball, a
 normal one on the logarithm of its radius of curvature, which force and contact radius give; for a
 flat end or a ring, on that of its radius; and for all, on the half-length.
@@ -39,7 +41,8 @@ class Priors(NamedTuple):
 class Given(NamedTuple):
     """What atoms are to explain, and what is known beside; lengths in thicknesses.
 
-    `readings` (L,), `white` (L,) one over their deviations, `taxels` (L, 2).
+    `readings` (L,), `white` (L,) one over their deviations, `taxels` (L, 2). `shared` is the
+    posterior variance of an offset that all taxels share, about which the readings are silent.
     """
 
     readings: Floats
@@ -47,6 +50,7 @@ class Given(NamedTuple):
     taxels: Floats
     tables: Tables
     priors: Priors
+    shared: float
 
 
 class Normal(NamedTuple):
@@ -111,21 +115,27 @@ def assemble(atoms: Floats, family: Any, given: Given, normal: Normal) -> float:
     predict(atoms, family, given.taxels, given.tables, normal.predicted, normal.jacobian)
     gradient[:] = 0.0
     hessian[:] = 0.0
-    cost = 0.0
+    cost, total = 0.0, 0.0
+    along_all = np.zeros(6 * count)  # how the weighted sum of the readings moves
     flat = normal.jacobian.reshape(taxels, 6 * count)
     for taxel in range(taxels):
         weight = given.white[taxel] * given.white[taxel]
         residual = given.readings[taxel] - normal.predicted[taxel]
         cost += 0.5 * residual * residual * weight
+        total += residual * weight
         for i in range(6 * count):
             slope = flat[taxel, i]
             if slope == 0.0:
                 continue
             gradient[i] -= slope * residual * weight
+            along_all[i] += slope * weight
             for j in range(i + 1):
                 hessian[i, j] += slope * flat[taxel, j] * weight
+    cost -= 0.5 * given.shared * total * total
     for i in range(6 * count):
-        for j in range(i):
+        gradient[i] += given.shared * along_all[i] * total
+        for j in range(i + 1):
+            hessian[i, j] -= given.shared * along_all[i] * along_all[j]
             hessian[j, i] = hessian[i, j]
     for n in range(count):
         part = slice(6 * n, 6 * n + 6)

@@ -17,6 +17,7 @@ from skinfield.inverse.atoms.moves import (
 from skinfield.inverse.atoms.problem import BURST, AtomSet, Problem
 from skinfield.inverse.atoms.profiles import BALL, FLAT, RING
 
+ODD = 1.0  # standard deviations of chi-squared, above which other shapes are tried
 GAP = 3.5  # thicknesses between the rims of atoms that may be one body
 
 
@@ -116,6 +117,8 @@ def _alternatives(problem: Problem, found: AtomSet, index: int) -> Iterator[Atom
         yield as_round(problem, found, index, FLAT)
         return
     yield as_family(problem, found, index, BALL + FLAT - int(found.family[index]))
+    if not found.long[index] and problem.misfit(found) > ODD:
+        yield from _bodies(problem, found, [index])
     if found.long[index] and not problem.late:
         yield as_round(problem, found, index, BALL)
         yield as_round(problem, found, index, FLAT)
