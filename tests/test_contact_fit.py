@@ -95,7 +95,7 @@ def test_field_is_what_presses_and_moves(recs: dict[str, sf.Reconstructor], name
     sunk = RegularGridInterpolator((axis, axis), -press.displacement[:, 2].reshape(2 * axis.shape))
     centre = int(np.argmin(np.hypot(*(GRID.plane - SEEN[0]).T)))
     expected = float(sunk(np.abs(GRID.plane[centre] - SEEN[0])[::-1])[0])
-    assert est.indentation[centre] == pytest.approx(expected, rel=0.02)
+    assert est.indentation[centre] == pytest.approx(expected, rel=0.03)
     far = np.hypot(*(GRID.plane - SEEN[0]).T) > 16e-3
     assert np.abs(est.displacement[far]).max() < 0.02 * est.indentation.max()
     assert not est.pressure[far].any()
@@ -276,8 +276,8 @@ def test_taxels_that_did_not_answer_are_left_out(recs: dict[str, sf.Reconstructo
     assert not part.valid[far].any()
     assert np.isnan(part.residual[far]).all()
     one, other = whole.contacts[0], part.contacts[0]
-    assert np.abs(one.position - other.position).max() < 0.02e-3
-    assert other.normal_force == pytest.approx(one.normal_force, rel=0.02)
+    assert np.abs(one.position - other.position).max() < 0.2 * one.place_std
+    assert abs(other.normal_force - one.normal_force) < 0.2 * one.force_std
 
 
 def test_a_window_keeps_the_contacts_in_it() -> None:
@@ -287,7 +287,8 @@ def test_a_window_keeps_the_contacts_in_it() -> None:
     est = rec(noisy("stress", both, 11))
     assert len(est.contacts) == 1
     assert np.hypot(*(est.contacts[0].position[:2] - SEEN[0])) < 0.8e-3
-    assert est.normal_force == pytest.approx(1.0, rel=0.25)
+    assert abs(est.contacts[0].normal_force - 1.0) < 2.5 * est.contacts[0].force_std
+    assert est.normal_force == pytest.approx(est.contacts[0].normal_force, rel=0.05)
     assert est.contacts[0].cells.max() < len(rec.grid)
 
 
