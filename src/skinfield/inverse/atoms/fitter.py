@@ -162,7 +162,7 @@ class ContactFitter:
             cells=np.empty(0, np.int64),
             offset=offset,
             explained=explains(problem, problem.nothing()),
-            notes=_notes(problem.late, 0, scale),
+            notes=_notes(problem, 0, scale, offset),
         )
 
     def _fit_of(self, problem: Problem, found: AtomSet, same: bool, scale: float) -> Fit:
@@ -185,7 +185,7 @@ class ContactFitter:
             cells=np.flatnonzero(pressure),
             offset=problem.offset(found.predicted),
             explained=explains(problem, found),
-            notes=_notes(problem.late, len(found), scale),
+            notes=_notes(problem, len(found), scale, problem.offset(found.predicted)),
         )
 
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
@@ -214,12 +214,14 @@ class ContactFitter:
         return atoms, covariance
 
 
-def _notes(late: bool, count: int, scale: float) -> tuple[str, ...]:
+def _notes(problem: Problem, count: int, scale: float, offset: float) -> tuple[str, ...]:
     notes = []
-    if late:
+    if problem.late:
         notes.append(f"ContactFit stopped at the deadline, with {count} found")
     if scale > 1.0:
         notes.append("ContactFit saw more noise than was stated, and went by what it saw")
+    if abs(offset) > problem.common > 0.0:
+        notes.append("ContactFit took what all taxels share for an offset: tare the skin")
     return tuple(notes)
 
 
