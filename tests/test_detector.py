@@ -371,6 +371,11 @@ def test_lengths_of_a_stream() -> None:
     for wrong in ({"window": 0.001}, {"lengths": (0, 3)}, {"lengths": ()}):
         with pytest.raises(InputError, match="lengths is"):
             triangle().stream(**wrong)
+    for wrong in ({"lengths": (1, 2.5)}, {"lengths": (3, 10**9)}):
+        with pytest.raises(InputError, match=r"lengths is .*, expected a whole number from 1 to"):
+            triangle().stream(**wrong)
+    with pytest.raises(InputError, match=r"window is 1000000000.0 s, which is 5e\+10 readings"):
+        triangle().stream(window=1e9, rate=50)
 
 
 # What is refused

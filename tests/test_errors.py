@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from skinfield.errors import InputError, as_floats
+from skinfield.errors import (
+    InputError,
+    as_floats,
+    check_count,
+    check_offers,
+    check_positive,
+    check_range,
+    check_type,
+)
 
 
 def test_numbers_of_any_kind_become_floats():
@@ -23,3 +31,45 @@ def test_what_a_masked_array_hides_is_nan():
 def test_what_is_no_real_number_is_refused_by_name(values):
     with pytest.raises(InputError, match=r"readings is .*, expected numbers"):
         as_floats("readings", values)
+
+
+@pytest.mark.parametrize("value", ["a", None, [1.0], np.ones(2), {}, 0.0, np.nan, np.inf])
+def test_what_is_no_number_above_zero_is_refused_by_name(value):
+    with pytest.raises(InputError, match=r"(?s)pitch is .*, expected a finite number above 0"):
+        check_positive("pitch", value, "side")
+    with pytest.raises(InputError, match=r"(?s)share is .*, expected a number from 0.5 to 2: part"):
+        check_range("share", value, 0.5, 2.0, "part")
+
+
+@pytest.mark.parametrize("value", [2.5, "x", None, True, np.True_, 0, 9, np.nan])
+def test_what_is_no_count_is_refused_by_name(value):
+    with pytest.raises(InputError, match=r"starts is .*, expected a whole number from 1 to 8"):
+        check_count("starts", value, 1, 8, "seeds")
+
+
+def test_counts_of_any_kind_pass():
+    for value in (1, 8, np.int64(3), np.array(2)):
+        check_count("starts", value, 1, 8, "seeds")
+
+
+class Loud:
+    volume = 11
+
+
+def test_types_are_said_with_what_to_hand_in():
+    with pytest.raises(InputError, match="n is 'a', expected an int: count them"):
+        check_type("n", "a", int, "count them")
+    with pytest.raises(InputError, match="box is 'a', expected a Loud: louder"):
+        check_type("box", "a", Loud, "louder")
+    check_type("box", Loud(), Loud, "louder")
+
+
+def test_what_must_be_offered_is_named():
+    check_offers("box", Loud(), ("volume",), "a box")
+    with pytest.raises(InputError, match=r"box is the class Loud, .* an object: give Loud\(\)"):
+        check_offers("box", Loud, ("volume",), "a box")
+    with pytest.raises(InputError, match="box is 'loud', which has no volume, expected a Loud"):
+        check_offers("box", "loud", ("count", "volume"), "a Loud")
+    with pytest.raises(InputError) as caught:
+        check_offers("box", np.zeros((50, 50)), ("volume",), "a Loud")
+    assert len(str(caught.value)) < 200

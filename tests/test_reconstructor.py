@@ -133,6 +133,7 @@ def test_a_stiffer_skin_needs_more_force_for_the_same_gap() -> None:
     [
         (np.zeros(71), r"readings has shape \(1, 71\), expected \(any, 72\)"),
         (np.zeros((2, 3, 72)), r"readings has shape \(2, 3, 72\), expected \(any, 72\)"),
+        (np.zeros((0, 72)), "readings is empty, expected one reading or more"),
         (np.full(72, np.nan), r"readings\[0\] has no valid taxel \(1 of 1 readings\)"),
         (np.r_[np.zeros(71), np.inf], r"readings\[0, 71\] is inf, expected finite numbers"),
         (["a"] * 72, r"readings is .* expected numbers"),

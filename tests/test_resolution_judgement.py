@@ -67,6 +67,8 @@ def test_bad_input_is_named() -> None:
         Touch(-1.0, 1e-3)
     with pytest.raises(InputError, match="pitch is"):
         Places.over(hexagon72(), -1.0)
+    with pytest.raises(InputError, match=r"pitch is 1e-06 m, which makes .* take 9.[0-9]e-05 m or"):
+        Places.over(hexagon72(), 1e-6)
     with pytest.raises(InputError, match="false_alarm_rate"):
         detectable_force(stress_skin(hexagon72()), Touch(0.5, 1e-3), false_alarm_rate=0.5)
     with pytest.raises(InputError, match="threshold"):

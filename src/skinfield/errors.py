@@ -1,6 +1,7 @@
 """Arguments are checked here and nowhere else: name, what came, what was expected, why."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -24,14 +25,64 @@ class FileError(InputError):
 
 def check_positive(name: str, value: float, why: str) -> None:
     """Raise InputError unless `value` is finite and greater than zero."""
-    if not 0.0 < value < float("inf"):
+    if not _holds(lambda: 0.0 < value < float("inf")):
         raise InputError(f"{name} is {value!r}, expected a finite number above 0: {why}")
 
 
 def check_range(name: str, value: float, low: float, high: float, why: str) -> None:
     """Raise InputError unless `low` <= `value` <= `high`."""
-    if not low <= value <= high:
+    if not _holds(lambda: low <= value <= high):
         raise InputError(f"{name} is {value!r}, expected a number from {low:g} to {high:g}: {why}")
+
+
+def _holds(comparison: Callable[[], bool]) -> bool:
+    """Whether so; not where a value has no order, as None and text have none."""
+    try:
+        return bool(comparison())
+    except (TypeError, ValueError):
+        return False
+
+
+def check_count(name: str, value: int, low: int, high: int, why: str) -> None:
+    """Raise InputError unless `value` is a whole number and `low` <= `value` <= `high`."""
+    try:
+        good = low <= index(value) <= high and not isinstance(value, bool | np.bool_)
+    except TypeError:
+        good = False
+    if not good:
+        raise InputError(
+            f"{name} is {_short(value)}, expected a whole number from {low} to {high}: {why}"
+        )
+
+
+def check_type(name: str, value: object, kind: type, why: str) -> None:
+    """Raise InputError unless `value` is a `kind`; `why` says what to hand in."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} is {_short(value)}, expected {_a(kind)}: {why}")
+
+
+def check_offers(name: str, value: object, members: Iterable[str], why: str) -> None:
+    """Raise InputError unless `value` is an object with all `members`; `why` says which to take.
+
+    For what any class may be: solvers, quantities, models of the elastomer.
+    """
+    if isinstance(value, type):
+        raise InputError(
+            f"{name} is the class {value.__name__}, expected an object: give {value.__name__}()"
+        )
+    missing = [member for member in members if not hasattr(value, member)]
+    if missing:
+        raise InputError(f"{name} is {_short(value)}, which has no {missing[0]}, expected {why}")
+
+
+def _short(value: object) -> str:
+    """A value on one line that can be read."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _a(kind: type) -> str:
+    return f"{'an' if kind.__name__[0] in 'AEIOUaeiou' else 'a'} {kind.__name__}"
 
 
 def check_shape(name: str, array: NDArray[Any], shape: tuple[int | None, ...], why: str) -> None:

@@ -14,10 +14,20 @@ from skinfield.detection.posterior import detection
 from skinfield.detection.statistics import MarginalLikelihood, Statistic
 from skinfield.detection.stream import DetectorStream, halved
 from skinfield.detection.templates import round_touches
-from skinfield.errors import Floats, InputError, as_floats, check_positive, check_range, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_count,
+    check_positive,
+    check_range,
+    check_shape,
+)
 from skinfield.layout import Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Quantity
+
+MOST_HELD = 20_000  # readings that a stream looks back over: each update moves them all
 
 
 class Detector:
@@ -182,11 +192,26 @@ class Detector:
         lengths : sequence of int, optional
             Numbers of readings that are tried. Default those of `window`, halved down to 1: 15, 7,
             3, 1 for 0.3 s at 50 Hz.
+
+        Raises
+        ------
+        InputError
+            For no reading, or for more than 20 000 to look back over.
         """
         check_positive("window", window, "in seconds")
         check_positive("rate", rate, "readings per second")
-        chosen = halved(round(window * rate)) if lengths is None else tuple(sorted(set(lengths)))
-        if not chosen or chosen[0] < 1:
+        if lengths is None:
+            if window * rate > MOST_HELD:
+                raise InputError(
+                    f"window is {window!r} s, which is {window * rate:.3g} readings at a rate of "
+                    f"{rate!r}, expected at most {MOST_HELD}: give a shorter one"
+                )
+            chosen = halved(round(window * rate))
+        else:
+            for length in lengths:
+                check_count("lengths", length, 1, MOST_HELD, "readings that are looked back over")
+            chosen = tuple(sorted(set(lengths)))
+        if not chosen:
             raise InputError(
                 f"lengths is {lengths!r} with a window of {window * rate:g} readings, expected "
                 "whole numbers from 1: give a longer window"

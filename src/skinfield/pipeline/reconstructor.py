@@ -243,6 +243,8 @@ class Reconstructor:
         check_shape(
             "readings", table, (None, len(self.patch)), f"one per taxel of {self.patch.name!r}"
         )
+        if not len(table):
+            raise InputError("readings is empty, expected one reading or more")
         if np.isinf(table).any():
             row, taxel = np.argwhere(np.isinf(table))[0]
             raise InputError(

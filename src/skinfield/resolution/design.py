@@ -22,6 +22,7 @@ from skinfield.observation import Capacitance, Physics, Quantity
 NARROWEST, WIDEST = 0.15, 6.0  # radius of a touch in thicknesses, with room to vary it
 PER_PITCH = 10.0  # places in the distance of two taxels
 MOST = 40_000  # places, unless a pitch is asked for
+MOST_ASKED = 400_000  # else: some minutes and some gigabytes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -135,15 +136,24 @@ class Places:
         Raises
         ------
         InputError
-            Where the pitch is not positive, or so wide that no place is left.
+            Where the pitch is not positive, so wide that no place is left, or so fine that there
+            were above 400 000.
         """
         from scipy.spatial import cKDTree
 
         rim = patch.pad_diameter / 2
+        box = float(np.prod(np.ptp(patch.plane, axis=0) + 2 * rim))
         if pitch is None:
-            box = float(np.prod(np.ptp(patch.plane, axis=0) + 2 * rim))
             pitch = max(patch.pitch / PER_PITCH, np.sqrt(box / MOST))
         check_positive("pitch", pitch, "distance of neighbouring places, in metres")
+        wanted = box / pitch / pitch
+        if wanted > MOST_ASKED:
+            enough = 1.05 * float(np.sqrt(box / MOST_ASKED))
+            raise InputError(
+                f"pitch is {pitch!r} m, which makes {wanted:.2g} places on patch {patch.name!r}, "
+                f"expected at most {MOST_ASKED}: take {enough:.2g} m or more, or "
+                "judge a part of the patch"
+            )
         grid = Grid.window(
             patch, patch.plane.min(axis=0) - rim, patch.plane.max(axis=0) + rim, pitch
         )
