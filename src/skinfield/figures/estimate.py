@@ -87,7 +87,9 @@ def draw_estimate(
         _draw_pressure(figure.add_axes(page.pressure), estimate, presses)
         _draw_surface(figure, page, estimate)
         panel = figure.add_axes(page.contacts)
-        add_title(panel, "d", "Contacts", "in the frame of the patch; force ± noise")
+        add_title(
+            panel, "d", "Contacts", "in the frame of the patch; force ± one standard deviation"
+        )
         draw_table(panel, estimate, presses)
     return figure
 

@@ -115,10 +115,10 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def plus_minus(value: float, std: float) -> str:
-    """Write `value` ± `std` to the first digit of `std` that is not zero."""
+    """Write `value` ± `std` to the first digit of `std` that is not zero, or two of `value`."""
     if not (np.isfinite(std) and np.isfinite(value) and std > 0):
         return number(value)
-    decimals = min(_decimals(std, 1), _decimals(value, 4))
+    decimals = min(max(_decimals(std, 1), _decimals(value, 2)), _decimals(value, 4))
     return f"{value:.{decimals}f} ± {std:.{decimals}f}".replace("-", "−")
 
 
