@@ -54,7 +54,8 @@ def picture_of_errors(quantity: str, rows: Sequence[Row], bound: Sequence[Row]) 
                 if mine:
                     limit = name in (KNOWN, UNKNOWN)
                     errors.append(Errors(name_of(name), factor * column(mine, key), limit))
-            line.append(DistributionPanel(noise_in_words(quantity, noise), label, errors))
+            title = ("noise " if noise else "") + noise_in_words(quantity, noise)
+            line.append(DistributionPanel(title, label, errors))
         panels.append(line)
     count = len(balls) if balls else len({row["case"] for row in rows})
     caption = (
