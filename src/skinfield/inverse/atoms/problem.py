@@ -17,7 +17,7 @@ LONG = np.ones(6, dtype=np.bool_)
 BURST = 12  # steps of refinement between looks at the clock
 SETTLED = 1e-3  # gain in cost of the last step
 RARER = (0.0, 1.0, 2.0)  # ln odds of a ball over each family, before any reading
-LONGER = 4.0  # ln odds of a round contact over a drawn-out one
+LONGER = 5.0  # ln odds of a round contact over a drawn-out one
 LOG_FORCES = np.log(1e4)  # width of what forces may be, on a logarithmic scale
 
 
