@@ -85,6 +85,13 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
     assert float(highest) == pytest.approx(2.0, rel=0.2)
 
 
+@pytest.mark.parametrize(
+    ("page", "snippets"), [("contact-fit", 1), ("tracks", 1), ("design-a-skin", 2)]
+)
+def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
+    assert follow(ROOT / "docs" / f"{page}.md") == (snippets, 0)
+
+
 def test_setup_commands_are_those_of_the_script() -> None:
     from runpy import run_path
 
