@@ -406,6 +406,25 @@ def test_settings_that_no_detector_can_have(settings: dict, message: str) -> Non
         Detector(TRIANGLE, LAYER, **settings)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"patch": "hexagon72"}, "patch is 'hexagon72', expected a Patch"),
+        ({"layer": 2e-3}, r"layer is 0.002, expected a Layer"),
+        ({"mechanics": "layer"}, "mechanics is 'layer', which has no"),
+        ({"quantity": "capacitance"}, r"quantity is 'capacitance', .* one of Capacitance\(\)"),
+        ({"statistic": LargestMatch}, r"statistic is the class .* give LargestMatch\(\)"),
+        ({"false_alarm_rate": "x"}, "false_alarm_rate is 'x', expected a number"),
+        ({"common_mode": "x"}, "common_mode is 'x', expected False, True, or"),
+        ({"strength": None}, "strength is None"),
+        ({"spacing": "x"}, "spacing is 'x'"),
+    ],
+)
+def test_arguments_of_a_wrong_kind_are_named(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Detector(**({"patch": TRIANGLE, "layer": LAYER} | arguments))  # type: ignore[arg-type]
+
+
 def test_one_taxel_has_no_offset_to_share() -> None:
     with pytest.raises(InputError, match="give common_mode=False"):
         Detector(SINGLE, LAYER, common_mode=True)

@@ -144,6 +144,34 @@ def test_bad_readings_are_named(readings: object, message: str) -> None:
         REC(readings)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"patch": "hexagon72"}, r"patch is 'hexagon72', expected a Patch: such as layouts\."),
+        ({"layer": 2e-3}, r"layer is 0.002, expected a Layer: such as Layer\(thickness=2e-3"),
+        ({"grid": 40}, r"grid is 40, expected a Grid: such as Grid.square"),
+        ({"mechanics": "half-space"}, r"mechanics is 'half-space', which has no .* HalfSpace\(\)"),
+        ({"quantity": "capacitance"}, r"quantity is 'capacitance', .* one of Capacitance\(\)"),
+        ({"quantity": sf.BaseStress}, r"the class BaseStress, .*: give BaseStress\(\)"),
+        ({"solver": "contact"}, r"solver is 'contact', which has no prepare, .* ContactFit\(\)"),
+        ({"solver": sf.ContactFit}, r"the class ContactFit, .*: give ContactFit\(\)"),
+        ({"finder": 1e-3}, r"finder is 0.001, .* one such as ContactFinder\(\)"),
+        ({"intervals": True}, "intervals is True, expected an Intervals"),
+    ],
+)
+def test_parts_of_a_wrong_kind_are_named_with_the_right_one(
+    arguments: dict[str, object], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        sf.Reconstructor(**({"patch": PATCH} | arguments))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("deadline", ["x", 0.0, np.nan])
+def test_a_deadline_is_a_time(deadline: object) -> None:
+    with pytest.raises(InputError, match=r"deadline is .* seconds for each reading"):
+        REC(STRESS, deadline=deadline)  # type: ignore[arg-type]
+
+
 def test_a_grid_may_come_from_another_patch_of_the_same_surface_only() -> None:
     twin = sf.Reconstructor(
         sf.layouts.hexagon72(),

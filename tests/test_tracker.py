@@ -322,11 +322,27 @@ def test_a_covariance_that_is_none_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"period": 0.0}, {"coast": -1.0}, {"weak_readings": 0}, {"near": float("nan")}]
+    "wrong",
+    [
+        {"period": 0.0},
+        {"period": "a"},
+        {"coast": -1.0},
+        {"weak_readings": 0},
+        {"weak_readings": 1.5},
+        {"near": float("nan")},
+        {"motion": 0.02},
+        {"gate": "wide"},
+    ],
 )
-def test_settings_are_checked(wrong: dict[str, float]) -> None:
+def test_settings_are_checked(wrong: dict[str, object]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         sf.Tracker(**wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("wrong", [None, np.zeros(72), []])
+def test_what_is_no_estimate_is_refused(wrong: object) -> None:
+    with pytest.raises(InputError, match=r"(?s)estimate is .*, expected an Estimate: what a Recon"):
+        sf.Tracker()(wrong)  # type: ignore[arg-type]
 
 
 def test_on_a_cylinder_the_plane_unrolls() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from skinfield.contacts.tracking.habits import Gate, Habits
 from skinfield.contacts.tracking.motion import Motion
 from skinfield.contacts.tracking.tracked import ContactEvent, EventKind, TrackedContact
-from skinfield.errors import InputError
+from skinfield.errors import InputError, check_type
 from skinfield.fields import Estimate
 
 if TYPE_CHECKING:
@@ -104,9 +104,10 @@ class Tracker:
         Raises
         ------
         InputError
-            For an estimate of another patch, one that is not later than the one before, or a
-            contact whose covariance is not one.
+            For what is no estimate, an estimate of another patch, one that is not later than the
+            one before, or a contact whose covariance is not one.
         """
+        check_type("estimate", estimate, Estimate, "what a Reconstructor returns for readings")
         if not estimate.is_batch:
             found, self.events = self._follow(estimate)
             return found

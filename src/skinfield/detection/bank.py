@@ -45,7 +45,7 @@ class Noise:
                 "exact; give the standard deviation of a quiet taxel"
             )
         switch = isinstance(common_mode, bool | np.bool_)
-        common = (np.inf if common_mode else 0.0) if switch else float(common_mode)
+        common = (np.inf if common_mode else 0.0) if switch else _number(common_mode)
         if not common >= 0.0:
             raise InputError(
                 f"common_mode is {common_mode!r}, expected False, True, or the standard deviation "
@@ -145,6 +145,14 @@ class Bank:
             offset = self.noise.common * rng.standard_normal((count, 1))
             noise += offset * self.noise.offset
         return self.whitened(noise * self.noise.std)
+
+
+def _number(value: object) -> float:
+    """A number, or NaN for what is none."""
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return np.nan
 
 
 def spread_of(information: Floats) -> Floats:

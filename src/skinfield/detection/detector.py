@@ -19,13 +19,14 @@ from skinfield.errors import (
     InputError,
     as_floats,
     check_count,
+    check_offers,
     check_positive,
     check_range,
     check_shape,
 )
 from skinfield.layout import Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
-from skinfield.observation import Capacitance, Quantity
+from skinfield.observation import Capacitance, Quantity, check_skin
 
 MOST_HELD = 20_000  # readings that a stream looks back over: each update moves them all
 
@@ -112,6 +113,9 @@ class Detector:
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
         self.statistic = MarginalLikelihood() if statistic is None else statistic
+        check_skin(patch, self.layer, self.mechanics, self.quantity)
+        why = "one of MarginalLikelihood() and LargestMatch()"
+        check_offers("statistic", self.statistic, ("__call__",), why)
         self.false_alarm_rate, self.touch_rate, self.seed = false_alarm_rate, touch_rate, seed
         noise = self.quantity.typical_noise if noise_std is None else noise_std
         self.noise = Noise.of(noise, common_mode, correlation, len(patch))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from skinfield.errors import InputError, check_positive, check_range
+from skinfield.errors import check_count, check_positive, check_range, check_type
 from skinfield.inverse.non_negative import NonNegative
 from skinfield.inverse.operator import ContactOperator
 from skinfield.observation import ObservationModel
@@ -51,10 +51,11 @@ class ContactFit:
     extended: NonNegative | None = field(default_factory=NonNegative)
 
     def __post_init__(self) -> None:
-        if not 1 <= self.most_contacts <= 64:
-            raise InputError(f"most_contacts is {self.most_contacts!r}, expected 1 to 64")
-        if not 1 <= self.starts <= 64:
-            raise InputError(f"starts is {self.starts!r}, expected 1 to 64")
+        check_count("most_contacts", self.most_contacts, 1, 64, "atoms that are sought")
+        check_count("starts", self.starts, 1, 64, "places from which each is sought")
+        check_type("warm", self.warm, bool, "whether to start from the reading before")
+        if self.extended is not None:
+            check_type("extended", self.extended, NonNegative, "or None, for no field")
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
         check_range(

@@ -1,5 +1,6 @@
 """What the taxels see: layout, mechanics and grid make a linear map that solvers invert."""
 
+from skinfield.observation.arguments import check_skin as check_skin
 from skinfield.observation.deformation import Deformation as Deformation
 from skinfield.observation.model import ObservationModel as ObservationModel
 from skinfield.observation.model import Physics as Physics

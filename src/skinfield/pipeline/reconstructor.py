@@ -11,12 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
-from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
+from skinfield.errors import InputError, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import GaussianField, Solver
 from skinfield.layout import Grid, Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
-from skinfield.observation import Capacitance, Deformation, ObservationModel, Quantity
+from skinfield.observation import (
+    Capacitance,
+    Deformation,
+    ObservationModel,
+    Quantity,
+    check_skin,
+)
+from skinfield.pipeline.arguments import check_parts, checked_readings
 from skinfield.pipeline.intervals import Intervals
 from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting, make_plan
 from skinfield.pipeline.support import support_of
@@ -49,6 +56,11 @@ class Reconstructor:
         Of the prepared matrix; float32 halves the time per reading.
     intervals : Intervals, optional
         Of `calibrated`, learnt before for such a reconstructor.
+
+    Raises
+    ------
+    InputError
+        For an argument that is something else, or that no skin can have.
     """
 
     def __init__(
@@ -67,11 +79,13 @@ class Reconstructor:
     ) -> None:
         self.patch = patch
         self.layer = Layer() if layer is None else layer
-        self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
         self.solver = GaussianField() if solver is None else solver
         self.finder = ContactFinder() if finder is None else finder
+        check_skin(patch, self.layer, self.mechanics, self.quantity)
+        check_parts(self.solver, self.finder, grid, intervals)
+        self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.precision = precision
         noise = self.quantity.typical_noise if noise_std is None else noise_std
         support, nodes = support_of(self.grid, self.layer)
@@ -147,7 +161,7 @@ class Reconstructor:
             For a wrong number of taxels, an infinite reading, or none that is valid.
         """
         start = time.perf_counter()
-        table, mask = self._checked(readings, valid)
+        table, mask = checked_readings(readings, valid, self.patch, self.quantity)
         single, stamps = np.ndim(readings) == 1, np.asarray(stamp_ns, dtype=np.int64)
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
@@ -235,46 +249,6 @@ class Reconstructor:
             peak = np.zeros(len(self.grid))
             peak[0] = 1e3 * max(float(self._plan.noise.std.max()), 1.0)
             self.finder(self.grid, peak, self._plan.noise)
-
-    def _checked(
-        self, readings: ArrayLike, valid: ArrayLike | None
-    ) -> tuple[Floats, NDArray[np.bool_]]:
-        table = np.atleast_2d(as_floats("readings", readings))
-        check_shape(
-            "readings", table, (None, len(self.patch)), f"one per taxel of {self.patch.name!r}"
-        )
-        if not len(table):
-            raise InputError("readings is empty, expected one reading or more")
-        if np.isinf(table).any():
-            row, taxel = np.argwhere(np.isinf(table))[0]
-            raise InputError(
-                f"readings[{row}, {taxel}] is {table[row, taxel]}, expected finite numbers: "
-                "mark a taxel that did not answer with NaN"
-            )
-        impossible = np.argwhere(table <= self.quantity.lowest)
-        if len(impossible):
-            row, taxel = impossible[0]
-            raise InputError(
-                f"readings[{row}, {taxel}] is {table[row, taxel]}, expected above "
-                f"{self.quantity.lowest:g} ({len(impossible)} are not): no skin reads that; mark "
-                "such taxels with NaN, and check the gain"
-            )
-        mask = ~np.isnan(table)
-        if valid is not None:
-            given = np.atleast_2d(np.asarray(valid, dtype=np.bool_))
-            if given.shape not in (mask.shape, (1, mask.shape[1])):
-                raise InputError(
-                    f"valid has shape {np.shape(valid)}, expected {mask.shape[1:]} or "
-                    f"{mask.shape}: one per taxel, or one per reading and taxel"
-                )
-            mask &= given
-        empty = np.flatnonzero(~mask.any(axis=1))
-        if len(empty):
-            raise InputError(
-                f"readings[{empty[0]}] has no valid taxel ({len(empty)} of {len(table)} readings), "
-                "expected at least one: drop such readings"
-            )
-        return table, mask
 
     def _plan_for(self, valid: NDArray[np.bool_]) -> Plan:
         key = np.packbits(valid).tobytes()

@@ -17,7 +17,7 @@ from skinfield.errors import (
 )
 from skinfield.layout import Grid, Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
-from skinfield.observation import Capacitance, Physics, Quantity
+from skinfield.observation import Capacitance, Physics, Quantity, check_skin
 
 NARROWEST, WIDEST = 0.15, 6.0  # radius of a touch in thicknesses, with room to vary it
 PER_PITCH = 10.0  # places in the distance of two taxels
@@ -47,6 +47,7 @@ class SkinDesign:
     noise_std: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        check_skin(self.patch, self.layer, self.mechanics, self.quantity)
         for value in self.noise:
             check_positive("noise_std", float(value), "no reading is exact")
 

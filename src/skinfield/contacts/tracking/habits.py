@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from skinfield.contacts.tracking.motion import Motion
-from skinfield.errors import InputError, check_positive, check_range
+from skinfield.errors import check_count, check_positive, check_range, check_type
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,5 +53,6 @@ class Habits:
         check_positive("memory", self.memory, "seconds for which merged contacts are known")
         check_positive("slip_speed", self.slip_speed, "from which on a contact slips, in m/s")
         check_range("slip_sigmas", self.slip_sigmas, 0.0, 1e6, "standard deviations of the speed")
-        if not 1 <= self.weak_readings <= 1000:
-            raise InputError(f"weak_readings is {self.weak_readings!r}, expected 1 to 1000")
+        check_count("weak_readings", self.weak_readings, 1, 1000, "in a row, before a weak contact")
+        check_type("motion", self.motion, Motion, "how contacts move")
+        check_type("gate", self.gate, Gate, "how far from what is foretold a contact may be")
