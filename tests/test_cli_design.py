@@ -80,7 +80,9 @@ def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
     [
         (["nothing"], "no such file, and no generator"),
         (["hexagon72", "-o", "a.txt"], "expected one of .png"),
+        (["hexagon72", "-o", "nowhere/d.png"], "nowhere is no folder, expected one that is there"),
         (["hexagon72", "--csv", "a.txt"], "ends in .csv"),
+        (["hexagon72", "--csv", "nowhere/a.csv"], "nowhere is no folder"),
         (["hexagon72", "--json", "a.csv"], "ends in .json"),
         (["hexagon72", "--csv", "a.csv", "--compare-thickness", "1,2"], "expected one of them"),
         (["hexagon72", "--compare-thickness", "1;2"], "thicknesses in mm"),
@@ -92,6 +94,7 @@ def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
         (["hexagon72", "--force", "nan"], "force is nan"),
         (["hexagon72", "--radius", "0.01", "--linear"], "radius is"),
         (["hexagon72", "--pitch-mm", "-2"], "pitch is"),
+        (["hexagon72", "--pitch-mm", "0.001"], "expected at most 400000"),
         (["hexagon72", "--false-alarms", "2", "--linear"], "false_alarm_rate is 2"),
         (["hexagon72", "--patch", "left"], "left"),
     ],

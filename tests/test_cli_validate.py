@@ -66,6 +66,13 @@ def test_cases_do_not_mix_with_those_of_another_set(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"000_ball12_1N.npz", "notes.txt"}
 
 
+def test_either_standard_cases_or_unseen_ones(tmp_path: Path) -> None:
+    result = call("cases", str(tmp_path), "--unseen", "2", "--count", "3")
+    assert result.exit_code == 2
+    assert "--count is 3 beside --unseen 2, expected one of them" in " ".join(result.output.split())
+    assert not list(tmp_path.iterdir())
+
+
 def test_validate_prints_and_writes(folder: Path, tmp_path: Path) -> None:
     result = call(
         "validate", str(folder), "--grid", "20", "--per-case",
@@ -125,7 +132,11 @@ def test_own_solver_from_the_current_folder(
         (("--settings", '{"snr": -1}'), "snr is -1"),
         (("--require", "beauty=1"), "expected MEASURE=NUMBER"),
         (("--require", "missed"), "expected MEASURE=NUMBER"),
-        (("--gate-mm", "-1"), "gate is -0.001"),
+        (("--gate-mm", "-1"), "--gate-mm is -1.0, expected a finite number above 0"),
+        (("--csv", "s.xyz"), "--csv is 's.xyz', expected a name that ends in .csv"),
+        (("--json", "s.csv"), "--json is 's.csv', expected a name that ends in .json"),
+        (("--csv", "nowhere/s.csv"), "nowhere is no folder"),
+        (("--solver", "paper", "--settings", '{"snr": 3}'), "the paper's method has none"),
         (("--grid", "1"), "nodes is 1"),
     ],
 )
@@ -227,6 +238,9 @@ def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) ->
         (("cases", "--keep", "kept"), "--keep has no effect here: it belongs to --unseen"),
         (("cases", "--figures", "f"), "it belongs to --unseen or --noise"),
         (("cases", "--noise", "2", "--per-case"), "--json has every press"),
+        (("--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
+        (("--unseen", "2", "--settings", '{"snr": 3}'), "--settings has no effect here: it"),
+        (("--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to --solver"),
         (("--unseen", "2", "--layout", "nowhere"), "generator is 'nowhere'"),
         (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
         (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",

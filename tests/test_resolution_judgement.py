@@ -41,6 +41,14 @@ def test_judging_says_what_it_found() -> None:
     assert (found.detectable.unknown_place > found.detectable.known_place).all()
 
 
+def test_a_skin_that_feels_nothing_is_said_to() -> None:
+    design = SkinDesign(patch=icub_triangle(), layer=LAYER, quantity=BaseStress(), noise_std=1e7)
+    coarse = Places.over(design.patch, 2e-3)
+    found = judge(design, Touch(0.5, 1e-3), coarse, two_point_places=coarse, ways=4)
+    assert "is found nowhere; half of the patch places it no better than a guess" in found.verdict()
+    assert "tells no two apart" in found.verdict()
+
+
 def test_comparison_keeps_the_touch_and_sorts() -> None:
     design = stress_skin(icub_triangle())
     found = compare_thickness(design, Touch(0.5, 1e-3), [4e-3, 2e-3])

@@ -7,7 +7,7 @@ import click
 from skinfield.cli.inputs import skin_from_text
 from skinfield.cli.options import QUANTITIES, patch_of
 from skinfield.cli.report import console, plural, progress
-from skinfield.errors import FileError, check_positive
+from skinfield.errors import FileError, InputError, check_positive
 
 
 @click.command(
@@ -54,7 +54,10 @@ With --unseen they are random presses instead, one to three bodies on one elasto
     help="Noisy readings per case; 0 for one without noise.",
 )
 @click.option("--replace", is_flag=True, help="Remove the NPZ files that FOLDER holds.")
+@click.pass_context
 def cases(
+    context: click.Context,
+    /,
     folder: str,
     count: int,
     unseen: int | None,
@@ -71,6 +74,12 @@ def cases(
     from skinfield.experiments.cases.standard import standard_cases
     from skinfield.experiments.cases.unseen import unseen_cases
 
+    given = context.get_parameter_source("count") is click.core.ParameterSource.COMMANDLINE
+    if unseen is not None and given:
+        raise InputError(
+            f"--count is {count} beside --unseen {unseen}, expected one of them: both are numbers "
+            "of cases"
+        )
     if noise is not None:
         check_positive("--noise", noise, "no reading is exact")
     patch = patch_of(skin_from_text(layout), patch_name)

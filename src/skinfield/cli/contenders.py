@@ -21,11 +21,16 @@ def method_from_options(name: str, options: dict[str, Any]) -> Any:
     """
     from skinfield.experiments.trust.plan import PAPER, Method, methods
 
-    if name == PAPER:
-        return next(method for method in methods() if method.name == PAPER)
     several = len(options["solvers"]) > 1
     if several and options["settings"] != "{}":
         raise InputError("--settings is given with several solvers, expected one that takes them")
+    if name == PAPER:
+        if options["settings"] != "{}":
+            raise InputError(
+                f"--settings is {options['settings']!r}, but the paper's method has none: expected "
+                "them beside another --solver"
+            )
+        return next(method for method in methods() if method.name == PAPER)
     mechanics = options["mechanics"]
     return Method(
         name,

@@ -7,6 +7,7 @@ import click
 from skinfield.cli.design_report import say, tell, tell_thickness
 from skinfield.cli.inputs import LAYOUT_HELP, skin_from_text
 from skinfield.cli.options import MECHANICS, QUANTITIES, patch_of
+from skinfield.cli.outputs import check_output
 from skinfield.cli.report import progress, say_notes
 from skinfield.errors import InputError
 from skinfield.mechanics import Layer
@@ -182,8 +183,7 @@ def _files(csv_file: str | None, json_file: str | None, compare: str | None) -> 
                 f"--{ending[1:]} is {name!r} beside --compare-thickness, expected one of them: "
                 "maps are written of one thickness"
             )
-        if not name.lower().endswith(ending):
-            raise InputError(f"--{ending[1:]} is {name!r}, expected a name that ends in {ending}")
+        check_output(f"--{ending[1:]}", name, ending)
         files.append(name)
     return files
 

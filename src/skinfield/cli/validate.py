@@ -9,6 +9,7 @@ import click
 from skinfield.cli.contenders import method_from_options, named
 from skinfield.cli.named_solver import SOLVER_HELP
 from skinfield.cli.options import MECHANICS, QUANTITIES
+from skinfield.cli.outputs import check_output
 from skinfield.cli.report import console, plural, progress
 from skinfield.cli.scores import (
     check_limits,
@@ -17,7 +18,7 @@ from skinfield.cli.scores import (
     table_of_cases,
     table_of_summary,
 )
-from skinfield.errors import InputError
+from skinfield.errors import InputError, check_positive
 
 PAPER_HELP = " 'paper' is the paper's method: half-space, interpolated taxels, 20 x 20 nodes."
 
@@ -158,11 +159,19 @@ def validate(context: click.Context, /, cases: str | None, **options: Any) -> No
     from skinfield.cli import unseen
 
     limits_from_texts(options["require"])
+    check_positive("--gate-mm", options["gate_mm"], "distance of contacts that are the same, in mm")
+    for ending in ("csv", "json"):
+        check_output(f"--{ending}", options[f"{ending}_path"], f".{ending}")
     if (cases is None) == (options["unseen"] is None):
         raise InputError(
             "expected either CASES, a folder or file, or --unseen with a number of presses"
         )
-    _check_together(context, unseen=cases is None, noisy=bool(options["noises"]))
+    _check_together(
+        context,
+        unseen=cases is None,
+        noisy=bool(options["noises"]),
+        named=bool(options["solvers"]),
+    )
     if cases is None:
         unseen.validate_unseen(options)
     elif options["noises"]:
@@ -171,9 +180,11 @@ def validate(context: click.Context, /, cases: str | None, **options: Any) -> No
         _score_as_it_is(cases, options)
 
 
-def _check_together(context: click.Context, *, unseen: bool, noisy: bool) -> None:
+def _check_together(context: click.Context, *, unseen: bool, noisy: bool, named: bool) -> None:
     """Refuse what would have no effect."""
+    chosen = (named or not unseen, "--solver: with --unseen alone, solvers come as they are")
     needs = {
+        **dict.fromkeys(("settings", "mechanics", "grid"), chosen),
         **dict.fromkeys(("quantities", "layout", "idle", "workers", "keep"), (unseen, "--unseen")),
         "figures": (unseen or noisy, "--unseen or --noise"),
         "seed": (unseen or noisy, "--unseen or --noise"),

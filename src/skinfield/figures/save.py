@@ -19,13 +19,23 @@ METADATA: dict[str, dict[str, Any] | None] = {
 
 
 def check_name(path: str | Path) -> Path:
-    """Raise InputError unless the extension of `path` is one that a figure can be saved under."""
+    """Raise InputError unless a figure can be saved under `path`: its extension, and its folder."""
     path = Path(path)
     if path.suffix.lower() not in METADATA:
         raise InputError(
             f"{str(path)!r} ends in {path.suffix!r}, expected one of {', '.join(METADATA)}: "
             "the extension chooses the format of a figure"
         )
+    try:
+        there, taken = path.parent.is_dir(), path.is_dir()
+    except (OSError, ValueError) as error:  # a name that is too long, a zero byte
+        raise FileError(f"{str(path)!r} cannot be written: {error}; expected a path") from error
+    if not there:
+        raise FileError(
+            f"{path} cannot be written: {path.parent} is no folder, expected one that is there"
+        )
+    if taken:
+        raise FileError(f"{path} is a folder, expected the name of a figure")
     return path
 
 

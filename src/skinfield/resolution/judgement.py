@@ -109,9 +109,9 @@ class Judgement:
         """What this skin is good for, in a sentence or two."""
         force, accuracy = self.touch.force, self.accuracy
         found = 1.0 - self.missed_share
-        place = part_of(accuracy.place_std, 0.5) * 1e3
+        place = part_of(accuracy.place_std, 0.5)
         apart = part_of(self.two_points.typical, 0.5) * 1e3
-        where = "everywhere" if found == 1.0 else f"on {_percent(found)} of the patch"
+        where = {1.0: "everywhere", 0.0: "nowhere"}.get(found, f"on {_percent(found)} of the patch")
         holes = self.blind.holes
         blind = "no place is blind"
         if holes:
@@ -121,10 +121,18 @@ class Judgement:
                 f"{largest:.{0 if largest >= 10 else 1}f} mm²"
             )
         pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
+        told = f"to {place * 1e3:.2g} mm"
+        if not place < self._guess:
+            told = "no better than a guess would"
         return (
-            f"A touch of {force:g} N is found {where}; half of the patch places it to "
-            f"{place:.2g} mm and {pair}; {blind}."
+            f"A touch of {force:g} N is found {where}; half of the patch places it {told} and "
+            f"{pair}; {blind}."
         )
+
+    @property
+    def _guess(self) -> float:
+        """Deviation m of a place that is anywhere on the patch, from its middle."""
+        return float(np.sqrt(self.accuracy.places.plane.var(axis=0).sum()))
 
 
 def _percent(share: float) -> str:
