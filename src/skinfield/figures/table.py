@@ -133,7 +133,7 @@ def facts(estimate: Estimate) -> list[str]:
     std = estimate.pressure_std[grid.covered] if grid.covered.any() else estimate.pressure_std
     spread = float(np.nanmedian(std)) if np.isfinite(std).any() else np.nan
     last = [f"{columns} × {rows} cells of {number(grid.pitch * MM)} mm"]
-    if np.isfinite(spread):
+    if np.isfinite(spread) and spread > 0.0:  # contacts that are fitted have none beside them
         last.append(f"σ of pressure {number(spread * 1e-3, 2)} kPa")
     if np.isfinite(estimate.latency):
         last.append(duration(estimate.latency))
