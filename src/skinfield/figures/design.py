@@ -121,7 +121,7 @@ def draw_thickness(comparison: ThicknessComparison, *, title: str = "") -> "Figu
         ("force deviation, size unknown", "standard deviation (N)",
          f"Force of {touch.force:g} N", "at best, from one reading"),
         ("two touches told, typical direction", "distance (mm)", "Two touches told apart",
-         f"two of {touch.force:g} N each, {first.terms.error_rate:.0%} errors"),
+         f"{touch.force:g} N each, {first.terms.error_rate:.0%} errors"),
     )  # fmt: skip
     patch = first.design.patch
     head = f"{patch.name} by thickness: {_reads(first)}, contact radius {radius} mm"
