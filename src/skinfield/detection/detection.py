@@ -26,9 +26,11 @@ class Detection:
         The most probable of the places that were tried, on the surface, in the patch's frame.
     position_std : float, m
         Root mean square distance of the touch from `position`, if there is one: along the surface,
-        over all places and the spacing between them.
+        over all places and the spacing between them. A quarter of the taxels' distance is in it
+        (as a squared deviation) for what no template is like.
     force, force_std : float, N
-        Of the touch, if there is one: mean and standard deviation over all places and sizes.
+        Of the touch, if there is one: mean and standard deviation over all places and sizes; half
+        of the force is in it (as a squared deviation) for what no template is like.
     readings : int
         For how many readings the touch has most probably lasted, of the lengths that were tried.
     left_out : int

@@ -158,6 +158,7 @@ class Detector:
             float(self.statistic(matches)[0]),
             self.threshold,
             self.touch_rate,
+            self.patch.pitch,
             valid,
         )
 

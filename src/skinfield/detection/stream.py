@@ -83,6 +83,7 @@ class DetectorStream:
             float(self.detector.statistic(matches)[0]),
             self.threshold,
             self.detector.touch_rate,
+            self.detector.patch.pitch,
             self._valid[: self._held],
         )
 
