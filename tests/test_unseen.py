@@ -127,6 +127,11 @@ def plan_of(**changes: object) -> TrustPlan:
     return replace(small, **changes)  # type: ignore[arg-type]
 
 
+def test_a_gate_is_a_distance() -> None:
+    with pytest.raises(InputError, match="gate is 0, expected a finite number above 0"):
+        plan_of(gate=0)
+
+
 @lru_cache(maxsize=1)
 def ball_table() -> list[dict[str, object]]:
     return [ball_profiles(plan_of(), radius) for radius in radii(plan_of())]

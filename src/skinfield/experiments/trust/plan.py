@@ -132,6 +132,7 @@ class TrustPlan:
     def __post_init__(self) -> None:
         for name in ("presses", "share", "trials", "idle"):
             check_positive(name, getattr(self, name), "how many")
+        check_positive("gate", self.gate, "distance of contacts that are the same, in metres")
         if not self.methods or not self.levels:
             raise InputError("methods or levels are empty, expected at least one of each")
 
