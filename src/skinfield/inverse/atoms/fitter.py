@@ -9,7 +9,7 @@ from skinfield.errors import Floats, InputError
 from skinfield.inverse.atoms.bank import MARGIN, Bank, make_bank
 from skinfield.inverse.atoms.belief import Effort, belief_of, stated
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, tables_of
-from skinfield.inverse.atoms.left_over import explains, first_scale, noise_scale, significant
+from skinfield.inverse.atoms.left_over import LOUD, explains, noise_scale, significant
 from skinfield.inverse.atoms.problem import AtomSet, Problem
 from skinfield.inverse.atoms.profiles import RING
 from skinfield.inverse.atoms.refine import Priors
@@ -27,7 +27,7 @@ CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before 
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
-FIRST = 15.0  # standard deviations: strength of the touch by which all is loaded
+FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 ROUNDS = 5  # of searches, until the noise is as what is left over
 PLACES = 100  # that are tried to tell how sure a contact is, for each family
 FEW = 24  # for a contact that the reading before had, too
@@ -90,7 +90,8 @@ class ContactFitter:
         """Load all that is compiled: a first reading is as fast as the next."""
         strongest = int(np.argmax(self._bank.norms))
         template = self._bank.templates[strongest].astype(np.float64)
-        self.fit(template * (FIRST * self.model.noise_std))
+        for strength in FIRST:
+            self.fit(template * (strength * self.model.noise_std))
         self.reset()
 
     def reset(self) -> None:
@@ -102,16 +103,16 @@ class ContactFitter:
         settings, before = self.settings, self._before if self.settings.warm else None
         problem = self.problem(readings, deadline_ns)
         shapes = self._shapes_due(problem)
-        scale = first_scale(problem) if before is None or not len(before) else self._scale
-        start = before
+        scale, start = self._scale if before is not None and len(before) else 1.0, before
         for _ in range(ROUNDS):
             if scale != 1.0:
                 problem = replace(problem, white=self._white(problem.readings, scale))
             found = search(problem, start, settings.most_contacts, settings.starts, shapes)
-            step = noise_scale(problem, found, scale)
+            step = noise_scale(problem, found, scale, settings.most_contacts)
             if step == 1.0 or problem.late:
                 break
-            scale, shapes, start = scale * step, True, found if step < 1.0 else None
+            start = found if step < 1.0 and scale <= 1.0 else None
+            scale, shapes = scale * step, True
         self._scale = scale
         same = before is not None and np.array_equal(before.family, found.family)
         self._before = found
@@ -218,7 +219,7 @@ def _notes(problem: Problem, count: int, scale: float, offset: float) -> tuple[s
     notes = []
     if problem.late:
         notes.append(f"ContactFit stopped at the deadline, with {count} found")
-    if scale > 1.0:
+    if scale > LOUD:
         notes.append("ContactFit saw more noise than was stated, and went by what it saw")
     if abs(offset) > problem.common > 0.0:
         notes.append("ContactFit took what all taxels share for an offset: tare the skin")

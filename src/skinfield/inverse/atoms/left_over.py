@@ -9,8 +9,9 @@ ODD = 1e-4  # readings that contacts explain, and that are taken not to be expla
 QUIETEST = 1e-3  # of the stated noise, that is believed
 QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
 CALM = 0.7  # the same, where more noise than was stated had been assumed
-RESTLESS = 2.0  # times the stated noise on most taxels: contacts, or more noise than was stated
-LOUD = 1.2  # times the stated noise, from which it is taken to be more
+UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
+LOUD = 1.8  # times the stated noise, from which it is more: less may be weak touches
+LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the atoms could tell
 NORMAL_MEDIAN = 0.6745  # of the absolute value of a standard normal number
 
 
@@ -19,41 +20,38 @@ def explains(problem: Problem, found: AtomSet) -> bool:
     from scipy.special import chdtri
 
     squares = np.square(problem.left(found.predicted) * problem.white).sum()
-    return bool(squares <= chdtri(len(problem.readings), ODD))
+    return bool(squares <= chdtri(_freedom(found, len(problem.readings)), ODD))
 
 
-def noise_scale(problem: Problem, found: AtomSet, scale: float) -> float:
+def _freedom(found: AtomSet, taxels: int) -> int:
+    return max(taxels - int(found.free.sum()), 1)
+
+
+def noise_scale(problem: Problem, found: AtomSet, scale: float, most: int) -> float:
     """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
 
-    `scale` is what is assumed already, in terms of what was stated.
-
-    It is less where the squares are far fewer than the taxels: of all taxels, and of those that see
-    a contact, the larger of the two, so that taxels that always read zero do not speak for the
-    others. It is more where the atoms do not explain the readings and the median of what is left is
-    as large on most taxels: a few large ones are no noise.
+    `scale` is what is assumed already, in terms of what was stated. It is less where the squares
+    are far fewer than the taxels: of all taxels, and of those that see a contact, the larger of the
+    two, so that taxels that always read zero do not speak for the others. It is more where the
+    atoms do not explain the readings and taxels that see none of them are as restless: what they
+    read is no touch. Where as many atoms as there may be (`most`) do not explain the readings, all
+    taxels tell it.
     """
     left = problem.left(found.predicted) * problem.white
+    seen = np.abs(found.predicted) * problem.white > 1.0
     if not explains(problem, found):
-        typical = _typical(left)
-        return typical if typical > LOUD else 1.0
+        if len(found) >= most:
+            left, seen = problem.left(np.zeros(len(left))) * problem.white, np.zeros_like(seen)
+        typical = _typical(left[~seen]) if np.count_nonzero(~seen) >= UNSEEN else 1.0
+        return typical if LOUD < typical <= LOUDEST / scale else 1.0
     if not len(found):
         return 1.0
     squares, parameters = np.square(left), int(found.free.sum())
-    seen = np.abs(found.predicted) * problem.white > 1.0
-    share = float(squares.sum()) / max(len(squares) - parameters, 1)
+    share = float(squares.sum()) / _freedom(found, len(left))
     if seen.sum() > parameters + 2:
         share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
     enough = QUIET if scale <= 1.0 else CALM
     return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
-
-
-def first_scale(problem: Problem) -> float:
-    """Noise to begin with, in terms of what was stated: more if most taxels read far more.
-
-    Contacts that most taxels see look the same; what they explain is taken off the noise again.
-    """
-    typical = _typical(problem.left(np.zeros(len(problem.readings))) * problem.white)
-    return typical if typical > RESTLESS else 1.0
 
 
 def _typical(left: Floats) -> float:

@@ -96,7 +96,15 @@ class Problem:
     @cached_property
     def given(self) -> Given:
         """As compiled functions take it."""
-        return Given(self.readings, self.white, self.taxels, self.tables, self.priors, self._shared)
+        return Given(
+            self.readings,
+            self.white,
+            self.taxels,
+            self.tables,
+            self.priors,
+            self._shared,
+            self.places,
+        )
 
     @cached_property
     def _shared(self) -> float:

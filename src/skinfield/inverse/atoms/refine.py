@@ -42,7 +42,8 @@ class Given(NamedTuple):
     """What atoms are to explain, and what is known beside; lengths in thicknesses.
 
     `readings` (L,), `white` (L,) one over their deviations, `taxels` (L, 2). `shared` is the
-    posterior variance of an offset that all taxels share, about which the readings are silent.
+    posterior variance of an offset that all taxels share, about which the readings are silent;
+    `places` (2, 2) are the lowest and highest x and y that atoms may have.
     """
 
     readings: Floats
@@ -51,6 +52,7 @@ class Given(NamedTuple):
     tables: Tables
     priors: Priors
     shared: float
+    places: Floats
 
 
 class Normal(NamedTuple):
@@ -174,9 +176,13 @@ def cholesky_solve(matrix: Floats, right: Floats) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def hold(atoms: Floats, family: Any, tables: Tables) -> None:
-    """Bring atoms back to where they are tabulated: radius, and depth below the gap's closing."""
+def hold(atoms: Floats, family: Any, given: Given) -> None:
+    """Bring atoms back to the patch and to where they are tabulated: radius and depth."""
+    tables = given.tables
     for n in range(atoms.shape[0]):
+        for axis in range(2):
+            low, high = given.places[0, axis], given.places[1, axis]
+            atoms[n, axis] = min(max(atoms[n, axis], low), high)
         atoms[n, 3] = min(max(atoms[n, 3], LOWEST_LOG), HIGHEST_LOG)
         atoms[n, 2] = min(max(atoms[n, 2], -20.0), 12.0)
         if tables.strain.shape[0]:
@@ -231,7 +237,7 @@ def refine(
     size = 6 * count
     step, factor = np.empty(size), np.empty((size, size))
     trial = room(given.taxels.shape[0], count)
-    hold(atoms, family, given.tables)
+    hold(atoms, family, given)
     cost = assemble(atoms, family, given, normal)
     damping = FIRST_DAMPING
     for iteration in range(iterations):
@@ -240,7 +246,7 @@ def refine(
             continue
         longest = max(np.abs(step).max(), 1e-300)
         moved = atoms + min(1.0, LONGEST_STEP / longest) * step.reshape(count, 6)
-        hold(moved, family, given.tables)
+        hold(moved, family, given)
         gain = cost - assemble(moved, family, given, trial)
         if gain > 0.0:
             cost -= gain
