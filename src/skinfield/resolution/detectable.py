@@ -156,7 +156,8 @@ def searched_places(places: Places, responses: Responses) -> SearchedPlaces:
     area = np.sqrt(np.maximum(np.linalg.det(metric), 0.0)).sum() * cell**2
     mask = places.inside.copy()
     mask.ravel()[places.nodes[~heard]] = False
-    along = [places.picture(np.sqrt(metric[:, axis, axis])) for axis in (0, 1)]
+    turning = np.sqrt(np.maximum(metric[:, (0, 1), (0, 1)], 0.0))  # rounding may take it below 0
+    along = [places.picture(turning[:, axis]) for axis in (0, 1)]
     # A side of a cell stands for pi/4 of its length of a border that runs in any direction.
     outline = sum(_border(mask, lengths, axis) for axis, lengths in enumerate(along)) * cell
     return SearchedPlaces(float(area), float(np.pi / 4 * outline / 2), _euler_number(mask))

@@ -39,9 +39,8 @@ class Responses:
     def turn(self) -> Floats:
         """How the direction of the readings turns with the place: metric (P, 2, 2), 1/m²."""
         power = np.maximum(self.gram[:, 0, 0], np.finfo(float).tiny)[:, None, None]
-        across = self.gram[:, 1:3, 0]
-        outer = across[:, :, None] * across[:, None, :]
-        return np.asarray(self.gram[:, 1:3, 1:3] / power - outer / power**2)
+        across = self.gram[:, 1:3, 0] / power[:, 0]  # its square could underflow
+        return np.asarray(self.gram[:, 1:3, 1:3] / power - across[:, :, None] * across[:, None, :])
 
 
 def tables_of_design(design: SkinDesign) -> "Tables":
