@@ -13,10 +13,10 @@ the places 93 % are then held by the resampled solvers, 66 to 79 % by `GaussianF
 by `Tikhonov`, whose prior is only wide where it is told much noise. On other layouts and layers
 nothing was measured: `Reconstructor.calibrated` learns what holds there.
 
-They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64 taxel
-cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For capacitance
-they must not: 81 to 92 % over 4 cells, 61 to 68 % over 13, 46 to 50 % over 28, and 28 % over 64, as
-an incompressible layer hardly gives below the middle of a wide contact.
+They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64
+taxel cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For
+capacitance they must not: 81 to 92 % over 4 cells, 61 to 68 % over 13, 46 to 50 % over 28, and 28 %
+over 64, as an incompressible layer hardly gives below the middle of a wide contact.
 """
 
 from dataclasses import dataclass
