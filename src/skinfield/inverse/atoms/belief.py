@@ -11,7 +11,6 @@ from skinfield.inverse.atoms.kernel import PARAMETERS
 from skinfield.inverse.atoms.problem import RARER, AtomSet, Problem
 from skinfield.inverse.atoms.profiles import BALL, FLAT, RING
 
-STEP = 0.9  # standard deviations between places
 SHORTEST, LONGEST = 0.004, 0.35  # thicknesses between them
 LEAST = 1e-6  # of all weights: a family with less has no radius of its own
 CERTAIN = 0.05  # thicknesses: deviation of the place up to which the minimum's curvature tells all
@@ -104,11 +103,14 @@ class Effort:
         Places where further minima are sought.
     both : bool
         Whether the other family is tried, too.
+    step : float
+        Standard deviations between places.
     """
 
     places: int
     starts: int
     both: bool
+    step: float
 
 
 def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> Belief:
@@ -119,7 +121,7 @@ def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> B
     widest = float(np.sqrt(max(variance[1], 0.0)))
     if widest < CERTAIN or problem.late:
         return first
-    step = np.clip(STEP * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
+    step = np.clip(effort.step * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
     axes = np.ascontiguousarray((direction * step).T)
     others = np.arange(len(found)) != index
     offset = problem.offset(found.predicted)

@@ -30,7 +30,8 @@ LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 ROUNDS = 5  # of searches, until the noise is as what is left over
 PLACES = 100  # that are tried to tell how sure a contact is, for each family
-FEW = 24  # for a contact that the reading before had, too
+FEW = 14  # for a contact that the reading before had, too
+STEP, WIDE_STEP = 0.9, 1.2  # standard deviations between places, for many and for few
 MOVED = 0.5  # standard deviations within which what was known of a contact still holds
 CHANGED = 0.2  # of its force's logarithm, likewise
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
@@ -197,9 +198,9 @@ class ContactFitter:
         for index, atom in enumerate(found.atoms):
             known = self._kept[index] if same and index < len(self._kept) else None
             if known is None or not holds(known, atom):
-                effort = Effort(PLACES, self.settings.starts, True)
+                effort = Effort(PLACES, self.settings.starts, True, STEP)
                 if known is not None:
-                    effort = Effort(FEW, 0, False)
+                    effort = Effort(FEW, 0, False, WIDE_STEP)
                 belief = belief_of(problem, found, index, effort)
                 offset = belief.mean(int(found.family[index])) - atom
                 if problem.white.max() * self.model.noise_std.min() > QUIETER:
