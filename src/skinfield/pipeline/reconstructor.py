@@ -24,8 +24,9 @@ from skinfield.observation import (
     check_skin,
 )
 from skinfield.pipeline.arguments import check_parts, checked_readings
+from skinfield.pipeline.contact_plan import make_plan
 from skinfield.pipeline.intervals import Intervals
-from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting, make_plan
+from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting
 from skinfield.pipeline.support import support_of
 
 PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
