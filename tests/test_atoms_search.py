@@ -115,7 +115,7 @@ def test_evidence_and_covariance_are_those_of_samples(
     weight /= weight.sum()
     mean = weight @ samples
     spread = np.sqrt(weight @ np.square(samples - mean))
-    belief = belief_of(problem, found, 0, Effort(100, 0, False))
+    belief = belief_of(problem, found, 0, Effort(100, 0, False, 0.9))
     assert np.sqrt(np.diag(belief.covariance)[:3]) == pytest.approx(spread[:3], rel=0.35)
     assert np.abs(belief.mean(BALL)[:3] - mean[:3]).max() < 0.5 * spread[:3].max()
 
