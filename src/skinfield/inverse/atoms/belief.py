@@ -85,10 +85,14 @@ def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
         rows = np.arange(len(found)) * PARAMETERS + axis
         hessian[rows, rows] += 12.0 / width[axis] ** 2
     whole = np.zeros((free.size, free.size))
-    whole[np.ix_(free, free)] = np.linalg.pinv(hessian[np.ix_(free, free)])
-    part = slice(PARAMETERS * index, PARAMETERS * (index + 1))
+    part = hessian[np.ix_(free, free)]
+    try:
+        whole[np.ix_(free, free)] = np.linalg.inv(part)
+    except np.linalg.LinAlgError:  # something moves no reading and has no prior
+        whole[np.ix_(free, free)] = np.linalg.pinv(part)
+    own = slice(PARAMETERS * index, PARAMETERS * (index + 1))
     one = slice(index, index + 1)
-    return Belief(found.atoms[one], found.family[one], whole[part, part][None], np.ones(1))
+    return Belief(found.atoms[one], found.family[one], whole[own, own][None], np.ones(1))
 
 
 @dataclass(frozen=True)
