@@ -2,6 +2,7 @@
 
 from skinfield.inverse.contact_fit import ContactFit as ContactFit
 from skinfield.inverse.gaussian_field import GaussianField as GaussianField
+from skinfield.inverse.gaussian_model import GaussianModel as GaussianModel
 from skinfield.inverse.inverse import Inverse as Inverse
 from skinfield.inverse.non_negative import NonNegative as NonNegative
 from skinfield.inverse.operator import ContactOperator as ContactOperator
@@ -10,4 +11,5 @@ from skinfield.inverse.operator import Fit as Fit
 from skinfield.inverse.operator import InverseOperator as InverseOperator
 from skinfield.inverse.operator import Solver as Solver
 from skinfield.inverse.pseudo_inverse import PseudoInverse as PseudoInverse
+from skinfield.inverse.taxel_sets import TaxelSets as TaxelSets
 from skinfield.inverse.tikhonov import Tikhonov as Tikhonov

@@ -6,6 +6,7 @@ import numpy as np
 
 from skinfield.errors import Floats, check_positive
 from skinfield.fields import PressurePosterior
+from skinfield.inverse.gaussian_model import GaussianModel
 from skinfield.inverse.model_errors import GAUSSIAN_FIELD
 from skinfield.inverse.operator import InverseOperator
 from skinfield.layout import Grid
@@ -53,16 +54,17 @@ class GaussianField:
         from scipy.linalg import solve_triangular
 
         length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
-        cross = smoothed(model.grid, model.matrix, length).T  # Q A^T per q, (K, L)
         white = 1.0 / model.noise_std
-        gram = (model.matrix @ cross) * np.outer(white, white)
+        cross = smoothed(model.grid, model.matrix, length).T * white  # Q A^T per q, (K, L)
+        gram = (model.matrix @ cross) * white[:, None]
         variance = self.snr**2 * len(gram) / np.trace(gram)
         lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
-        factor = solve_triangular(lower, variance * (cross * white).T, lower=True)
+        factor = solve_triangular(lower, variance * cross.T, lower=True)
         matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
-        prior = variance * correlation(model.grid, length)
-        posterior = PressurePosterior.of_lattice(prior, np.ascontiguousarray(factor.T))
-        return InverseOperator(matrix, posterior.std, posterior, GAUSSIAN_FIELD.of(model))
+        near = correlation(model.grid, length)
+        posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
+        known = GaussianModel.of(cross, gram, near, model.noise_std, self.snr)
+        return InverseOperator(matrix, posterior.std, posterior, GAUSSIAN_FIELD.of(model), known)
 
 
 def taxel_distance(taxels: Floats, alone: float) -> float:

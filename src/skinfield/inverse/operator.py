@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
+from skinfield.inverse.gaussian_model import GaussianModel
 from skinfield.observation import ObservationModel
 
 EXACT = ModelError()
@@ -27,16 +28,30 @@ class InverseOperator:
         Of a Bayesian solver: its contacts' covariance. Else that is of the readings' noise alone.
     model_error : ModelError
         What is wrong with its contacts beside: added to their covariance.
+    gaussian : GaussianModel, optional
+        Of a Bayesian solver: by which it answers without some of its taxels at little cost.
     """
 
     matrix: Floats
     pressure_std: Floats
     posterior: PressurePosterior | None = None
     model_error: ModelError = EXACT
+    gaussian: GaussianModel | None = None
 
     def apply(self, readings: Floats, out: Floats) -> None:
         """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,). No allocation."""
         np.dot(self.matrix, readings, out=out)
+
+    def without(self, valid: NDArray[np.bool_]) -> "InverseOperator | None":
+        """What the solver would prepare, with the same prior, for the taxels of a mask (L,) alone.
+
+        None where that does not follow from this operator: the solver must prepare it then.
+        """
+        if self.gaussian is None:
+            return None
+        sets = self.gaussian.sets(np.asarray(valid, dtype=np.bool_)[None])
+        posterior = sets.posterior(0)
+        return InverseOperator(sets.matrix(0), posterior.std, posterior, self.model_error)
 
 
 class FieldOperator(Protocol):

@@ -6,6 +6,7 @@ import numpy as np
 
 from skinfield.errors import check_positive
 from skinfield.fields import PressurePosterior
+from skinfield.inverse.gaussian_model import GaussianModel
 from skinfield.inverse.model_errors import TIKHONOV
 from skinfield.inverse.operator import InverseOperator
 from skinfield.observation import ObservationModel
@@ -41,13 +42,14 @@ class Tikhonov:
 
         whitened = model.matrix / model.noise_std[:, None]
         gram = whitened @ whitened.T
+        white = np.zeros(model.grid.shape)
+        white[0, 0] = 1.0
+        known = GaussianModel.of(whitened.T, gram, white, model.noise_std, self.snr)
         penalty = float(np.trace(gram)) / (len(gram) * self.snr**2)
         gram[np.diag_indices_from(gram)] += penalty
         lower = np.linalg.cholesky(gram)
         factor = solve_triangular(lower, whitened, lower=True)
         matrix = solve_triangular(lower, factor, lower=True, trans=1).T / model.noise_std
-        white = np.zeros(model.grid.shape)
-        white[0, 0] = 1.0 / penalty
         factor = np.ascontiguousarray(factor.T) / np.sqrt(penalty)
-        posterior = PressurePosterior.of_lattice(white, factor)
-        return InverseOperator(matrix, posterior.std, posterior, TIKHONOV.of(model))
+        posterior = PressurePosterior.of_lattice(white / penalty, factor)
+        return InverseOperator(matrix, posterior.std, posterior, TIKHONOV.of(model), known)

@@ -18,8 +18,7 @@ from skinfield.inverse import (
 )
 from skinfield.layout import Grid
 from skinfield.observation import Deformation, ObservationModel, Quantity
-
-CHUNK = 512  # readings per matrix product: the outputs stay in cache
+from skinfield.pipeline.missing import CHUNK, MissingTaxels
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +122,8 @@ class LinearPlan:
         That the solver states beside.
     valid : (L,) bool array
         Which taxels it uses.
+    missing : MissingTaxels or None
+        What answers readings that lack further taxels, if the solver is a Bayesian one.
     """
 
     setting: Setting
@@ -133,6 +134,7 @@ class LinearPlan:
     posterior: PressurePosterior | None
     model_error: ModelError
     valid: NDArray[np.bool_]
+    missing: MissingTaxels | None = None
 
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
         """See `Plan.solve`: one matrix product, whatever the deadline."""
@@ -167,7 +169,7 @@ def linear_plan(
     valid: NDArray[np.bool_],
 ) -> LinearPlan:
     """Fold resampling, inversion and displacement into one matrix."""
-    nodes = setting.nodes
+    nodes, gaussian = setting.nodes, inverse.gaussian if valid.all() else None
     displacement = setting.deformation(inverse.matrix.T)[:, nodes]  # (L', K, 3)
     pressure = inverse.matrix[nodes]
     blocks = [pressure, *np.moveaxis(displacement, (2, 1, 0), (0, 1, 2))]
@@ -180,6 +182,7 @@ def linear_plan(
         posterior=None if inverse.posterior is None else inverse.posterior.on(nodes),
         model_error=inverse.model_error,
         valid=valid,
+        missing=None if gaussian is None else MissingTaxels(gaussian.on(nodes)),
     )
 
 

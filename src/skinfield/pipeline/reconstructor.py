@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
-from skinfield.errors import InputError, check_positive
+from skinfield.errors import Floats, InputError, Ints, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import GaussianField, Solver
 from skinfield.layout import Grid, Patch
@@ -169,7 +169,7 @@ class Reconstructor:
         if deadline is not None:
             check_positive("deadline", deadline, "seconds for each reading")
         out = Results.empty(len(table), len(self.patch), len(self.grid))
-        for pattern, rows in _patterns(mask):
+        for pattern, rows in _patterns(mask, self._without_missing(table, mask, out)):
             part = table[rows] if pattern.all() else table[np.ix_(rows, pattern)]
             self._plan_for(pattern).solve(part, rows, out, deadline)
         nodes, learnt = len(self.grid), self.intervals
@@ -251,6 +251,15 @@ class Reconstructor:
             peak[0] = 1e3 * max(float(self._plan.noise.std.max()), 1.0)
             self.finder(self.grid, peak, self._plan.noise)
 
+    def _without_missing(self, table: Floats, mask: NDArray[np.bool_], out: Results) -> Ints:
+        """Answer the readings that lack taxels, if the plan of all taxels can; rows that remain."""
+        whole, plan = mask.all(axis=1), self._plan
+        if whole.all() or not isinstance(plan, LinearPlan) or plan.missing is None:
+            return np.arange(len(mask))
+        rows = np.flatnonzero(~whole)
+        plan.missing.solve(plan, table[rows], mask[rows], rows, out)
+        return np.flatnonzero(whole)
+
     def _plan_for(self, valid: NDArray[np.bool_]) -> Plan:
         key = np.packbits(valid).tobytes()
         if key not in self._plans:
@@ -261,11 +270,13 @@ class Reconstructor:
         return self._plans[key]
 
 
-def _patterns(mask: NDArray[np.bool_]) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
-    """Sets of taxels that are valid together, and the readings that have them."""
-    if len(mask) == 1 or mask.all():
-        yield mask[0], np.arange(len(mask))
+def _patterns(
+    mask: NDArray[np.bool_], rows: Ints
+) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
+    """Sets of taxels that are valid together in some rows, and the rows that have them."""
+    if len(rows) == 1 or mask[rows].all():
+        yield from [(mask[rows[0]], rows)] if len(rows) else []
         return
-    patterns, which = np.unique(mask, axis=0, return_inverse=True)
+    patterns, which = np.unique(mask[rows], axis=0, return_inverse=True)
     for index, pattern in enumerate(patterns):
-        yield pattern, np.flatnonzero(which.ravel() == index)
+        yield pattern, rows[which.ravel() == index]

@@ -1,0 +1,105 @@
+"""Readings that lack taxels, each others if need be, by what is prepared for all taxels."""
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.contacts.finder import EXACT
+from skinfield.errors import Floats, Ints
+from skinfield.inverse import GaussianModel, TaxelSets
+
+if TYPE_CHECKING:
+    from skinfield.pipeline.plan import LinearPlan, Results
+
+CHUNK = 512  # readings per matrix product: the outputs stay in cache
+SETS = 32  # at once: their deviations stay in cache
+CALLS_KEPT = 16  # whose sets of taxels stay prepared
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """Sets of valid taxels with what each reading of them needs.
+
+    Attributes
+    ----------
+    sets : TaxelSets
+        P of them.
+    pressure_std, noise_std : (P, K) arrays, Pa
+        Of the posterior, and by the readings' noise alone.
+    """
+
+    sets: TaxelSets
+    pressure_std: Floats
+    noise_std: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class MissingTaxels:
+    """Answers a linear plan's readings of which some taxels are not valid.
+
+    Attributes
+    ----------
+    model : GaussianModel
+        On the plan's nodes.
+    """
+
+    model: GaussianModel
+    _kept: OrderedDict[bytes, Prepared] = field(default_factory=OrderedDict)
+
+    def solve(
+        self,
+        plan: "LinearPlan",
+        readings: Floats,
+        valid: NDArray[np.bool_],
+        rows: Ints,
+        out: "Results",
+    ) -> None:
+        """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`."""
+        patterns, which = np.unique(valid, axis=0, return_inverse=True)
+        order = np.argsort(which.ravel(), kind="stable")
+        which = which.ravel()[order]
+        for first in range(0, len(patterns), SETS):
+            start, end = np.searchsorted(which, [first, first + SETS])
+            prepared = self._prepared(patterns[first : first + SETS])
+            for begin in range(start, end, CHUNK):
+                chunk = order[begin : min(begin + CHUNK, end)]
+                table = np.where(valid[chunk], readings[chunk], 0.0)
+                part = which[begin : begin + len(chunk)] - first
+                _solve(plan, prepared, table, part, rows[chunk], out)
+
+    def _prepared(self, patterns: NDArray[np.bool_]) -> Prepared:
+        key = np.packbits(patterns, axis=1).tobytes()
+        if key not in self._kept:
+            sets = self.model.sets(patterns)
+            prepared = Prepared(sets, *sets.stds())
+            if len(patterns) == SETS:  # of many, that will hardly come again
+                return prepared
+            if len(self._kept) >= CALLS_KEPT:
+                self._kept.popitem(last=False)
+            self._kept[key] = prepared
+        self._kept.move_to_end(key)
+        return self._kept[key]
+
+
+def _solve(
+    plan: "LinearPlan", known: Prepared, table: Floats, which: Ints, rows: Ints, out: "Results"
+) -> None:
+    """Fill in what is missing, so that one product serves all; contacts one by one."""
+    setting, nodes, sets = plan.setting, len(plan.setting.grid), known.sets
+    linear = setting.quantity.linearise(table, np.empty_like(table))
+    filled = sets.filled(linear, which)
+    out.fields[rows] = (plan.operator @ filled.T.astype(setting.precision)).T
+    out.pressure_std[rows] = known.pressure_std[which]
+    left = linear - filled @ plan.explained.T
+    out.residual[rows] = np.where(sets.valid[which], left, np.nan)
+    for row, place in zip(rows, which, strict=True):
+        out.contacts[row] = setting.finder(
+            setting.grid,
+            out.fields[row, :nodes],
+            sets.noise(place, known.noise_std[place]),
+            sets.error(place, known.pressure_std[place]),
+            plan.model_error if setting.model_errors else EXACT,
+        )
