@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 
 Singles = NDArray[np.float32]
+FEW = 5  # patches up to which a product for each is quicker than one for all
 
 
 class SharedProduct(Protocol):
@@ -61,4 +62,8 @@ class DenseProduct:
 
     def apply(self, readings: Singles, out: Singles) -> None:
         """See `SharedProduct.apply`."""
-        np.dot(readings, self.transposed, out=out)
+        if len(readings) > FEW:
+            np.dot(readings, self.transposed, out=out)
+            return
+        for reading, row in zip(readings, out, strict=True):
+            np.dot(reading, self.transposed, out=row)
