@@ -24,6 +24,7 @@ FLOORS = [  # top floor first; rooms of one floor never import each other
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 CORE = {"numpy", "scipy", "numba"}
 ELSEWHERE = {  # third-party packages outside the core, and the rooms that may import them
+    "llvmlite": {"inverse"},  # the half of Numba that writes vectors
     "click": {"cli"},
     "rich": {"cli"},
     "threadpoolctl": {"cli"},
