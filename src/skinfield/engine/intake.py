@@ -1,0 +1,157 @@
+"""Readings of all patches into one array: checked, linearised and in units of their noise."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.engine.products import Singles
+from skinfield.errors import Floats, InputError, as_floats
+from skinfield.layout import Patch
+from skinfield.observation import Quantity
+
+Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]
+
+
+class Intake:
+    """Where the readings of a cycle are.
+
+    Parameters
+    ----------
+    patches : sequence of Patch
+        In the order of the arrays.
+    order : sequence of int
+        Place of each of them in the skin, which is that of readings that come as a sequence.
+    quantity : Quantity
+    noise_std : (N,) array
+        Of all taxels.
+
+    Attributes
+    ----------
+    starts : (P + 1,) list of int
+        Where each patch's taxels begin.
+    linear : (N,) array
+        Linearised readings; 0 where invalid.
+    white : (N,) float32 array
+        In units of their noise.
+    valid : (N,) bool array
+        Not NaN, not left out, and a number that a skin reads: finite, and not too low.
+    present : (P,) bool array
+        Patches that gave a reading.
+    """
+
+    def __init__(
+        self,
+        patches: Sequence[Patch],
+        order: Sequence[int],
+        quantity: Quantity,
+        noise_std: Floats,
+    ) -> None:
+        self.names = [patch.name for patch in patches]
+        self.order, self.quantity = list(order), quantity
+        self.sizes = [len(patch) for patch in patches]
+        self.starts = [0, *np.cumsum(self.sizes).tolist()]
+        taxels = self.starts[-1]
+        self.raw, self.linear, self._straight = np.zeros((3, taxels))
+        self.white: Singles = np.zeros(taxels, np.float32)
+        self.valid, self._finite, self._possible = np.ones((3, taxels), np.bool_)
+        self.present = np.ones(len(patches), np.bool_)
+        self.all_valid = True
+        self._per_noise = 1.0 / noise_std
+        self._nothing = [np.zeros(size) for size in self.sizes]
+
+    def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
+        """Take the readings of a cycle.
+
+        Raises
+        ------
+        InputError
+            For a name that no patch has, or another number of taxels.
+        """
+        rows = self._rows(readings)
+        try:
+            sized = list(map(len, rows)) == self.sizes
+            np.concatenate(rows, out=self.raw)
+        except (TypeError, ValueError):
+            sized = False
+        if not sized:
+            self._blame(rows)
+        self._check_numbers(valid)
+        straight = self.quantity.linearise(self.raw, self._straight)
+        np.copyto(self.linear, straight)
+        np.multiply(self.linear, self._per_noise, out=self.white)
+
+    def rows_of(self, place: int) -> slice:
+        """Taxels of a patch."""
+        return slice(self.starts[place], self.starts[place + 1])
+
+    def _rows(self, readings: Readings) -> list[Any]:
+        self.present[:] = True
+        if isinstance(readings, Mapping):
+            rows = [readings.get(name) for name in self.names]
+            given = len(rows) - sum(row is None for row in rows)
+            if given < len(readings):
+                self._check_names(readings)
+        else:
+            if len(readings) != len(self.names):
+                raise InputError(
+                    f"readings has {len(readings)} entries, expected one for each of the "
+                    f"{len(self.names)} patches in the skin's order, None where there is none; "
+                    "or a mapping from names"
+                )
+            rows = [readings[place] for place in self.order]
+            given = len(rows) - sum(row is None for row in rows)
+        if given < len(rows):
+            for place, row in enumerate(rows):
+                if row is None:
+                    self.present[place] = False
+                    rows[place] = self._nothing[place]
+        return rows
+
+    def _check_names(self, given: Mapping[str, Any]) -> None:
+        unknown = [name for name in given if name not in self.names]
+        if unknown:
+            known = ", ".join(self.names[:8])
+            raise InputError(
+                f"readings names {unknown[0]!r}, which is no patch, expected names among {known}"
+                f"{', ...' if len(self.names) > 8 else ''}"
+            )
+
+    def _blame(self, rows: Sequence[ArrayLike]) -> None:
+        """Name the patch whose readings do not fit."""
+        for name, size, row in zip(self.names, self.sizes, rows, strict=True):
+            shape = as_floats(f"readings[{name!r}]", row).shape
+            if shape != (size,):
+                raise InputError(
+                    f"readings[{name!r}] has shape {shape}, expected ({size},): one per taxel; "
+                    "an engine takes one reading of each patch in a cycle"
+                )
+        np.concatenate([as_floats("readings", row) for row in rows], out=self.raw)
+
+    def _check_numbers(self, valid: Mapping[str, ArrayLike] | None) -> None:
+        np.isfinite(self.raw, out=self._finite)
+        np.greater(self.raw, self.quantity.lowest, out=self._possible)
+        np.logical_and(self._finite, self._possible, out=self.valid)
+        if valid is not None:
+            self._leave_out(valid)
+        self.all_valid = bool(self.valid.all())
+        if not self.all_valid:
+            np.copyto(self.raw, 0.0, where=~self.valid)
+
+    def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
+        self._check_names(valid)
+        for place, name in enumerate(self.names):
+            if name in valid:
+                mask = np.asarray(valid[name], dtype=np.bool_)
+                if mask.shape != (self.sizes[place],):
+                    raise InputError(
+                        f"valid[{name!r}] has shape {mask.shape}, expected "
+                        f"({self.sizes[place]},): one per taxel"
+                    )
+                self.valid[self.rows_of(place)] &= mask
+
+    def views(self, array: NDArray[Any], first: int, count: int) -> NDArray[Any]:
+        """Rows (count, L) of patches of one size in an array (N,)."""
+        low, high = self.starts[first], self.starts[first + count]
+        return array[low:high].reshape(count, -1)

@@ -1,0 +1,85 @@
+"""What a cycle knows of each patch, in arrays."""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, Ints
+
+
+class Answer(IntEnum):
+    """How a patch was answered."""
+
+    MISSING = 0  # no reading, or none that can be answered
+    IDLE = 1  # 0 is the minimum: proven on the rung that is told
+    LINEAR = 2  # of a linear solver; or, of an iterative one, its clipped start
+    FEASIBLE = 3  # of an iterative solver, with its certificate
+
+
+class Step(IntEnum):
+    """Kinds of steps, by which their times are told apart; each on every rung."""
+
+    PRODUCT = 0  # linear answer of all patches of a kind
+    TEST = 1  # idle test of all patches of a kind
+    ROW = 2  # linear answer of one patch
+    COLD = 3  # search of a patch that had no contact in the cycle before
+    WARM = 4  # search of a patch that had
+
+
+@dataclass(eq=False)
+class State:
+    """Arrays (P,) over all patches, those of one kind side by side.
+
+    Attributes
+    ----------
+    group : which kind the patch is of
+    answer : of `Answer`
+    rung : of the answer; -1 where there is none
+    gap : relative, of the answer
+    excess : by how much its objective may be above the finest rung's minimum, about
+    energy : objective of an answer of 0
+    iterations : of the last search
+    searched : rung of the last search, of any cycle; -1 before the first
+    settled : whether the last search came to its end
+    was_hot : whether the patch had a contact in the cycle before
+    age : cycles since a patch with a contact was served
+    kind : step that the patch would take next
+    invalid : taxels that were left out
+    spent, predicted : s, of the steps for this patch alone
+    """
+
+    group: Ints
+    answer: Ints = field(init=False)
+    rung: Ints = field(init=False)
+    gap: Floats = field(init=False)
+    excess: Floats = field(init=False)
+    energy: Floats = field(init=False)
+    iterations: Ints = field(init=False)
+    searched: Ints = field(init=False)
+    settled: NDArray[np.bool_] = field(init=False)
+    was_hot: NDArray[np.bool_] = field(init=False)
+    age: Ints = field(init=False)
+    kind: Ints = field(init=False)
+    invalid: Ints = field(init=False)
+    spent: Floats = field(init=False)
+    predicted: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        patches = len(self.group)
+        self.answer, self.iterations, self.age, self.kind, self.invalid = np.zeros(
+            (5, patches), dtype=np.int64
+        )
+        self.rung, self.searched = np.full((2, patches), -1, dtype=np.int64)
+        self.gap, self.excess, self.energy, self.spent, self.predicted = np.zeros((5, patches))
+        self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
+
+    def begin(self) -> None:
+        """Forget the answers of the cycle before."""
+        self.answer[:] = Answer.MISSING
+        self.rung[:] = -1
+        self.gap[:] = np.nan
+        for array in (self.excess, self.energy, self.iterations, self.spent, self.predicted):
+            array[:] = 0
+        self.settled[:] = False
