@@ -1,6 +1,7 @@
 """Posteriors of sets of taxels: what is known of all of them, less what the missing ones told."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -132,13 +133,13 @@ class TaxelSets:
         left = along * self.kept[which] - np.einsum("nml,nm->nl", lost, told)
         moved[which, cell] = np.einsum("nl,nl->n", left, left)
 
-    def noise(self, which: int, std: Floats) -> "SetError":
-        """Noise of a set's pressure, of a known deviation (K,)."""
-        return SetError(self, which, std, of_noise=True)
-
-    def error(self, which: int, std: Floats) -> "SetError":
-        """Posterior of a set's pressure, of a known deviation (K,)."""
-        return SetError(self, which, std, of_noise=False)
+    def errors(self) -> "list[tuple[SetError, SetError]]":
+        """Posterior of each set's pressure, and its error by the readings' noise alone."""
+        stds = zip(*self.stds(), strict=True)
+        return [
+            (SetError(self, which, posterior, False), SetError(self, which, noise, True))
+            for which, (posterior, noise) in enumerate(stds)
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +159,11 @@ class SetError:
     which: int
     std: Floats
     of_noise: bool
+
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells that feel any noise."""
+        return int(np.count_nonzero(self.std))
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""

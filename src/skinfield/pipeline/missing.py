@@ -19,7 +19,6 @@ SETS = 32  # at once: their deviations stay in cache
 CALLS_KEPT = 16  # whose sets of taxels stay prepared
 
 
-@dataclass(frozen=True, eq=False)
 class Prepared:
     """Sets of valid taxels with what each reading of them needs.
 
@@ -27,13 +26,13 @@ class Prepared:
     ----------
     sets : TaxelSets
         P of them.
-    pressure_std, noise_std : (P, K) arrays, Pa
+    errors : list of P pairs of PressureError
         Of the posterior, and by the readings' noise alone.
     """
 
-    sets: TaxelSets
-    pressure_std: Floats
-    noise_std: Floats
+    def __init__(self, sets: TaxelSets) -> None:
+        self.sets = sets
+        self.errors = sets.errors()
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +72,7 @@ class MissingTaxels:
     def _prepared(self, patterns: NDArray[np.bool_]) -> Prepared:
         key = np.packbits(patterns, axis=1).tobytes()
         if key not in self._kept:
-            sets = self.model.sets(patterns)
-            prepared = Prepared(sets, *sets.stds())
+            prepared = Prepared(self.model.sets(patterns))
             if len(patterns) == SETS:  # of many, that will hardly come again
                 return prepared
             if len(self._kept) >= CALLS_KEPT:
@@ -92,14 +90,15 @@ def _solve(
     linear = setting.quantity.linearise(table, np.empty_like(table))
     filled = sets.filled(linear, which)
     out.fields[rows] = (plan.operator @ filled.T.astype(setting.precision)).T
-    out.pressure_std[rows] = known.pressure_std[which]
     left = linear - filled @ plan.explained.T
     out.residual[rows] = np.where(sets.valid[which], left, np.nan)
     for row, place in zip(rows, which, strict=True):
+        posterior, noise = known.errors[place]
+        out.pressure_std[row] = posterior.std
         out.contacts[row] = setting.finder(
             setting.grid,
             out.fields[row, :nodes],
-            sets.noise(place, known.noise_std[place]),
-            sets.error(place, known.pressure_std[place]),
+            noise,
+            posterior,
             plan.model_error if setting.model_errors else EXACT,
         )

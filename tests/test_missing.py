@@ -1,0 +1,241 @@
+"""Readings that lack taxels: as if the solver had been prepared without them."""
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.fields import Contact, Estimate, PressureNoise
+from skinfield.inverse import InverseOperator, Solver
+from skinfield.inverse.gaussian_field import PITCHES, taxel_distance
+from skinfield.observation import ObservationModel
+from skinfield.pipeline import missing
+
+PATCH = sf.layouts.hexagon72()
+LAYER = sf.Layer(2e-3, 100e3, 0.4)
+GRID = sf.Grid.square(PATCH, nodes=24)
+LENGTH = PITCHES * taxel_distance(PATCH.plane, 1.0)  # that of all taxels, whichever are there
+SMOOTH = sf.GaussianField(length_scale=LENGTH)
+SURE = sf.GaussianField(snr=200.0, length_scale=1e-3)
+SOLVERS = [SMOOTH, SURE, sf.Tikhonov(), sf.Tikhonov(snr=1.0)]
+NOISE = np.linspace(1e-3, 3e-3, 72)
+FIELDS = ("pressure", "displacement", "pressure_std", "traction")
+
+
+class Anew:
+    """A solver that says nothing of how it answers without some taxels: prepared each time."""
+
+    def __init__(self, solver: Solver) -> None:
+        self.solver = solver
+
+    def prepare(self, model: ObservationModel) -> InverseOperator:
+        known = self.solver.prepare(model)
+        assert isinstance(known, InverseOperator)
+        return InverseOperator(known.matrix, known.pressure_std, known.posterior, known.model_error)
+
+
+def masks(silent: int, count: int = 3, seed: int = 8) -> np.ndarray:
+    rng = np.random.default_rng([seed, silent])
+    valid = np.ones((count, 72), dtype=np.bool_)
+    for row in valid:
+        row[rng.choice(72, silent, replace=False)] = False
+    return valid
+
+
+@pytest.fixture(scope="module")
+def pressed() -> np.ndarray:
+    """Readings of a ball and a bar together, fading in, with noise."""
+    bodies = [
+        sf.simulate.Sphere(radius=6e-3, position=(-9e-3, 6e-3), force=1.0),
+        sf.simulate.Cylinder(radius=3e-3, position=(12e-3, -8e-3), force=1.5),
+    ]
+    press = sf.simulate.press(LAYER, bodies, extent=70e-3, cell=1e-3)
+    change = press.capacitance(PATCH.positions, PATCH.pad_diameter)
+    noise = np.random.default_rng(3).normal(size=(12, 72)) * NOISE
+    return np.linspace(0.0, 1.0, 12)[:, None] * change + noise
+
+
+def reconstructor(solver: object, **settings: object) -> sf.Reconstructor:
+    return sf.Reconstructor(PATCH, LAYER, GRID, solver=solver, noise_std=NOISE, **settings)
+
+
+def apart(mine: np.ndarray, other: np.ndarray) -> float:
+    return float(np.abs(mine - other).max() / np.abs(other).max())
+
+
+def assert_same_contact(mine: Contact, other: Contact) -> None:
+    assert mine.cells.tolist() == other.cells.tolist()
+    for name in ("position", "force", "moment", "area", "peak_pressure", "outline", "angle"):
+        assert getattr(mine, name) == pytest.approx(getattr(other, name), rel=1e-9, abs=1e-12)
+    scale = np.sqrt(np.diagonal(other.covariance))
+    wrong = (mine.covariance - other.covariance) / np.outer(scale, scale)
+    assert np.abs(wrong).max() < 1e-9
+    assert mine.area_std == pytest.approx(other.area_std, rel=1e-9)
+
+
+def assert_same(mine: Estimate, other: Estimate, error: float = 1e-9) -> None:
+    for name in FIELDS:
+        assert apart(getattr(mine, name), getattr(other, name)) < error, name
+    assert np.array_equal(np.isnan(mine.residual), np.isnan(other.residual))
+    assert apart(np.nan_to_num(mine.residual), np.nan_to_num(other.residual)) < error
+    assert [len(found) for found in mine.contacts] == [len(found) for found in other.contacts]
+    for found, expected in zip(mine.contacts, other.contacts, strict=True):
+        for contact, twin in zip(found, expected, strict=True):
+            assert_same_contact(contact, twin)
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=repr)
+@pytest.mark.parametrize("silent", [1, 4, 40, 71])
+def test_an_operator_without_taxels_is_that_prepared_for_the_others(
+    solver: Solver, silent: int
+) -> None:
+    model = reconstructor(solver).model
+    whole = solver.prepare(model)
+    assert isinstance(whole, InverseOperator)
+    valid = masks(silent, 1)[0]
+    mine, other = whole.without(valid), solver.prepare(model.subset(valid))
+    assert mine is not None
+    assert isinstance(other, InverseOperator)
+    assert apart(mine.matrix, other.matrix) < 1e-9
+    assert mine.pressure_std == pytest.approx(other.pressure_std, rel=1e-9)
+    assert mine.model_error == other.model_error
+    assert mine.posterior is not None
+    assert other.posterior is not None
+    cells, weights = np.arange(60, 260, 5), np.random.default_rng(1).normal(size=(3, 40))
+    spread = other.posterior.covariance_of_sums(cells, weights)
+    assert apart(mine.posterior.covariance_of_sums(cells, weights), spread) < 1e-9
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=repr)
+def test_deviations_and_covariances_of_sets_of_different_size(solver: Solver) -> None:
+    model = reconstructor(solver).model
+    whole = solver.prepare(model)
+    assert isinstance(whole, InverseOperator)
+    assert whole.gaussian is not None
+    valid = np.concatenate([masks(count, 1) for count in (0, 1, 3, 30, 71)])
+    cells, weights = np.arange(100, 200), np.random.default_rng(1).normal(size=(2, 100))
+    for mask, (posterior, noise) in zip(valid, whole.gaussian.sets(valid).errors(), strict=True):
+        other = solver.prepare(model.subset(mask))
+        assert isinstance(other, InverseOperator)
+        assert other.posterior is not None
+        moved = PressureNoise(other.matrix * model.noise_std[mask])
+        assert posterior.std == pytest.approx(other.pressure_std, rel=1e-9)
+        assert noise.std == pytest.approx(moved.std, rel=1e-9)  # far cells too, 1e-6 of the rest
+        assert noise.felt == np.count_nonzero(moved.std)
+        for mine, theirs in ((posterior, other.posterior), (noise, moved)):
+            spread = theirs.covariance_of_sums(cells, weights)
+            assert apart(mine.covariance_of_sums(cells, weights), spread) < 1e-9
+
+
+def test_missing_readings_become_what_the_others_let_expect() -> None:
+    """Where a prior has a fixed amplitude, the filled reading is the mean given the others."""
+    model = reconstructor(SMOOTH).model
+    whole = SMOOTH.prepare(model)
+    assert isinstance(whole, InverseOperator)
+    assert whole.gaussian is not None
+    valid = masks(3, 1)
+    sets = whole.gaussian.sets(valid)
+    readings = np.random.default_rng(5).normal(size=(1, 72)) * model.noise_std
+    filled = sets.filled(np.where(valid, readings, 7.0), np.zeros(1, np.int64))[0]
+    there = valid[0]
+    prior = sets.variance[0] * sets.model.prior.prior  # by offset
+    row, column = np.divmod(np.arange(len(model.grid)), model.grid.shape[1])
+    covariance = prior[abs(row[:, None] - row), abs(column[:, None] - column)]
+    matrix = model.matrix
+    signal = matrix @ covariance @ matrix.T
+    expected = signal[~there][:, there] @ np.linalg.solve(
+        signal[np.ix_(there, there)] + np.diag(model.noise_std[there] ** 2), readings[0, there]
+    )
+    # The amplitude of three taxels less differs by little, so the whole operator's readings do.
+    assert filled[there] == pytest.approx(readings[0, there], rel=0.05, abs=1e-4)
+    assert filled[~there] == pytest.approx(expected, rel=0.05, abs=1e-4)
+    assert apart(filled[there], readings[0, there]) > 1e-9
+
+
+@pytest.mark.parametrize("solver", SOLVERS, ids=repr)
+def test_fields_and_contacts_are_those_of_a_fresh_plan(solver: Solver, pressed: np.ndarray) -> None:
+    mine, other = reconstructor(solver), reconstructor(Anew(solver))
+    assert mine.plan.missing is not None
+    assert other.plan.missing is None
+    valid = np.concatenate([masks(0, 2), masks(1), masks(5), masks(2), masks(20, 1)])
+    valid[6] = valid[3]  # a set that comes twice
+    assert_same(mine(pressed, valid=valid), other(pressed, valid=valid))
+    assert sum(map(len, mine(pressed, valid=valid).contacts)) > 10
+    for row in (1, 4, 11):  # one by one, again, and by NaN
+        assert_same_single(mine(pressed[row], valid=valid[row]), other(pressed, valid=valid)[row])
+        silent = np.where(valid[row], pressed[row], np.nan)
+        assert_same_single(mine(silent), other(pressed, valid=valid)[row])
+
+
+def assert_same_single(mine: Estimate, other: Estimate) -> None:
+    assert apart(mine.pressure, other.pressure) < 1e-9
+    assert len(mine.contacts) == len(other.contacts)
+    for contact, twin in zip(mine.contacts, other.contacts, strict=True):
+        assert_same_contact(contact, twin)
+
+
+def test_in_single_precision_and_in_a_window(pressed: np.ndarray) -> None:
+    window = sf.Grid(PATCH, (9, 8), GRID.pitch, GRID.origin + 6 * GRID.pitch)
+    valid = masks(3, 12)
+    for settings, error in (({}, 1e-9), ({"precision": np.float32}, 3e-6)):
+        parts = {"solver": SMOOTH, "noise_std": NOISE}
+        mine = sf.Reconstructor(PATCH, LAYER, window, **parts, **settings)
+        other = sf.Reconstructor(PATCH, LAYER, window, **parts | {"solver": Anew(SMOOTH)})
+        assert len(mine.model.grid) > len(window)
+        found, expected = mine(pressed, valid=valid), other(pressed, valid=valid)
+        for name in FIELDS:
+            assert apart(getattr(found, name), getattr(expected, name)) < error
+
+
+def test_many_sets_are_solved_in_parts_and_only_few_are_kept(pressed: np.ndarray) -> None:
+    solver = sf.Tikhonov()
+    mine, other = reconstructor(solver), reconstructor(Anew(solver))
+    count = 2 * missing.SETS + 5
+    valid = masks(2, count)
+    readings = np.resize(pressed, (count, 72))
+    assert_same(mine(readings, valid=valid), other(readings, valid=valid))
+    for mask in masks(4, 3 * missing.CALLS_KEPT):
+        mine(pressed[0], valid=mask)
+    kept = mine.plan.missing
+    assert kept is not None
+    assert len(kept._kept) == missing.CALLS_KEPT
+
+
+def test_one_dead_taxel_in_more_readings_than_a_product_takes(pressed: np.ndarray) -> None:
+    mine = reconstructor(SMOOTH)
+    readings = np.resize(pressed, (missing.CHUNK + 30, 72))
+    readings[:, 17] = np.nan
+    found = mine(readings)
+    for row in (0, missing.CHUNK - 1, missing.CHUNK, missing.CHUNK + 29):
+        assert_same_single(found[row], mine(readings[row]))
+
+
+def test_intervals_and_model_errors_hold_without_taxels(pressed: np.ndarray) -> None:
+    mine = reconstructor(SMOOTH)
+    valid = masks(2, 1)[0]
+    bare = mine.with_intervals(None)
+    stated, alone = mine(pressed[-1], valid=valid), bare(pressed[-1], valid=valid)
+    more = stated.contacts[0].covariance - alone.contacts[0].covariance
+    expected = mine.plan.model_error.covariance(stated.contacts[0].normal_force)
+    assert more == pytest.approx(expected, rel=1e-6, abs=1e-12)
+
+
+def test_other_solvers_are_prepared_anew(pressed: np.ndarray) -> None:
+    for solver in (sf.PseudoInverse(), sf.Inverse()):
+        mine = reconstructor(solver)
+        assert mine.plan.missing is None
+        valid = masks(1, 1)[0]
+        operator = solver.prepare(mine.model.subset(valid))
+        expected = operator.matrix @ sf.Capacitance().linearise(
+            pressed[-1, valid], np.empty(valid.sum())
+        )
+        assert apart(mine(pressed[-1], valid=valid).pressure, expected) < 1e-9
+    assert solver.prepare(mine.model).without(valid) is None
+
+
+def test_the_default_length_stays_that_of_all_taxels() -> None:
+    whole = sf.GaussianField().prepare(reconstructor(sf.GaussianField()).model)
+    spaced = np.zeros(72, dtype=np.bool_)
+    spaced[::9] = True  # far from each other: prepared alone, their prior would be longer
+    fixed, free = reconstructor(SMOOTH).model, sf.GaussianField()
+    assert apart(whole.without(spaced).matrix, SMOOTH.prepare(fixed.subset(spaced)).matrix) < 1e-9
+    assert apart(whole.without(spaced).matrix, free.prepare(fixed.subset(spaced)).matrix) > 0.1
