@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from skinfield.pipeline.plan import LinearPlan, Results
 
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
-SETS = 32  # at once: their deviations stay in cache
+SETS = 16  # at once: their deviations stay in cache
 CALLS_KEPT = 16  # whose sets of taxels stay prepared
 
 
@@ -57,9 +57,9 @@ class MissingTaxels:
         out: "Results",
     ) -> None:
         """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`."""
-        patterns, which = np.unique(valid, axis=0, return_inverse=True)
-        order = np.argsort(which.ravel(), kind="stable")
-        which = which.ravel()[order]
+        patterns, which = distinct(valid)
+        order = np.argsort(which, kind="stable")
+        which = which[order]
         for first in range(0, len(patterns), SETS):
             start, end = np.searchsorted(which, [first, first + SETS])
             prepared = self._prepared(patterns[first : first + SETS])
@@ -80,6 +80,14 @@ class MissingTaxels:
             self._kept[key] = prepared
         self._kept.move_to_end(key)
         return self._kept[key]
+
+
+def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
+    """Different rows of a mask (R, L), and which of them each row is (R,)."""
+    packed = np.packbits(valid, axis=1)
+    keys = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()  # rows are compared as bytes
+    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
+    return valid[first], which
 
 
 def _solve(
