@@ -38,6 +38,7 @@ class State:
     answer : of `Answer`
     rung : of the answer; -1 where there is none
     gap : relative, of the answer
+    at : rung that further steps go on from; -1 before the first search
     excess : by how much its objective may be above the finest rung's minimum, about
     energy : objective of an answer of 0
     iterations : of the last search
@@ -54,6 +55,7 @@ class State:
     answer: Ints = field(init=False)
     rung: Ints = field(init=False)
     gap: Floats = field(init=False)
+    at: Ints = field(init=False)
     excess: Floats = field(init=False)
     energy: Floats = field(init=False)
     iterations: Ints = field(init=False)
@@ -71,15 +73,25 @@ class State:
         self.answer, self.iterations, self.age, self.kind, self.invalid = np.zeros(
             (5, patches), dtype=np.int64
         )
-        self.rung, self.searched = np.full((2, patches), -1, dtype=np.int64)
+        self.rung, self.at, self.searched = np.full((3, patches), -1, dtype=np.int64)
         self.gap, self.excess, self.energy, self.spent, self.predicted = np.zeros((5, patches))
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
 
     def begin(self) -> None:
         """Forget the answers of the cycle before."""
         self.answer[:] = Answer.MISSING
-        self.rung[:] = -1
+        self.rung[:] = self.at[:] = -1
         self.gap[:] = np.nan
         for array in (self.excess, self.energy, self.iterations, self.spent, self.predicted):
             array[:] = 0
         self.settled[:] = False
+        np.copyto(self.kind, np.where(self.was_hot, Step.WARM, Step.COLD))
+
+    def finish(self, hot: Ints) -> None:
+        """Remember which patches had a contact, and which of them were served."""
+        served = self.answer[hot] == Answer.FEASIBLE
+        waited = np.where(served, 0, self.age[hot] + 1)
+        self.age[:] = 0
+        self.age[hot] = waited
+        self.was_hot[:] = False
+        self.was_hot[hot] = True

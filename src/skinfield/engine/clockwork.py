@@ -1,0 +1,139 @@
+"""What the steps of a cycle share: arrays, costs, the clock and the log."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from skinfield.engine.cost import CostModel
+from skinfield.engine.group import Group
+from skinfield.engine.intake import Intake
+from skinfield.engine.state import State, Step
+from skinfield.errors import Floats, Ints
+
+GUESS = 20e-6  # s: of every step, until it is measured
+NS = 1e-9
+
+
+class Done(NamedTuple):
+    """One step that was taken.
+
+    Attributes
+    ----------
+    step : Step
+    group : int
+    patch : int
+        Row of the patch; -1 for a step of all patches of a kind.
+    rung : int
+    start, end : int, ns
+        Of the engine's clock.
+    predicted : float, s
+    """
+
+    step: Step
+    group: int
+    patch: int
+    rung: int
+    start: int
+    end: int
+    predicted: float
+
+
+@dataclass(eq=False)
+class Clockwork:
+    """Prepared arrays of an engine, and where a cycle stands.
+
+    Parameters
+    ----------
+    groups : sequence of Group
+    intake : Intake
+    clock : function that returns ns
+
+    Attributes
+    ----------
+    costs : (G, kinds of steps, R) array, s
+    unresolved : (G, R) array
+        Part of the energy that each rung leaves unresolved.
+    end : int, ns
+        When the cycle must be over.
+    log : list of Done
+    """
+
+    groups: Sequence[Group]
+    intake: Intake
+    clock: Callable[[], int]
+    state: State = field(init=False)
+    costs: Floats = field(init=False)
+    unresolved: Floats = field(init=False)
+    end: int = field(init=False, default=0)
+    log: list[Done] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        counts = [group.count for group in self.groups]
+        rungs = len(self.groups[0].rungs.steps)
+        self.state = State(np.repeat(np.arange(len(counts)), counts))
+        self.costs = np.full((len(counts), len(Step), rungs), GUESS)
+        self.model = CostModel(self.costs.reshape(-1))
+        self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
+        self.rungs = rungs
+        self.linear = self.groups[0].rungs.linear
+        self.white = [
+            self.intake.views(self.intake.white, group.first, group.count) for group in self.groups
+        ]
+        patches = len(self.state.group)
+        self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
+        self._ratios = np.zeros(patches)
+
+    @property
+    def left(self) -> float:
+        """Time until the end, s."""
+        return (self.end - self.clock()) * NS
+
+    def which(self, step: Step, group: int, rung: int) -> int:
+        """Place of a step in the cost model."""
+        return (group * len(Step) + step) * self.rungs + rung
+
+    def predict(self, step: Step, group: int, rung: int) -> float:
+        """Time that a step will hardly exceed, s."""
+        return self.model.predict(self.which(step, group, rung))
+
+    def done(self, step: Step, group: int, patch: int, rung: int, start: int) -> float:
+        """Log a step that began at `start`, and learn from it; returns its time, s."""
+        end, which = self.clock(), self.which(step, group, rung)
+        self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
+        seconds = (end - start) * NS
+        self.model.observe(which, seconds)
+        return seconds
+
+    def searched(self, step: Step, patch: int, rung: int, start: int, to_the_end: bool) -> float:
+        """As `done`, of a search that came to its end or was cut short."""
+        group = int(self.state.group[patch])
+        end, which = self.clock(), self.which(step, group, rung)
+        self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
+        seconds = (end - start) * NS
+        (self.model.observe if to_the_end else self.model.at_least)(which, seconds)
+        return seconds
+
+    def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
+        """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`."""
+        from skinfield.engine.spending_kernel import plan
+
+        state = self.state
+        count = plan(
+            hot,
+            state.kind,
+            state.group,
+            state.at,
+            state.excess,
+            state.energy,
+            state.age,
+            self.costs,
+            self.unresolved,
+            left,
+            self._target,
+            self._order,
+            self._rungs,
+            self._ratios,
+        )
+        return self._order[:count], self._target

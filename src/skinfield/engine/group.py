@@ -1,0 +1,127 @@
+"""Patches of one kind: one prepared plan, and room for the answers of each."""
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.engine.interning import Kind
+from skinfield.engine.missing import MissingTaxels
+from skinfield.engine.products import DenseProduct, SharedProduct, Singles
+from skinfield.engine.searching import SearchOperator, idle_test_of, is_search
+from skinfield.errors import Floats, InputError
+from skinfield.pipeline.ladder_rungs import Rungs
+
+KEPT = 8  # sets of missing taxels for which searches of a patch stay prepared
+
+
+@dataclass(eq=False)
+class Group:
+    """Prepared answers of P patches of one kind on R rungs.
+
+    Parameters
+    ----------
+    index : int
+        Among the groups.
+    first : int
+        Row of its first patch among all patches.
+    kind : Kind
+    rungs : Rungs
+
+    Attributes
+    ----------
+    products : R of SharedProduct
+        From whitened readings to the linear answer.
+    fields : R arrays (P, K) float32, Pa
+        Linear answers.
+    tests : R of SharedProduct
+        From whitened readings to how far each cell stands out of the noise; none where linear.
+    thresholds : R floats
+        Of `tests`.
+    searches : R lists of P SearchOperator
+    feasible : R arrays (P, K), Pa
+        Their answers.
+    """
+
+    index: int
+    first: int
+    kind: Kind
+    rungs: Rungs
+    products: list[SharedProduct] = field(init=False)
+    fields: list[Singles] = field(init=False)
+    tests: list[SharedProduct] = field(init=False)
+    thresholds: list[float] = field(init=False)
+    searches: list[list[SearchOperator]] = field(init=False)
+    feasible: list[Floats] = field(init=False)
+
+    def __post_init__(self) -> None:
+        steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
+        self.products = [DenseProduct.of(step.matrix * noise) for step in steps]
+        self.fields = [np.zeros((count, len(step.grid)), np.float32) for step in steps]
+        self.tests, self.thresholds, self.searches, self.feasible = [], [], [], []
+        for step in steps:
+            if step.operator is None:
+                continue
+            if not is_search(step.operator):
+                raise InputError(
+                    f"the solver's {type(step.operator).__name__} can neither be cut short nor "
+                    "tell its gap, expected an operator such as that of NonNegative()"
+                )
+            self.tests.append(DenseProduct.of(idle_test_of(step.operator)))
+            self.thresholds.append(step.operator.threshold)
+            twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
+            self.searches.append(twins)
+            self.feasible.append(np.zeros((count, len(step.grid))))
+        widest = max(len(step.grid) for step in steps)
+        self._scores = np.zeros(count * widest, np.float32)
+        self.highest = np.zeros(count, np.float32)
+        self.filler = MissingTaxels(self.rungs.weights)
+        self._reduced: OrderedDict[tuple[int, int, bytes], SearchOperator] = OrderedDict()
+
+    @property
+    def count(self) -> int:
+        """Number of patches."""
+        return len(self.kind.patches)
+
+    @property
+    def rows(self) -> slice:
+        """Its patches among all."""
+        return slice(self.first, self.first + self.count)
+
+    def answer_all(self, rung: int, white: Singles) -> None:
+        """Linear answers of all patches from whitened readings (P, L)."""
+        self.products[rung].apply(white, self.fields[rung])
+
+    def answer_one(self, rung: int, place: int, white: Singles) -> None:
+        """Linear answer of one patch, its readings among those (P, L) of all."""
+        here = slice(place, place + 1)
+        self.products[rung].apply(white[here], self.fields[rung][here])
+
+    def test_all(self, rung: int, white: Singles) -> NDArray[np.bool_]:
+        """Which patches are idle on a rung, (P,): proven, 0 is the minimum there."""
+        width = self.fields[rung].shape[1]
+        scores = self._scores[: self.count * width].reshape(self.count, width)
+        self.tests[rung].apply(white, scores)
+        np.max(scores, axis=1, out=self.highest)
+        return self.highest <= self.thresholds[rung]
+
+    def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
+        """Search of a patch, of the taxels that are valid if not all are."""
+        whole = self.searches[rung][place]
+        if valid is None:
+            return whole
+        key = (rung, place, valid.tobytes())
+        if key not in self._reduced:
+            if len(self._reduced) >= KEPT * self.count:
+                self._reduced.popitem(last=False)
+            self._reduced[key] = whole.without(valid)
+        self._reduced.move_to_end(key)
+        return self._reduced[key]
+
+    def reset(self) -> None:
+        """Forget the readings before."""
+        for twins in self.searches:
+            for each in twins:
+                each.reset()
+        self._reduced.clear()

@@ -1,0 +1,79 @@
+"""Steps of a cycle whose answers are linear."""
+
+import numpy as np
+
+from skinfield.engine.clockwork import Clockwork
+from skinfield.engine.group import Group
+from skinfield.engine.state import Answer, Step
+from skinfield.errors import Ints
+
+ACTIVE = 4.0  # deviations of an idle patch's energy above which something is taken to touch it
+
+
+def fill_missing(work: Clockwork, group: Group, places: Ints) -> None:
+    """Put what the others let expect in place of invalid readings, in units of the noise."""
+    intake = work.intake
+    valid = intake.views(intake.valid, group.first, group.count)
+    white = work.white[group.index]
+    for place in places:
+        group.filler.fill(white[place], valid[place])
+
+
+def finest_for_all(work: Clockwork) -> int:
+    """Finest rung whose linear answers of all patches will fit in the time that is left."""
+    total = work.costs[:, Step.PRODUCT].sum(axis=0)
+    fitting = np.flatnonzero(total <= work.left)
+    return int(fitting[-1]) if len(fitting) else 0
+
+
+def answer_linearly(work: Clockwork) -> None:
+    """Linear answers of all patches, as fine as all can be."""
+    state, rung = work.state, finest_for_all(work)
+    for group in work.groups:
+        start = work.clock()
+        invalid = np.flatnonzero(state.invalid[group.rows])
+        if len(invalid):
+            present = work.intake.present[group.rows][invalid]
+            fill_missing(work, group, invalid[present])
+            start = work.clock()  # how long a product takes is learnt without
+        group.answer_all(rung, work.white[group.index])
+        work.done(Step.PRODUCT, group.index, -1, rung, start)
+    present = work.intake.present
+    state.answer[present] = Answer.LINEAR
+    state.rung[present] = state.at[present] = rung
+    state.gap[present] = 0.0
+    state.settled[present] = True
+
+
+def touched(work: Clockwork) -> Ints:
+    """Patches whose readings are too large for noise alone."""
+    state = work.state
+    for group in work.groups:
+        white = work.white[group.index]
+        np.einsum("pl,pl->p", white, white, out=state.energy[group.rows], casting="same_kind")
+        state.energy[group.rows] *= 0.5
+    taxels = np.asarray(work.intake.sizes)
+    idle = 0.5 * taxels + ACTIVE * np.sqrt(0.5 * taxels)  # half of chi², with its variance 2 L
+    return np.flatnonzero((state.answer == Answer.LINEAR) & (state.energy > idle))
+
+
+def refine_linearly(work: Clockwork) -> Ints:
+    """Finer linear answers where something touches, as far as time goes; returns these patches."""
+    state, top = work.state, work.rungs - 1
+    if not (state.at[work.intake.present] < top).any():
+        return np.flatnonzero(state.was_hot[:0])
+    hot = touched(work)
+    state.kind[:] = Step.ROW
+    state.excess[:] = state.energy * work.unresolved[state.group, np.maximum(state.at, 0)]
+    chosen, target = work.plan(hot, work.left)
+    for patch in chosen.tolist():
+        rung, group = int(target[patch]), work.groups[state.group[patch]]
+        cost = work.predict(Step.ROW, group.index, rung)
+        if cost > work.left:
+            continue
+        start = work.clock()
+        group.answer_one(rung, patch - group.first, work.white[group.index])
+        state.spent[patch] += work.done(Step.ROW, group.index, patch, rung, start)
+        state.predicted[patch] += cost
+        state.rung[patch] = state.at[patch] = rung
+    return hot

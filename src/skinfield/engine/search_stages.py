@@ -1,0 +1,159 @@
+"""Steps of a cycle whose answers are searched: proofs of idleness first, then contacts."""
+
+import numpy as np
+
+from skinfield.engine.clockwork import NS, Clockwork
+from skinfield.engine.linear_stages import fill_missing
+from skinfield.engine.state import Answer, Step
+from skinfield.errors import Ints
+
+ROUNDS = 6  # of planning in a cycle, at most
+ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
+
+
+def test_all(work: Clockwork, rung: int) -> None:
+    """Prove on a rung which patches are idle; the others have a contact."""
+    state = work.state
+    for group in work.groups:
+        start, rows = work.clock(), group.rows
+        idle = group.test_all(rung, work.white[group.index])
+        answer = state.answer[rows]
+        open_still = work.intake.present[rows] & (answer <= Answer.IDLE)
+        answer[open_still & idle] = Answer.IDLE
+        state.rung[rows][open_still & idle] = rung
+        state.gap[rows][open_still & idle] = 0.0
+        answer[open_still & ~idle] = Answer.LINEAR
+        work.done(Step.TEST, group.index, -1, rung, start)
+
+
+def start_linearly(work: Clockwork, fresh: Ints) -> None:
+    """Clipped linear answers on the coarsest rung for patches whose contact was just seen."""
+    state = work.state
+    if not len(fresh):
+        return
+    for group in work.groups:
+        places = fresh[(fresh >= group.first) & (fresh < group.rows.stop)] - group.first
+        if not len(places):
+            continue
+        white, field = work.white[group.index], group.fields[0]
+        energy = np.einsum("pl,pl->p", white[places], white[places])
+        state.energy[places + group.first] = state.excess[places + group.first] = 0.5 * energy
+        fill_missing(work, group, places[state.invalid[places + group.first] > 0])
+        start = work.clock()
+        if len(places) < ROWS:
+            for place in places.tolist():
+                group.answer_one(0, place, white)
+                np.maximum(field[place], 0.0, out=field[place])
+            work.done(Step.ROW, group.index, -1, 0, start)
+        else:
+            group.answer_all(0, white)
+            np.maximum(field, 0.0, out=field)
+            work.done(Step.PRODUCT, group.index, -1, 0, start)
+    state.rung[fresh] = 0
+
+
+def with_contact(work: Clockwork) -> Ints:
+    """Patches that are not idle."""
+    return np.flatnonzero(work.state.answer >= Answer.LINEAR)
+
+
+def begin_search(work: Clockwork) -> None:
+    """First of all, for every patch: the proof that it is idle, or its coarse linear answer."""
+    test_all(work, 0)
+    start_linearly(work, with_contact(work))
+
+
+def spend(work: Clockwork) -> Ints:
+    """Spend the time that is left where it gains most; returns the patches with a contact.
+
+    Contacts first. When all of them are settled on the finest rung, idleness is proven on finer
+    rungs as well, where what was too fine for the coarse proof shows.
+    """
+    hot, proven = with_contact(work), 0
+    for _ in range(ROUNDS):
+        if len(hot):
+            serve(work, hot)
+        finer = finest_proof(work, proven) if is_settled(work, hot) else proven
+        if finer == proven:
+            if is_settled(work, hot) or not can_go_on(work, hot):
+                break
+            continue
+        test_all(work, finer)
+        proven, before = finer, hot
+        hot = with_contact(work)
+        start_linearly(work, np.setdiff1d(hot, before, assume_unique=True))
+    return hot
+
+
+def is_settled(work: Clockwork, hot: Ints) -> bool:
+    """Whether all contacts are solved on the finest rung."""
+    state = work.state
+    return bool((state.settled[hot] & (state.at[hot] == work.rungs - 1)).all())
+
+
+def can_go_on(work: Clockwork, hot: Ints) -> bool:
+    """Whether the time that is left pays another step."""
+    chosen, _ = work.plan(hot, work.left)
+    return len(chosen) > 0
+
+
+def finest_proof(work: Clockwork, proven: int) -> int:
+    """Finest rung on which there is time to prove idleness; `proven` if there is none."""
+    left, total = work.left, work.costs[:, Step.TEST].sum(axis=0)
+    for rung in range(work.rungs - 1, proven, -1):
+        if total[rung] <= left:
+            return rung
+    return proven
+
+
+def serve(work: Clockwork, hot: Ints) -> None:
+    """Search the patches that a plan chooses, each within what the others leave it."""
+    state = work.state
+    chosen, target = work.plan(hot, work.left)
+    chosen, rungs = chosen.tolist(), target.tolist()
+    costs = [work.costs[state.group[i], state.kind[i], rungs[i]] for i in chosen]
+    committed = float(sum(costs))
+    for patch, cost in zip(chosen, costs, strict=True):
+        committed -= cost
+        allowance = work.left - committed  # what is planned for the others is theirs
+        rung, cost = cheaper(work, patch, rungs[patch], allowance)
+        if cost <= allowance:
+            search(work, patch, rung, cost, allowance)
+
+
+def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[int, float]:
+    """Rung that fits, from the one that was planned downwards, and its cost."""
+    state = work.state
+    costs = work.costs[state.group[patch], state.kind[patch]]
+    while costs[rung] > allowance and rung > max(state.at[patch], 0):
+        rung -= 1
+    return rung, float(costs[rung])
+
+
+def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float) -> None:
+    """Search one patch on a rung from where its last search ended, on whichever rung that was."""
+    state, start = work.state, work.clock()
+    group = work.groups[state.group[patch]]
+    place = patch - group.first
+    rows = work.intake.rows_of(patch)
+    valid = work.intake.valid[rows] if state.invalid[patch] else None
+    operator = group.search_of(rung, place, valid)
+    before = int(state.searched[patch])
+    if before >= 0 and before != rung:
+        operator.dual = group.search_of(before, place, valid).dual
+    out = group.feasible[rung][place]
+    operator.apply(work.intake.linear[rows], out, start + int(allowance / NS))
+    state.searched[patch] = rung
+    settled = operator.deadline_met
+    energy = state.energy[patch]
+    missing = 0.0 if settled else energy * operator.gap
+    excess = energy * work.unresolved[group.index, rung] + missing
+    if state.at[patch] < 0 or excess <= state.excess[patch]:
+        state.answer[patch] = Answer.FEASIBLE
+        state.rung[patch] = state.at[patch] = rung
+        state.gap[patch], state.excess[patch] = operator.gap, excess
+        state.settled[patch] = settled
+    state.iterations[patch] += operator.iterations
+    state.predicted[patch] += cost
+    state.spent[patch] += work.searched(Step(state.kind[patch]), patch, rung, start, settled)
+    state.kind[patch] = Step.WARM
