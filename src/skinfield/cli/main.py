@@ -32,6 +32,9 @@ COMMANDS = {
     "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
     "design": Lazy("skinfield.cli.design", "design", "Judge a layout before it is made."),
     "rig": Lazy("skinfield.cli.rig", "rig", "Press a simulated skin on a virtual rig."),
+    "bench": Lazy(
+        "skinfield.cli.bench", "bench", "Time the solvers here: cost, and error against time."
+    ),
     "experiments": Lazy(
         "skinfield.cli.experiments", "experiments", "Make the paper's figures anew, with a report."
     ),

@@ -1,0 +1,1 @@
+"""Times on this machine: the paper's Figure 9 anew, and error against time."""
