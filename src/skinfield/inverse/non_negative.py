@@ -1,33 +1,37 @@
-"""Smooth pressure that is nowhere negative."""
+"""Smooth pressure that is nowhere negative, with a proof of how good the answer is."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from skinfield.errors import InputError, check_positive, check_range
-from skinfield.fields import PressureNoise
+from skinfield.inverse.bumps import bump_of, seen_through
 from skinfield.inverse.gaussian_field import GaussianField, taxel_distance
 from skinfield.inverse.model_errors import NON_NEGATIVE
-from skinfield.inverse.non_negative_operator import NonNegativeOperator
-from skinfield.inverse.non_negative_prior import matern_precision
+from skinfield.inverse.non_negative_operator import Backing, NonNegativeOperator, problem_of
+from skinfield.inverse.tikhonov import Tikhonov
 from skinfield.observation import ObservationModel
 
-PITCHES = 0.4  # of the taxels, per length scale: longer than a linear field's, which may ring
+PITCHES = 0.3  # of the taxels, per length scale: longer than a linear field's, which may ring
 
 
 @dataclass(frozen=True, kw_only=True)
 class NonNegative:
-    r"""The most probable field of a Gaussian prior that is nowhere negative.
+    r"""The most probable sum of smooth bumps, none of which pulls.
 
     For extended shapes, such as bars, rings and feet, and wherever the sum of the field counts: on
-    a capacitive, incompressible skin a linear solver's field sums to 0, this one's does not.
+    a capacitive, incompressible skin a linear solver's field sums to 0, this one's does not. Each
+    answer carries a bound of what more time could gain, and there is one at any deadline.
 
     Parameters
     ----------
     snr : float, dimensionless
         As that of `GaussianField`: amplitude of the expected readings over their noise.
     length_scale : float, m, optional
-        Of the Matérn-3/2 covariance. Default 0.4 of the distance of neighbouring taxels.
+        Of the Matérn-3/2 covariance of the pressure. Default 0.3 of the distance of neighbouring
+        taxels; 0 for cells that are independent, the least squares with a penalty on the squared
+        pressure and on its sum.
     false_alarm_rate : float
         Readings of an idle patch that may be answered by anything but 0 everywhere, at most.
     shrinkage : float
@@ -35,79 +39,99 @@ class NonNegative:
         the test of `false_alarm_rate` the very condition that 0 is the minimum; less loses less of
         the force.
     tolerance : float, dimensionless
-        The search ends where any weighted sum of the pressure, a force or a moment, is known to
-        lie within `tolerance` of its posterior's standard deviations of the exact minimum's.
+        The search ends where the objective is known to be at most this share of it above the
+        minimum.
     most_iterations : int
-        End it anyway after so many steps; `gap` of the operator tells how far it came.
+        End it anyway after so many Newton steps.
+    precision : numpy.float32 or numpy.float64
+        Of the search. Rounding, of 1e-6 of the objective or so in float32, is part of the gap.
 
     Notes
     -----
-    With the whitened readings b = W y, signatures B = W A and the covariance Q of `GaussianField`
+    The pressure is p = G z, where G are bumps that are nowhere negative (a root of the Matérn
+    covariance; see `bumps`) and z their amounts. With the whitened readings b = W y and B = W A G
 
-    .. math:: \min_{p \ge 0} \; f(p) = \tfrac12 |B p - b|^2 + \tfrac12 p^T Q^{-1} p + \mu^T p,
-              \qquad \mu_i = s z |B_i|,
+    .. math:: \min_{z \ge 0} \; P(z) = \tfrac12 |B z - b|^2 + \tfrac12 |z|^2 + \mu^T z,
+              \qquad \mu_k = s z_* |B_k|,
 
-    with :math:`Q^{-1}` that of a field without end which is 0 beyond the grid, s `shrinkage` and z
-    such that :math:`K (1 - \Phi(z))` is the false-alarm rate: on noise alone
-    :math:`B_i^T b / |B_i|` is a standard normal number at each of the K nodes, so their largest
-    exceeds z at most at that rate (Boole's inequality). Readings that do not exceed it are answered
-    by p = 0. The penalty goes by node, as the same :math:`\mu` for all would take half of the
-    force between taxels.
+    with s `shrinkage` and z* such that :math:`K (1 - \Phi(z_*))` is the false-alarm rate: on noise
+    alone :math:`B_k^T b / |B_k|` is a standard normal number at each of the K nodes, so their
+    largest exceeds z* at most at that rate (Boole's inequality). Readings that do not exceed it are
+    answered by p = 0. The bumps are scaled so that the prior's readings have, over the taxels,
+    `snr` times the noise's power: tr(B B') = L snr².
 
-    Each step chooses free nodes, all with pressure and the steepest of the others, solves for them
-    exactly (Cholesky) and goes there, clipped at 0, if f falls by enough (projected Newton,
-    Bertsekas 1982). Where it does not, nodes are exchanged one by one until a step succeeds (Lawson
-    and Hanson 1974), so that f never rises and the search ends. With the slope r at any p >= 0,
-    its parts :math:`r^\pm` and S the covariance of the posterior without the constraint, the
-    multipliers :math:`r^+` are feasible in the dual problem, whose value is below the minimum:
+    It is solved in its dual, with an unknown r per taxel, however many nodes there are:
 
-    .. math:: f(p) - f(p^*) \le p^T r^+ + \tfrac12 (r^-)^T S r^- =: \mathrm{gap}, \quad
-              |w^T (p - p^*)| \le \sqrt{2\,\mathrm{gap}\; w^T S w}.
+    .. math:: \max_r \; D(r) = b^T r - \tfrac12 |r|^2 - \tfrac12 |z(r)|^2, \quad
+              z(r) = \max(0, B^T r - \mu), \quad \nabla D = b - r - B\, z(r).
 
-    In place of S stand its bounds by `pressure_std` and by the largest eigenvalue of Q, whichever
-    is less, so the gap that is reported is an upper bound as well.
+    Any r gives amounts z(r) that are feasible, and no answer's objective is below D(r): the gap
+    P - D is a proof, which one product with B' costs. Each step is a semismooth Newton step
+    (Hintermüller, Ito and Kunisch, SIAM J. Optim. 13, 2002) to where D is highest along it, with a
+    system of as many equations as there are pressed nodes or taxels, whichever is less; only nodes
+    near to being pressed are looked at, until all are at last. The search starts from the dual of
+    the reading before, if something there still stands out of the noise; else from where D is
+    highest on the way from 0 to b.
+
+    As P is at least as curved as the posterior, :math:`|w^T (p - p^*)|^2 \le 2 (P - D)\, w^T S w`
+    for any weights w, a force or a moment, with S the covariance without the constraint.
     """
 
-    snr: float = 20.0
+    snr: float = 15.0
     length_scale: float | None = None
     false_alarm_rate: float = 1e-3
-    shrinkage: float = 0.3
-    tolerance: float = 1e-3
+    shrinkage: float = 0.5
+    tolerance: float = 1e-4
     most_iterations: int = 100
+    precision: type[np.floating[Any]] = np.float32
 
     def __post_init__(self) -> None:
-        GaussianField(snr=self.snr, length_scale=self.length_scale)  # checks both
+        check_positive("snr", self.snr, "the prior's variance is proportional to snr**2")
+        if self.length_scale is not None and self.length_scale != 0.0:
+            check_positive("length_scale", self.length_scale, "in metres, or 0")
         check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
         check_range("shrinkage", self.shrinkage, 0.0, 1.0, "part of the detection threshold")
-        check_positive("tolerance", self.tolerance, "in standard deviations of the posterior")
+        check_range("tolerance", self.tolerance, 1e-12, 1.0, "a share of the objective")
         if self.most_iterations < 1:
             raise InputError(f"most_iterations is {self.most_iterations}, expected 1 or more")
+        if self.precision not in (np.float32, np.float64):
+            raise InputError(
+                f"precision is {self.precision!r}, expected numpy.float32 or numpy.float64"
+            )
 
     def prepare(self, model: ObservationModel) -> NonNegativeOperator:
-        """Whiten the taxels, invert the prior and set the threshold, once."""
-        from scipy.special import ndtri
-
-        length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
-        linear = GaussianField(snr=self.snr, length_scale=length).prepare(model)
-        posterior = linear.posterior
-        assert posterior is not None  # a GaussianField has one
-        signatures = np.ascontiguousarray((model.matrix / model.noise_std[:, None]).T)
-        strength = np.sqrt(np.einsum("kl,kl->k", signatures, signatures))
-        chances = max(int(np.count_nonzero(strength)), 1)
-        threshold = float(-ndtri(self.false_alarm_rate / chances))
+        """Whiten the taxels, look through the bumps and set the threshold, once."""
+        length = self._length(model)
+        bump = bump_of(model.grid, length)
+        whitening = 1.0 / model.noise_std
+        seen = seen_through(bump, model.matrix * whitening[:, None], model.grid)
+        power = float(np.square(seen).sum())
+        if not power > 0.0:
+            raise InputError("no taxel sees any node: the matrix is 0; check grid and layout")
+        scale = np.sqrt(self.snr**2 * len(seen) / power)
+        problem = problem_of(
+            seen.T * scale,
+            bump * scale,
+            whitening,
+            model.grid.shape,
+            self.false_alarm_rate,
+            self.shrinkage,
+            self.tolerance,
+            self.most_iterations,
+            self.precision,
+        )
+        linear = (
+            Tikhonov(snr=self.snr)
+            if length == 0.0
+            else GaussianField(snr=self.snr, length_scale=length)
+        )
         operator = NonNegativeOperator(
-            signatures=signatures,
-            whitening=1.0 / model.noise_std,
-            strength=strength,
-            threshold=threshold,
-            penalty=self.shrinkage * threshold * strength,
-            precision=matern_precision(model.grid, length, float(posterior.prior[0, 0])),
-            shape=model.grid.shape,
-            noise=PressureNoise(linear.matrix * model.noise_std),
-            posterior=posterior,
-            tolerance=self.tolerance,
-            most_iterations=self.most_iterations,
-            model_error=NON_NEGATIVE.of(model),
+            problem, Backing(linear, model), NON_NEGATIVE.of(model), len(whitening)
         )
         operator.run_in()
         return operator
+
+    def _length(self, model: ObservationModel) -> float:
+        if self.length_scale is None:
+            return PITCHES * taxel_distance(model.taxels, model.grid.pitch)
+        return self.length_scale

@@ -1,223 +1,274 @@
-"""Search for the pressure of a `NonNegative` field, reading by reading."""
+"""Prepared search for the pressure of a `NonNegative` field, reading by reading."""
 
 import time
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, check_shape
 from skinfield.fields import ModelError, PressureNoise, PressurePosterior
-from skinfield.inverse.non_negative_prior import Precision
+from skinfield.inverse.operator import InverseOperator
+from skinfield.observation import ObservationModel
 
-ROOM = 128  # free nodes at first
-PACE = 0.5  # ns per product, until it is measured
-SLOWER = 1.2  # by which a step may raise the pace
-LEAST_WORK = 100_000.0  # products: what a step takes beside its factor
-PARTS = (0.05, 1.0)  # of the steepest node: as steep ones are freed with it; in haste none
-ROUNDING = 1e-15  # of the objective: less than that is nothing gained
+if TYPE_CHECKING:
+    from skinfield.inverse.dual.search import Memory, Problem
+
+LANES = 64  # bytes: rows are filled up to whole vector registers
+LAPS = 6  # of the run in, after which the times of steps are known
+ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a dual value may be off
+
+
+class Linear(Protocol):
+    """A solver whose operator is linear."""
+
+    def prepare(self, model: ObservationModel, /) -> InverseOperator:
+        """Do every computation that needs no reading."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Backing:
+    """The field without the constraint: what contacts and their uncertainty are told by."""
+
+    solver: Linear
+    model: ObservationModel
+
+    @cached_property
+    def operator(self) -> InverseOperator:
+        """Prepared when it is first asked for: the search itself does not need it."""
+        return self.solver.prepare(self.model)
+
+
+def problem_of(
+    rows: Floats,
+    bump: Floats,
+    whitening: Floats,
+    shape: tuple[int, int],
+    false_alarm_rate: float,
+    shrinkage: float,
+    tolerance: float,
+    most: int,
+    precision: type[np.floating[Any]],
+) -> "Problem":
+    """Arrays of the compiled search, for what each node's bump does to the taxels (K, L)."""
+    from scipy.special import ndtri
+
+    from skinfield.inverse.dual.search import Problem
+
+    nodes, taxels = rows.shape
+    norms = np.linalg.norm(rows, axis=1)
+    chances = max(int(np.count_nonzero(norms)), 1)
+    threshold = float(-ndtri(false_alarm_rate / chances))
+    size = np.dtype(precision).itemsize
+    lanes = LANES // size
+    width = -(-taxels // lanes) * lanes
+    filled = np.zeros((nodes, width), dtype=precision)
+    filled[:, :taxels] = rows
+    return Problem(
+        rows=filled,
+        norms=norms.astype(precision),
+        penalty=(shrinkage * threshold * norms).astype(precision),
+        bump=np.ascontiguousarray(bump, dtype=precision),
+        whitening=np.ascontiguousarray(whitening, dtype=np.float64),
+        allowed=np.ones(nodes, dtype=np.bool_),
+        threshold=threshold,
+        tolerance=tolerance,
+        rounding=ROUNDING[size],
+        most=most,
+        height=shape[0],
+        width=shape[1],
+    )
+
+
+def memory_of(problem: "Problem") -> "Memory":
+    """Room for one patch; pages that are never written are never taken."""
+    from skinfield.inverse.dual.search import Memory
+
+    nodes, width = problem.rows.shape
+    kind = problem.rows.dtype
+
+    def numbers(*shape: int) -> NDArray[Any]:
+        return np.zeros(shape, dtype=kind)
+
+    return Memory(
+        target=numbers(width),
+        dual=numbers(width),
+        predicted=numbers(width),
+        ascent=numbers(width),
+        step=numbers(width),
+        scratch=numbers(width),
+        listed=np.zeros(nodes, dtype=np.int64),
+        slack=numbers(nodes),
+        turn=numbers(nodes),
+        every=numbers(nodes),
+        active=np.zeros(nodes, dtype=np.int64),
+        lower=numbers(width, width),
+        pressed=np.zeros(nodes, dtype=np.int64),
+        amounts=numbers(nodes),
+        counts=np.zeros(8, dtype=np.int64),
+        measures=np.zeros(8),
+        room=np.zeros(2, dtype=np.int64),
+    )
 
 
 @dataclass(eq=False)
 class NonNegativeOperator:
     """Prepared search, with what it needs to start from the reading before.
 
-    One reading at a time: it works in its own arrays.
+    One reading at a time: it works in its own arrays. Patches of equal geometry share what is
+    prepared by `twin`.
 
     Parameters
     ----------
-    signatures : (K, L) array, 1/Pa
-        Whitened readings per pressure on a node.
-    whitening : (L,) array, per unit of the reading
-    strength : (K,) array, 1/Pa
-        Norm of each signature.
-    threshold : float, dimensionless
-        Standard deviations that the most significant node must exceed.
-    penalty : (K,) array, 1/Pa
-        On the pressure of each node.
-    precision : Precision
-        Of the prior.
-    shape : (rows, columns)
-        Of the grid.
-    noise : PressureNoise
-        Of the linear field without the constraint: a stand-in by which contacts are told.
-    posterior : PressurePosterior
-        Covariance of that field, given the readings. The constraint only narrows a posterior, so
-        this one is too wide rather than too narrow where the model is right.
-    tolerance, most_iterations
-        Of the solver.
+    problem : Problem
+        Arrays of the compiled search.
+    backing : Backing
+        The field without the constraint. The constraint only narrows a posterior, so that one's is
+        too wide rather than too narrow where the model is right.
     model_error : ModelError
         That a contact has without noise.
+    taxels : int
+        L.
 
     Attributes
     ----------
     iterations : int
-        Steps that the last reading took.
+        Newton steps that the last reading took.
     gap : float, dimensionless
-        How far the last answer's objective is above the minimum, at most.
+        The share of its objective by which the last answer may be above the minimum, at most: 0 to
+        1. It is proved, by a dual value.
     objective : float, dimensionless
-        That of the last answer, less that of 0 everywhere: never above 0.
+        That of the last answer.
+    deadline_met : bool
+        Whether the last answer was there in time.
     """
 
-    signatures: Floats
-    whitening: Floats
-    strength: Floats
-    threshold: float
-    penalty: Floats
-    precision: Precision
-    shape: tuple[int, int]
-    noise: PressureNoise
-    posterior: PressurePosterior
-    tolerance: float
-    most_iterations: int
+    problem: "Problem"
+    backing: Backing
     model_error: ModelError
-    iterations: int = field(default=0, init=False)
-    gap: float = field(default=0.0, init=False)
-    objective: float = field(default=0.0, init=False)
+    taxels: int
+    deadline_met: bool = field(default=True, init=False)
 
     def __post_init__(self) -> None:
-        nodes, taxels = self.signatures.shape
-        self._steepness = 1 / np.sqrt(self.strength**2 + self.precision.of_node)
-        self._pressure, self._slope, self._correlated = np.zeros((3, nodes))
-        self._target, self._predicted = np.zeros((2, taxels))
-        self._chosen = np.zeros(nodes, dtype=np.bool_)
-        self._free, self._count = np.zeros(nodes, dtype=np.int64), 0
-        self._make_room(min(ROOM, nodes))
-        self._carefully = self._settled = False
-        self._listed, self._work, self._pace = 0, 0.0, PACE
+        self._memory = memory_of(self.problem)
+        self._readings = np.zeros(self.taxels)
 
     @property
     def pressure_std(self) -> Floats:
         """Posterior deviation of the linear field without the constraint, (K,) Pa."""
-        return self.posterior.std
+        return self.backing.operator.pressure_std
+
+    @property
+    def posterior(self) -> PressurePosterior | None:
+        """Posterior of the linear field without the constraint."""
+        return self.backing.operator.posterior
+
+    @property
+    def noise(self) -> PressureNoise:
+        """How noise moves the linear field: a stand-in by which contacts are told."""
+        model = self.backing.model
+        return PressureNoise(self.backing.operator.matrix * model.noise_std)
+
+    @property
+    def gap(self) -> float:
+        """Share of the objective by which the last answer may be above the minimum."""
+        return float(self._memory.measures[0])
+
+    @property
+    def objective(self) -> float:
+        """Objective of the last answer."""
+        return float(self._memory.measures[1])
+
+    @property
+    def idle(self) -> bool:
+        """Whether the last reading was proved to hold no contact."""
+        return bool(self._memory.counts[0])
+
+    @property
+    def iterations(self) -> int:
+        """Newton steps that the last reading took."""
+        return int(self._memory.counts[2])
+
+    @property
+    def dual(self) -> NDArray[Any]:
+        """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
+        return self._memory.dual[: self.taxels]
+
+    @property
+    def threshold(self) -> float:
+        """Standard deviations that the most significant node must exceed."""
+        return float(self.problem.threshold)
+
+    def start_from(self, dual: Floats) -> None:
+        """Begin the next reading from another operator's `dual` (L,), such as a coarser grid's."""
+        check_shape("dual", dual, (self.taxels,), "one per taxel")
+        self._memory.dual[: self.taxels] = dual
+        self._memory.counts[4] = 1
 
     def reset(self) -> None:
         """Forget the reading before."""
-        self._pressure[:] = 0.0
+        self._memory.counts[:] = 0
+        self._memory.dual[:] = 0.0
+
+    def twin(self) -> "NonNegativeOperator":
+        """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""
+        return self._with(self.problem)
+
+    def within(self, nodes: NDArray[np.bool_]) -> "NonNegativeOperator":
+        """Search only some nodes, by a mask (K,); the gap is still that of all nodes."""
+        check_shape("nodes", nodes, self.problem.norms.shape, "one per node")
+        allowed = np.array(nodes, dtype=np.bool_)
+        return self._with(self.problem._replace(allowed=allowed))
+
+    def without(self, valid: NDArray[np.bool_]) -> "NonNegativeOperator":
+        """Leave out taxels, by a mask (L,) of those to use.
+
+        It still takes all L readings; those left out may be anything, NaN as well. The bumps keep
+        their size, where a fresh `prepare` would have the same power spread over fewer taxels.
+        """
+        check_shape("valid", valid, (self.taxels,), "one per taxel")
+        old = self.problem
+        rows = old.rows.copy()
+        rows[:, : self.taxels][:, ~valid] = 0.0
+        norms = np.linalg.norm(rows, axis=1).astype(rows.dtype)
+        rate = np.divide(old.penalty, old.norms, out=np.zeros_like(norms), where=old.norms > 0.0)
+        whitening = np.where(valid, old.whitening, 0.0)
+        changed = old._replace(rows=rows, norms=norms, penalty=rate * norms, whitening=whitening)
+        return self._with(changed)
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
         """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,).
 
         At `deadline_ns` of `time.perf_counter_ns` it holds the best pressure so far, which is
         nowhere negative and explains the readings no worse than 0; no step is begun that would
-        take longer than is left, going by the pace of the one before.
+        take longer than is left, going by those before.
         """
-        from skinfield.inverse import non_negative_kernel as kernel
+        from skinfield.inverse.dual import search
 
-        self.iterations, self.gap, self.objective = 0, 0.0, 0.0
-        np.multiply(readings, self.whitening, out=self._target)
-        kernel.correlate(self.signatures, self._target, self._correlated)
-        if kernel.highest_ratio(self._correlated, self.strength) <= self.threshold:
-            self._pressure[:] = 0.0
-        else:
-            self._search(deadline_ns)
-        out[:] = self._pressure
+        self._readings[:] = readings
+        search.answer(self.problem, self._memory, self._readings, out, deadline_ns or 0)
+        self.deadline_met = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
 
     def run_in(self) -> None:
-        """Load what is compiled, so that the first reading is as fast as the next."""
-        from skinfield.inverse import non_negative_kernel as kernel
-
-        strongest = int(np.argmax(self.strength))
-        clear = 2.0 * self.threshold / max(self.strength[strongest], 1e-300)
-        self.apply(clear * self.signatures[strongest] / self.whitening, self._slope.copy())
+        """Compile, and learn how long steps take, so that the first reading is in time."""
+        out = np.empty(len(self.problem.norms))
+        white = self.problem.whitening
+        strongest = int(np.argmax(self.problem.norms))
+        clear = self.problem.rows[strongest, : self.taxels].astype(np.float64)
+        clear *= 4.0 * self.threshold / max(float(np.linalg.norm(clear)), 1e-300)
+        paces = []
+        for lap in range(LAPS):
+            self._memory.measures[:] = 0.0
+            bend = 1.0 + 0.1 * lap * np.cos(np.arange(self.taxels))
+            self.apply(clear * bend / white, out)
+            paces.append(self._memory.measures.copy())
+        self._memory.measures[:] = np.median(paces, axis=0)
         self.reset()
-        chosen, slope, pressure = self._chosen.copy(), self._slope, self._pressure
-        kernel.choose_few(slope, pressure, self._steepness, False, chosen)
-        kernel.move_straight(self._lower, slope, self._free, 0, self._step, self._moved, pressure)
-        self.iterations, self.gap, self.objective = 0, 0.0, 0.0
 
-    def _search(self, deadline_ns: int | None) -> None:
-        self._evaluate()
-        if self.objective > 0.0:  # the reading before tells less than nothing of this one
-            self._pressure[:] = 0.0
-            self._evaluate()
-        self._carefully, self._settled = False, not self._pressure.any()
-        enough = 0.5 * self.tolerance**2
-        while self.gap > enough and self.iterations < self.most_iterations:
-            if not self._advance(deadline_ns):
-                return
-            self._evaluate()
-            self.iterations += 1
-
-    def _evaluate(self) -> None:
-        """Slope, objective and gap at the pressure."""
-        from skinfield.inverse import non_negative_kernel as kernel
-
-        curved = kernel.slope_of(
-            self.signatures,
-            self._correlated,
-            self.penalty,
-            self.precision.table,
-            self.shape,
-            self._pressure,
-            self._predicted,
-            self._slope,
-        )
-        self.objective = float(self._pressure @ self._slope) - 0.5 * curved
-        self.gap = kernel.gap_of(
-            self._slope, self._pressure, self.pressure_std, self.precision.largest_variance
-        )
-
-    def _advance(self, deadline_ns: int | None) -> bool:
-        """Take one step; whether there was time for it and anything to gain beyond rounding."""
-        from skinfield.inverse import non_negative_kernel as kernel
-
-        slope, pressure, chosen = self._slope, self._pressure, self._chosen
-        one_more = self._settled
-        if self._carefully:
-            kernel.choose_few(slope, pressure, self._steepness, one_more, chosen)
-            if not self._in_time(deadline_ns):
-                return False
-        else:
-            for part in PARTS:
-                kernel.choose_many(slope, pressure, self._steepness, self.shape, part, chosen)
-                if self._in_time(deadline_ns):
-                    break
-            else:
-                return False
-        if not self._solve():
-            return False
-        go = kernel.move_straight if self._carefully else kernel.move_clipped
-        change, self._settled = go(
-            self._lower, slope, self._free, self._count, self._step, self._moved, pressure
-        )
-        gained = bool(change < ROUNDING * self.objective)
-        if self._carefully:
-            self._carefully = not (self._settled and one_more)
-            return gained or (self._settled and not one_more)
-        if change == 0.0:
-            self._carefully, self._settled = True, one_more
-        return gained or self._carefully
-
-    def _in_time(self, deadline_ns: int | None) -> bool:
-        """List the chosen nodes; whether there is time to solve for them."""
-        from skinfield.inverse import non_negative_kernel as kernel
-
-        count, done = kernel.list_chosen(self._chosen, self._free, self._count)
-        if count > len(self._lower):
-            self._make_room(min(2 * count, len(self._pressure)))
-            done = 0
-        self._count, self._listed = done, count  # so many rows of the factor hold
-        taxels = self.signatures.shape[1]
-        self._work = (count**2 - done**2) * taxels / 2 + (count**3 - done**3) / 6 + LEAST_WORK
-        if deadline_ns is None:
-            return True
-        return time.perf_counter_ns() + self._pace * self._work < deadline_ns
-
-    def _solve(self) -> bool:
-        """Newton's step of the listed nodes."""
-        from skinfield.inverse import non_negative_kernel as kernel
-
-        start, free, done, count = time.perf_counter_ns(), self._free, self._count, self._listed
-        lower, table, width = self._lower, self.precision.table, self.shape[1]
-        if not kernel.factor(self.signatures, table, width, free, done, count, lower):
-            return False
-        self._count = count
-        kernel.newton_step(lower, self._slope, free, count, self._step)
-        pace = (time.perf_counter_ns() - start) / self._work
-        self._pace = min(pace, SLOWER * self._pace)  # a step that was interrupted tells little
-        return True
-
-    def _make_room(self, nodes: int) -> None:
-        """For so many free nodes: kept, so that no later reading allocates it."""
-        self._lower = np.zeros((nodes, nodes))
-        self._step, self._moved = np.zeros((2, nodes))
+    def _with(self, problem: "Problem") -> "NonNegativeOperator":
+        other = NonNegativeOperator(problem, self.backing, self.model_error, self.taxels)
+        other._memory.measures[:] = self._memory.measures
+        return other

@@ -1,0 +1,210 @@
+"""Parts of the search for a non-negative field in its dual, compiled.
+
+All in whitened units, as in `NonNegative`: rows (K, W) are what each node's bump does to the
+taxels, W their number filled up with zeros, dual (W,) the multipliers r, and a node's amount is
+z = max(0, row . r - penalty). Nodes that are searched stand first in `listed`.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, Ints
+
+FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
+BISECTIONS = 20  # of the step's length, to a millionth
+
+Flags = NDArray[np.bool_]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def correlate(rows: Floats, values: Floats, out: Floats) -> None:
+    """Write into `out` (K,) the product of each row with `values` (W,)."""
+    width = len(values)
+    for node in range(len(rows)):
+        row = rows[node]
+        total = values[0] * row[0]
+        for taxel in range(1, width):
+            total += row[taxel] * values[taxel]
+        out[node] = total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def project(rows: Floats, listed: Ints, count: int, values: Floats, out: Floats) -> None:
+    """Write into `out` (count,) the product of each listed row with `values` (W,)."""
+    width = len(values)
+    for i in range(count):
+        row = rows[listed[i]]
+        total = row[0] * values[0]
+        for taxel in range(1, width):
+            total += row[taxel] * values[taxel]
+        out[i] = total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def predict(rows: Floats, listed: Ints, count: int, slack: Floats, out: Floats) -> None:
+    """Write into `out` (W,) the readings of the amounts."""
+    width = len(out)
+    out[:] = 0.0
+    for i in range(count):
+        amount = slack[i]
+        if amount > 0.0:
+            row = rows[listed[i]]
+            for taxel in range(width):
+                out[taxel] += amount * row[taxel]
+
+
+@njit(cache=True, nogil=True)
+def take_active(listed: Ints, count: int, slack: Floats, active: Ints) -> int:
+    """List the nodes with an amount above 0; return how many."""
+    found = 0
+    for i in range(count):
+        if slack[i] > 0.0:
+            active[found] = listed[i]
+            found += 1
+    return found
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def factor_nodes(rows: Floats, active: Ints, count: int, width: int, lower: Floats) -> None:
+    """Cholesky factor of 1 + B_A B_A' by nodes (B_A the active rows), into `lower`."""
+    for i in range(count):
+        mine, solved = rows[active[i]], lower[i]
+        for j in range(i + 1):
+            other = rows[active[j]]
+            total = mine[0] * other[0]
+            for taxel in range(1, width):
+                total += mine[taxel] * other[taxel]
+            solved[j] = total
+        solved[i] += 1.0
+        reduce_row(lower, i)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def reduce_row(lower: Floats, i: int) -> None:
+    """Turn row i of a positive definite matrix into that of its Cholesky factor."""
+    solved = lower[i]
+    for j in range(i):
+        above = lower[j]
+        total = solved[j]
+        for k in range(j):
+            total -= solved[k] * above[k]
+        solved[j] = total / above[j]
+    total = solved[i]
+    for k in range(i):
+        total -= solved[k] * solved[k]
+    solved[i] = np.sqrt(max(total, lower.dtype.type(1e-6)))  # 1 or more but for rounding
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def factor_taxels(rows: Floats, active: Ints, count: int, width: int, lower: Floats) -> None:
+    """Cholesky factor of 1 + B_A' B_A by taxels, into `lower`: for more nodes than taxels."""
+    for i in range(width):
+        lower[i, : i + 1] = 0.0
+        lower[i, i] = 1.0
+    for a in range(count):
+        row = rows[active[a]]
+        for i in range(width):
+            amount, line = row[i], lower[i]
+            for j in range(i + 1):
+                line[j] += amount * row[j]
+    for i in range(width):
+        reduce_row(lower, i)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def solve_factored(lower: Floats, count: int, values: Floats) -> None:
+    """Solve in place by a Cholesky factor."""
+    for i in range(count):
+        total, row = values[i], lower[i]
+        for k in range(i):
+            total -= row[k] * values[k]
+        values[i] = total / row[i]
+    for i in range(count - 1, -1, -1):
+        row = lower[i]
+        solved = values[i] / row[i]
+        values[i] = solved
+        for k in range(i):
+            values[k] -= row[k] * solved
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def newton_step(
+    rows: Floats,
+    active: Ints,
+    count: int,
+    ascent: Floats,
+    lower: Floats,
+    scratch: Floats,
+    step: Floats,
+) -> None:
+    """Write into `step` (W,) the solution of (1 + B_A' B_A) step = ascent.
+
+    By nodes where fewer are active than there are taxels:
+    (1 + B_A' B_A)^-1 = 1 - B_A' (1 + B_A B_A')^-1 B_A.
+    """
+    width = len(ascent)
+    step[:] = ascent
+    if count >= width:
+        factor_taxels(rows, active, count, width, lower)
+        solve_factored(lower, width, step)
+        return
+    factor_nodes(rows, active, count, width, lower)
+    for i in range(count):
+        row = rows[active[i]]
+        total = row[0] * ascent[0]
+        for taxel in range(1, width):
+            total += row[taxel] * ascent[taxel]
+        scratch[i] = total
+    solve_factored(lower, count, scratch)
+    for i in range(count):
+        row, amount = rows[active[i]], scratch[i]
+        for taxel in range(width):
+            step[taxel] -= amount * row[taxel]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def bent(slack: Floats, turn: Floats, count: int, length: float) -> float:
+    """Sum of the amounts at `length` along a step, each times its change by the step."""
+    total = 0.0
+    for i in range(count):
+        total += max(slack[i] + length * turn[i], 0.0) * turn[i]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def step_length(slack: Floats, turn: Floats, count: int, first: float, second: float) -> float:
+    """Length up to 1 along a step where the dual value is highest.
+
+    It is piecewise quadratic there with the slope first - second t - bent(t), which falls.
+    """
+    if first - second - bent(slack, turn, count, 1.0) >= 0.0:
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if first - second * middle - bent(slack, turn, count, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def spread_bumps(
+    listed: Ints, amount: Floats, count: int, bump: Floats, shape: tuple[int, int], out: Floats
+) -> None:
+    """Write into `out` (K,) the sum of the nodes' bumps."""
+    height, width = shape
+    reach = len(bump) // 2
+    out[:] = 0.0
+    picture = out.reshape((height, width))
+    for i in range(count):
+        if amount[i] <= 0.0:
+            continue
+        row, column = listed[i] // width, listed[i] % width
+        left, right = max(column - reach, 0), min(column + reach + 1, width)
+        for r in range(max(row - reach, 0), min(row + reach + 1, height)):
+            line, part = picture[r], bump[r - row + reach]
+            for c in range(left, right):
+                line[c] += amount[i] * part[c - column + reach]
