@@ -6,6 +6,7 @@ import typing as _typing
 from skinfield.contacts import ContactFinder as ContactFinder
 from skinfield.contacts import Tracker as Tracker
 from skinfield.detection import Detector as Detector
+from skinfield.engine import Engine as Engine
 from skinfield.fields import Contact as Contact
 from skinfield.fields import Estimate as Estimate
 from skinfield.inverse import ContactFit as ContactFit

@@ -1,1 +1,7 @@
 """The whole skin at run time: one budget for all patches of a cycle."""
+
+from skinfield.engine.engine import Engine as Engine
+from skinfield.engine.estimates import Estimates as Estimates
+from skinfield.engine.estimates import MissingPatch as MissingPatch
+from skinfield.engine.report import CycleReport as CycleReport
+from skinfield.engine.report import PatchReport as PatchReport

@@ -1,14 +1,15 @@
 """What the steps of a cycle share: arrays, costs, the clock and the log."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from skinfield.engine.cost import CostModel
 from skinfield.engine.group import Group
-from skinfield.engine.intake import Intake
+from skinfield.engine.intake import Intake, Readings
 from skinfield.engine.state import State, Step
 from skinfield.errors import Floats, Ints
 
@@ -68,6 +69,7 @@ class Clockwork:
     unresolved: Floats = field(init=False)
     end: int = field(init=False, default=0)
     log: list[Done] = field(init=False, default_factory=list)
+    is_cut: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         counts = [group.count for group in self.groups]
@@ -84,6 +86,25 @@ class Clockwork:
         patches = len(self.state.group)
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios = np.zeros(patches)
+
+    def begin(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
+        """Take the readings of a cycle."""
+        state, intake = self.state, self.intake
+        self.log.clear()
+        self.is_cut = False
+        state.begin()
+        intake.take(readings, valid)
+        if not intake.all_valid:
+            np.add.reduceat(~intake.valid, intake.starts[:-1], out=state.invalid)
+            intake.present &= state.invalid < intake.sizes
+        else:
+            state.invalid[:] = 0
+
+    def reset(self) -> None:
+        """Forget the readings before; what steps take stays known."""
+        self.state = State(self.state.group)
+        for group in self.groups:
+            group.reset()
 
     @property
     def left(self) -> float:
@@ -112,6 +133,7 @@ class Clockwork:
         end, which = self.clock(), self.which(step, group, rung)
         self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
         seconds = (end - start) * NS
+        self.is_cut |= not to_the_end
         (self.model.observe if to_the_end else self.model.at_least)(which, seconds)
         return seconds
 

@@ -1,6 +1,6 @@
 """From pressure on a grid to the displacement of its nodes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,12 @@ class Deformation:
         pitch = self.grid.pitch
         outward = displacement_kernel(self.mechanics, self.layer, pitch, rows - 1, columns - 1)
         return LatticeConvolution(-outward)  # pressure pushes inwards
+
+    def on(self, grid: Grid) -> "Deformation":
+        """The same map for nodes at the same places of another patch's plane; it is shared."""
+        other = replace(self, grid=grid)
+        vars(other)["_convolution"] = self._convolution
+        return other
 
     def __call__(self, pressure: Floats) -> Floats:
         """Displacement (..., K, 3) of pressures (..., K)."""

@@ -1,0 +1,84 @@
+"""What each step takes on this machine, before the first cycle."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from skinfield.engine.clockwork import NS, Clockwork
+from skinfield.engine.group import Group
+from skinfield.engine.state import Step
+from skinfield.errors import Floats
+
+LAPS = 9  # of each step; the first one, which loads what is compiled, does not count
+RADIUS = 1.0  # of a rehearsed touch, pitches of the taxels
+STRONG = 20.0  # standard deviations of the noise that it reads
+
+
+def measure(work: Clockwork) -> None:
+    """Start the cost model from laps of every step."""
+    rng = np.random.default_rng(0)
+    for group in work.groups:
+        white = np.zeros((group.count, len(group.kind.noise_std)), np.float32)
+        for rung in range(work.rungs):
+            _lap(work, group, Step.PRODUCT, rung, partial(group.answer_all, rung, white))
+            _lap(work, group, Step.ROW, rung, partial(group.answer_one, rung, 0, white))
+            if group.tests:
+                _lap(work, group, Step.TEST, rung, partial(group.test_all, rung, white))
+                _searches(work, group, rung, rng)
+
+
+def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
+    """Readings of a touch on the first patch of each kind, by the names of patches."""
+    rng, names = np.random.default_rng(1), work.intake.names
+    readings = {}
+    for group in work.groups:
+        for place in range(group.count):
+            touch = np.zeros(len(group.kind.noise_std))
+            if place == 0 and not work.linear:
+                touch = rehearsed(group, work.rungs - 1, rng)
+            readings[names[group.first + place]] = touch
+    return readings
+
+
+def _lap(
+    work: Clockwork, group: Group, step: Step, rung: int, action: Callable[[], object]
+) -> None:
+    laps = []
+    for _ in range(LAPS + 1):
+        start = work.clock()
+        action()
+        laps.append((work.clock() - start) * NS)
+    work.model.start(work.which(step, group.index, rung), np.array(laps[1:]))
+
+
+def _searches(work: Clockwork, group: Group, rung: int, rng: np.random.Generator) -> None:
+    """Time searches of rehearsed touches: of a new contact, and of the same a moment later."""
+    search, out = group.searches[rung][0], group.feasible[rung][0]
+    cold: list[float] = []
+    warm: list[float] = []
+    for _ in range(LAPS + 1):
+        touch = rehearsed(group, rung, rng)
+        search.reset()
+        for laps in (cold, warm):
+            noise = rng.normal(size=touch.shape) * group.kind.noise_std
+            start = work.clock()
+            search.apply(touch + noise, out, None)
+            laps.append((work.clock() - start) * NS)
+    search.reset()
+    out[:] = 0.0
+    work.model.start(work.which(Step.COLD, group.index, rung), np.array(cold[1:]))
+    work.model.start(work.which(Step.WARM, group.index, rung), np.array(warm[1:]))
+
+
+def rehearsed(group: Group, rung: int, rng: np.random.Generator) -> Floats:
+    """Readings (L,) of a round touch at a random taxel, without noise."""
+    step = group.rungs.steps[rung]
+    model = step.model
+    assert model is not None  # searches have a model on each grid
+    centre = model.taxels[rng.integers(len(model.taxels))]
+    distance = np.linalg.norm(step.grid.plane - centre, axis=1)
+    reach = max(RADIUS * step.grid.patch.pitch, 0.75 * step.grid.pitch)
+    readings = model.matrix @ (distance <= reach).astype(np.float64)
+    highest = float(np.abs(readings / model.noise_std).max())
+    return np.asarray(readings * (STRONG / max(highest, 1e-300)))

@@ -1,0 +1,208 @@
+"""What one cycle did, and what it left undone."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.engine.clockwork import NS, Clockwork, Done
+from skinfield.engine.state import Answer, Step
+from skinfield.errors import Floats, InputError, Ints
+
+WORDS = {
+    Answer.MISSING: "missing",
+    Answer.IDLE: "idle",
+    Answer.LINEAR: "linear",
+    Answer.FEASIBLE: "non-negative",
+}
+
+
+@dataclass(frozen=True)
+class PatchReport:
+    """How one patch was answered in one cycle.
+
+    Attributes
+    ----------
+    name : str
+    answer : str
+        ``"idle"``: 0 is the minimum, proven; ``"linear"``: of a linear solver, or the clipped start
+        of an iterative one; ``"non-negative"``: searched, with its gap; ``"missing"``: no reading.
+    rung : int
+        Nodes a side of the grid of the answer; 0 where there is none.
+    gap : float
+        Relative duality gap; NaN where none is known.
+    iterations : int
+    invalid : int
+        Taxels that were left out.
+    spent, predicted : float, s
+        Of the steps for this patch alone.
+    waited : int
+        Cycles since it was last searched, where it has a contact.
+    skipped : str
+        What more time would have brought, and why it was not done; empty if nothing.
+    """
+
+    name: str
+    answer: str
+    rung: int
+    gap: float
+    iterations: int
+    invalid: int
+    spent: float
+    predicted: float
+    waited: int
+    skipped: str
+
+
+@dataclass(frozen=True, eq=False)
+class CycleReport:
+    """How the budget of one cycle was spent; the report of a patch by its name.
+
+    Attributes
+    ----------
+    budget, spent : float, s
+    first : float, s
+        Until every patch had its idle test or its coarse linear answer.
+    overrun : bool
+        Whether more than the budget was spent.
+    steps : tuple of Done
+        In the order in which they were taken.
+    names : tuple of str
+        Of the patches, as `Done.patch` counts them.
+    """
+
+    budget: float
+    spent: float
+    first: float
+    overrun: bool
+    steps: tuple[Done, ...]
+    names: tuple[str, ...]
+    _snapshot: "Snapshot"
+
+    def __getitem__(self, name: str) -> PatchReport:
+        if name not in self.names:
+            raise InputError(
+                f"no patch is named {name!r}, expected one of {', '.join(self.names[:8])}"
+            )
+        return self._snapshot.report(name, self.names.index(name))
+
+    def __iter__(self) -> Iterator[PatchReport]:
+        return (self[name] for name in self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Patches that were not answered: they gave no reading, or none that can be used."""
+        return self._named(Answer.MISSING)
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Patches that are proven to be idle."""
+        return self._named(Answer.IDLE)
+
+    @property
+    def skipped(self) -> tuple[str, ...]:
+        """What was left undone, and why, in sentences."""
+        return tuple(f"{each.name}: {each.skipped}" for each in self if each.skipped)
+
+    @property
+    def predicted(self) -> float:
+        """What the steps that were taken were predicted to take, s."""
+        return sum(each.predicted for each in self.steps)
+
+    def _named(self, answer: Answer) -> tuple[str, ...]:
+        there = np.flatnonzero(self._snapshot.answer == answer)
+        return tuple(self.names[place] for place in there)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """Arrays (P,) as the cycle left them; see `State`."""
+
+    answer: Ints
+    rung: Ints
+    gap: Floats
+    iterations: Ints
+    invalid: Ints
+    age: Ints
+    spent: Floats
+    predicted: Floats
+    settled: Sequence[bool]
+    group: Ints
+    kind: Ints
+    costs: Floats
+    left: float
+    sides: Sequence[int]
+    linear: bool
+    why_missing: Mapping[int, str]
+
+    @classmethod
+    def of(cls, work: Clockwork, left: float, sides: Sequence[int]) -> "Snapshot":
+        """Copy what the next cycle changes."""
+        state, missing = work.state, {}
+        if not work.intake.present.all():
+            for place in np.flatnonzero(~work.intake.present).tolist():
+                missing[place] = "no reading" if not state.invalid[place] else "no valid taxel"
+        return cls(
+            answer=state.answer.copy(),
+            rung=state.rung.copy(),
+            gap=state.gap.copy(),
+            iterations=state.iterations.copy(),
+            invalid=state.invalid.copy(),
+            age=state.age.copy(),
+            spent=state.spent.copy(),
+            predicted=state.predicted.copy(),
+            settled=state.settled.tolist(),
+            group=state.group,
+            kind=state.kind.copy(),
+            costs=work.costs.copy(),
+            left=left,
+            sides=sides,
+            linear=work.linear,
+            why_missing=missing,
+        )
+
+    def report(self, name: str, place: int) -> PatchReport:
+        """Report of one patch."""
+        rung = int(self.rung[place])
+        return PatchReport(
+            name=name,
+            answer=WORDS[Answer(self.answer[place])],
+            rung=self.sides[rung] if rung >= 0 else 0,
+            gap=float(self.gap[place]),
+            iterations=int(self.iterations[place]),
+            invalid=int(self.invalid[place]),
+            spent=float(self.spent[place]),
+            predicted=float(self.predicted[place]),
+            waited=int(self.age[place]),
+            skipped=self._skipped(place, rung),
+        )
+
+    def _skipped(self, place: int, rung: int) -> str:
+        answer, top = Answer(self.answer[place]), len(self.sides) - 1
+        if answer == Answer.MISSING:
+            return self.why_missing.get(place, "no reading")
+        step = Step(self.kind[place])
+        if answer == Answer.IDLE:
+            step, following, what = Step.TEST, rung + 1, "proof on rung"
+        elif self.linear:
+            step, following, what = Step.ROW, rung + 1, "rung"
+        else:
+            done = answer == Answer.FEASIBLE and self.settled[place]
+            following = rung + 1 if done else max(rung, 0)
+            what = "search on rung" if answer == Answer.LINEAR else "rung"
+            what = what if done or answer == Answer.LINEAR else "more iterations on rung"
+        if following > top:
+            return ""
+        cost = float(self.costs[self.group[place], step, following])
+        return (
+            f"{what} {self.sides[following]}: {cost * 1e6:.0f} µs predicted, "
+            f"{max(self.left, 0.0) * 1e6:.0f} µs left"
+        )
+
+
+def spent_since(start: int, now: int) -> float:
+    """Time between two readings of the clock, s."""
+    return (now - start) * NS
