@@ -1,0 +1,92 @@
+"""Conjugate gradients on the taxels of a sheet, from the reading before."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Ints
+from skinfield.inverse.sheet.gram import Gram
+
+
+@dataclass
+class Conjugate:
+    """Solver of D (W A Q A^T W + I) D u = b, whose diagonal is made 1 by D.
+
+    Every array is made once. A taxel that did not answer is left out by holding its u at 0, which
+    takes its row and column out of the matrix.
+
+    Parameters
+    ----------
+    gram : Gram
+        Its values scaled, so that the diagonal is 1.
+    order : (L,) int array
+        Row of each taxel in the readings.
+    scale : (L,) array
+        From a reading to b.
+    """
+
+    gram: Gram
+    order: Ints
+    scale: NDArray[Any]
+    answer: NDArray[Any] = field(init=False)
+    valid: NDArray[Any] = field(init=False)
+    iterations: int = field(init=False, default=0)
+    relative_residual: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        empty = np.zeros_like(self.scale)
+        self.answer, self.valid = empty, np.ones_like(empty)
+        self._target, self._residual = empty.copy(), empty.copy()
+        self._way, self._moved = empty.copy(), empty.copy()
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.answer[:] = 0.0
+
+    def solve(self, readings: NDArray[Any], tolerance: float, most: int) -> None:
+        """Find the answer to linearised readings (L,), NaN where a taxel did not answer.
+
+        Stops where the norm of the residual falls to `tolerance` of that of b, or after `most`
+        steps. Starts from the answer before if that is nearer than 0.
+        """
+        from skinfield.inverse.sheet.kernels import descend, take_in, turn
+
+        answer, valid, residual, way, moved = (
+            self.answer,
+            self.valid,
+            self._residual,
+            self._way,
+            self._moved,
+        )
+        whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
+        square = self._begin(whole)
+        self.iterations = 0
+        enough = tolerance**2 * whole
+        way[:] = residual
+        while square > enough and self.iterations < most:
+            curved = self._multiply(way, moved)
+            before, square = square, descend(square / curved, way, moved, valid, answer, residual)
+            turn(square / before, residual, way)
+            self.iterations += 1
+        self.relative_residual = float(np.sqrt(square / whole)) if whole > 0.0 else 0.0
+
+    def _begin(self, whole: float) -> float:
+        """Write the first residual; return the square of its norm."""
+        from skinfield.inverse.sheet.kernels import residual_of
+
+        if self.answer.any():
+            self._multiply(self.answer, self._moved)
+            square = residual_of(self._target, self._moved, self.valid, self._residual)
+            if square < whole:
+                return float(square)
+            self.answer[:] = 0.0
+        self._residual[:] = self._target
+        return whole
+
+    def _multiply(self, vector: NDArray[Any], out: NDArray[Any]) -> float:
+        from skinfield.inverse.sheet.kernels import multiply
+
+        gram = self.gram
+        return float(multiply(gram.start, gram.other, gram.value, vector, out))

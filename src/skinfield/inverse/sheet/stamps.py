@@ -1,0 +1,186 @@
+r"""Short kernels at any offset from a lattice, as few products of profiles.
+
+A kernel that is even in x and y and equal in both is a symmetric matrix on a fine lattice, so
+
+.. math:: k(x, y) = \sum_r s_r\, v_r(x)\, v_r(y), \qquad s_r = \pm 1,
+
+with profiles that are its eigenvectors. The kernels of an elastic layer are so smooth that four of
+them reach some 1e-4 of the peak. What a taxel at any offset from the lattice does to the cells
+around is then known from tables of one variable, which stay in the nearest cache.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError
+from skinfield.layout import Grid, Patch
+from skinfield.mechanics import Layer, Mechanics
+from skinfield.mechanics.lattice import mirrored
+from skinfield.observation import Quantity
+
+FINE = 16  # samples per cell of a kernel
+STEPS = 64  # offsets per cell of a profile, linear in between
+WIDEST = 32  # cells from a taxel to the end of its stamp
+GROUP = 4  # parts that are added in one pass over a stamp
+MOST = 16  # parts
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """What a taxel feels of a pressure on one cell, on a lattice finer than the cells.
+
+    Attributes
+    ----------
+    quadrant : (FINE reach + 1, FINE reach + 1) array, unit of the reading per Pa
+        By the offset in x and y from 0, in steps of 1 / FINE of a cell.
+    reach : int
+        Cells from the taxel to where it ends.
+    dropped : float
+        Largest value beyond, as a share of the peak.
+    """
+
+    quadrant: Floats
+    reach: int
+    dropped: float
+
+    @property
+    def lattice(self) -> Floats:
+        """Values at whole offsets, -reach to reach along both axes."""
+        return mirrored(self.quadrant[::FINE, ::FINE])
+
+
+@dataclass(frozen=True, eq=False)
+class Stamp:
+    """A kernel as a sum of products of profiles, for taxels anywhere in a cell.
+
+    Attributes
+    ----------
+    table : (STEPS + 1, parts, 2 reach) array
+        Profiles at the cells 1 - reach .. reach of a taxel that stands 0 .. 1 past cell 0.
+    sign : (parts,) array
+        Of each part.
+    reach : int
+        Cells from the taxel to the end.
+    dropped, misfit : float
+        Largest value beyond the reach, and largest error within, as shares of the peak.
+    """
+
+    table: Floats
+    sign: Floats
+    reach: int
+    dropped: float
+    misfit: float
+
+    @property
+    def bound(self) -> float:
+        """Largest error of a stamp on any cell, as a share of its peak."""
+        return max(self.dropped, self.misfit)
+
+    def at(self, offsets: Floats) -> Floats:
+        """Values (N, 2 reach, 2 reach), by row and column, of taxels (N, 2) cells past cell 0."""
+        place = np.clip(offsets, 0.0, 1.0) * STEPS
+        step = np.minimum(place.astype(int), STEPS - 1)
+        share = (place - step)[..., None, None]
+        profile = (1 - share) * self.table[step] + share * self.table[step + 1]
+        return np.asarray(
+            np.einsum("p,npy,npx->nyx", self.sign, profile[:, 1], profile[:, 0], optimize=True)
+        )
+
+
+class Response:
+    """What a taxel reads of a cell at any offset, by the quantity's own matrix of one cell."""
+
+    def __init__(
+        self,
+        mechanics: Mechanics,
+        layer: Layer,
+        quantity: Quantity,
+        pitch: float,
+        pad_diameter: float,
+    ) -> None:
+        corners = np.array([[0.0, 0.0, 0.0], [pitch, 0.0, 0.0], [0.0, pitch, 0.0]])
+        self._cell = Grid(Patch(corners, pad_diameter, name="sheet"), (1, 1), pitch)
+        self._physics = (mechanics, layer)
+        self._quantity, self._pad = quantity, pad_diameter
+
+    def __call__(self, offsets: Floats) -> Floats:
+        """Unit of the reading per Pa, (N,), at offsets (N, 2) in cells."""
+        places = offsets * self._cell.pitch
+        matrix = self._quantity.matrix(*self._physics, self._cell, places, self._pad)
+        return np.asarray(matrix[:, 0])
+
+    def kernel(self, cut: float) -> Kernel:
+        """Sampled as far as it exceeds `cut` of its peak."""
+        ray = np.arange(4 * WIDEST * 2 + 1) / 4.0
+        values = np.abs(
+            np.concatenate(
+                [
+                    self(np.column_stack([ray, 0 * ray])),
+                    self(np.column_stack([ray, ray])),
+                ]
+            )
+        ).reshape(2, -1)
+        away = np.maximum.reduceat(np.maximum(*values), np.arange(0, len(ray) - 1, 4))
+        peak = float(values.max())
+        reach = int(np.flatnonzero(away > cut * peak)[-1]) + 1
+        if reach > WIDEST:
+            raise InputError(
+                f"a taxel's response falls to {cut:g} of its peak only {reach} cells away, "
+                f"expected within {WIDEST}: a sheet is for short kernels; use larger cells, a "
+                "larger cut, BaseStress() or BondedLayer()"
+            )
+        count = reach * FINE + 1
+        i, j = np.tril_indices(count)
+        quadrant = np.empty((count, count))
+        quadrant[i, j] = quadrant[j, i] = self(np.column_stack([i, j]) / FINE)
+        return Kernel(quadrant, reach, float(away[reach:].max() / peak))
+
+
+def smoothed_kernel(kernel: Kernel, correlation: Floats, cut: float) -> Kernel:
+    """A kernel convolved with a prior's correlation (2 n + 1, 2 n + 1) of cells, cut anew."""
+    from scipy.signal import fftconvolve
+
+    spread = np.zeros(((len(correlation) - 1) * FINE + 1,) * 2)
+    spread[::FINE, ::FINE] = correlation
+    full = fftconvolve(mirrored(kernel.quadrant), spread)
+    quadrant = full[len(full) // 2 :, len(full) // 2 :]
+    peak = float(np.abs(quadrant).max())
+    away = np.abs(quadrant).max(axis=0)
+    reach = int(np.flatnonzero(away > cut * peak)[-1] // FINE) + 1
+    if reach > WIDEST:
+        raise InputError(
+            f"the prior carries a taxel's reading {reach} cells away, expected at most {WIDEST}: "
+            "use a shorter length_scale, larger cells or a larger cut"
+        )
+    end = reach * FINE
+    beyond = float(away[end + 1 :].max(initial=0.0))
+    return Kernel(quadrant[: end + 1, : end + 1], reach, beyond / peak)
+
+
+def stamp_of(kernel: Kernel, tolerance: float) -> Stamp:
+    """Fewest parts that fit the kernel to `tolerance` of its peak."""
+    from scipy.interpolate import CubicSpline
+    from scipy.linalg import eigh
+
+    quadrant = kernel.quadrant
+    weight = np.full(len(quadrant), np.sqrt(2.0))
+    weight[0] = 1.0  # what lies on an axis counts once in the whole plane
+    value, vector = eigh(quadrant * np.outer(weight, weight))
+    order = np.argsort(-np.abs(value))
+    peak = np.abs(quadrant).max()
+    for parts in range(GROUP, MOST + 1, GROUP):
+        chosen = order[:parts]
+        profile = vector[:, chosen] / weight[:, None] * np.sqrt(np.abs(value[chosen]))
+        sign = np.sign(value[chosen])
+        misfit = float(np.abs((profile * sign) @ profile.T - quadrant).max() / peak)
+        if misfit <= tolerance:
+            break
+    both = np.concatenate([profile[:0:-1], profile])
+    place = np.arange(-kernel.reach * FINE, kernel.reach * FINE + 1) / FINE
+    cell = np.arange(1 - kernel.reach, kernel.reach + 1)
+    offset = np.arange(STEPS + 1) / STEPS
+    table = CubicSpline(place, both)(cell - offset[:, None])  # (STEPS + 1, 2 reach, parts)
+    return Stamp(
+        np.ascontiguousarray(np.moveaxis(table, -1, 1)), sign, kernel.reach, kernel.dropped, misfit
+    )
