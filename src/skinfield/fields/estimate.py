@@ -1,6 +1,6 @@
 """What one cycle, or a run of them, produced for a patch."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -41,9 +41,20 @@ class Estimate:
     valid : ([T,] L) bool array
         Taxels that were used.
     latency : float, s
-        From the reading to the fields, for the whole call.
+        From the reading to the pressure, for the whole call.
     stamp_ns : int or (T,) int64 array, ns
         Of the reading, where it was given; else 0.
+    gap : float or (T,) array, dimensionless
+        Share of its objective by which the answer may be above the minimum, at most, which is
+        proved: 0 where the answer is a closed form, NaN where nothing is proved.
+    iterations : int or (T,) array
+        Steps that an iterative solver took.
+    deadline_met : bool or (T,) array
+        Whether the pressure was there in time; so it is where no deadline was set.
+    notes : tuple of str
+
+    An estimate may be prompt: pressure and gap are there, and the rest, such as displacement and
+    contacts, is computed when it is first asked for; see `later`.
     """
 
     grid: Grid
@@ -57,6 +68,45 @@ class Estimate:
     latency: float = float("nan")
     stamp_ns: Any = 0
     notes: tuple[str, ...] = field(default=())
+    gap: Any = float("nan")
+    iterations: Any = 0
+    deadline_met: Any = True
+
+    @classmethod
+    def later(cls, rest: Mapping[str, Callable[[], Any]], **known: Any) -> "Estimate":
+        """Estimate of which some attributes are computed when they are first asked for.
+
+        Parameters
+        ----------
+        rest : mapping of names to functions without arguments
+            Whatever has no default and is not known, each computed at most once.
+        known
+            The other attributes.
+        """
+        missing = REQUIRED - rest.keys() - known.keys()
+        unknown = (rest.keys() | known.keys()) - cls.__dataclass_fields__.keys()
+        if missing or unknown:
+            raise TypeError(f"missing {sorted(missing)}, unknown {sorted(unknown)}")
+        estimate = object.__new__(cls)
+        vars(estimate).update(known, _rest=dict(rest))
+        return estimate
+
+    if not TYPE_CHECKING:  # a type checker should still tell names that do not exist
+
+        def __getattr__(self, name: str) -> Any:
+            rest = vars(self).get("_rest", {})
+            if name not in rest:
+                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+            vars(self)[name] = rest[name]()
+            del rest[name]  # with what it held on to
+            return vars(self)[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All attributes, computed: another process cannot compute them."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
 
     @property
     def is_batch(self) -> bool:
@@ -101,6 +151,9 @@ class Estimate:
             valid=self.valid[index],
             latency=self.latency * share,
             stamp_ns=np.broadcast_to(self.stamp_ns, len(self))[index],
+            gap=np.broadcast_to(self.gap, len(self))[index],
+            iterations=np.broadcast_to(self.iterations, len(self))[index],
+            deadline_met=np.broadcast_to(self.deadline_met, len(self))[index],
         )
 
     def __iter__(self) -> Iterator["Estimate"]:
@@ -111,3 +164,15 @@ class Estimate:
         from skinfield.fields.labelled import dataset_from_estimate
 
         return dataset_from_estimate(self)
+
+
+REQUIRED = {  # what no estimate is without
+    "grid",
+    "pressure",
+    "traction",
+    "displacement",
+    "pressure_std",
+    "contacts",
+    "residual",
+    "valid",
+}
