@@ -1,6 +1,5 @@
 """Patches of one kind: one prepared plan, and room for the answers of each."""
 
-from collections import OrderedDict
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,11 +8,9 @@ from numpy.typing import NDArray
 from skinfield.engine.interning import Kind
 from skinfield.engine.missing import MissingTaxels
 from skinfield.engine.products import DenseProduct, SharedProduct, Singles
-from skinfield.engine.searching import SearchOperator, idle_test_of, is_search
+from skinfield.engine.searching import ReducedSearch, SearchOperator, idle_test_of, is_search
 from skinfield.errors import Floats, InputError
 from skinfield.pipeline.ladder_rungs import Rungs
-
-KEPT = 8  # sets of missing taxels for which searches of a patch stay prepared
 
 
 @dataclass(eq=False)
@@ -42,6 +39,10 @@ class Group:
     searches : R lists of P SearchOperator
     feasible : R arrays (P, K), Pa
         Their answers.
+    duals : (P, L) array
+        Where the last search of each patch ended, on whichever rung.
+    filler : MissingTaxels
+        Of whitened readings.
     """
 
     index: int
@@ -54,6 +55,7 @@ class Group:
     thresholds: list[float] = field(init=False)
     searches: list[list[SearchOperator]] = field(init=False)
     feasible: list[Floats] = field(init=False)
+    duals: Floats = field(init=False)
 
     def __post_init__(self) -> None:
         steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
@@ -68,16 +70,17 @@ class Group:
                     f"the solver's {type(step.operator).__name__} can neither be cut short nor "
                     "tell its gap, expected an operator such as that of NonNegative()"
                 )
-            self.tests.append(DenseProduct.of(idle_test_of(step.operator)))
-            self.thresholds.append(step.operator.threshold)
+            self.tests.append(DenseProduct.of(idle_test_of(step.operator, len(noise))))
+            self.thresholds.append(step.operator.problem.threshold)
             twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
             self.searches.append(twins)
             self.feasible.append(np.zeros((count, len(step.grid))))
+        self.duals = np.zeros((count, len(noise)))
         widest = max(len(step.grid) for step in steps)
         self._scores = np.zeros(count * widest, np.float32)
         self.highest = np.zeros(count, np.float32)
-        self.filler = MissingTaxels(self.rungs.weights)
-        self._reduced: OrderedDict[tuple[int, int, bytes], SearchOperator] = OrderedDict()
+        self.filler = MissingTaxels(self.rungs.weights * np.outer(noise, noise))
+        self._reduced = [ReducedSearch(twins[0], len(noise)) for twins in self.searches]
 
     @property
     def count(self) -> int:
@@ -107,21 +110,13 @@ class Group:
         return self.highest <= self.thresholds[rung]
 
     def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
-        """Search of a patch, of the taxels that are valid if not all are."""
-        whole = self.searches[rung][place]
+        """Search of a patch; if not all taxels are valid, one that all patches share."""
         if valid is None:
-            return whole
-        key = (rung, place, valid.tobytes())
-        if key not in self._reduced:
-            if len(self._reduced) >= KEPT * self.count:
-                self._reduced.popitem(last=False)
-            self._reduced[key] = whole.without(valid)
-        self._reduced.move_to_end(key)
-        return self._reduced[key]
+            return self.searches[rung][place]
+        return self._reduced[rung].mask(valid)
 
     def reset(self) -> None:
         """Forget the readings before."""
         for twins in self.searches:
             for each in twins:
                 each.reset()
-        self._reduced.clear()

@@ -8,6 +8,7 @@ from skinfield.engine.state import Answer, Step
 from skinfield.errors import Ints
 
 ROUNDS = 6  # of planning in a cycle, at most
+ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
 ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
 
 
@@ -134,24 +135,24 @@ def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float
     """Search one patch on a rung from where its last search ended, on whichever rung that was."""
     state, start = work.state, work.clock()
     group = work.groups[state.group[patch]]
-    place = patch - group.first
-    rows = work.intake.rows_of(patch)
+    place, rows = patch - group.first, work.intake.rows_of(patch)
     valid = work.intake.valid[rows] if state.invalid[patch] else None
     operator = group.search_of(rung, place, valid)
-    before = int(state.searched[patch])
-    if before >= 0 and before != rung:
-        operator.dual = group.search_of(before, place, valid).dual
-    out = group.feasible[rung][place]
-    operator.apply(work.intake.linear[rows], out, start + int(allowance / NS))
+    if state.searched[patch] >= 0 and (valid is not None or state.searched[patch] != rung):
+        operator.start_from(group.duals[place])
+    deadline = start + int(allowance / NS)
+    operator.apply(work.intake.linear[rows], group.feasible[rung][place], deadline)
+    seconds_left = (deadline - work.clock()) * NS
+    gap, objective = operator.gap, operator.objective
+    settled = gap <= operator.problem.tolerance or seconds_left > ENDED * allowance
+    np.copyto(group.duals[place], operator.dual)
     state.searched[patch] = rung
-    settled = operator.deadline_met
-    energy = state.energy[patch]
-    missing = 0.0 if settled else energy * operator.gap
-    excess = energy * work.unresolved[group.index, rung] + missing
+    missing = 0.0 if settled else objective * gap
+    excess = float(state.energy[patch] * work.unresolved[group.index, rung]) + missing
     if state.at[patch] < 0 or excess <= state.excess[patch]:
         state.answer[patch] = Answer.FEASIBLE
         state.rung[patch] = state.at[patch] = rung
-        state.gap[patch], state.excess[patch] = operator.gap, excess
+        state.gap[patch], state.excess[patch] = gap, excess
         state.settled[patch] = settled
     state.iterations[patch] += operator.iterations
     state.predicted[patch] += cost

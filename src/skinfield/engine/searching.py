@@ -1,6 +1,6 @@
 """What an engine asks of an iterative solver."""
 
-from typing import Protocol, Self, TypeGuard
+from typing import Any, Protocol, Self, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,31 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.inverse import FieldOperator
 
-NEEDED = ("gap", "iterations", "deadline_met", "dual", "twin", "reset", "without", "strength")
+NEEDED = ("gap", "objective", "iterations", "dual", "start_from", "twin", "reset", "without")
+
+
+class Whitened(Protocol):
+    """Prepared arrays of a search; those of one that leaves taxels out are its own.
+
+    Attributes
+    ----------
+    rows : (K, L or more) array
+        What each cell's bump does to the taxels, in units of their noise; zeros beyond L.
+    norms, penalty : (K,) arrays
+        Length of each row, and the penalty on its amount, in proportion to it.
+    whitening : (L,) array
+    threshold : float
+        Standard deviations: if no cell's matched readings exceed it, the answer is 0.
+    tolerance : float
+        Relative gap at which a search ends by itself.
+    """
+
+    rows: NDArray[Any]
+    norms: NDArray[Any]
+    penalty: NDArray[Any]
+    whitening: Floats
+    threshold: float
+    tolerance: float
 
 
 class SearchOperator(FieldOperator, Protocol):
@@ -16,39 +40,43 @@ class SearchOperator(FieldOperator, Protocol):
 
     Attributes
     ----------
+    problem : Whitened
     gap : float
         Relative duality gap of the last answer.
+    objective : float
+        Of the last answer.
     iterations : int
-    deadline_met : bool
-        Whether the last search came to its own end before its deadline.
     dual : (L,) array
-        Where the next search starts; it means the same on every grid.
-    signatures : (K, L) array
-        Whitened readings per unit on a cell.
-    strength : (K,) array
-        Their norms.
-    threshold : float
-        Standard deviations: if no cell's matched readings exceed it, the answer is 0.
+        Where the last search ended; it means the same on every grid.
     """
 
-    gap: float
-    iterations: int
-    deadline_met: bool
-    dual: Floats
-
     @property
-    def signatures(self) -> Floats:
+    def problem(self) -> Whitened:
         """See above."""
         ...
 
     @property
-    def strength(self) -> Floats:
+    def gap(self) -> float:
         """See above."""
         ...
 
     @property
-    def threshold(self) -> float:
+    def objective(self) -> float:
         """See above."""
+        ...
+
+    @property
+    def iterations(self) -> int:
+        """See above."""
+        ...
+
+    @property
+    def dual(self) -> NDArray[Any]:
+        """See above."""
+        ...
+
+    def start_from(self, dual: NDArray[Any]) -> None:
+        """Start the next search from the `dual` of another."""
         ...
 
     def twin(self) -> Self:
@@ -60,7 +88,7 @@ class SearchOperator(FieldOperator, Protocol):
         ...
 
     def without(self, valid: NDArray[np.bool_]) -> Self:
-        """Search that leaves taxels out."""
+        """Search that leaves taxels out, with arrays of its own."""
         ...
 
 
@@ -69,8 +97,43 @@ def is_search(operator: object) -> TypeGuard[SearchOperator]:
     return all(hasattr(operator, name) for name in NEEDED)
 
 
-def idle_test_of(operator: SearchOperator) -> Floats:
+def idle_test_of(operator: SearchOperator, taxels: int) -> NDArray[Any]:
     """Matrix (K, L) whose products with whitened readings are at most `threshold` when idle."""
-    strength = operator.strength
-    scale = np.divide(1.0, strength, out=np.zeros_like(strength), where=strength > 0)
-    return operator.signatures * scale[:, None]
+    norms = operator.problem.norms
+    scale = np.divide(1.0, norms, out=np.zeros_like(norms), where=norms > 0)
+    return np.asarray(operator.problem.rows[:, :taxels] * scale[:, None])
+
+
+class ReducedSearch:
+    """One search that leaves out whichever taxels are missing, for all patches of a kind in turn.
+
+    What a search without some taxels needs is written anew where the missing ones change, which
+    takes a few passes over one matrix and no memory.
+
+    Parameters
+    ----------
+    whole : SearchOperator
+        Of all taxels.
+    taxels : int
+
+    Attributes
+    ----------
+    search : SearchOperator
+        With what was masked last.
+    """
+
+    def __init__(self, whole: SearchOperator, taxels: int) -> None:
+        self._whole = whole.problem
+        self._valid = np.ones(taxels, np.bool_)
+        self.search = whole.without(self._valid)
+        self.mask(self._valid)
+
+    def mask(self, valid: NDArray[np.bool_]) -> SearchOperator:
+        """Leave out what is not `valid` (L,)."""
+        from skinfield.engine.masking_kernel import mask_taxels
+
+        now, whole = self.search.problem, self._whole
+        mask_taxels(whole.rows, whole.norms, whole.penalty, valid, now.rows, now.norms, now.penalty)
+        np.multiply(whole.whitening, valid, out=now.whitening)
+        self.search.reset()
+        return self.search
