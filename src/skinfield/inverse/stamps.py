@@ -1,9 +1,8 @@
-"""A matrix between cells and taxels, kept where it is large: a window of cells for each taxel."""
+"""A matrix between cells and taxels, kept where it is large: some tiles of cells for each taxel."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -12,27 +11,36 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
 from skinfield.layout import Grid
 
-LEAST = 1e-5  # cut below which sums of squares are too coarse to choose a window by
-UNIT = 8  # numbers: columns of a window are a multiple, where the grid has room
+SIDE = 4  # cells of a tile
 LINE = 64  # bytes of a cache line
-DENSE_WINS = 0.4  # share of the dense numbers above which a dense product is quicker
+DENSE_WINS = 0.5  # share of the numbers above which the dense product is quicker
+
+Ints32 = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
 class Stamps:
-    r"""Matrix (K, L) that keeps a rectangular window of cells for each taxel.
+    r"""Matrix (K, L) of which each taxel keeps the tiles of 4 x 4 cells that matter.
 
-    A taxel feels, and is explained by, few of the cells of a grid. A window is stored without gaps,
-    row by row, so that its products run at the machine's vector rate on few bytes.
+    A taxel feels, and is explained by, few of the cells of a grid. Its tiles are stored whole, so
+    that products run at the machine's vector rate on few bytes; see
+    `skinfield.inverse.stamps_kernel`, where the arrays are explained and whose functions compiled
+    code may call itself.
 
     Attributes
     ----------
-    values : (S,) array
-        Numbers of all windows, window after window, row after row.
-    starts : (L,) int32 array
-        Where each window begins in `values`.
-    windows : (L, 4) int32 array
-        First row, first column, rows and columns of each window.
+    values : (B, 16) array
+        Numbers of all blocks: one tile of one taxel each. Tile by tile.
+    taxels : (B,) int32 array
+        Whose block it is.
+    firsts : (T + 1,) int32 array
+        Where the blocks of each tile begin.
+    cells : (T,) int32 array
+        First cell of each tile.
+    order, corners : (B,) int32 arrays
+        Blocks taxel by taxel, and the first cell of each.
+    begins : (L + 1,) int32 array
+        Where the blocks of each taxel begin in `order`.
     shape : (rows, columns)
         Of the grid.
     dropped : (K,) array
@@ -43,8 +51,12 @@ class Stamps:
     """
 
     values: NDArray[Any]
-    starts: NDArray[np.int32]
-    windows: NDArray[np.int32]
+    taxels: Ints32
+    firsts: Ints32
+    cells: Ints32
+    order: Ints32
+    corners: Ints32
+    begins: Ints32
     shape: tuple[int, int]
     dropped: Floats
 
@@ -52,63 +64,65 @@ class Stamps:
     def of(
         cls, matrix: ArrayLike, grid: Grid, cut: float = 1e-3, dtype: DTypeLike = np.float32
     ) -> "Stamps":
-        """Choose the windows of a matrix and copy what they hold.
+        """Choose the tiles of a matrix and copy what they hold.
 
         Parameters
         ----------
         matrix : (K, L) array
             Any unit; a row for each cell of the grid.
         grid : Grid
-            Of K cells.
+            Of K cells, at least 4 x 4.
         cut : float, dimensionless
-            Root of the sum of squares that a column may lose, as part of the column's own: each
-            window is the cheapest that loses no more. 0 loses nothing but zeros.
+            Root of the sum of squares that a column may lose, as part of the column's own: as
+            many tiles as that allows are left out, the least first. 0 loses nothing but zeros.
         dtype : numpy.float32 or numpy.float64
             Of what is kept.
 
         Raises
         ------
         InputError
-            For a matrix of another grid or with numbers that are not finite, another `cut` or type.
+            For a matrix of another grid or with numbers that are not finite, a smaller grid,
+            another `cut` or type.
         """
         matrix = as_floats("matrix", matrix)
         check_shape("matrix", matrix, (len(grid), None), "one row per cell of the grid")
         check_finite("matrix", matrix, "stamps are parts of a matrix of finite numbers")
         check_range("cut", cut, 0.0, 0.9, "part of a column's norm that may be lost")
         kind = _checked_type(dtype, matrix)
-        windows = _windows(matrix, grid.shape, cut)
-        starts = np.concatenate([[0], np.cumsum(windows[:, 2].astype(np.int64) * windows[:, 3])])
-        if starts[-1] > np.iinfo(np.int32).max:
-            raise InputError(
-                f"matrix needs {starts[-1]} numbers at a cut of {cut}, expected fewer than 2^31: "
-                "raise cut, or divide the patch"
-            )
-        values = _aligned(int(starts[-1]), kind)
-        squares = np.zeros(grid.shape)
-        for taxel, column in enumerate(matrix.T):
-            picture = column.reshape(grid.shape)
-            row, first, rows, columns = windows[taxel]
-            inside = slice(row, row + rows), slice(first, first + columns)
-            kept = values[starts[taxel] : starts[taxel + 1]].reshape(rows, columns)
-            kept[:] = picture[inside]
-            lost = picture.copy()
-            lost[inside] -= kept
-            squares += np.square(lost)
-        dropped = np.sqrt(squares.ravel())
-        begins = starts[:-1].astype(np.int32)
-        for array in (values, begins, windows, dropped):
+        members, own = _tiles(grid.shape)
+        blocks = np.where(own[..., None], matrix[members], 0.0)  # (T, 16, L)
+        keep = _kept(blocks, cut)
+        tile, taxel = (side.astype(np.int32) for side in np.nonzero(keep))
+        values = _aligned(len(tile), kind)
+        by_taxel = blocks.transpose(0, 2, 1)  # a view: (T, L, 16)
+        values[:] = by_taxel[keep]
+        cells = members[:, 0].astype(np.int32)
+        order = np.argsort(taxel, kind="stable").astype(np.int32)
+        by_taxel[keep] -= values  # what the stamps lack is left
+        dropped = np.empty(len(matrix))
+        dropped[members[own]] = np.linalg.norm(blocks, axis=2)[own]
+        arrays = (
+            values,
+            taxel,
+            np.searchsorted(tile, np.arange(len(cells) + 1)).astype(np.int32),
+            cells,
+            order,
+            cells[tile[order]],
+            np.searchsorted(taxel[order], np.arange(matrix.shape[1] + 1)).astype(np.int32),
+        )
+        for array in (*arrays, dropped):
             array.setflags(write=False)
-        return cls(values, begins, windows, grid.shape, dropped)
+        return cls(*arrays, grid.shape, dropped)
 
     @property
     def nbytes(self) -> int:
-        """Bytes that a product reads of the matrix."""
-        return int(self.values.nbytes)
+        """Bytes that a product reads of the matrix and its places."""
+        return int(self.values.nbytes + self.taxels.nbytes)
 
     @property
     def share(self) -> float:
         """Numbers kept, as part of those of the whole matrix."""
-        return float(self.values.size / max(len(self.dropped) * len(self.windows), 1))
+        return float(self.values.size / max(self._cells[0] * self._taxels[0], 1))
 
     @property
     def pays(self) -> bool:
@@ -120,51 +134,106 @@ class Stamps:
 
         Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
         """
-        kernel = self._kernel
-        run = kernel.checked_apply if values.ndim == 1 else kernel.checked_apply_many
-        self._run(run, values, out, (len(self.windows), len(self.dropped)))
+        one, many, *tiles = self._forth
+        self._run(one, many, tiles, values, self._taxels, out, self._cells)
 
     def adjoint(self, field: NDArray[Any], out: NDArray[Any]) -> None:
         """Write matrix.T @ field into `out` (L,), or row by row of (P, K) into (P, L).
 
         Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
         """
-        kernel = self._kernel
-        run = kernel.checked_adjoint if field.ndim == 1 else kernel.checked_adjoint_many
-        self._run(run, field, out, (len(self.dropped), len(self.windows)))
+        one, many, *tiles = self._back
+        self._run(one, many, tiles, field, self._cells, out, self._taxels)
 
     def dense(self) -> NDArray[Any]:
         """The matrix (K, L) that the products are of."""
-        whole = np.zeros((len(self.windows), *self.shape), self.values.dtype)
-        for taxel, (row, column, rows, columns) in enumerate(self.windows):
-            part = self.values[self.starts[taxel] :][: rows * columns].reshape(rows, columns)
-            whole[taxel, row : row + rows, column : column + columns] = part
-        return whole.reshape(len(whole), -1).T
+        whole = np.zeros((self._cells[0], self._taxels[0]), self.values.dtype)
+        members, _ = _tiles(self.shape)
+        tile = np.repeat(np.arange(len(self.cells)), np.diff(self.firsts))
+        np.add.at(whole, (members[tile], self.taxels[:, None]), self.values)
+        return whole
 
     @cached_property
-    def _kernel(self) -> ModuleType:
-        from skinfield.inverse import stamps_kernel
+    def _forth(self) -> tuple[Any, ...]:
+        """Compiled products, and what they take beside the numbers."""
+        from skinfield.inverse.stamps_kernel import stamp_apply, stamp_apply_many
 
-        return stamps_kernel
+        tiles = self.values, self.taxels, self.firsts, self.cells, self.shape[1]
+        return stamp_apply, stamp_apply_many, *tiles
+
+    @cached_property
+    def _back(self) -> tuple[Any, ...]:
+        """As `_forth`, of the transpose."""
+        from skinfield.inverse.stamps_kernel import stamp_adjoint, stamp_adjoint_many
+
+        tiles = self.values, self.order, self.corners, self.begins, self.shape[1]
+        return stamp_adjoint, stamp_adjoint_many, *tiles
+
+    @cached_property
+    def _cells(self) -> tuple[int]:
+        return (len(self.dropped),)
+
+    @cached_property
+    def _taxels(self) -> tuple[int]:
+        return (len(self.begins) - 1,)
 
     def _run(
         self,
-        run: Callable[..., bool],
+        one: Callable[..., None],
+        many: Callable[..., None],
+        tiles: Sequence[Any],
         given: NDArray[Any],
+        inner: tuple[int],
         out: NDArray[Any],
-        sizes: tuple[int, int],
+        outer: tuple[int],
     ) -> None:
+        """Refuse what compiled code would read or write beyond; it refuses other types itself."""
+        shape = given.shape
         try:
-            if run(self.values, self.starts, self.windows, self.shape, given, out):
-                return
-        except self._kernel.TypingError:
-            pass
-        inner, outer = sizes
+            if shape == inner and out.shape == outer:
+                return one(*tiles, given, out)
+            if len(shape) == 2 and shape[1:] == inner and out.shape == shape[:1] + outer:
+                return many(*tiles, given, out)
+        except Exception as error:
+            from skinfield.inverse.stamps_kernel import TypingError
+
+            if not isinstance(error, TypingError):
+                raise
         raise InputError(
-            f"product of {given.dtype} {given.shape} into {out.dtype} {out.shape}, expected "
-            f"contiguous {self.values.dtype} arrays ({inner},) into ({outer},), or "
-            f"(P, {inner}) into (P, {outer})"
+            f"product of {given.dtype} {shape} into {out.dtype} {out.shape}, expected contiguous "
+            f"{self.values.dtype} arrays {inner} into {outer}, or (P, {inner[0]}) into "
+            f"(P, {outer[0]})"
         )
+
+
+def _tiles(shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Cells (T, 16) of all tiles, and which belong to it: the last ones of a row may overlap."""
+    if min(shape) < SIDE:
+        raise InputError(
+            f"grid has {shape[0]} x {shape[1]} cells, expected {SIDE} x {SIDE} or more: a matrix "
+            "of so few is quickest as it is"
+        )
+    tops, lefts = (np.minimum(np.arange(0, n, SIDE), n - SIDE) for n in shape)
+    corners = (tops[:, None] * shape[1] + lefts).ravel()
+    within = (np.arange(SIDE)[:, None] * shape[1] + np.arange(SIDE)).ravel()
+    members = corners[:, None] + within
+    _, first = np.unique(members, return_index=True)
+    own = np.zeros(members.size, np.bool_)
+    own[first] = True
+    return members, own.reshape(members.shape)
+
+
+def _kept(blocks: Floats, cut: float) -> NDArray[np.bool_]:
+    """Which blocks (T, 16, L) are kept, (T, L)."""
+    largest = np.abs(blocks).max(axis=(0, 1), initial=0.0)
+    scaled = blocks / np.where(largest > 0.0, largest, 1.0)  # squares neither vanish nor overflow
+    energy = np.square(scaled).sum(axis=1)
+    rank = np.argsort(energy, axis=0, kind="stable")
+    lost = np.cumsum(np.take_along_axis(energy, rank, axis=0), axis=0)
+    keep = np.empty(energy.shape, np.bool_)
+    np.put_along_axis(keep, rank, lost > cut**2 * lost[-1:], axis=0)
+    keep &= energy > 0.0
+    return keep
 
 
 def _checked_type(dtype: DTypeLike, matrix: Floats) -> np.dtype[Any]:
@@ -180,28 +249,8 @@ def _checked_type(dtype: DTypeLike, matrix: Floats) -> np.dtype[Any]:
     return kind
 
 
-def _windows(matrix: Floats, shape: tuple[int, int], cut: float) -> NDArray[np.int32]:
-    """Window of each column, (L, 4): a boundary box of what is not small, or the cheapest."""
-    from skinfield.inverse.stamps_windows import window_of
-
-    windows = np.zeros((matrix.shape[1], 4), np.int32)
-    sums = np.empty((shape[0] + 1, shape[1] + 1))
-    for window, column in zip(windows, matrix.T, strict=True):
-        largest = np.abs(column).max()
-        scaled = (column / largest if largest > 0.0 else column).reshape(shape)
-        energy = np.square(scaled)
-        if cut < LEAST:  # no number above the limit is cut: the rest is below cut in sum
-            limit = cut * np.sqrt(energy.sum() / energy.size)
-            energy = (np.abs(scaled) > limit).astype(float)
-            window_of(energy / max(energy.sum(), 1.0), 0.5 / energy.size, UNIT, window, sums)
-        else:
-            lost = 0.999 * cut**2  # less than allowed by more than the sums are rounded
-            window_of(energy / max(energy.sum(), 1.0), lost, UNIT, window, sums)
-    return windows
-
-
-def _aligned(size: int, kind: np.dtype[Any]) -> NDArray[Any]:
-    """Zeros that begin at a cache line: blocks of a window seldom cross two."""
-    room = np.zeros(size + LINE // kind.itemsize, kind)
+def _aligned(blocks: int, kind: np.dtype[Any]) -> NDArray[Any]:
+    """Room that begins at a cache line, so that no float32 block crosses two."""
+    room = np.zeros(blocks * SIDE**2 + LINE // kind.itemsize, kind)
     skip = -room.ctypes.data % LINE // kind.itemsize
-    return room[skip : skip + size]
+    return room[skip : skip + blocks * SIDE**2].reshape(blocks, SIDE**2)

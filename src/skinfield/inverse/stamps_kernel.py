@@ -1,16 +1,17 @@
-"""Windows of cells times numbers, in the vectors of the machine at hand.
+"""Tiles of 4 x 4 cells times numbers, in the vectors of the machine at hand.
 
-Numba leaves loops over the short rows of a window scalar, which costs 6 to 20 times what the
-machine needs. So the two inner operations, `add_window` and `dot_window`, state their vectors
-themselves. A row is taken in blocks of 16, 8 and 4 numbers and single ones for the rest; LLVM makes
-of a block what the machine has: one register of AVX-512, two of AVX2, four of SSE or NEON.
+Numba leaves loops over so few numbers scalar, which costs 6 to 20 times what the machine needs. So
+the inner operations are written as instructions on vectors of 16 numbers, of which LLVM makes what
+the machine has: one register of AVX-512, two of AVX2, four of SSE or NEON.
 
-`windows` (L, 4) int32 holds first row, first column, rows and columns of each window, `starts` (L,)
-int32 where its numbers begin in `values`: row by row, without gaps. Nothing checks here that the
-windows lie on the grid; `Stamps` does.
+A block is one tile of one taxel, a row of `values` (B, 16). Blocks stand tile by tile: those of
+tile t from `firsts[t]` to `firsts[t + 1]`, of the taxels in `taxels` (B,). The tile's first cell is
+`cells[t]`; its four rows are `pitch` cells apart. Taxel by taxel, `order` (B,) lists the blocks of
+taxel l from `begins[l]` to `begins[l + 1]`, and `corners` (B,) their first cells. Nothing here
+checks that tiles lie on the field; `Stamps` makes them so.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,10 +24,136 @@ from numpy.typing import NDArray
 
 Numbers = NDArray[Any]
 Ints32 = NDArray[np.int32]
-WIDEST = 16  # numbers at once
-NARROWER = (8, 4)
-FAST = ("contract", "nsz")  # multiply and add in one rounding; NaN stays NaN
 INDEX = types.intp
+FAST = ("contract", "nsz", "reassoc")  # sums in any order; NaN stays NaN
+SIDE = 4  # cells
+LANES = SIDE * SIDE
+TOGETHER = 4  # patches for which a block is loaded once
+
+
+def _data(context: Any, builder: Any, signature: Any, arguments: Any, count: int) -> list[Any]:
+    """Where the numbers of the first `count` arguments are, which are arrays."""
+    return [
+        context.make_array(kind)(context, builder, array).data
+        for kind, array in zip(signature.args[:count], arguments[:count], strict=True)
+    ]
+
+
+def _index(builder: Any, array: Any, at: Any) -> Any:
+    """A number of an int32 array, in the machine's own width."""
+    return builder.sext(builder.load(builder.gep(array, [at])), at.type)
+
+
+def _place(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+    vector = ir.VectorType(array.type.pointee, lanes)
+    return builder.bitcast(builder.gep(array, [at]), vector.as_pointer())
+
+
+def _load(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+    """Some numbers from `at` on, which need not stand at a whole multiple of anything."""
+    return builder.load(_place(builder, array, at, lanes), align=_bytes(array))
+
+
+def _bytes(array: Any) -> int:
+    return 4 if isinstance(array.type.pointee, ir.FloatType) else 8
+
+
+def _choose(builder: Any, vector: Any, lanes: Sequence[int], other: Any = None) -> Any:
+    numbers = ir.Constant(ir.VectorType(ir.IntType(32), len(lanes)), list(lanes))
+    return builder.shuffle_vector(vector, vector if other is None else other, numbers)
+
+
+def _repeat(builder: Any, number: Any) -> Any:
+    """Vector of one number."""
+    empty = ir.Constant(ir.VectorType(number.type, LANES), ir.Undefined)
+    return _choose(builder, builder.insert_element(empty, number, ir.IntType(32)(0)), [0] * LANES)
+
+
+def _zeros(builder: Any, array: Any) -> Any:
+    """Place of a sum, which LLVM keeps in a register."""
+    vector = ir.VectorType(array.type.pointee, LANES)
+    place = cgutils.alloca_once(builder, vector)  # type: ignore[no-untyped-call]
+    builder.store(ir.Constant(vector, None), place)
+    return place
+
+
+def _add_product(builder: Any, total: Any, one: Any, other: Any) -> None:
+    product = builder.fmul(one, other, flags=FAST)
+    builder.store(builder.fadd(builder.load(total), product, flags=FAST), total)
+
+
+def _check(values: Any, *others: Any) -> None:
+    kinds = {(getattr(kind, "dtype", kind), getattr(kind, "layout", "")) for kind in others}
+    if kinds != {(values.dtype, "C")} or values.layout != "C":
+        raise TypingError(f"{values} and {others} are not contiguous arrays of one type")
+
+
+def _tile_product(patches: int) -> Any:
+    """Code that adds one tile of the product to the fields of some patches."""
+
+    def add_tile(
+        typing: Any,
+        values: Any,
+        taxels: Any,
+        factors: Any,
+        out: Any,
+        start: Any,
+        cell: Any,
+        begin: Any,
+        end: Any,
+        sizes: Any,
+    ) -> Any:
+        _check(values, factors, out)
+
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            stamp, listed, given, field = _data(context, builder, signature, arguments, 4)
+            start, cell, begin, end, sizes = arguments[4:]
+            pitch, inputs, outputs = (builder.extract_value(sizes, i) for i in range(3))
+            index = begin.type
+            chains = 2 if patches == 1 else 1  # sums that need not wait for each other
+            totals = [_zeros(builder, stamp) for _ in range(patches * chains)]
+
+            def add_block(block: Any, chain: int) -> None:
+                numbers = _load(builder, stamp, builder.mul(block, index(LANES)), LANES)
+                taxel = builder.add(builder.mul(start, inputs), _index(builder, listed, block))
+                for patch in range(patches):
+                    at = builder.add(taxel, builder.mul(index(patch), inputs))
+                    factor = _repeat(builder, builder.load(builder.gep(given, [at])))
+                    _add_product(builder, totals[patch + chain], numbers, factor)
+
+            count = builder.sub(end, begin)
+            with cgutils.for_range(builder, builder.udiv(count, index(chains))) as loop:
+                block = builder.add(begin, builder.mul(loop.index, index(chains)))
+                for chain in range(chains):
+                    add_block(builder.add(block, index(chain)), chain)
+            with cgutils.for_range(builder, builder.urem(count, index(chains))):
+                add_block(builder.sub(end, index(1)), 0)
+            if chains > 1:
+                total = builder.fadd(*(builder.load(total) for total in totals), flags=FAST)
+                builder.store(total, totals[0])
+            for patch in range(patches):
+                at = builder.mul(builder.add(start, index(patch)), outputs)
+                corner = builder.add(at, cell)
+                _add_rows(builder, builder.load(totals[patch]), field, corner, pitch)
+            return context.get_dummy_value()
+
+        sizes_type = types.UniTuple(INDEX, 3)  # type: ignore[no-untyped-call]
+        arrays = values, taxels, factors, out
+        return types.void(*arrays, INDEX, INDEX, INDEX, INDEX, sizes_type), generate
+
+    return intrinsic(add_tile)
+
+
+def _add_rows(builder: Any, tile: Any, field: Any, corner: Any, pitch: Any) -> None:
+    for row in range(SIDE):
+        at = builder.add(corner, builder.mul(pitch, pitch.type(row)))
+        part = _choose(builder, tile, range(SIDE * row, SIDE * (row + 1)))
+        place = _place(builder, field, at, SIDE)
+        align = _bytes(field)
+        builder.store(builder.fadd(builder.load(place, align=align), part), place, align=align)
+
+
+add_tile, add_tiles = _tile_product(1), _tile_product(TOGETHER)
 
 
 def _inlined(function: Callable[..., Any]) -> Any:
@@ -35,75 +162,45 @@ def _inlined(function: Callable[..., Any]) -> Any:
 
 
 @_inlined
-def add_window(
+def dot_tiles(
     typing: Any,
     values: Any,
-    start: Any,
+    order: Any,
+    corners: Any,
     field: Any,
-    first: Any,
-    rows: Any,
-    columns: Any,
-    pitch: Any,
-    factor: Any,
-) -> Any:
-    """Add `factor` times a window to the field.
-
-    `values` (S,) holds the window from `start` on, `rows` x `columns`; `first` is its first cell
-    of `field` (K,), `pitch` the cells of one row of the field.
-    """
-    _check(values, field)
-    signature = types.void(values, INDEX, field, INDEX, INDEX, INDEX, INDEX, values.dtype)
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        stamp, start, cells, first, rows, columns, pitch, factor = arguments
-        stamp = context.make_array(signature.args[0])(context, builder, stamp).data
-        cells = context.make_array(signature.args[2])(context, builder, cells).data
-        everywhere = {lanes: _repeat(builder, factor, lanes) for lanes in (WIDEST, *NARROWER, 1)}
-        for at, cell, lanes in _blocks(builder, start, first, rows, columns, pitch):
-            here = _pointer(builder, stamp, at, lanes)
-            there = _pointer(builder, cells, cell, lanes)
-            align = _bytes(factor.type)
-            added = builder.fmul(builder.load(here, align=align), everywhere[lanes], flags=FAST)
-            total = builder.fadd(builder.load(there, align=align), added, flags=FAST)
-            builder.store(total, there, align=align)
-        return context.get_dummy_value()
-
-    return signature, generate
-
-
-@_inlined
-def dot_window(
-    typing: Any,
-    values: Any,
-    start: Any,
-    field: Any,
-    first: Any,
-    rows: Any,
-    columns: Any,
+    begin: Any,
+    end: Any,
     pitch: Any,
 ) -> Any:
-    """Sum of a window times the field; arguments as of `add_window`."""
+    """Sum of one taxel's blocks times the field, of the pitch given."""
     _check(values, field)
-    signature = values.dtype(values, INDEX, field, INDEX, INDEX, INDEX, INDEX)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        stamp, start, cells, first, rows, columns, pitch = arguments
-        stamp = context.make_array(signature.args[0])(context, builder, stamp).data
-        cells = context.make_array(signature.args[2])(context, builder, cells).data
-        element = context.get_value_type(signature.return_type)
-        totals = {
-            lanes: _zero(builder, _vector(element, lanes)) for lanes in (WIDEST, *NARROWER, 1)
-        }
-        align = _bytes(element)
-        for at, cell, lanes in _blocks(builder, start, first, rows, columns, pitch):
-            mine = builder.load(_pointer(builder, stamp, at, lanes), align=align)
-            theirs = builder.load(_pointer(builder, cells, cell, lanes), align=align)
-            product = builder.fmul(mine, theirs, flags=FAST)
-            so_far = builder.load(totals[lanes])
-            builder.store(builder.fadd(so_far, product, flags=FAST), totals[lanes])
-        return _sum(builder, {lanes: builder.load(total) for lanes, total in totals.items()})
+        stamp, listed, places, cells = _data(context, builder, signature, arguments, 4)
+        begin, end, pitch = arguments[4:]
+        index = begin.type
+        total = _zeros(builder, stamp)
+        with cgutils.for_range(builder, builder.sub(end, begin)) as loop:
+            at = builder.add(begin, loop.index)
+            block = builder.mul(_index(builder, listed, at), index(LANES))
+            corner = _index(builder, places, at)
+            rows = [
+                _load(builder, cells, builder.add(corner, builder.mul(pitch, index(row))), SIDE)
+                for row in range(SIDE)
+            ]
+            upper = _choose(builder, rows[0], range(2 * SIDE), rows[1])
+            lower = _choose(builder, rows[2], range(2 * SIDE), rows[3])
+            tile = _choose(builder, upper, range(LANES), lower)
+            _add_product(builder, total, _load(builder, stamp, block, LANES), tile)
+        folded, lanes = builder.load(total), LANES
+        while lanes > 1:
+            lanes //= 2
+            high = _choose(builder, folded, range(lanes, 2 * lanes))
+            folded = builder.fadd(_choose(builder, folded, range(lanes)), high, flags=FAST)
+        return builder.extract_element(folded, ir.IntType(32)(0))
 
-    return signature, generate
+    arrays = values, order, corners, field
+    return values.dtype(*arrays, INDEX, INDEX, INDEX), generate
 
 
 @_inlined
@@ -115,165 +212,73 @@ def alike(typing: Any, values: Any, other: Any) -> Any:
 
 @njit(cache=True, nogil=True)
 def stamp_apply(
-    values: Numbers, starts: Ints32, windows: Ints32, pitch: int, factors: Numbers, out: Numbers
+    values: Numbers,
+    taxels: Ints32,
+    firsts: Ints32,
+    cells: Ints32,
+    pitch: int,
+    factors: Numbers,
+    out: Numbers,
 ) -> None:
-    """Sum of all windows, each times its factor (L,): `out` (K,)."""
+    """Sum of all blocks, each times its taxel's factor (L,): `out` (K,)."""
     out[:] = 0.0
-    for taxel in range(len(starts)):
-        row, column, rows, columns = windows[taxel]
-        first = row * pitch + column
-        add_window(values, starts[taxel], out, first, rows, columns, pitch, factors[taxel])
+    for tile in range(len(cells)):
+        begin, end = firsts[tile], firsts[tile + 1]
+        add_tile(values, taxels, factors, out, 0, cells[tile], begin, end, (pitch, 0, 0))
+
+
+@njit(cache=True, nogil=True)
+def stamp_apply_many(
+    values: Numbers,
+    taxels: Ints32,
+    firsts: Ints32,
+    cells: Ints32,
+    pitch: int,
+    factors: Numbers,
+    out: Numbers,
+) -> None:
+    """`stamp_apply` of each row of `factors` (P, L) into the row of `out` (P, K)."""
+    out[:] = 0.0
+    patches, inputs = factors.shape
+    sizes = (pitch, inputs, out.shape[1])
+    whole = patches - patches % TOGETHER
+    for start in range(0, whole, TOGETHER):
+        for tile in range(len(cells)):
+            begin, end = firsts[tile], firsts[tile + 1]
+            add_tiles(values, taxels, factors, out, start, cells[tile], begin, end, sizes)
+    for start in range(whole, patches):
+        for tile in range(len(cells)):
+            begin, end = firsts[tile], firsts[tile + 1]
+            add_tile(values, taxels, factors, out, start, cells[tile], begin, end, sizes)
 
 
 @njit(cache=True, nogil=True)
 def stamp_adjoint(
-    values: Numbers, starts: Ints32, windows: Ints32, pitch: int, field: Numbers, out: Numbers
-) -> None:
-    """Each window times what it covers of `field` (K,): `out` (L,)."""
-    for taxel in range(len(starts)):
-        row, column, rows, columns = windows[taxel]
-        first = row * pitch + column
-        out[taxel] = dot_window(values, starts[taxel], field, first, rows, columns, pitch)
-
-
-@njit(cache=True, nogil=True)
-def checked_apply(
     values: Numbers,
-    starts: Ints32,
-    windows: Ints32,
-    shape: tuple[int, int],
-    factors: Numbers,
-    out: Numbers,
-) -> bool:
-    """`stamp_apply`, or False where the lengths do not fit."""
-    alike(values, factors)
-    if len(factors) != len(starts) or len(out) != shape[0] * shape[1]:
-        return False
-    stamp_apply(values, starts, windows, shape[1], factors, out)
-    return True
-
-
-@njit(cache=True, nogil=True)
-def checked_adjoint(
-    values: Numbers,
-    starts: Ints32,
-    windows: Ints32,
-    shape: tuple[int, int],
+    order: Ints32,
+    corners: Ints32,
+    begins: Ints32,
+    pitch: int,
     field: Numbers,
     out: Numbers,
-) -> bool:
-    """`stamp_adjoint`, or False where the lengths do not fit."""
+) -> None:
+    """Each taxel's blocks times what they cover of `field` (K,): `out` (L,)."""
     alike(values, out)
-    if len(out) != len(starts) or len(field) != shape[0] * shape[1]:
-        return False
-    stamp_adjoint(values, starts, windows, shape[1], field, out)
-    return True
+    for taxel in range(len(out)):
+        begin, end = begins[taxel], begins[taxel + 1]
+        out[taxel] = dot_tiles(values, order, corners, field, begin, end, pitch)
 
 
 @njit(cache=True, nogil=True)
-def checked_apply_many(
+def stamp_adjoint_many(
     values: Numbers,
-    starts: Ints32,
-    windows: Ints32,
-    shape: tuple[int, int],
-    factors: Numbers,
-    out: Numbers,
-) -> bool:
-    """`checked_apply` of each row of `factors` (P, L) into the row of `out` (P, K)."""
-    fits = len(factors) == len(out)
-    for patch in range(min(len(factors), len(out))):
-        fits = fits and checked_apply(values, starts, windows, shape, factors[patch], out[patch])
-    return fits
-
-
-@njit(cache=True, nogil=True)
-def checked_adjoint_many(
-    values: Numbers,
-    starts: Ints32,
-    windows: Ints32,
-    shape: tuple[int, int],
+    order: Ints32,
+    corners: Ints32,
+    begins: Ints32,
+    pitch: int,
     fields: Numbers,
     out: Numbers,
-) -> bool:
-    """`checked_adjoint` of each row of `fields` (P, K) into the row of `out` (P, L)."""
-    fits = len(fields) == len(out)
-    for patch in range(min(len(fields), len(out))):
-        fits = fits and checked_adjoint(values, starts, windows, shape, fields[patch], out[patch])
-    return fits
-
-
-def _blocks(
-    builder: Any, start: Any, first: Any, rows: Any, columns: Any, pitch: Any
-) -> Iterator[tuple[Any, Any, int]]:
-    """Code that goes through all blocks: number of the stamp, cell of the field, length."""
-    index = columns.type
-    with cgutils.for_range(builder, rows) as row:
-        at = builder.add(start, builder.mul(row.index, columns))
-        cell = builder.add(first, builder.mul(row.index, pitch))
-        with cgutils.for_range(builder, builder.lshr(columns, index(4))) as block:
-            shift = builder.shl(block.index, index(4))
-            yield builder.add(at, shift), builder.add(cell, shift), WIDEST
-        for lanes in NARROWER:
-            left = builder.icmp_unsigned("!=", builder.and_(columns, index(lanes)), index(0))
-            with builder.if_then(left):
-                shift = builder.and_(columns, index(-2 * lanes))
-                yield builder.add(at, shift), builder.add(cell, shift), lanes
-        with cgutils.for_range(builder, builder.and_(columns, index(3))) as single:
-            shift = builder.add(builder.and_(columns, index(-4)), single.index)
-            yield builder.add(at, shift), builder.add(cell, shift), 1
-
-
-def _check(values: Any, field: Any) -> None:
-    """Refuse to compile for arrays of two types, or with gaps."""
-    kinds = {
-        (getattr(kind, "dtype", kind), getattr(kind, "layout", "")) for kind in (values, field)
-    }
-    if kinds != {(values.dtype, "C")}:
-        raise TypingError(f"{values} and {field} are not contiguous arrays of one type")
-
-
-def _vector(element: Any, lanes: int) -> Any:
-    return element if lanes == 1 else ir.VectorType(element, lanes)
-
-
-def _zero(builder: Any, kind: Any) -> Any:
-    """Place of a sum, which LLVM keeps in a register."""
-    place = cgutils.alloca_once(builder, kind)  # type: ignore[no-untyped-call]
-    builder.store(kind(0.0 if isinstance(kind, (ir.FloatType, ir.DoubleType)) else None), place)
-    return place
-
-
-def _bytes(element: Any) -> int:
-    return 4 if isinstance(element, ir.FloatType) else 8
-
-
-def _pointer(builder: Any, data: Any, at: Any, lanes: int) -> Any:
-    place = builder.gep(data, [at])
-    return builder.bitcast(place, _vector(data.type.pointee, lanes).as_pointer())
-
-
-def _repeat(builder: Any, number: Any, lanes: int) -> Any:
-    """Vector of one number."""
-    if lanes == 1:
-        return number
-    empty = ir.Constant(ir.VectorType(number.type, lanes), ir.Undefined)
-    first = builder.insert_element(empty, number, ir.IntType(32)(0))
-    return builder.shuffle_vector(first, empty, _pick([0] * lanes))
-
-
-def _pick(lanes: list[int]) -> Any:
-    return ir.Constant(ir.VectorType(ir.IntType(32), len(lanes)), lanes)
-
-
-def _sum(builder: Any, totals: dict[int, Any]) -> Any:
-    """Sum of vectors of 16, 8 and 4 numbers and one number, folded in halves."""
-    folded, lanes = totals[WIDEST], WIDEST
-    while lanes > 1:
-        lanes //= 2
-        low = builder.shuffle_vector(folded, folded, _pick(list(range(lanes))))
-        high = builder.shuffle_vector(folded, folded, _pick(list(range(lanes, 2 * lanes))))
-        folded = builder.fadd(low, high, flags=FAST)
-        if lanes in totals and lanes > 1:
-            folded = builder.fadd(folded, totals[lanes], flags=FAST)
-    single = builder.extract_element(folded, ir.IntType(32)(0))
-    return builder.fadd(single, totals[1], flags=FAST)
+) -> None:
+    """`stamp_adjoint` of each row of `fields` (P, K) into the row of `out` (P, L)."""
+    for patch in range(len(fields)):
+        stamp_adjoint(values, order, corners, begins, pitch, fields[patch], out[patch])
