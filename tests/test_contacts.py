@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from skinfield.contacts import ContactFinder
-from skinfield.contacts.regions import _flood, border, regions
+from skinfield.contacts.regions import border, regions
 from skinfield.fields import PressureNoise
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import cylinder
@@ -121,7 +121,7 @@ def test_a_contact_on_a_curved_patch_points_inwards() -> None:
 def test_regions_are_disjoint_connected_and_hold_their_peak(
     values: np.ndarray, share: float
 ) -> None:
-    found = regions(values, share * np.abs(values), np.zeros_like(values), edge=0.0)
+    found = regions(values, share * np.abs(values), 0.0, edge=0.0)
     cells = np.concatenate([*found, np.empty(0, int)])
     assert sorted(cells) == sorted(np.flatnonzero(values.ravel() > 0))  # a partition
     for part in found:
@@ -134,18 +134,6 @@ def test_regions_are_disjoint_connected_and_hold_their_peak(
             reached |= fresh
             waiting += fresh
         assert len(reached) == len(part)
-
-
-def test_compiled_and_plain_code_agree() -> None:
-    values = np.random.default_rng(0).normal(size=(15, 17))
-    order = np.argsort(-values.ravel(), kind="stable")
-    order = order[values.ravel()[order] > 0]
-    drop = np.full(values.size, 0.4)
-    plain = _flood(values.ravel(), drop, order, 17)
-    found = regions(values, drop.reshape(values.shape), np.zeros_like(values), edge=0.0)
-    for part in found:
-        peak = part[values.ravel()[part].argmax()]
-        assert sorted(np.flatnonzero(plain == peak)) == sorted(part)
 
 
 def test_the_border_of_cells_that_touch_at_a_corner_holds_both() -> None:

@@ -6,11 +6,6 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.layout import Grid
 
-# Variance, in cells, of the count in a disc at random per side of its border: 0.4576 R over 8 R
-# (Kendall, On the number of lattice points inside a random oval, Quart. J. Math. 19, 1948).
-ROUNDING = 0.0572
-ALONG = ((0, 1), (0, -1), (1, 0), (-1, 0))  # row, column: from a cell to those beside it
-
 
 def area_moves(
     grid: Grid, pressure: Floats, cells: NDArray[np.int64], edge: float
@@ -34,37 +29,18 @@ def area_moves(
     Returns
     -------
     around : (M,) int array
-        Cells on both sides of the border, and the peak; some come more than once.
+        Cells on both sides of the border, and last the peak, which may be one of them too.
     weights : (M,) array, m²/Pa
     rounding : float, m²
         One standard deviation of an area that is counted in whole cells.
     """
-    rows, columns = grid.shape
-    picture = pressure.reshape(grid.shape)
-    slope = np.gradient(picture) if min(grid.shape) > 1 else [np.zeros_like(picture)] * 2
-    inside = np.zeros(grid.shape, dtype=bool)
-    inside.ravel()[cells] = True
-    row, column = np.divmod(cells, columns)
-    peak = int(cells[np.argmax(pressure[cells])])
-    level = edge * pressure[peak]
-    around, weights, sides = [], [], 0
-    for down, right in ALONG:
-        there = row + down, column + right
-        on = (there[0] >= 0) & (there[0] < rows) & (there[1] >= 0) & (there[1] < columns)
-        here = cells[on]
-        beside = there[0][on] * columns + there[1][on]
-        border = ~inside.ravel()[beside]
-        sides += int(border.sum()) + int((~on).sum())
-        crossed = border & (pressure[beside] < level) & (pressure[here] > level)
-        here, beside = here[crossed], beside[crossed]
-        across = pressure[here] - pressure[beside]
-        tangent = slope[1 if down else 0].ravel()
-        along = (tangent[here] + tangent[beside]) / 2
-        share = (pressure[here] - level) / across  # of the way to the cell beside
-        per_pascal = grid.cell_area * across / (across**2 + along**2)
-        around += [here, beside]
-        weights += [per_pascal * (1 - share), per_pascal * share]
-    moves = np.concatenate(weights)
-    around.append(np.array([peak]))
-    total = np.append(moves, -edge * moves.sum())
-    return np.concatenate(around), total, float(grid.cell_area * np.sqrt(ROUNDING * sides))
+    from skinfield.contacts import sum_kernel as sums
+
+    starts = np.array([0, len(cells)])
+    table = np.zeros((1, sums.WIDTH))
+    table[0, sums.PEAK] = pressure[cells].max()
+    flat = np.ascontiguousarray(pressure, dtype=np.float64)
+    _, around, weights = sums.borders(
+        flat, grid.shape[1], grid.cell_area, edge, starts, cells, table
+    )
+    return around, weights, float(table[0, sums.ROUNDING])

@@ -5,10 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from skinfield.contacts.regions import regions
-from skinfield.contacts.resultant import Field, contact_of
-from skinfield.errors import Floats, check_range
-from skinfield.fields import Contact, ModelError, PressureError, PressureNoise
+from skinfield.contacts.regions import compiled
+from skinfield.contacts.resultant import Found
+from skinfield.errors import Floats, check_range, check_shape
+from skinfield.fields import Contact, ModelError, PressureError
 from skinfield.layout import Grid
 
 EXACT = ModelError()
@@ -54,7 +54,7 @@ class ContactFinder:
         self,
         grid: Grid,
         pressure: Floats,
-        noise: PressureNoise,
+        noise: PressureError,
         error: PressureError | None = None,
         model_error: ModelError = EXACT,
     ) -> tuple[Contact, ...]:
@@ -64,7 +64,7 @@ class ContactFinder:
         ----------
         grid : Grid
         pressure : (K,) array, Pa
-        noise : PressureNoise
+        noise : PressureError
             Of the pressure: what stands out of it is a contact.
         error : PressureError, optional
             How far the pressure may be from the truth, if the solver states more than its noise.
@@ -74,19 +74,26 @@ class ContactFinder:
         Returns
         -------
         tuple of Contact
-            By falling normal force.
+            By falling normal force. Their covariance, deviation of the area and outline are worked
+            out when they are first asked for.
+
+        Raises
+        ------
+        InputError
+            If the pressure or the noise is not one number for each node.
         """
-        chances = max(int(np.count_nonzero(noise.std)), 1)
-        sigmas = _significance(self.false_alarm_rate, chances)
-        highest = float(pressure.max())
-        needed = np.maximum(sigmas * noise.std, self.relative_height * highest)
-        if not (pressure > needed).any():
+        flood = compiled()
+        sigmas = _significance(self.false_alarm_rate, max(noise.felt, 1))
+        flat = np.require(pressure, np.float64, ("C", "W"))  # others would be compiled for anew
+        if not flat.shape == noise.std.shape == (len(grid),):
+            check_shape("pressure", flat, (len(grid),), "one per node of the grid")
+            check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
+        if not flood.stands_out(flat, noise.std, sigmas):
             return ()
-        picture = pressure.reshape(grid.shape)
-        drop = np.maximum(self.prominence * picture, sigmas * noise.std.reshape(grid.shape))
-        floor = np.full(grid.shape, self.edge * self.relative_height * highest)
-        found = regions(picture, drop, floor, self.edge)
-        found = [cells for cells in found if (pressure > needed)[cells].any()]
-        field = Field(grid, pressure, noise if error is None else error, self.edge)
-        contacts = [contact_of(field, cells, model_error) for cells in found]
-        return tuple(sorted(contacts, key=lambda contact: -contact.normal_force))
+        heights = sigmas, self.relative_height, self.prominence, self.edge
+        regions = flood.find(flat, noise.std, grid.shape[1], *heights)
+        if not len(regions[1]):
+            return ()
+        stated = noise if error is None else error
+        found = Found.of(grid, flat, stated, model_error, regions, self.edge)
+        return tuple(sorted(found.contacts(), key=lambda contact: -contact.normal_force))

@@ -1,84 +1,147 @@
-"""What a region of pressure amounts to, and how sure that is."""
+"""What regions of pressure amount to, and how sure that is."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.contacts.area import area_moves
-from skinfield.contacts.regions import border
-from skinfield.errors import Floats
+from skinfield.contacts.regions import Regions, border
+from skinfield.errors import Floats, Ints
 from skinfield.fields import Contact, ModelError, PressureError
 from skinfield.layout import Grid
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
-    """A pressure field with what is known of its error.
+class Found:
+    """All regions of a field, with what is needed to say more of them.
 
     Attributes
     ----------
     grid : Grid
-    pressure : (K,) array, Pa
     error : PressureError
-    edge : float
-        Fraction of a region's peak at which the region ends.
+        Of the pressure.
+    model_error : ModelError
+        What is wrong with contacts beside.
+    regions : Regions
+    borders : (M + 1,) int array, (B,) int array, (B,) array
+        How areas move with the pressure: starts, cells and weights, m²/Pa; see `area_moves`.
+    table : (R, WIDTH) array
+        Sums over the regions, in the columns of `sum_kernel`.
     """
 
     grid: Grid
-    pressure: Floats
     error: PressureError
-    edge: float
+    model_error: ModelError
+    regions: Regions
+    borders: tuple[Ints, Ints, Floats]
+    table: Floats
+
+    @classmethod
+    def of(
+        cls,
+        grid: Grid,
+        pressure: Floats,
+        error: PressureError,
+        model_error: ModelError,
+        regions: Regions,
+        edge: float,
+    ) -> "Found":
+        """Add up the pressure (K,) Pa over regions that end at `edge` of their peaks."""
+        sums, columns = compiled(), grid.shape[1]
+        places, normals = grid.positions, grid.normals
+        table = sums.sum_regions(
+            pressure, places, normals, grid.origin, grid.pitch, columns, *regions
+        )
+        borders = sums.borders(pressure, columns, grid.cell_area, edge, *regions, table)
+        return cls(grid, error, model_error, regions, borders, table)
+
+    def contacts(self) -> Iterator[Contact]:
+        """One contact for each region, in their order; covariance, outline come when asked for."""
+        sums, grid, table = compiled(), self.grid, self.table
+        centres = table[:, sums.CENTRE : sums.CENTRE + 2]
+        positions = grid.patch.surface.position_from_plane(centres)
+        normals = _normals(grid, centres)
+        sums.set_apart(table, positions)
+        forces = table[:, sums.FORCE : sums.FORCE + 3]
+        moments = table[:, sums.MOMENT : sums.MOMENT + 3]
+        axes = table[:, sums.MAJOR : sums.MINOR + 1]
+        starts, cells = self.regions[0].tolist(), self.regions[1]
+        for index, row in enumerate(table[:, : sums.ANGLE + 1].tolist()):
+            mine = cells[starts[index] : starts[index + 1]]
+            area = len(mine) * grid.cell_area
+            yield Contact.later(
+                Details(self, index),
+                position=positions[index],
+                force=forces[index],
+                moment=moments[index],
+                normal=normals[index],
+                area=area,
+                peak_pressure=row[sums.PEAK],
+                radius=(area / np.pi) ** 0.5,
+                shape="other",
+                axes=axes[index],
+                angle=row[sums.ANGLE],
+                cells=mine,
+            )
 
 
-def contact_of(field: Field, cells: NDArray[np.int64], model_error: ModelError) -> Contact:
-    """Contact of a region.
+@dataclass(frozen=True, eq=False)
+class Details:
+    """What of a region's contact is dear, worked out when asked for; see `Contact.later`."""
 
-    Its covariance is that of sums over the region's cells: of the pressure for the force and, to
-    first order, of the pressure's first moments about the centre for the place. Which cells make up
-    the region is taken as given.
-    """
-    grid = field.grid
-    weight = field.pressure[cells] * grid.cell_area
-    total = float(weight.sum())
-    centre = weight @ grid.plane[cells] / total
+    found: Found
+    index: int
+
+    @property
+    def covariance(self) -> Floats:
+        """That of sums over the region's cells.
+
+        Of the pressure for the force and, to first order, of the pressure's first moments about the
+        centre for the place. Which cells make up the region is taken as given.
+        """
+        found, sums, cells = self.found, compiled(), self._cells
+        grid, row = found.grid, found.table[self.index]
+        moves = sums.first_moments(cells, grid.shape[1], grid.pitch, grid.origin, row)
+        noise = found.error.covariance_of_sums(cells, moves)
+        return noise + found.model_error.covariance(float(row[sums.TOTAL]))
+
+    @property
+    def area_std(self) -> float:
+        """By how the border moves, by the rounding to whole cells, and by the model's error."""
+        found = self.found
+        starts, around, moves = found.borders
+        here = slice(starts[self.index], starts[self.index + 1])
+        variance = found.error.covariance_of_sums(around[here], moves[None, here])[0, 0]
+        rounding = found.table[self.index, compiled().ROUNDING]
+        beside = len(self._cells) * found.grid.cell_area * found.model_error.area
+        return float(np.sqrt(max(variance, 0.0) + rounding**2 + beside**2))
+
+    @property
+    def outline(self) -> Floats:
+        """Border of the region on the skin."""
+        grid = self.found.grid
+        corners = grid.origin + border(self._cells, grid.shape) * grid.pitch
+        return grid.patch.surface.position_from_plane(corners)
+
+    @property
+    def _cells(self) -> Ints:
+        starts, cells = self.found.regions
+        return cells[starts[self.index] : starts[self.index + 1]]
+
+
+def _normals(grid: Grid, centres: Floats) -> Floats:
+    """Outward normals at points of the plane, (R, 3)."""
     surface = grid.patch.surface
-    position = surface.position_from_plane(centre[None])[0]
-    normal = surface.frame_from_plane(centre[None])[0, :, 2]
-    forces = -weight[:, None] * grid.normals[cells]
-    lever = grid.positions[cells] - position
-    away = grid.plane[cells] - centre
-    axes, angle = _ellipse(away, weight / total, grid.cell_area)
-    corners = grid.origin + border(cells, grid.shape) * grid.pitch
-    area = len(cells) * grid.cell_area
-    moves = np.stack([*(away / total).T, np.ones(len(cells))]) * grid.cell_area
-    return Contact(
-        position=position,
-        force=forces.sum(axis=0),
-        moment=np.cross(lever, forces).sum(axis=0),
-        normal=normal,
-        area=area,
-        peak_pressure=float(field.pressure[cells].max()),
-        covariance=field.error.covariance_of_sums(cells, moves) + model_error.covariance(total),
-        area_std=_area_std(field, cells, area * model_error.area),
-        radius=float(np.sqrt(area / np.pi)),
-        shape="other",
-        outline=surface.position_from_plane(corners),
-        axes=axes,
-        angle=angle,
-        cells=cells,
-    )
+    if surface.is_flat:
+        return np.broadcast_to(grid.normals[0], (len(centres), 3))
+    return surface.frame_from_plane(centres)[:, :, 2]
 
 
-def _ellipse(away: Floats, share: Floats, cell_area: float) -> tuple[Floats, float]:
-    """Semi-axes and angle of the uniform ellipse with the moments of shares (N,) at (N, 2) m."""
-    spread = (away * share[:, None]).T @ away + np.eye(2) * cell_area / 12
-    variance, direction = np.linalg.eigh(spread)
-    angle = float(np.arctan2(direction[1, 1], direction[0, 1]))
-    return 2.0 * np.sqrt(variance[::-1]), (angle + np.pi / 2) % np.pi - np.pi / 2
+@lru_cache(maxsize=1)
+def compiled() -> Any:
+    """The kernels, loaded when first needed."""
+    from skinfield.contacts import sum_kernel
 
-
-def _area_std(field: Field, cells: NDArray[np.int64], beside: float) -> float:
-    around, moves, rounding = area_moves(field.grid, field.pressure, cells, field.edge)
-    variance = field.error.covariance_of_sums(around, moves[None])[0, 0]
-    return float(np.sqrt(max(variance, 0.0) + rounding**2 + beside**2))
+    return sum_kernel

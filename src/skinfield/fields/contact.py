@@ -1,11 +1,12 @@
 """One pressed region."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 from skinfield.fields.spread import Spread, normal_interval, normal_radius
 
 
@@ -66,6 +67,42 @@ class Contact:
     cells: NDArray[np.int64]
     track_id: int | None = None
     spread: Spread | None = None
+
+    @classmethod
+    def later(cls, rest: Any, /, **known: Any) -> Self:
+        """Contact of which some attributes are worked out when they are first asked for.
+
+        Parameters
+        ----------
+        rest : object
+            Whose attributes of the same names are asked for the missing ones, once each; another
+            contact will do.
+        **known
+            Attributes that are known. `track_id` and `spread`, which have defaults, keep them.
+
+        Raises
+        ------
+        InputError
+            For a name that is none of the attributes.
+        """
+        if not known.keys() <= cls.__dataclass_fields__.keys():
+            wrong = sorted(known.keys() - cls.__dataclass_fields__.keys())
+            raise InputError(f"{cls.__name__} has no {', '.join(wrong)}: expected its attributes")
+        contact = object.__new__(cls)
+        contact.__dict__.update(known, _rest=rest)
+        return contact
+
+    if not TYPE_CHECKING:  # a type checker shall find misspelt attributes
+
+        def __getattr__(self, name: str) -> Any:
+            if name not in type(self).__dataclass_fields__ or "_rest" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            value = self.__dict__[name] = getattr(self.__dict__["_rest"], name)
+            return value
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All attributes, for pickles and copies: what they are worked out from stays behind."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     @property
     def normal_force(self) -> float:

@@ -33,4 +33,7 @@ class ModelError:
 
     def covariance(self, force: float) -> Floats:
         """Of x m, y m and the normal force N of a contact with this force: (3, 3)."""
-        return np.diag([self.place**2, self.place**2, (self.force * force) ** 2])
+        covariance = np.zeros((3, 3))
+        covariance[0, 0] = covariance[1, 1] = self.place**2
+        covariance[2, 2] = (self.force * force) ** 2
+        return covariance

@@ -1,13 +1,13 @@
 """How the noise of the readings moves a pressure field."""
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Protocol
+from functools import cached_property, lru_cache
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 
 
 class PressureError(Protocol):
@@ -16,6 +16,11 @@ class PressureError(Protocol):
     @property
     def std(self) -> Floats:
         """Standard deviation of each cell, (K,) Pa."""
+        ...
+
+    @property
+    def felt(self) -> int:
+        """Number of cells whose deviation is not 0."""
         ...
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
@@ -40,11 +45,41 @@ class PressureNoise:
         """Standard deviation of each cell, (K,) Pa."""
         return np.asarray(np.sqrt(np.square(self.factor).sum(axis=1)))
 
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells that feel any noise."""
+        return int(np.count_nonzero(self.std))
+
     def std_of_sum(self, cells: NDArray[np.int64]) -> float:
         """Standard deviation of the sum over some cells, Pa: cells share the readings' noise."""
         return float(np.linalg.norm(self.factor[cells].sum(axis=0)))
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        moved = weights @ self.factor[cells]
-        return np.asarray(moved @ moved.T)
+        check_cells(cells, weights, len(self.factor))
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        return np.asarray(compiled().of_factor(self._factor, cells, weights))
+
+    @cached_property
+    def _factor(self) -> Floats:
+        return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+
+@lru_cache(maxsize=1)
+def compiled() -> Any:
+    """The kernels, loaded when first needed."""
+    from skinfield.fields import covariance_kernel
+
+    return covariance_kernel
+
+
+def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
+    """Raise InputError unless weights (M, N) are of N cells out of `count`."""
+    if weights.ndim != 2 or weights.shape[1:] != cells.shape:
+        raise InputError(
+            f"weights have shape {weights.shape}, expected (M, {cells.size}): one per cell and sum"
+        )
+    if len(cells) and not 0 <= cells.min() <= cells.max() < count:
+        raise InputError(
+            f"cells go from {cells.min()} to {cells.max()}, expected from 0 to {count - 1}"
+        )

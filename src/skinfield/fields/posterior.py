@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, check_shape
+from skinfield.fields.noise import check_cells, compiled
 
-DENSE = 160  # cells up to which a table of all pairs is quicker than a Fourier transform
+DENSE = 500  # cells up to which going over all pairs is quicker than a Fourier transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +19,7 @@ class PressurePosterior:
     .. math:: \mathrm{cov}(w_i \cdot p, w_j \cdot p) = w_i^T Q w_j - (F^T w_i) \cdot (F^T w_j)
 
     Q depends on the offset of two nodes alone, so the (K, K) matrix is never made: a region of N
-    cells costs N² entries of a table, or one Fourier transform of its box if it is large.
+    cells costs N² / 2 entries of a table, or one Fourier transform of its box if it is large.
 
     Attributes
     ----------
@@ -49,19 +50,36 @@ class PressurePosterior:
         explained = np.einsum("kl,kl->k", self.factor, self.factor)
         return np.asarray(np.sqrt(np.maximum(self.prior[0, 0] - explained, 0.0)))
 
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells of which anything is left open."""
+        return int(np.count_nonzero(self.std))
+
     def on(self, nodes: NDArray[np.int64]) -> "PressurePosterior":
         """Of some of the cells, in their order."""
         return replace(self, factor=self.factor[nodes], steps=self.steps[nodes])
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        moved = weights @ self.factor[cells]
-        return np.asarray(self._prior_of_sums(self.steps[cells], weights) - moved @ moved.T)
+        kernel = compiled()
+        check_cells(cells, weights, len(self.factor))
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        explained = kernel.of_factor(self._factor, cells, weights)
+        if len(cells) <= DENSE:
+            return np.asarray(kernel.of_lattice(*self._lattice, cells, weights) - explained)
+        return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
+
+    @cached_property
+    def _factor(self) -> Floats:
+        return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+    @cached_property
+    def _lattice(self) -> tuple[Floats, NDArray[np.int64]]:
+        prior = np.ascontiguousarray(self.prior, dtype=np.float64)
+        return prior, np.ascontiguousarray(self.steps, dtype=np.int64)
 
     def _prior_of_sums(self, steps: NDArray[np.int64], weights: Floats) -> Floats:
-        if len(steps) <= DENSE:
-            row, column = (np.abs(axis[:, None] - axis[None]) for axis in steps.T)
-            return np.asarray(weights @ self.prior[row, column] @ weights.T)
+        """By Fourier transforms of the box that holds all."""
         from scipy.fft import irfft2, next_fast_len, rfft2
 
         steps = steps - steps.min(axis=0)
