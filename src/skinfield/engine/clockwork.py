@@ -15,6 +15,7 @@ from skinfield.errors import Floats, Ints
 
 GUESS = 20e-6  # s: of every step, until it is measured
 NS = 1e-9
+KINDS = len(Step)
 
 
 class Done(NamedTuple):
@@ -22,7 +23,8 @@ class Done(NamedTuple):
 
     Attributes
     ----------
-    step : Step
+    step : int
+        Of `Step`; see `kind`.
     group : int
     patch : int
         Row of the patch; -1 for a step of all patches of a kind.
@@ -32,13 +34,18 @@ class Done(NamedTuple):
     predicted : float, s
     """
 
-    step: Step
+    step: int
     group: int
     patch: int
     rung: int
     start: int
     end: int
     predicted: float
+
+    @property
+    def kind(self) -> Step:
+        """What kind of step it was."""
+        return Step(self.step)
 
 
 @dataclass(eq=False)
@@ -69,7 +76,6 @@ class Clockwork:
     unresolved: Floats = field(init=False)
     end: int = field(init=False, default=0)
     log: list[Done] = field(init=False, default_factory=list)
-    is_cut: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         counts = [group.count for group in self.groups]
@@ -91,7 +97,6 @@ class Clockwork:
         """Take the readings of a cycle."""
         state, intake = self.state, self.intake
         self.log.clear()
-        self.is_cut = False
         state.begin()
         intake.take(readings, valid)
         if not intake.all_valid:
@@ -111,15 +116,15 @@ class Clockwork:
         """Time until the end, s."""
         return (self.end - self.clock()) * NS
 
-    def which(self, step: Step, group: int, rung: int) -> int:
+    def which(self, step: int, group: int, rung: int) -> int:
         """Place of a step in the cost model."""
-        return (group * len(Step) + step) * self.rungs + rung
+        return (group * KINDS + step) * self.rungs + rung
 
-    def predict(self, step: Step, group: int, rung: int) -> float:
+    def predict(self, step: int, group: int, rung: int) -> float:
         """Time that a step will hardly exceed, s."""
         return self.model.predict(self.which(step, group, rung))
 
-    def done(self, step: Step, group: int, patch: int, rung: int, start: int) -> float:
+    def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.which(step, group, rung)
         self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
@@ -127,13 +132,12 @@ class Clockwork:
         self.model.observe(which, seconds)
         return seconds
 
-    def searched(self, step: Step, patch: int, rung: int, start: int, to_the_end: bool) -> float:
+    def searched(self, step: int, patch: int, rung: int, start: int, to_the_end: bool) -> float:
         """As `done`, of a search that came to its end or was cut short."""
         group = int(self.state.group[patch])
         end, which = self.clock(), self.which(step, group, rung)
         self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
         seconds = (end - start) * NS
-        self.is_cut |= not to_the_end
         (self.model.observe if to_the_end else self.model.at_least)(which, seconds)
         return seconds
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from skinfield.errors import Floats, check_range
 
+FORGET = 0.998  # of a prediction above its start, per cycle
 LEAST = 1e-7  # s: the clock's own step
 
 
@@ -31,18 +32,21 @@ class CostModel:
     with the quantile :math:`\alpha` and the pace :math:`\eta`: stochastic approximation of a
     quantile (Robbins and Monro 1951), on the logarithm, so that it needs no scale. At rest a
     part :math:`\alpha` of the steps takes less. One step that the system interrupted, however long,
-    moves it no more than any other.
+    moves it no more than any other. What was predicted too high to be done at all would stay so for
+    ever: `relax` lets it come back to where it started, in some hundred cycles.
     """
 
     steps: Floats
     quantile: float = 0.9
     pace: float = 0.1
+    base: Floats = field(init=False)
     _up: float = field(init=False, default=1.0)
     _down: float = field(init=False, default=1.0)
 
     def __post_init__(self) -> None:
         check_range("quantile", self.quantile, 0.5, 0.999, "steps that take less than predicted")
         check_range("pace", self.pace, 1e-4, 1.0, "of the correction in one step")
+        self.base = self.steps.copy()
         self._up = float(np.exp(self.pace * self.quantile))
         self._down = float(np.exp(-self.pace * (1.0 - self.quantile)))
 
@@ -61,7 +65,13 @@ class CostModel:
         if seconds >= self.steps[step]:
             self.observe(step, np.inf)
 
+    def relax(self) -> None:
+        """Let predictions that are above their start come down a little, once a cycle."""
+        steps = self.steps
+        np.minimum(steps, np.maximum(FORGET * steps, self.base), out=steps)
+
     def start(self, step: int, laps: Floats) -> None:
-        """Start from measured laps, s: their quantile, and no less than the median by a tenth."""
+        """Start from measured laps, s: their quantile, at most twice the median."""
         high = float(np.quantile(laps, self.quantile))
         self.steps[step] = max(min(high, 2.0 * float(np.median(laps))), LEAST)
+        self.base[step] = self.steps[step]

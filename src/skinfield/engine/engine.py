@@ -28,6 +28,7 @@ from skinfield.observation import Capacitance, Quantity, check_skin
 from skinfield.pipeline.ladder_rungs import prepare_rungs
 
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
+MOST_KEPT = 0.1  # of the budget, for each of these
 KEPT = 4096  # grids of patches that were asked for
 
 
@@ -139,7 +140,7 @@ class Engine:
         start = work.clock()
         budget = self.budget if budget is None else self._checked(budget)
         around = self._around
-        reserve = around.predict(RETURN) + around.predict(BEYOND)
+        reserve = sum(min(around.predict(k), MOST_KEPT * budget) for k in (RETURN, BEYOND))
         work.end = start + int((budget - reserve) / NS)
         work.begin(readings, valid)
         if work.linear:
@@ -156,8 +157,9 @@ class Engine:
         snapshot = Snapshot.of(work, left, self.rungs)
         end = work.clock()
         around.observe(RETURN, (end - before) * NS)
-        if work.is_cut:
-            around.observe(BEYOND, max(-left, 0.0))
+        around.observe(BEYOND, max(-left, 0.0))
+        around.relax()
+        work.model.relax()
         spent = (end - start) * NS
         report = CycleReport(
             budget=budget,

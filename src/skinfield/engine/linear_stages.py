@@ -4,7 +4,7 @@ import numpy as np
 
 from skinfield.engine.clockwork import Clockwork
 from skinfield.engine.group import Group
-from skinfield.engine.state import Answer, Step
+from skinfield.engine.state import LINEAR, PRODUCT, ROW
 from skinfield.errors import Ints
 
 ACTIVE = 4.0  # deviations of an idle patch's energy above which something is taken to touch it
@@ -21,7 +21,7 @@ def fill_missing(work: Clockwork, group: Group, places: Ints) -> None:
 
 def finest_for_all(work: Clockwork) -> int:
     """Finest rung whose linear answers of all patches will fit in the time that is left."""
-    total = work.costs[:, Step.PRODUCT].sum(axis=0)
+    total = work.costs[:, PRODUCT].sum(axis=0)
     fitting = np.flatnonzero(total <= work.left)
     return int(fitting[-1]) if len(fitting) else 0
 
@@ -37,9 +37,9 @@ def answer_linearly(work: Clockwork) -> None:
             fill_missing(work, group, invalid[present])
             start = work.clock()  # how long a product takes is learnt without
         group.answer_all(rung, work.white[group.index])
-        work.done(Step.PRODUCT, group.index, -1, rung, start)
+        work.done(PRODUCT, group.index, -1, rung, start)
     present = work.intake.present
-    state.answer[present] = Answer.LINEAR
+    state.answer[present] = LINEAR
     state.rung[present] = state.at[present] = rung
     state.gap[present] = 0.0
     state.settled[present] = True
@@ -54,7 +54,7 @@ def touched(work: Clockwork) -> Ints:
         state.energy[group.rows] *= 0.5
     taxels = np.asarray(work.intake.sizes)
     idle = 0.5 * taxels + ACTIVE * np.sqrt(0.5 * taxels)  # half of chi², with its variance 2 L
-    return np.flatnonzero((state.answer == Answer.LINEAR) & (state.energy > idle))
+    return np.flatnonzero((state.answer == LINEAR) & (state.energy > idle))
 
 
 def refine_linearly(work: Clockwork) -> Ints:
@@ -63,17 +63,17 @@ def refine_linearly(work: Clockwork) -> Ints:
     if not (state.at[work.intake.present] < top).any():
         return np.flatnonzero(state.was_hot[:0])
     hot = touched(work)
-    state.kind[:] = Step.ROW
+    state.kind[:] = ROW
     state.excess[:] = state.energy * work.unresolved[state.group, np.maximum(state.at, 0)]
     chosen, target = work.plan(hot, work.left)
     for patch in chosen.tolist():
         rung, group = int(target[patch]), work.groups[state.group[patch]]
-        cost = work.predict(Step.ROW, group.index, rung)
+        cost = work.predict(ROW, group.index, rung)
         if cost > work.left:
             continue
         start = work.clock()
         group.answer_one(rung, patch - group.first, work.white[group.index])
-        state.spent[patch] += work.done(Step.ROW, group.index, patch, rung, start)
+        state.spent[patch] += work.done(ROW, group.index, patch, rung, start)
         state.predicted[patch] += cost
         state.rung[patch] = state.at[patch] = rung
     return hot

@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.engine.clockwork import NS, Clockwork
 from skinfield.engine.group import Group
-from skinfield.engine.state import Step
+from skinfield.engine.state import COLD, PRODUCT, ROW, TEST, WARM
 from skinfield.errors import Floats
 
 LAPS = 9  # of each step; the first one, which loads what is compiled, does not count
@@ -21,10 +21,10 @@ def measure(work: Clockwork) -> None:
     for group in work.groups:
         white = np.zeros((group.count, len(group.kind.noise_std)), np.float32)
         for rung in range(work.rungs):
-            _lap(work, group, Step.PRODUCT, rung, partial(group.answer_all, rung, white))
-            _lap(work, group, Step.ROW, rung, partial(group.answer_one, rung, 0, white))
+            _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
+            _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
             if group.tests:
-                _lap(work, group, Step.TEST, rung, partial(group.test_all, rung, white))
+                _lap(work, group, TEST, rung, partial(group.test_all, rung, white))
                 _searches(work, group, rung, rng)
 
 
@@ -41,9 +41,7 @@ def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
     return readings
 
 
-def _lap(
-    work: Clockwork, group: Group, step: Step, rung: int, action: Callable[[], object]
-) -> None:
+def _lap(work: Clockwork, group: Group, step: int, rung: int, action: Callable[[], object]) -> None:
     laps = []
     for _ in range(LAPS + 1):
         start = work.clock()
@@ -67,8 +65,8 @@ def _searches(work: Clockwork, group: Group, rung: int, rng: np.random.Generator
             laps.append((work.clock() - start) * NS)
     search.reset()
     out[:] = 0.0
-    work.model.start(work.which(Step.COLD, group.index, rung), np.array(cold[1:]))
-    work.model.start(work.which(Step.WARM, group.index, rung), np.array(warm[1:]))
+    work.model.start(work.which(COLD, group.index, rung), np.array(cold[1:]))
+    work.model.start(work.which(WARM, group.index, rung), np.array(warm[1:]))
 
 
 def rehearsed(group: Group, rung: int, rng: np.random.Generator) -> Floats:

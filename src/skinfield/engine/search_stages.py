@@ -4,7 +4,7 @@ import numpy as np
 
 from skinfield.engine.clockwork import NS, Clockwork
 from skinfield.engine.linear_stages import fill_missing
-from skinfield.engine.state import Answer, Step
+from skinfield.engine.state import FEASIBLE, IDLE, LINEAR, PRODUCT, ROW, TEST, WARM
 from skinfield.errors import Ints
 
 ROUNDS = 6  # of planning in a cycle, at most
@@ -19,12 +19,12 @@ def test_all(work: Clockwork, rung: int) -> None:
         start, rows = work.clock(), group.rows
         idle = group.test_all(rung, work.white[group.index])
         answer = state.answer[rows]
-        open_still = work.intake.present[rows] & (answer <= Answer.IDLE)
-        answer[open_still & idle] = Answer.IDLE
+        open_still = work.intake.present[rows] & (answer <= IDLE)
+        answer[open_still & idle] = IDLE
         state.rung[rows][open_still & idle] = rung
         state.gap[rows][open_still & idle] = 0.0
-        answer[open_still & ~idle] = Answer.LINEAR
-        work.done(Step.TEST, group.index, -1, rung, start)
+        answer[open_still & ~idle] = LINEAR
+        work.done(TEST, group.index, -1, rung, start)
 
 
 def start_linearly(work: Clockwork, fresh: Ints) -> None:
@@ -45,17 +45,17 @@ def start_linearly(work: Clockwork, fresh: Ints) -> None:
             for place in places.tolist():
                 group.answer_one(0, place, white)
                 np.maximum(field[place], 0.0, out=field[place])
-            work.done(Step.ROW, group.index, -1, 0, start)
+            work.done(ROW, group.index, -1, 0, start)
         else:
             group.answer_all(0, white)
             np.maximum(field, 0.0, out=field)
-            work.done(Step.PRODUCT, group.index, -1, 0, start)
+            work.done(PRODUCT, group.index, -1, 0, start)
     state.rung[fresh] = 0
 
 
 def with_contact(work: Clockwork) -> Ints:
     """Patches that are not idle."""
-    return np.flatnonzero(work.state.answer >= Answer.LINEAR)
+    return np.flatnonzero(work.state.answer >= LINEAR)
 
 
 def begin_search(work: Clockwork) -> None:
@@ -100,7 +100,7 @@ def can_go_on(work: Clockwork, hot: Ints) -> bool:
 
 def finest_proof(work: Clockwork, proven: int) -> int:
     """Finest rung on which there is time to prove idleness; `proven` if there is none."""
-    left, total = work.left, work.costs[:, Step.TEST].sum(axis=0)
+    left, total = work.left, work.costs[:, TEST].sum(axis=0)
     for rung in range(work.rungs - 1, proven, -1):
         if total[rung] <= left:
             return rung
@@ -150,11 +150,11 @@ def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float
     missing = 0.0 if settled else objective * gap
     excess = float(state.energy[patch] * work.unresolved[group.index, rung]) + missing
     if state.at[patch] < 0 or excess <= state.excess[patch]:
-        state.answer[patch] = Answer.FEASIBLE
+        state.answer[patch] = FEASIBLE
         state.rung[patch] = state.at[patch] = rung
         state.gap[patch], state.excess[patch] = gap, excess
         state.settled[patch] = settled
     state.iterations[patch] += operator.iterations
     state.predicted[patch] += cost
-    state.spent[patch] += work.searched(Step(state.kind[patch]), patch, rung, start, settled)
-    state.kind[patch] = Step.WARM
+    state.spent[patch] += work.searched(int(state.kind[patch]), patch, rung, start, settled)
+    state.kind[patch] = WARM

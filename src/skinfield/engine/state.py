@@ -28,6 +28,11 @@ class Step(IntEnum):
     WARM = 4  # search of a patch that had
 
 
+# as plain numbers: the members of an enumeration are slow to look up
+MISSING, IDLE, LINEAR, FEASIBLE = (int(each) for each in Answer)
+PRODUCT, TEST, ROW, COLD, WARM = (int(each) for each in Step)
+
+
 @dataclass(eq=False)
 class State:
     """Arrays (P,) over all patches, those of one kind side by side.
@@ -79,17 +84,17 @@ class State:
 
     def begin(self) -> None:
         """Forget the answers of the cycle before."""
-        self.answer[:] = Answer.MISSING
+        self.answer[:] = MISSING
         self.rung[:] = self.at[:] = -1
         self.gap[:] = np.nan
         for array in (self.excess, self.energy, self.iterations, self.spent, self.predicted):
             array[:] = 0
         self.settled[:] = False
-        np.copyto(self.kind, np.where(self.was_hot, Step.WARM, Step.COLD))
+        np.copyto(self.kind, np.where(self.was_hot, WARM, COLD))
 
     def finish(self, hot: Ints) -> None:
         """Remember which patches had a contact, and which of them were served."""
-        served = self.answer[hot] == Answer.FEASIBLE
+        served = self.answer[hot] == FEASIBLE
         waited = np.where(served, 0, self.age[hot] + 1)
         self.age[:] = 0
         self.age[hot] = waited
