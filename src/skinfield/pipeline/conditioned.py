@@ -5,30 +5,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.conditioning import (
-    Baseline,
-    Calibration,
-    Convention,
-    CySkinCount,
-    Filter,
-    ICubByte,
-    NoFilter,
-    estimate_baseline,
-    filtered,
-    find_faults,
-    strain_from_relative_capacitance,
-    valid_from_counts,
-)
+from skinfield.conditioning import Calibration, Convention, Filter, NoFilter, filtered
 from skinfield.errors import Floats, InputError, check_positive
 from skinfield.layout import Patch
 from skinfield.mechanics import Layer
-from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.observation import Quantity
+from skinfield.pipeline.survey import CYSKIN_GAIN as CYSKIN_GAIN
+from skinfield.pipeline.survey import ICUB_GAIN as ICUB_GAIN
+from skinfield.pipeline.survey import survey
 from skinfield.reading import Recording
-
-ICUB_GAIN = -171.0  # bytes per unit of ΔC/C₀: 16 pF over 65536 counts, shift 2, a pad of 0.17 pF
-CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
-FEWEST = 16  # readings that tell a noise
-UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,116 +96,21 @@ def condition(
     InputError
         If recording and quantity do not go together, or there is too little to tell the noise.
     """
-    if recording.unit != "count":
-        expected = UNIT_OF[recording.unit]
-        if not isinstance(quantity, expected):
-            raise InputError(
-                f"{recording.source} is in {recording.unit!r}, expected a quantity of "
-                f"{expected.__name__}(), got {type(quantity).__name__}(): a reading means what "
-                "its file says"
-            )
-        change, (noise, _, notes) = recording.counts, _noise(recording, None)
-        if how.board is not None or how.gain is not None or how.calibration is not None:
-            notes += (f"in {recording.unit} already: board, gain and calibration are not used",)
-    else:
-        change, noise, notes = _change_from_counts(recording, patch, how)
-        change, noise = _in_quantity(change, noise, layer, quantity)
-    impossible = change <= quantity.lowest
-    if impossible.any():
-        change = np.where(impossible, np.nan, change)
-        notes += (
-            f"{int(impossible.sum())} values are {quantity.lowest:g} or less, which no skin reads: "
-            "invalid; check gain and baseline",
-        )
-    if how.noise_std is not None:
-        noise = np.full(len(patch), how.noise_std)
-    rate = recording.rate if np.isfinite(recording.rate) else 50.0
+    found = survey(lambda: iter([recording]), patch, layer, quantity, how)
+    values, impossible = found.conditioner.counted(recording.counts)
     if not isinstance(how.filter, NoFilter):
-        change = filtered(how.filter, change, rate)
-        noise = noise * how.filter.noise_factor(rate)
-        notes += (f"filtered, {how.filter.delay(rate) * 1e3:.0f} ms behind",)
-    measured = noise[np.isfinite(noise) & (noise > 0)]
-    typical = float(np.median(measured)) if len(measured) else quantity.typical_noise
-    if len(recording) >= FEWEST and not len(measured):
-        notes += (f"the readings hold no noise: a typical one, {typical:g}, is taken",)
-    noise = np.where(np.isfinite(noise) & (noise > 0.2 * typical), noise, typical)
-    return Conditioned(change, noise, recording, recording.notes + notes)
+        values = filtered(how.filter, values, found.rate)
+    notes = (*recording.notes, *found.notes, *impossible_note(impossible, quantity))
+    return Conditioned(values, found.noise_std, recording, notes)
 
 
-def _change_from_counts(
-    recording: Recording, patch: Patch, how: Conditioning
-) -> tuple[Floats, Floats, tuple[str, ...]]:
-    board, notes = (how.board, ()) if how.board is not None else _board_of(recording.counts)
-    faults = find_faults(recording.counts, board, calibration=how.calibration)
-    notes += faults.sentences
-    calibration = how.calibration
-    if calibration is None:
-        gain = how.gain
-        if gain is None:
-            gain = ICUB_GAIN if isinstance(board, ICubByte) else CYSKIN_GAIN
-            notes += (
-                f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
-                "scales with it; loads that are known give the true one",
-            )
-        noise, baseline, said = _noise(recording, board)
-        notes += said
-        if baseline is not None and baseline.quiet and not isinstance(board, CySkinCount):
-            calibration = Calibration.from_baseline(patch, baseline, gain=gain, alive=faults.usable)
-        else:
-            step = np.maximum(np.nan_to_num(noise), 12**-0.5)  # at least a count's own
-            calibration = Calibration.from_convention(
-                patch, board, gain=gain, noise_std=step, alive=faults.usable
-            )
-    else:
-        calibration = calibration.without(~faults.usable)
-    change = calibration.relative_capacitance_from_counts(recording.counts)
-    valid = valid_from_counts(recording.counts, board, alive=calibration.alive)
-    return np.where(valid, change, np.nan), calibration.quantity_std(), notes
-
-
-def _noise(
-    recording: Recording, board: Convention | None
-) -> tuple[Floats, Baseline | None, tuple[str, ...]]:
-    """Noise of one reading (L,), NaN where it cannot be told; the baseline it belongs to; notes."""
-    if len(recording) < FEWEST:
-        note = (
-            f"{len(recording)} readings are too few to measure their noise: a typical one is taken"
-        )
-        return np.full(recording.counts.shape[1], np.nan), None, (note,)
-    rate = recording.rate if np.isfinite(recording.rate) else 50.0
-    baseline = estimate_baseline(recording.counts, rate, convention=board, source=recording.source)
-    return baseline.noise_std, baseline, baseline.notes
-
-
-def _board_of(counts: Floats) -> tuple[Convention, tuple[str, ...]]:
-    """Guess the board by the range of its counts, and say so."""
-    lowest, highest = float(np.nanmin(counts)), float(np.nanmax(counts))
-    if lowest >= 0 and highest <= 255:
-        said = f"counts from {lowest:g} to {highest:g}: taken as iCub bytes that rest at 240"
-        return ICubByte(), (said,)
-    if lowest >= 0 and highest <= 65535:
-        said = f"counts from {lowest:g} to {highest:g}: taken as CySkin counts that rest at 0"
-        return CySkinCount(), (said,)
-    raise InputError(
-        f"counts range from {lowest:g} to {highest:g}, expected 0 to 255 (iCub) or 0 to 65535 "
-        "(CySkin): say which board sent them (--board), or give a calibration (--calibration)"
-    )
-
-
-def _in_quantity(
-    change: Floats, noise: Floats, layer: Layer, quantity: Quantity
-) -> tuple[Floats, Floats]:
-    """ΔC/C₀ as the quantity, each taxel by itself."""
-    if isinstance(quantity, Capacitance):
-        return change, noise
-    strain = strain_from_relative_capacitance(change)
-    if isinstance(quantity, Gap):
-        return strain, noise
-    if isinstance(quantity, BaseStress):
-        return strain * layer.young_modulus, noise * layer.young_modulus
-    raise InputError(
-        f"quantity is {type(quantity).__name__}, expected Capacitance(), Gap() or BaseStress(): "
-        "give a recording in the quantity's own unit"
+def impossible_note(count: int, quantity: Quantity) -> tuple[str, ...]:
+    """A sentence on values that no skin reads, if there are some."""
+    if not count:
+        return ()
+    return (
+        f"{count} values are {quantity.lowest:g} or less, which no skin reads: "
+        "invalid; check gain and baseline",
     )
 
 

@@ -1,0 +1,205 @@
+"""What a recording as a whole says of its taxels: whose counts, which faults, how much noise."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from skinfield.conditioning import (
+    Baseline,
+    Calibration,
+    Convention,
+    CySkinCount,
+    Faults,
+    ICubByte,
+    NoFilter,
+    estimate_baseline,
+    find_faults,
+)
+from skinfield.conditioning.long_faults import merged_faults
+from skinfield.errors import Floats, InputError
+from skinfield.layout import Patch
+from skinfield.mechanics import Layer
+from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.pipeline.conditioner import Conditioner
+from skinfield.reading import Recording
+
+if TYPE_CHECKING:
+    from skinfield.pipeline.conditioned import Conditioning
+
+Blocks = Callable[[], Iterator[Recording]]  # anew at each call
+ICUB_GAIN = -171.0  # bytes per unit of ΔC/C₀: 16 pF over 65536 counts, shift 2, a pad of 0.17 pF
+CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
+FEWEST = 16  # readings that tell a noise
+UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """What is known of a recording before any of its readings is conditioned.
+
+    Attributes
+    ----------
+    conditioner : Conditioner
+    noise_std : (L,) array
+        Of one reading in the quantity's unit, after the filter.
+    rate : float, 1/s
+    notes : tuple of str
+    """
+
+    conditioner: Conditioner
+    noise_std: Floats
+    rate: float
+    notes: tuple[str, ...]
+
+
+def survey(
+    blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: "Conditioning"
+) -> Survey:
+    """Look at all readings, block by block.
+
+    What needs many readings at once (the quietest stretch, faults) is found in each block and put
+    together; a recording of one block is looked at as a whole.
+
+    Parameters
+    ----------
+    blocks : callable
+        Each call gives an iterator over the blocks of the recording, in the order of the taxels.
+    patch, layer, quantity, how
+        See `condition`.
+
+    Raises
+    ------
+    InputError
+        If recording and quantity do not go together.
+    """
+    first = next(blocks())
+    rates = [block.rate for block in blocks() if np.isfinite(block.rate)]
+    rate = float(np.median(rates)) if rates else 50.0
+    readings = sum(map(len, blocks()))
+    if first.unit != "count":
+        _check_unit(first, quantity)
+        conditioner, (noise, _, notes) = Conditioner(quantity, layer), _noise(blocks, None, rate)
+        if how.board is not None or how.gain is not None or how.calibration is not None:
+            notes += (f"in {first.unit} already: board, gain and calibration are not used",)
+    else:
+        conditioner, noise, notes = _of_counts(blocks, patch, layer, quantity, how, rate)
+    if how.noise_std is not None:
+        noise = np.full(len(patch), how.noise_std)
+    if not isinstance(how.filter, NoFilter):
+        noise = noise * how.filter.noise_factor(rate)
+        notes += (f"filtered, {how.filter.delay(rate) * 1e3:.0f} ms behind",)
+    measured = noise[np.isfinite(noise) & (noise > 0)]
+    typical = float(np.median(measured)) if len(measured) else quantity.typical_noise
+    if readings >= FEWEST and not len(measured):
+        notes += (f"the readings hold no noise: a typical one, {typical:g}, is taken",)
+    noise = np.where(np.isfinite(noise) & (noise > 0.2 * typical), noise, typical)
+    return Survey(conditioner, noise, rate, notes)
+
+
+def _check_unit(recording: Recording, quantity: Quantity) -> None:
+    expected = UNIT_OF[recording.unit]
+    if not isinstance(quantity, expected):
+        raise InputError(
+            f"{recording.source} is in {recording.unit!r}, expected a quantity of "
+            f"{expected.__name__}(), got {type(quantity).__name__}(): a reading means what "
+            "its file says"
+        )
+
+
+def _of_counts(
+    blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: "Conditioning", rate: float
+) -> tuple[Conditioner, Floats, tuple[str, ...]]:
+    board, notes = (how.board, ()) if how.board is not None else _board_of(blocks)
+    faults = _faults(blocks, board, how.calibration)
+    notes += faults.sentences
+    calibration = how.calibration
+    if calibration is None:
+        gain = how.gain
+        if gain is None:
+            gain = ICUB_GAIN if isinstance(board, ICubByte) else CYSKIN_GAIN
+            notes += (
+                f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
+                "scales with it; loads that are known give the true one",
+            )
+        noise, baseline, said = _noise(blocks, board, rate)
+        notes += said
+        if baseline is not None and baseline.quiet and not isinstance(board, CySkinCount):
+            calibration = Calibration.from_baseline(patch, baseline, gain=gain, alive=faults.usable)
+        else:
+            step = np.maximum(np.nan_to_num(noise), 12**-0.5)  # at least a count's own
+            calibration = Calibration.from_convention(
+                patch, board, gain=gain, noise_std=step, alive=faults.usable
+            )
+    else:
+        calibration = calibration.without(~faults.usable)
+    conditioner = Conditioner(quantity, layer, calibration, board)
+    return conditioner, conditioner.noise_in_quantity(calibration.quantity_std()), notes
+
+
+def _faults(blocks: Blocks, board: Convention, calibration: Calibration | None) -> Faults:
+    """Of every block with a number in it, put together."""
+    found: list[Faults] = []
+    lengths: list[int] = []
+    for block in blocks():
+        if len(block) < FEWEST and found:  # the rest of a long recording tells nothing
+            continue
+        if np.isnan(block.counts).all() and (found or len(block) < FEWEST):
+            continue
+        found.append(find_faults(block.counts, board, calibration=calibration))
+        lengths.append(len(block))
+    if not found:  # whatever there is, or a word on what there is not
+        return find_faults(next(blocks()).counts, board, calibration=calibration)
+    return merged_faults(found, lengths)
+
+
+def _noise(
+    blocks: Blocks, board: Convention | None, rate: float
+) -> tuple[Floats, Baseline | None, tuple[str, ...]]:
+    """Noise of one reading (L,), NaN where it cannot be told; the baseline it belongs to; notes."""
+    best: tuple[Baseline, int] | None = None
+    before, first = 0, next(blocks())
+    for block in blocks():
+        enough = len(block) >= FEWEST and not (before and np.isnan(block.counts).all())
+        if enough:
+            on = f", {before} readings on" if before else ""
+            found = estimate_baseline(
+                block.counts, rate, convention=board, source=block.source + on
+            )
+            if best is None or _rank(found, board) < _rank(best[0], board):
+                best = found, before
+        before += len(block)
+    if best is None:
+        note = f"{before} readings are too few to measure their noise: a typical one is taken"
+        return np.full(first.counts.shape[1], np.nan), None, (note,)
+    baseline, start = best
+    notes = baseline.notes
+    if start:
+        notes = tuple(f"from reading {start} on: {note}" for note in notes)
+    return baseline.noise_std, baseline, notes
+
+
+def _rank(baseline: Baseline, board: Convention | None) -> tuple[bool, float, float]:
+    """By which the best of many stretches is chosen: still, then least loaded, then stillest."""
+    stretch = baseline.stretch
+    if stretch.still and board is not None:
+        load = board.direction * float(np.nanmean(baseline.baseline))
+        return False, load, stretch.ratio
+    return not stretch.still, float(stretch.moving.sum()), stretch.ratio
+
+
+def _board_of(blocks: Blocks) -> tuple[Convention, tuple[str, ...]]:
+    """Guess the board by the range of its counts, and say so."""
+    lowest = min(float(np.nanmin(b.counts, initial=np.inf)) for b in blocks())
+    highest = max(float(np.nanmax(b.counts, initial=-np.inf)) for b in blocks())
+    if lowest >= 0 and highest <= 255:
+        said = f"counts from {lowest:g} to {highest:g}: taken as iCub bytes that rest at 240"
+        return ICubByte(), (said,)
+    if lowest >= 0 and highest <= 65535:
+        said = f"counts from {lowest:g} to {highest:g}: taken as CySkin counts that rest at 0"
+        return CySkinCount(), (said,)
+    raise InputError(
+        f"counts range from {lowest:g} to {highest:g}, expected 0 to 255 (iCub) or 0 to 65535 "
+        "(CySkin): say which board sent them (--board), or give a calibration (--calibration)"
+    )
