@@ -11,7 +11,7 @@ from skinfield.experiments.bench.run import Bench
 from skinfield.figures.bench import Curve, View, draw_bench
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from skinfield.figures.png import Figure
 
 THE_PAPER = "the paper's algorithm, each reading"
 LINEAR, FIELD_SOLVER, FIT = "linear, prepared once", "NonNegative", "ContactFit"
