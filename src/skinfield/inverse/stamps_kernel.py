@@ -28,7 +28,7 @@ INDEX = types.intp
 FAST = ("contract", "nsz", "reassoc")  # sums in any order; NaN stays NaN
 SIDE = 4  # cells
 LANES = SIDE * SIDE
-TOGETHER = 4  # patches for which a block is loaded once
+TOGETHER = 6  # patches for which a block is loaded once
 
 
 def _data(context: Any, builder: Any, signature: Any, arguments: Any, count: int) -> list[Any]:

