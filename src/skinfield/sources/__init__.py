@@ -2,3 +2,4 @@
 
 from skinfield.sources.recordings import open_recording as open_recording
 from skinfield.sources.recordings import readings_for as readings_for
+from skinfield.sources.recordings import stream_recording as stream_recording

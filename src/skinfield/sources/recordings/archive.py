@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
 from skinfield.reading import UNITS, Recording
-from skinfield.sources.recordings.gather import chosen, missing_notes
+from skinfield.sources.recordings.columns import chosen
 from skinfield.sources.recordings.head import Head
 from skinfield.sources.recordings.lines import Progress
 from skinfield.sources.recordings.stamp import order_notes
+from skinfield.sources.recordings.stream import Missing
 
 KEYS = ("stamp_ns", "time_s", "counts", "uid", "unit", "source")
 LAYOUT = "keys counts (T, C) and stamp_ns (T,) or time_s (T,), if needed uid (C,) and unit"
@@ -43,7 +44,9 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
     keep = chosen(columns, counts.shape[1], head.path)
     uid = _uids(head, found, counts.shape[1])
     counts, rows = counts[:, keep], np.arange(len(counts))
-    notes = missing_notes(head.path, counts, rows) + order_notes(stamps, head.path.name, rows)
+    missing = Missing()
+    missing.mend(counts, rows)
+    notes = missing.notes(head.path) + order_notes(stamps, head.path.name, rows)
     unit = str(found["unit"]) if "unit" in found else "count"
     if unit not in UNITS:
         raise FileError(

@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.reading import Recording
+from skinfield.sources.recordings.columns import chosen
 from skinfield.sources.recordings.cyskin_text import repeats, uids_from_text
-from skinfield.sources.recordings.gather import Check, chosen, gather, recording_from
 from skinfield.sources.recordings.head import (
     Head,
     is_whole,
     usual_decimals,
     usual_width,
 )
-from skinfield.sources.recordings.lines import Block, Grammar, Progress, Tally
+from skinfield.sources.recordings.lines import Block, Grammar, Tally
+from skinfield.sources.recordings.stream import Check, Contents
 
 
 def matches(head: Head) -> bool:
@@ -30,8 +30,8 @@ def matches(head: Head) -> bool:
     return len(tokens) == 2 and all(len(t) == 1 and is_whole(t[0]) for t in tokens)
 
 
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
-    """Read a recording whose head `matches`."""
+def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
+    """What a recording holds whose head `matches`."""
     lines = head.numbered()
     skip, taxels = lines[1]
     rows = head.rows(skip, None)
@@ -52,8 +52,10 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
         skip=skip,
     )
     keep = chosen(columns, count, head.path)
-    gathered = gather(head.path, grammar, 4 + 2 * keep, progress, _ordered_like(uid))
-    return recording_from(gathered, uid=uid[keep], notes=repeats(uid), clock_is_stated=False)
+    return Contents(
+        path=head.path, grammar=grammar, keep=4 + 2 * keep, check=_ordered_like(uid),
+        uid=uid[keep], source=str(head.path), notes=repeats(uid), clock_is_stated=False,
+    )  # fmt: skip
 
 
 def _ordered_like(uid: NDArray[np.uint64]) -> Check:

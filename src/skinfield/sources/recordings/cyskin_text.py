@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError
-from skinfield.reading import Recording
-from skinfield.sources.recordings.gather import chosen, gather, recording_from
+from skinfield.sources.recordings.columns import chosen
 from skinfield.sources.recordings.head import (
     Head,
     is_number,
@@ -20,7 +19,8 @@ from skinfield.sources.recordings.head import (
     usual_decimals,
     usual_width,
 )
-from skinfield.sources.recordings.lines import Grammar, Progress
+from skinfield.sources.recordings.lines import Grammar
+from skinfield.sources.recordings.stream import Contents
 
 
 def matches(head: Head) -> bool:
@@ -38,8 +38,8 @@ def matches(head: Head) -> bool:
     return is_cut or usual_width(rows) == len(first) + 2
 
 
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
-    """Read a recording whose head `matches`."""
+def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
+    """What a recording holds whose head `matches`."""
     line, text = head.numbered()[0]
     uid = uids_from_text(head, line, text.split())
     width = len(uid) + 2
@@ -51,8 +51,10 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
         skip=line,
     )
     keep = chosen(columns, len(uid), head.path)
-    gathered = gather(head.path, grammar, 2 + keep, progress)
-    return recording_from(gathered, uid=uid[keep], notes=repeats(uid), clock_is_stated=False)
+    return Contents(
+        path=head.path, grammar=grammar, keep=2 + keep, uid=uid[keep], source=str(head.path),
+        notes=repeats(uid), clock_is_stated=False,
+    )  # fmt: skip
 
 
 def uids_from_text(head: Head, line: int, tokens: list[str]) -> NDArray[np.uint64]:

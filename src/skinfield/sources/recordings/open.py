@@ -11,6 +11,7 @@ from skinfield.sources.recordings import archive, cyskin_recorder, cyskin_text, 
 from skinfield.sources.recordings.head import Head, read_head
 from skinfield.sources.recordings.lines import Progress
 from skinfield.sources.recordings.mistaken import is_binary, verdict
+from skinfield.sources.recordings.stream import Contents, RecordingStream, collected
 
 
 class Format(Protocol):
@@ -20,10 +21,8 @@ class Format(Protocol):
         """Whether the file is of this format."""
         ...
 
-    def read(
-        self, head: Head, columns: Sequence[int | str] | None, progress: Progress | None, /
-    ) -> Recording:
-        """Read it."""
+    def contents(self, head: Head, columns: Sequence[int | str] | None, /) -> Contents:
+        """What its lines hold."""
         ...
 
 
@@ -65,10 +64,34 @@ def open_recording(
     head = read_head(_file(Path(path)))
     if archive.matches(head):
         return archive.read(head, columns, progress)
+    return collected(RecordingStream(_contents(head, columns), progress))
+
+
+def stream_recording(
+    path: str | Path,
+    *,
+    columns: Sequence[int | str] | None = None,
+    progress: Progress | None = None,
+) -> RecordingStream | Recording:
+    """Open a recording that may be too long for memory; see `open_recording`.
+
+    Returns
+    -------
+    RecordingStream or Recording
+        A stream of text of any kind, whose `blocks` are read one by one. An NPZ file is read as a
+        whole: it is compressed as such.
+    """
+    head = read_head(_file(Path(path)))
+    if archive.matches(head):
+        return archive.read(head, columns, progress)
+    return RecordingStream(_contents(head, columns), progress)
+
+
+def _contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
     if not is_binary(head):
         for fmt in FORMATS:
             if fmt.matches(head):
-                return fmt.read(head, columns, progress)
+                return fmt.contents(head, columns)
     raise FileError(verdict(head))
 
 

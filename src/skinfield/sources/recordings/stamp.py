@@ -1,9 +1,13 @@
 """Times as they are written, to whole nanoseconds."""
 
+from collections import Counter
+from dataclasses import dataclass, field
+
 import numpy as np
 from numpy.typing import NDArray
 
 LIMIT = 2**63 - 1
+SECOND = 10**9  # ns
 
 
 def ns_from_text(token: str, scale: int) -> int:
@@ -30,23 +34,71 @@ def ns_from_text(token: str, scale: int) -> int:
     return stamp
 
 
-def milliseconds_if_whole(stamp_ns: NDArray[np.int64]) -> NDArray[np.int64] | None:
-    """The same stamps a thousand times closer, if they are whole seconds that step by 5 or more.
+@dataclass
+class WholeSeconds:
+    """Whether stamps look like whole milliseconds that were taken for seconds.
 
     Recorders that write a time in whole milliseconds do not say so; no skin is read that slowly.
     """
-    steps = np.diff(stamp_ns)
-    if len(steps) and not (stamp_ns % 10**9).any() and np.median(steps) >= 5 * 10**9:
-        return stamp_ns // 1000
-    return None
+
+    possible: bool = True
+    steps: Counter[int] = field(default_factory=Counter)
+    last: int | None = None
+
+    def add(self, stamp_ns: NDArray[np.int64]) -> None:
+        """Look at some more stamps."""
+        if not self.possible or (stamp_ns % SECOND).any():
+            self.possible = False
+            self.steps.clear()
+            return
+        known = stamp_ns if self.last is None else np.concatenate([[self.last], stamp_ns])
+        self.steps.update(np.diff(known).tolist())
+        self.last = int(stamp_ns[-1])
+
+    @property
+    def are_milliseconds(self) -> bool:
+        """Whether all stamps are whole seconds that mostly step by 5 or more."""
+        count, below = self.steps.total(), 0
+        if not self.possible or not count:
+            return False
+        below = sum(times for step, times in self.steps.items() if step < 5 * SECOND)
+        return 2 * below < count
+
+
+@dataclass
+class Order:
+    """Stamps that repeat or run backwards."""
+
+    repeats: int = 0
+    backwards: int = 0
+    first: dict[str, int] = field(default_factory=dict)
+    last: int | None = None
+
+    def add(self, stamp_ns: NDArray[np.int64], line: NDArray[np.int64]) -> None:
+        """Look at some more stamps."""
+        before = stamp_ns[:1] if self.last is None else np.array([self.last])
+        steps = np.diff(stamp_ns, prepend=before)
+        if self.last is None:
+            steps[0] = 1  # the first has none before it
+        for wrong, kind in ((steps == 0, "repeats"), (steps < 0, "backwards")):
+            if wrong.any():
+                setattr(self, kind, getattr(self, kind) + int(wrong.sum()))
+                self.first.setdefault(kind, int(line[int(np.argmax(wrong))]))
+        self.last = int(stamp_ns[-1])
+
+    def notes(self, name: str) -> tuple[str, ...]:
+        """Sentences, with file and line of the first."""
+        said = (("repeats", "repeat the one before"), ("backwards", "run backwards"))
+        return tuple(
+            f"{getattr(self, kind)} stamps {what}, first at {name}:{self.first[kind]}: kept"
+            for kind, what in said
+            if getattr(self, kind)
+        )
 
 
 def order_notes(stamp_ns: NDArray[np.int64], name: str, line: NDArray[np.int64]) -> tuple[str, ...]:
     """Sentences on stamps that repeat or run backwards, with file and line of the first."""
-    notes = []
-    steps = np.diff(stamp_ns)
-    for wrong, what in ((steps == 0, "repeat the one before"), (steps < 0, "run backwards")):
-        if wrong.any():
-            first = line[int(np.argmax(wrong)) + 1]
-            notes.append(f"{int(wrong.sum())} stamps {what}, first at {name}:{first}: kept")
-    return tuple(notes)
+    order = Order()
+    if len(stamp_ns):
+        order.add(stamp_ns, line)
+    return order.notes(name)

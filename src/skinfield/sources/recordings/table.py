@@ -14,16 +14,16 @@ comment says it.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError
-from skinfield.reading import UNITS, Recording
-from skinfield.sources.recordings.gather import gather, recording_from
+from skinfield.reading import UNITS
 from skinfield.sources.recordings.head import Head, is_number, usual_decimals
-from skinfield.sources.recordings.lines import Grammar, Progress
+from skinfield.sources.recordings.lines import Grammar
+from skinfield.sources.recordings.stream import Contents
 
 TIMES = {"time_s": 10**9, "stamp_ns": 1}  # ns in the unit
 IGNORED = {"", "reading", "sample", "index", "seq", "unnamed: 0"}
@@ -57,8 +57,8 @@ def matches(head: Head) -> bool:
     return names_of(head) is not None
 
 
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
-    """Read a table whose head `matches`."""
+def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
+    """What a table holds whose head `matches`."""
     header = names_of(head)
     assert header is not None  # the caller asked `matches`
     time = next(name for name in TIMES if name in header.names)
@@ -75,21 +75,17 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
     unit, source, notes = _comments(head, header.line)
     if _is_wrench([header.names[place] for place in at]):
         unit, notes = "N, N m", ()
-    gathered = gather(head.path, grammar, at, progress)
-    recording = recording_from(gathered, uid=uid, unit=unit, source=source, notes=notes)
-    return recording if channel is None else _spread(recording, channel)
-
-
-def _spread(recording: Recording, channel: NDArray[np.int64]) -> Recording:
-    """The same columns at the places of their channels; others are missing."""
-    width = int(channel.max()) + 1
-    if np.array_equal(channel, np.arange(width)):
-        return recording
-    counts = np.full((len(recording), width), np.nan)
-    counts[:, channel] = recording.counts
-    absent = width - len(channel)
-    note = (f"{absent} of {width} channels have no column: missing",) if absent else ()
-    return replace(recording, counts=counts, notes=recording.notes + note)
+    in_order = channel is None or np.array_equal(channel, np.arange(len(channel)))
+    return Contents(
+        path=head.path,
+        grammar=grammar,
+        keep=at,
+        uid=uid,
+        channel=None if in_order else channel,
+        unit=unit,
+        source=source,
+        notes=notes,
+    )
 
 
 def _columns(

@@ -11,8 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from skinfield.errors import FileError
-from skinfield.reading import Recording
-from skinfield.sources.recordings.gather import Gathered, chosen, gather, recording_from
+from skinfield.sources.recordings.columns import chosen
 from skinfield.sources.recordings.head import (
     Head,
     is_number,
@@ -20,7 +19,8 @@ from skinfield.sources.recordings.head import (
     usual_decimals,
     usual_width,
 )
-from skinfield.sources.recordings.lines import Grammar, Progress
+from skinfield.sources.recordings.lines import Grammar
+from skinfield.sources.recordings.stream import Contents
 
 BRACKETS = "()"
 WRENCH = "N, N m"
@@ -34,8 +34,8 @@ def matches(head: Head) -> bool:
     return width >= 3 and 2 * len(good) > len(rows)
 
 
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
-    """Read a log whose head `matches`."""
+def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
+    """What a log holds whose head `matches`."""
     port, kind = _info(head)
     if kind and not kind.startswith(("bottle", "vector")):
         raise FileError(
@@ -53,13 +53,14 @@ def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | N
         decimals=usual_decimals(rows),
         skip=_preamble(head),
     )
-    gathered = gather(head.path, grammar, lead + chosen(columns, width - lead, head.path), progress)
     is_wrench = port.endswith("analog:o") and width - lead == 6
-    return recording_from(
-        gathered,
+    return Contents(
+        path=head.path,
+        grammar=grammar,
+        keep=lead + chosen(columns, width - lead, head.path),
         unit=WRENCH if is_wrench else "count",
         source=f"{head.path} (port {port})" if port else str(head.path),
-        notes=_lost(gathered),
+        sequenced=True,
     )
 
 
@@ -96,16 +97,3 @@ def _check_first(head: Head, first: list[str], width: int, lead: int) -> None:
             f"{width}, expected {width - 2} uids (one per value, as CySkin writes them) "
             f"or {width} numbers"
         )
-
-
-def _lost(gathered: Gathered) -> tuple[str, ...]:
-    """Messages that never arrived, from gaps in the sequence numbers."""
-    steps = np.diff(gathered.sequence)
-    gaps = steps[(steps > 1) & np.isfinite(steps)]
-    if not len(gaps) or gathered.tally.skipped:  # a skipped line leaves a gap of its own
-        return ()
-    name, line = gathered.tally.path.name, gathered.line[int(np.argmax(steps > 1)) + 1]
-    if len(gaps) * 2 > len(steps):  # every n-th message was kept on purpose
-        return (f"sequence numbers step by {np.median(gaps):.0f}: the log holds every so many-th",)
-    lost = f"{(gaps - 1).sum():.0f} messages lost in {len(gaps)} gaps of the sequence numbers"
-    return (f"{lost}, first before {name}:{line}",)
