@@ -237,7 +237,7 @@ class NonNegativeOperator:
         rate = np.divide(old.penalty, old.norms, out=np.zeros_like(norms), where=old.norms > 0.0)
         whitening = np.where(valid, old.whitening, 0.0)
         changed = old._replace(rows=rows, norms=norms, penalty=rate * norms, whitening=whitening)
-        return self._with(changed)
+        return self._with(changed, Backing(self.backing.solver, self.backing.model.subset(valid)))
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
         """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,).
@@ -268,7 +268,8 @@ class NonNegativeOperator:
         self._memory.measures[:] = np.median(paces, axis=0)
         self.reset()
 
-    def _with(self, problem: "Problem") -> "NonNegativeOperator":
-        other = NonNegativeOperator(problem, self.backing, self.model_error, self.taxels)
+    def _with(self, problem: "Problem", backing: Backing | None = None) -> "NonNegativeOperator":
+        backing = self.backing if backing is None else backing
+        other = NonNegativeOperator(problem, backing, self.model_error, self.taxels)
         other._memory.measures[:] = self._memory.measures
         return other

@@ -28,6 +28,8 @@ def checked_readings(
     check_shape("readings", table, (None, len(patch)), f"one per taxel of {patch.name!r}")
     if not len(table):
         raise InputError("readings is empty, expected one reading or more")
+    if valid is None and np.isfinite(table).all() and (table > quantity.lowest).all():
+        return table, np.ones(table.shape, dtype=np.bool_)
     if np.isinf(table).any():
         row, taxel = np.argwhere(np.isinf(table))[0]
         raise InputError(

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, Ints
 from skinfield.fields import Contact
 from skinfield.inverse import ContactOperator, Fit, InverseOperator, Solver
-from skinfield.pipeline.plan import FieldPlan, Plan, Results, Setting, linear_plan, until
+from skinfield.pipeline.field_plan import FieldPlan
+from skinfield.pipeline.plan import Plan, Results, Setting, linear_plan, until
 
 LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 
@@ -42,6 +43,7 @@ class ContactPlan:
             end = until(deadline)
             fit = self.operator.fit(reading, end)
             late = end is not None and time.perf_counter_ns() >= end
+            out.in_time[row] = not late
             if fit.explained or late or not self._answered(reading, fit, row, out):
                 self._write(reading, fit, row, out)
             out.notes.extend(note for note in fit.notes if note not in out.notes)

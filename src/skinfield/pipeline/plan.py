@@ -1,8 +1,8 @@
 """Everything about a patch that needs no reading, by what kind of solver it has."""
 
 import time
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,10 +12,7 @@ from skinfield.contacts import ContactFinder
 from skinfield.contacts.finder import EXACT
 from skinfield.errors import Floats, Ints
 from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
-from skinfield.inverse import (
-    FieldOperator,
-    InverseOperator,
-)
+from skinfield.inverse import InverseOperator
 from skinfield.layout import Grid
 from skinfield.observation import Deformation, ObservationModel, Quantity
 from skinfield.pipeline.missing import CHUNK, MissingTaxels
@@ -33,6 +30,10 @@ class Results:
     residual : (T, L) array, in the quantity's unit
     contacts : list of T tuples of Contact
     notes : list of str
+    gap : (T,) array
+        NaN where nothing is proved.
+    iterations : (T,) int array
+    in_time : (T,) bool array
     """
 
     fields: Floats
@@ -40,6 +41,9 @@ class Results:
     residual: Floats
     contacts: list[tuple[Contact, ...]]
     notes: list[str]
+    gap: Floats
+    iterations: Ints
+    in_time: NDArray[np.bool_]
 
     @classmethod
     def empty(cls, readings: int, taxels: int, nodes: int) -> "Results":
@@ -50,7 +54,29 @@ class Results:
             np.full((readings, taxels), np.nan),
             [()] * readings,
             [],
+            np.full(readings, np.nan),
+            np.zeros(readings, dtype=np.int64),
+            np.ones(readings, dtype=np.bool_),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """One reading's pressure, and how to compute the rest when it is asked for.
+
+    Attributes
+    ----------
+    pressure : (K,) array, Pa
+    rest : mapping of names to functions
+        Of the other attributes of an `Estimate`.
+    gap : float
+    iterations : int
+    """
+
+    pressure: Floats
+    rest: dict[str, Callable[[], Any]] = field(default_factory=dict)
+    gap: float = 0.0
+    iterations: int = 0
 
 
 class Plan(Protocol):
@@ -139,6 +165,7 @@ class LinearPlan:
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
         """See `Plan.solve`: one matrix product, whatever the deadline."""
         setting, nodes = self.setting, len(self.setting.grid)
+        out.gap[rows] = 0.0
         out.pressure_std[rows] = self.pressure_std
         for first in range(0, len(rows), CHUNK):
             part, chunk = rows[first : first + CHUNK], readings[first : first + CHUNK]
@@ -146,13 +173,28 @@ class LinearPlan:
             out.fields[part] = (self.operator @ linear.T.astype(setting.precision)).T
             out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
         for row in rows:
-            out.contacts[row] = setting.finder(
-                setting.grid,
-                out.fields[row, :nodes],
-                self.noise,
-                self.posterior,
-                self.model_error if setting.model_errors else EXACT,
-            )
+            out.contacts[row] = self._contacts(out.fields[row, :nodes])
+
+    def prompt(self, reading: Floats, end: int | None) -> Answer:
+        """Answer one reading (L',) at once, whatever the time it should end."""
+        setting, nodes = self.setting, len(self.setting.grid)
+        linear = setting.quantity.linearise(reading, np.empty_like(reading))
+        fields = np.dot(self.operator, linear.astype(setting.precision)).astype(np.float64)
+        pressure = fields[:nodes]
+        return Answer(
+            pressure,
+            {
+                "displacement": lambda: fields[nodes:].reshape(3, nodes).T,
+                "pressure_std": lambda: self.pressure_std.copy(),
+                "contacts": lambda: self._contacts(pressure),
+                "residual": lambda: spread_out(linear - self.explained @ linear, self.valid),
+            },
+        )
+
+    def _contacts(self, pressure: Floats) -> tuple[Contact, ...]:
+        error = self.model_error if self.setting.model_errors else EXACT
+        finder = self.setting.finder
+        return finder(self.setting.grid, pressure, self.noise, self.posterior, error)
 
     def reset(self) -> None:
         """Nothing is kept."""
@@ -186,55 +228,13 @@ def linear_plan(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class FieldPlan:
-    """A solver whose field is not linear in the readings, reading by reading."""
-
-    setting: Setting
-    model: ObservationModel
-    operator: FieldOperator
-    valid: NDArray[np.bool_]
-
-    @cached_property
-    def _noise(self) -> PressureNoise:
-        return PressureNoise(self.operator.noise.factor[self.setting.nodes])
-
-    @cached_property
-    def _posterior(self) -> PressurePosterior | None:
-        whole = self.operator.posterior
-        return None if whole is None else whole.on(self.setting.nodes)
-
-    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
-        """See `Plan.solve`."""
-        setting, nodes = self.setting, len(self.setting.grid)
-        whole = np.empty(len(self.model.grid))
-        for row, reading in zip(rows, readings, strict=True):
-            linear = setting.quantity.linearise(reading, np.empty_like(reading))
-            self.operator.apply(linear, whole, until(deadline))
-            moved = setting.deformation(whole)[setting.nodes]
-            out.fields[row, :nodes] = pressure = whole[setting.nodes]
-            out.fields[row, nodes:] = moved.T.ravel()
-            out.pressure_std[row] = self.operator.pressure_std[setting.nodes]
-            out.residual[row, self.valid] = linear - self.model.matrix @ whole
-            out.contacts[row] = setting.finder(
-                setting.grid,
-                pressure,
-                self._noise,
-                self._posterior,
-                self.operator.model_error if setting.model_errors else EXACT,
-            )
-
-    def reset(self) -> None:
-        """Forget the reading before, where the operator keeps it."""
-        reset = getattr(self.operator, "reset", None)
-        if reset is not None:
-            reset()
-
-    def within(self, setting: Setting) -> "FieldPlan":
-        """See `Plan.within`."""
-        return replace(self, setting=setting)
-
-
 def until(deadline: float | None) -> int | None:
     """Time of `time.perf_counter_ns` at which a deadline in seconds from now ends."""
     return None if deadline is None else time.perf_counter_ns() + int(deadline * 1e9)
+
+
+def spread_out(values: Floats, valid: NDArray[np.bool_]) -> Floats:
+    """Values (L',) of valid taxels among all (L,), the others NaN."""
+    out = np.full(len(valid), np.nan)
+    out[valid] = values
+    return out

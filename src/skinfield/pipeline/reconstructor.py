@@ -25,10 +25,12 @@ from skinfield.observation import (
 )
 from skinfield.pipeline.arguments import check_parts, checked_readings
 from skinfield.pipeline.contact_plan import make_plan
+from skinfield.pipeline.field_plan import FieldPlan
 from skinfield.pipeline.intervals import Intervals
 from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting
 from skinfield.pipeline.support import support_of
 
+AFTER = 10_000  # ns: what a call does after the solver, at first
 PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
 
 
@@ -102,6 +104,7 @@ class Reconstructor:
         self._plans: OrderedDict[bytes, Plan] = OrderedDict()
         self._plan = self._plan_for(np.ones(len(patch), np.bool_))
         self._linear = np.empty(len(patch), precision)
+        self._after = AFTER
         self._run_in()
 
     @property
@@ -161,13 +164,17 @@ class Reconstructor:
         InputError
             For a wrong number of taxels, an infinite reading, or none that is valid.
         """
-        start = time.perf_counter()
+        start = time.perf_counter_ns()
         table, mask = checked_readings(readings, valid, self.patch, self.quantity)
-        single, stamps = np.ndim(readings) == 1, np.asarray(stamp_ns, dtype=np.int64)
-        if stamps.shape not in ((), (len(table),)):
-            raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if deadline is not None:
             check_positive("deadline", deadline, "seconds for each reading")
+        stamps = np.asarray(stamp_ns, dtype=np.int64)
+        if stamps.shape not in ((), (len(table),)):
+            raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
+        if np.ndim(readings) == 1:
+            prompt = self._prompt(table[0], mask[0], stamps, start, deadline)
+            if prompt is not None:
+                return prompt
         out = Results.empty(len(table), len(self.patch), len(self.grid))
         for pattern, rows in _patterns(mask, self._without_missing(table, mask, out)):
             part = table[rows] if pattern.all() else table[np.ix_(rows, pattern)]
@@ -184,10 +191,54 @@ class Reconstructor:
             residual=out.residual,
             valid=mask,
             stamp_ns=stamps,
-            latency=time.perf_counter() - start,
+            latency=(time.perf_counter_ns() - start) * 1e-9,
             notes=tuple(out.notes),
+            gap=out.gap,
+            iterations=out.iterations,
+            deadline_met=out.in_time,
         )
-        return estimate[0] if single else estimate
+        return estimate[0] if np.ndim(readings) == 1 else estimate
+
+    def _prompt(
+        self,
+        reading: Floats,
+        valid: NDArray[np.bool_],
+        stamps: NDArray[np.int64],
+        start: int,
+        deadline: float | None,
+    ) -> Estimate | None:
+        """Answer one reading with its pressure, the rest to be computed when asked for.
+
+        None where the plan computes all at once, as one that finds contacts does.
+        """
+        plan, whole = self._plan, bool(valid.all())
+        if not isinstance(plan, (LinearPlan, FieldPlan) if whole else FieldPlan):
+            return None
+        plan = plan if whole else self._plan_for(valid)
+        assert isinstance(plan, (LinearPlan, FieldPlan))  # as that of all taxels is
+        end = None if deadline is None else start + int(deadline * 1e9)
+        part = reading if whole else reading[valid]
+        answer = plan.prompt(part, None if end is None else end - self._after)
+        answered = time.perf_counter_ns()
+        pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
+        rest["traction"] = lambda: -pressure[:, None] * self.grid.normals
+        if learnt is not None:
+            found = rest["contacts"]
+            rest["contacts"] = lambda: learnt(found())
+        estimate = Estimate.later(
+            rest,
+            grid=self.grid,
+            pressure=pressure,
+            valid=valid,
+            stamp_ns=stamps.ravel()[0],
+            gap=answer.gap,
+            iterations=answer.iterations,
+        )
+        now = time.perf_counter_ns()
+        self._after = min(max(now - answered, int(0.95 * self._after)), 2 * self._after)
+        vars(estimate)["latency"] = (now - start) * 1e-9
+        vars(estimate)["deadline_met"] = end is None or now <= end
+        return estimate
 
     def calibrated(
         self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
@@ -265,9 +316,16 @@ class Reconstructor:
         if key not in self._plans:
             if len(self._plans) >= PLANS_KEPT:
                 self._plans.popitem(last=False)
-            self._plans[key] = make_plan(self._setting, self.solver, valid)
+            self._plans[key] = self._make_plan(valid)
         self._plans.move_to_end(key)
         return self._plans[key]
+
+    def _make_plan(self, valid: NDArray[np.bool_]) -> Plan:
+        if self._plans and isinstance(self._plan, FieldPlan):
+            shorter = self._plan.without(valid)
+            if shorter is not None:
+                return shorter
+        return make_plan(self._setting, self.solver, valid)
 
 
 def _patterns(
