@@ -172,10 +172,10 @@ class Engine:
         )
         return Estimates(self, self.cycle, report, stamp_ns)
 
-    def estimate_of(self, name: str, stamp_ns: int, latency: float) -> Estimate:
-        """Estimate of one patch from the last cycle."""
+    def estimate_of(self, name: str, stamp_ns: int, report: CycleReport) -> Estimate:
+        """Estimate of one patch from the last cycle, whose report this is."""
         patch = self._ordered.index(name)
-        return estimate_of(self._work, self.finder, patch, self._grid_of, stamp_ns, latency)
+        return estimate_of(self._work, self.finder, patch, self._grid_of, stamp_ns, report)
 
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""

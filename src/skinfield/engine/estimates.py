@@ -36,7 +36,7 @@ class Estimates(Mapping[str, Estimate]):
     def __getitem__(self, name: str) -> Estimate:
         if name not in self._made:
             self._check(name)
-            self._made[name] = self._engine.estimate_of(name, self._stamp_ns, self.report.spent)
+            self._made[name] = self._engine.estimate_of(name, self._stamp_ns, self.report)
         return self._made[name]
 
     def __contains__(self, name: object) -> bool:

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from skinfield.engine.interning import Kind
 from skinfield.engine.missing import MissingTaxels
-from skinfield.engine.products import DenseProduct, SharedProduct, Singles
+from skinfield.engine.products import SharedProduct, Singles
 from skinfield.engine.searching import ReducedSearch, SearchOperator, idle_test_of, is_search
+from skinfield.engine.stamped_product import product_of, slack_of
 from skinfield.errors import Floats, InputError
 from skinfield.pipeline.ladder_rungs import Rungs
 
@@ -59,7 +60,7 @@ class Group:
 
     def __post_init__(self) -> None:
         steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
-        self.products = [DenseProduct.of(step.matrix * noise) for step in steps]
+        self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
         self.fields = [np.zeros((count, len(step.grid)), np.float32) for step in steps]
         self.tests, self.thresholds, self.searches, self.feasible = [], [], [], []
         for step in steps:
@@ -70,7 +71,7 @@ class Group:
                     f"the solver's {type(step.operator).__name__} can neither be cut short nor "
                     "tell its gap, expected an operator such as that of NonNegative()"
                 )
-            self.tests.append(DenseProduct.of(idle_test_of(step.operator, len(noise))))
+            self.tests.append(product_of(idle_test_of(step.operator, len(noise)), step.grid))
             self.thresholds.append(step.operator.problem.threshold)
             twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
             self.searches.append(twins)
@@ -107,6 +108,9 @@ class Group:
         scores = self._scores[: self.count * width].reshape(self.count, width)
         self.tests[rung].apply(white, scores)
         np.max(scores, axis=1, out=self.highest)
+        slack = slack_of(self.tests[rung])
+        if slack:  # what is cut off the product may hide a contact
+            self.highest += slack * np.linalg.norm(white, axis=1)
         return self.highest <= self.thresholds[rung]
 
     def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
