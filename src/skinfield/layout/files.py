@@ -13,10 +13,17 @@ if TYPE_CHECKING:
 def load_layout(path: str | Path) -> Skin:
     """Read a layout file of any known format; what was repaired stands in the skin's notes.
 
+    Parameters
+    ----------
+    path : str or Path
+        Of a file; or of a folder whose files are the parts of one robot: their patches become one
+        skin, in the order of the files' names. Files of no known format are left out and noted.
+
     Raises
     ------
     FileError
-        When the file cannot be read, is of no known format, or holds no usable skin.
+        When the file cannot be read, is of no known format, or holds no usable skin; when a folder
+        holds no layout file, or any of them cannot be used.
     """
     from skinfield.layout.formats import read_layout
 

@@ -20,6 +20,7 @@ from skinfield.layout.formats import (
     skinware,
 )
 from skinfield.layout.formats.draft import Content
+from skinfield.layout.formats.folder import read_folder
 from skinfield.layout.formats.mend import mend
 from skinfield.layout.formats.text import read_bytes
 from skinfield.layout.skin import Skin
@@ -53,13 +54,15 @@ FORMATS = cast(
 
 
 def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
-    """Skin of a layout file, and everything that was found on the way.
+    """Skin of a layout file or of a folder of them, and everything that was found on the way.
 
     Raises
     ------
     FileError
         As `load_layout`.
     """
+    if path.is_dir():
+        return read_folder(path, _is_layout, read_layout)
     return mend(format_of(path).parse(path))
 
 
@@ -72,13 +75,21 @@ def format_of(path: Path) -> Format:
         When the file cannot be read or is of no known format.
     """
     data = read_bytes(path)
-    fitting = [form for form in FORMATS if form.sniff(data)]
+    fitting = _fitting(data)
     if not fitting:
         tried = "; ".join(f"{form.NAME} ({form.EXPECTED})" for form in FORMATS)
         what = "is empty" if not data.strip() else "is of no known format"
         raise FileError(f"{path}: {what}, expected a layout file; tried {tried}")
     extension = path.suffix.lower()
     return min(fitting, key=lambda form: extension not in form.EXTENSIONS)
+
+
+def _fitting(data: bytes) -> list[Format]:
+    return [form for form in FORMATS if form.sniff(data)]
+
+
+def _is_layout(path: Path) -> bool:
+    return bool(_fitting(read_bytes(path)))
 
 
 def format_by_name(name: str) -> Format:
