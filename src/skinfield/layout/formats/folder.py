@@ -44,8 +44,8 @@ def read_folder(
     layouts = [file for file in files if is_layout(file)]
     if not layouts:
         raise FileError(
-            f"{path}: none of its {many(len(files), 'file')} is a layout, expected a directory with "
-            "a layout file for each part of the robot; those in it are not searched"
+            f"{path}: none of its {many(len(files), 'file')} is a layout, expected a directory "
+            "with a layout file for each part of the robot; those in it are not searched"
         )
     found = [(file, *read(file)) for file in layouts]
     findings = [each for _, _, its in found for each in its]
