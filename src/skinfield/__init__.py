@@ -14,6 +14,7 @@ from skinfield.inverse import GaussianField as GaussianField
 from skinfield.inverse import Inverse as Inverse
 from skinfield.inverse import NonNegative as NonNegative
 from skinfield.inverse import PseudoInverse as PseudoInverse
+from skinfield.inverse import Sheet as Sheet
 from skinfield.inverse import Tikhonov as Tikhonov
 from skinfield.layout import Grid as Grid
 from skinfield.layout import Patch as Patch
@@ -31,18 +32,27 @@ from skinfield.pipeline import Reconstructor as Reconstructor
 if _typing.TYPE_CHECKING:
     from skinfield import simulate as simulate
     from skinfield.layout import generators
+    from skinfield.sinks import save_results as save_results
+    from skinfield.sources import open_results as open_results
 
     layouts = generators
 
-_ON_DEMAND = {"layouts": "skinfield.layout.generators", "simulate": "skinfield.simulate"}
+_ON_DEMAND = {  # a module, or a module and what it holds
+    "layouts": "skinfield.layout.generators",
+    "open_results": "skinfield.sources:open_results",
+    "save_results": "skinfield.sinks:save_results",
+    "simulate": "skinfield.simulate",
+}
 
 
 def __getattr__(name: str) -> _typing.Any:
     """Load what only some programs need when they first name it."""
     if name not in _ON_DEMAND:
         raise AttributeError(f"module 'skinfield' has no attribute {name!r}")
-    module = globals()[name] = _importlib.import_module(_ON_DEMAND[name])
-    return module
+    module, _, member = _ON_DEMAND[name].partition(":")
+    found = _importlib.import_module(module)
+    found = globals()[name] = getattr(found, member) if member else found
+    return found
 
 
 def __dir__() -> list[str]:

@@ -1,6 +1,7 @@
 """Conjugate gradients on the taxels of a sheet, from the reading before."""
 
 from dataclasses import dataclass, field
+from time import perf_counter_ns
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,8 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Ints
 from skinfield.inverse.sheet.gram import Gram
+
+FORGET = 16  # steps in which a slow one is forgotten
 
 
 @dataclass
@@ -25,6 +28,18 @@ class Conjugate:
         Row of each taxel in the readings.
     scale : (L,) array
         From a reading to b.
+
+    Attributes
+    ----------
+    answer, valid : (L,) arrays
+        u, and 1 for each taxel that answered, else 0.
+    iterations : int
+    relative_residual : float
+        As a share of the norm of b.
+    stopped : bool
+        Whether a deadline cut the last reading short.
+    step_ns : int
+        What a step took lately, at its slowest.
     """
 
     gram: Gram
@@ -33,6 +48,8 @@ class Conjugate:
     answer: NDArray[Any] = field(init=False)
     valid: NDArray[Any] = field(init=False)
     iterations: int = field(init=False, default=0)
+    stopped: bool = field(init=False, default=False)
+    step_ns: int = field(init=False, default=0)
     relative_residual: float = field(init=False, default=0.0)
 
     def __post_init__(self) -> None:
@@ -45,11 +62,14 @@ class Conjugate:
         """Forget the reading before."""
         self.answer[:] = 0.0
 
-    def solve(self, readings: NDArray[Any], tolerance: float, most: int) -> None:
+    def solve(
+        self, readings: NDArray[Any], tolerance: float, most: int, deadline_ns: int | None = None
+    ) -> None:
         """Find the answer to linearised readings (L,), NaN where a taxel did not answer.
 
         Stops where the norm of the residual falls to `tolerance` of that of b, or after `most`
-        steps. Starts from the answer before if that is nearer than 0.
+        steps, or where another step would end after `deadline_ns` of `time.perf_counter_ns`.
+        Starts from the answer before if that is nearer than 0.
         """
         from skinfield.inverse.sheet.kernels import descend, take_in, turn
 
@@ -62,14 +82,20 @@ class Conjugate:
         )
         whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
         square = self._begin(whole)
-        self.iterations = 0
+        self.iterations, self.stopped = 0, False
         enough = tolerance**2 * whole
         way[:] = residual
         while square > enough and self.iterations < most:
+            begin = perf_counter_ns()
+            if deadline_ns is not None and begin + self.step_ns > deadline_ns:
+                self.stopped = True
+                break
             curved = self._multiply(way, moved)
             before, square = square, descend(square / curved, way, moved, valid, answer, residual)
             turn(square / before, residual, way)
             self.iterations += 1
+            spent = perf_counter_ns() - begin
+            self.step_ns = max(spent, self.step_ns - self.step_ns // FORGET)
         self.relative_residual = float(np.sqrt(square / whole)) if whole > 0.0 else 0.0
 
     def _begin(self, whole: float) -> float:

@@ -33,6 +33,8 @@ class SheetEstimate:
         That they left, as a share of the whitened readings.
     latency : float, s
         From the reading to the pressure.
+    deadline_met : bool
+        True where none was set.
     """
 
     sheet: "Sheet"
@@ -42,6 +44,7 @@ class SheetEstimate:
     iterations: int
     relative_residual: float
     latency: float
+    deadline_met: bool = True
 
     @property
     def valid(self) -> NDArray[np.bool_]:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Ints
 from skinfield.inverse.sheet.placing import Placing
-from skinfield.inverse.sheet.stamps import Kernel, Stamp
+from skinfield.inverse.sheet.stamps import Stamp, Stamps
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,25 +37,11 @@ class Gram:
         return sum(part.nbytes for part in (self.start, self.other, self.value, self.own))
 
 
-def gram_reach(read: Kernel, spread: Kernel, cut: float) -> float:
-    """Cells beyond which two taxels read less than `cut` of each other's pressure.
-
-    As a share of what each reads of its own, for taxels in the middle of cells.
-    """
-    from scipy.signal import fftconvolve
-
-    product = np.abs(fftconvolve(read.lattice, spread.lattice))
-    middle = len(product) // 2
-    row, column = np.indices(product.shape) - middle
-    far = np.hypot(row, column)
-    return float(far[product > cut * product[middle, middle]].max()) + 0.5
-
-
-def gram_of(placing: Placing, reach: float, read: Stamp, spread: Stamp, precision: type) -> Gram:
-    """Sum the products of the stamps of all taxels that are within `reach` cells."""
+def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
+    """Sum the products of the stamps of all taxels that are neighbours."""
     from skinfield.inverse.sheet.gram_kernel import count_pairs, fill_pairs
 
-    taxels = len(placing.order)
+    taxels, reach = len(placing.order), stamps.neighbours
     start = np.empty(taxels + 1, dtype=np.int64)
     count_pairs(placing.place, placing.strip, reach, start)
     gram = Gram(
@@ -65,15 +51,15 @@ def gram_of(placing: Placing, reach: float, read: Stamp, spread: Stamp, precisio
         np.empty(taxels, dtype=precision),
     )
     most = int(np.diff(placing.strip).max())
-    ring = np.empty((2, most, 2 * read.reach, 2 * read.reach), dtype=precision)
+    ring = np.empty((2, most, 2 * stamps.read.reach, 2 * stamps.read.reach), dtype=precision)
     fill_pairs(
         placing.place,
         placing.cell,
         placing.offset.astype(precision),
         placing.strip,
         reach,
-        parts_of(read, precision),
-        parts_of(spread, precision),
+        parts_of(stamps.read, precision),
+        parts_of(stamps.spread, precision),
         ring,
         start,
         gram.other,
@@ -83,7 +69,7 @@ def gram_of(placing: Placing, reach: float, read: Stamp, spread: Stamp, precisio
     return gram
 
 
-def parts_of(stamp: Stamp, precision: type) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+def parts_of(stamp: Stamp, precision: type[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Table, signs and room for one taxel's profiles, as the kernels take them."""
     table = stamp.table.astype(precision)
     return table, stamp.sign.astype(precision), np.empty((2, *table.shape[1:]), dtype=precision)

@@ -81,7 +81,7 @@ def overlap(one: Array, other: Array, down: int, across: int) -> float:
         mine, beside = one[row, first:last], other[row - down, first - across :]
         for cell in range(len(mine)):
             total += mine[cell] * beside[cell]
-    return total
+    return float(total)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)

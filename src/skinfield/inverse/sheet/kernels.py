@@ -6,7 +6,6 @@ keeps. Each compiles for float32 and float64.
 
 from typing import Any
 
-import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 

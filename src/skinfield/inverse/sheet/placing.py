@@ -1,7 +1,6 @@
-"""Where taxels stand on the lattice of cells, and the order that keeps neighbours near in memory."""
+"""Where taxels stand among the cells, in an order that keeps neighbours near in memory."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +76,7 @@ class Placing:
         return np.asarray(row * columns + column)
 
 
-def nearest_distance(place: Placing, height: float) -> Any:
+def nearest_distance(place: Placing, height: float) -> float:
     """Median distance of a taxel to the nearest other, in cells; `height` where none is so near."""
     from skinfield.inverse.sheet.gram_kernel import nearest
 

@@ -3,26 +3,17 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, check_positive, check_range, check_type
+from skinfield.errors import Floats, InputError, check_positive, check_range
 from skinfield.inverse.gaussian_field import PITCHES, GaussianField
-from skinfield.inverse.sheet.gram import Gram, gram_of, gram_reach
+from skinfield.inverse.sheet.gram import gram_of
 from skinfield.inverse.sheet.placing import Lattice, Placing, nearest_distance
-from skinfield.inverse.sheet.stamps import (
-    WIDEST,
-    Kernel,
-    Response,
-    smoothed_kernel,
-    stamp_of,
-)
+from skinfield.inverse.sheet.response import WIDEST
+from skinfield.inverse.sheet.stamps import Stamps
 from skinfield.inverse.tikhonov import Tikhonov
 from skinfield.mechanics import Layer, Mechanics
 from skinfield.observation import Quantity
-from skinfield.observation.arguments import LAYER
 
-MISFIT = 0.2  # of the cut: what the profiles may be off
-FAINT = 1e-5  # of a correlation, where it is cut
 LARGEST = 1 << 30  # cells
 EXPECTED = 2000  # cells per taxel, more than which is a slip of units or a taxel gone astray
 LOCAL = 12.0  # cells among which a taxel's nearest neighbour is looked for
@@ -36,12 +27,11 @@ class SheetPlan:
     lattice : Lattice
     placing : Placing
         The taxels' order; what follows is in it.
-    read, spread : Stamp
-        What a taxel reads of a cell, A; and the pressure that its reading makes, A Q per variance.
+    stamps : Stamps
     offset : (L, 2) array
         Of the taxels in their cells.
-    spread_corner : (L,) int array
-        First cell of the stamps of `spread`.
+    corner : (L,) int array
+        First cell of the pressure that a taxel adds.
     variance : float, Pa²
         Of a cell, as the prior has it.
     gram : Gram
@@ -67,22 +57,17 @@ class SheetPlan:
     ) -> None:
         check_positive("pitch", pitch, "the side of a cell, in metres")
         check_range("cut", cut, 1e-6, 0.1, "a share of a response's peak")
-        check_type("layer", layer, Layer, LAYER)
         low, high = places.min(axis=0), places.max(axis=0)
         _check_extent(len(places), (high - low) / pitch)
-        kernel = Response(mechanics, layer, quantity, pitch, pad_diameter).kernel(cut)
         self.length_scale = _length_scale(solver, (places - low) / pitch, pitch)
-        spread = kernel
-        if self.length_scale > 0.0:
-            spread = smoothed_kernel(kernel, _correlation(self.length_scale / pitch), cut)
-        self.read = stamp_of(kernel, MISFIT * cut)
-        self.spread = self.read if spread is kernel else stamp_of(spread, MISFIT * cut)
-        self.lattice = Lattice.around(low, high, pitch, spread.reach)
-        reach = gram_reach(kernel, spread, cut)
-        self.placing = Placing.of((places - self.lattice.origin) / pitch, reach)
-        self.gram = gram_of(self.placing, reach, self.read, self.spread, precision)
+        self.stamps = stamps = Stamps.of(
+            mechanics, layer, quantity, pitch, pad_diameter, cut, self.length_scale / pitch
+        )
+        self.lattice = Lattice.around(low, high, pitch, stamps.spread.reach)
+        self.placing = Placing.of((places - self.lattice.origin) / pitch, stamps.neighbours)
+        self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)
-        self.spread_corner = self.placing.corner(spread.reach, self.lattice.shape[1])
+        self.corner = self.placing.corner(stamps.spread.reach, self.lattice.shape[1])
         self._scale(noise_std[self.placing.order], solver.snr)
 
     def _scale(self, noise_std: Floats, snr: float) -> None:
@@ -110,22 +95,8 @@ def _length_scale(solver: object, places: Floats, pitch: float) -> float:
             "solved for these two priors"
         )
     if solver.length_scale is not None:
-        return solver.length_scale
+        return float(solver.length_scale)
     return PITCHES * pitch * nearest_distance(Placing.of(places, LOCAL), LOCAL)
-
-
-def _correlation(length: float) -> NDArray[Any]:
-    """Matérn-3/2 correlation of cells, (2 n + 1, 2 n + 1), as far as it counts."""
-    reach = length * (1.0 - np.log(FAINT)) / np.sqrt(3.0) * 1.3
-    count = int(np.ceil(reach))
-    if count > 2 * WIDEST:
-        raise InputError(
-            f"length_scale is {length:.3g} cells, expected at most {2 * WIDEST / 9.4:.3g}: use "
-            "a shorter one or larger cells"
-        )
-    offset = np.arange(-count, count + 1)
-    scaled = np.sqrt(3.0) * np.hypot(offset[:, None], offset) / length
-    return np.asarray((1 + scaled) * np.exp(-scaled))
 
 
 def _check_extent(taxels: int, cells: Floats) -> None:

@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import (
-    Floats,
-    InputError,
-    as_floats,
-    check_finite,
-    check_positive,
-    check_shape,
-)
+from skinfield.errors import Floats, as_floats, check_positive, check_shape
 from skinfield.inverse.gaussian_field import GaussianField
-from skinfield.inverse.sheet.conjugate import Conjugate
+from skinfield.inverse.sheet.arguments import (
+    check_like,
+    check_not_infinite,
+    check_physics,
+    check_settings,
+    checked_noise,
+    checked_places,
+)
+from skinfield.inverse.sheet.conjugate import FORGET, Conjugate
 from skinfield.inverse.sheet.deform import SheetDeformation
 from skinfield.inverse.sheet.estimate import SheetEstimate
 from skinfield.inverse.sheet.gram import parts_of
@@ -89,11 +90,13 @@ class Sheet:
         self.layer = Layer() if layer is None else layer
         self.quantity: Quantity = BaseStress() if quantity is None else quantity
         self.mechanics: Mechanics = BondedLayer() if mechanics is None else mechanics
+        check_physics(self.layer, self.mechanics, self.quantity)
+        check_settings(tolerance, most_iterations, precision)
         self.tolerance, self.most_iterations = tolerance, most_iterations
         self.precision = precision
-        places = _places(positions)
+        places = checked_places(positions)
         noise = self.quantity.typical_noise if noise_std is None else noise_std
-        self.noise_std = _noise(noise, len(places))
+        self.noise_std = checked_noise(noise, len(places))
         solver = GaussianField() if solver is None else solver
         self.plan = SheetPlan(
             places,
@@ -108,9 +111,10 @@ class Sheet:
             precision,
         )
         self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
+        self._stamping_ns, self._deadline_met = 0, True
         self._weights = np.zeros(len(places), dtype=precision)
-        self._spread = parts_of(self.plan.spread, precision)
-        self._read = parts_of(self.plan.read, precision)
+        self._spread = parts_of(self.plan.stamps.spread, precision)
+        self._read = parts_of(self.plan.stamps.read, precision)
 
     def __len__(self) -> int:
         return len(self.noise_std)
@@ -140,6 +144,11 @@ class Sheet:
         """What they left, as a share of the whitened readings."""
         return self._conjugate.relative_residual
 
+    @property
+    def deadline_met(self) -> bool:
+        """Whether the last pressure was there in time; True where no deadline was set."""
+        return self._deadline_met
+
     @cached_property
     def deformation(self) -> SheetDeformation:
         """From pressure to displacement."""
@@ -149,40 +158,60 @@ class Sheet:
         """Forget the reading before, from which the next one starts."""
         self._conjugate.reset()
 
-    def apply(self, readings: NDArray[Any], out: NDArray[Any]) -> None:
+    def apply(
+        self, readings: NDArray[Any], out: NDArray[Any], deadline_ns: int | None = None
+    ) -> None:
         """Write the pressure (rows, columns) Pa of linearised readings (L,). No allocation.
 
         Both arrays of the sheet's precision, `out` in C order; NaN leaves a taxel out.
+        `deadline_ns` is a time of `time.perf_counter_ns`; iterations stop early enough to write
+        the pressure by then, as far as the times of the readings before tell.
         """
         from skinfield.inverse.sheet.kernels import add_stamps, give_out
 
         check_shape("readings", readings, (len(self),), "one per taxel")
         check_shape("out", out, self.shape, "one per cell, sheet.shape")
-        _check_like("readings", readings, self.precision)
-        _check_like("out", out, self.precision)
+        check_like("readings", readings, self.precision)
+        check_like("out", out, self.precision)
         plan, conjugate = self.plan, self._conjugate
-        conjugate.solve(readings, self.tolerance, self.most_iterations)
+        last = None if deadline_ns is None else deadline_ns - self._stamping_ns
+        conjugate.solve(readings, self.tolerance, self.most_iterations, last)
+        begin = time.perf_counter_ns()
         give_out(conjugate.answer, plan.gain, self._weights)
         table, sign, work = self._spread
         columns = self.shape[1]
-        add_stamps(
-            self._weights, plan.spread_corner, plan.offset, table, sign, work, columns, out.ravel()
-        )
+        add_stamps(self._weights, plan.corner, plan.offset, table, sign, work, columns, out.ravel())
+        end = time.perf_counter_ns()
+        self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
+        self._deadline_met = deadline_ns is None or end <= deadline_ns
 
-    def __call__(self, readings: ArrayLike) -> SheetEstimate:
-        """Reconstruct one reading (L,) in the quantity's unit; NaN leaves a taxel out."""
+    def __call__(self, readings: ArrayLike, *, deadline: float | None = None) -> SheetEstimate:
+        """Reconstruct one reading (L,) in the quantity's unit; NaN leaves a taxel out.
+
+        With a `deadline` in seconds from the call the iterations stop early, see `apply`.
+        """
         begin = time.perf_counter()
+        if deadline is not None:
+            check_positive("deadline", deadline, "seconds from the call")
         given = as_floats("readings", readings)
         check_shape("readings", given, (len(self),), "one per taxel, in the order of positions")
-        _check_not_infinite(given)
+        check_not_infinite(given)
         linear = self.quantity.linearise(given, np.empty_like(given))
         pressure = np.empty(self.shape, dtype=self.precision)
-        self.apply(linear.astype(self.precision), pressure)
+        until = None if deadline is None else int((begin + deadline) * 1e9)
+        self.apply(linear.astype(self.precision), pressure, until)
         latency = time.perf_counter() - begin
         weights = np.empty_like(self._weights)
         weights[self.plan.placing.order] = self._weights / self.plan.variance
         return SheetEstimate(
-            self, linear, pressure, weights, self.iterations, self.relative_residual, latency
+            self,
+            linear,
+            pressure,
+            weights,
+            self.iterations,
+            self.relative_residual,
+            latency,
+            self.deadline_met,
         )
 
     def predict(self, pressure: NDArray[Any]) -> Floats:
@@ -194,44 +223,8 @@ class Sheet:
         sorted_out = np.empty(len(self), dtype=self.precision)
         field = np.ascontiguousarray(pressure, dtype=self.precision).ravel()
         plan, columns = self.plan, self.shape[1]
-        corner = plan.placing.corner(plan.read.reach, columns)
+        corner = plan.placing.corner(plan.stamps.read.reach, columns)
         read_stamps(field, corner, plan.offset, table, sign, work, columns, sorted_out)
         out = np.empty(len(self))
         out[plan.placing.order] = sorted_out
         return out
-
-
-def _places(positions: ArrayLike) -> Floats:
-    places = as_floats("positions", positions)
-    check_shape("positions", places, (None, 2), "x and y of each taxel in the plane, in metres")
-    if not len(places):
-        raise InputError("positions has no taxel, expected at least one")
-    check_finite("positions", places, "a taxel without a place reads nothing that is known")
-    return places
-
-
-def _noise(noise_std: ArrayLike, taxels: int) -> Floats:
-    noise = as_floats("noise_std", noise_std)
-    if noise.ndim == 0:
-        noise = np.full(taxels, float(noise))
-    check_shape("noise_std", noise, (taxels,), "one number, or one per taxel")
-    for index in np.flatnonzero(~(np.isfinite(noise) & (noise > 0.0)))[:1]:
-        check_positive(f"noise_std[{index}]", float(noise[index]), "no reading is exact")
-    return noise
-
-
-def _check_like(name: str, array: NDArray[Any], precision: type) -> None:
-    if array.dtype != precision or not array.flags.c_contiguous:
-        raise InputError(
-            f"{name} is of {array.dtype}, expected {np.dtype(precision)} in C order: what the "
-            "sheet computes in is its precision"
-        )
-
-
-def _check_not_infinite(readings: Floats) -> None:
-    bad = np.flatnonzero(np.isinf(readings))
-    if len(bad):
-        raise InputError(
-            f"readings[{bad[0]}] is {readings[bad[0]]}, expected a finite number, or NaN for a "
-            "taxel that did not answer"
-        )
