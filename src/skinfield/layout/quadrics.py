@@ -1,6 +1,8 @@
 """The shape of a curved skin around each taxel: the way from its plane back into space."""
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +13,8 @@ from skinfield.layout.surface import flat_frames
 BLENDED = 8  # quadrics around a point that have a say in it
 FLEX = 2.5  # pitches from its taxel up to which a quadric bends; beyond, it runs on straight
 TRUST = 0.25  # weight of a normal against that of a position, both in pitches
+FEW = 200  # points up to which compiled code is worth loading
+PAIRS = 400_000  # of a point and a taxel up to which it is quicker, though it looks at all taxels
 RIDGE = 1e-3  # holds the terms that the neighbours leave open: isometric, and without curvature
 
 
@@ -52,6 +56,8 @@ class Quadrics:
 
     def positions(self, points: Floats) -> Floats:
         """Points of the plane (N, 2) m in space (N, 3) m."""
+        if self._are_few(points):
+            return np.asarray(_compiled().positions(*self._compact(points)))
         row, weight, offset = self._around(points)
         bent = self._bent(offset)
         x = self.position[row] + np.einsum("nkij,nkj->nki", self.slope[row], offset)
@@ -62,6 +68,8 @@ class Quadrics:
 
     def frames(self, points: Floats) -> Floats:
         """Tangent, tangent and outward normal (N, 3, 3) at points of the plane (N, 2) m."""
+        if self._are_few(points):
+            return np.asarray(_compiled().frames(*self._compact(points)))
         row, weight, offset = self._around(points)
         bent = self._bent(offset)
         normal = self.normal[row] + np.einsum("nkij,nkj->nki", self.turn[row], bent)
@@ -71,6 +79,18 @@ class Quadrics:
         normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         tangents = self.slope[row] + _gradient(self.bend[row], bent)
         return _frames_along(np.einsum("nk,nkij->nij", weight, tangents), normal)
+
+    def _are_few(self, points: Floats) -> bool:
+        return 0 < len(points) <= FEW and len(points) * len(self.plane) <= PAIRS
+
+    def _compact(self, points: Floats) -> tuple[Floats, tuple[Floats, ...], int, float]:
+        """Arguments of the compiled code: of one layout, so that it is compiled once."""
+        return _plain(points), self._parts, BLENDED, FLEX * self.pitch
+
+    @cached_property
+    def _parts(self) -> tuple[Floats, ...]:
+        parts = self.plane, self.position, self.normal, self.slope, self.bend, self.turn
+        return tuple(map(_plain, parts))
 
     def _around(self, points: Floats) -> tuple[Ints, Floats, Floats]:
         """Rows (N, k) of the nearest taxels, their weights, and offsets (N, k, 2) from them."""
@@ -188,3 +208,15 @@ def _fit_turn(pairs: Ints, offset: Floats, weight: Floats, normals: Floats) -> F
     np.add.at(right, first, weight[:, None, None] * offset[:, :, None] * change[:, None, :])
     turn = np.linalg.solve(matrix + RIDGE * np.eye(2), right)
     return np.asarray(turn.transpose(0, 2, 1), dtype=np.float64)
+
+
+def _plain(array: Floats) -> Floats:
+    return np.require(array, np.float64, ("C", "W"))
+
+
+@lru_cache(maxsize=1)
+def _compiled() -> Any:
+    """The kernels, loaded when first needed."""
+    from skinfield.layout import quadrics_kernel
+
+    return quadrics_kernel
