@@ -11,7 +11,7 @@ from skinfield.inverse.operator import Fit as Fit
 from skinfield.inverse.operator import InverseOperator as InverseOperator
 from skinfield.inverse.operator import Solver as Solver
 from skinfield.inverse.pseudo_inverse import PseudoInverse as PseudoInverse
-from skinfield.inverse.taxel_sets import TaxelSets as TaxelSets
 from skinfield.inverse.sheet import Sheet as Sheet
 from skinfield.inverse.sheet import SheetEstimate as SheetEstimate
+from skinfield.inverse.taxel_sets import TaxelSets as TaxelSets
 from skinfield.inverse.tikhonov import Tikhonov as Tikhonov
