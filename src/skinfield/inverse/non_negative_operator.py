@@ -212,6 +212,7 @@ class NonNegativeOperator:
         """Forget the reading before."""
         self._memory.counts[:] = 0
         self._memory.dual[:] = 0.0
+        self._memory.measures[:2] = np.nan
 
     def twin(self) -> "NonNegativeOperator":
         """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""
@@ -249,7 +250,8 @@ class NonNegativeOperator:
         from skinfield.inverse.dual import search
 
         self._readings[:] = readings
-        search.answer(self.problem, self._memory, self._readings, out, deadline_ns or 0)
+        limit = 0 if deadline_ns is None else max(deadline_ns, 1)
+        search.answer(self.problem, self._memory, self._readings, out, limit)
         self.deadline_met = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
 
     def run_in(self) -> None:
@@ -271,5 +273,6 @@ class NonNegativeOperator:
     def _with(self, problem: "Problem", backing: Backing | None = None) -> "NonNegativeOperator":
         backing = self.backing if backing is None else backing
         other = NonNegativeOperator(problem, backing, self.model_error, self.taxels)
-        other._memory.measures[:] = self._memory.measures
+        other._memory.measures[2:] = self._memory.measures[2:]
+        other._memory.measures[:2] = np.nan
         return other

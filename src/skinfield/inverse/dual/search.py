@@ -16,6 +16,7 @@ STRICTER = 0.1  # of that, wherever it did not do
 PASSES = 12  # over all nodes, at most
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 SPARE_NS = 2000  # for the way back to the caller
+LARGEST = 1e30  # of half the squared readings, beyond which single precision overflows
 IDLE, COUNT, STEPS, PRESSED, GIVEN = range(5)  # of `counts`
 GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE = range(5)  # of `measures`; ns per product
 
@@ -81,6 +82,11 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
     counts[STEPS] = counts[PRESSED] = counts[IDLE] = 0
     best, lower = half_square(memory.target), 0.0  # nothing pressed is an answer, too
     measures[GAP], measures[OBJECTIVE] = 0.0, best
+    if not best < LARGEST:  # nor if it is not a number
+        memory.dual[:] = 0.0
+        counts[COUNT] = counts[GIVEN] = 0
+        measures[GAP] = 1.0
+        return
     if not begin(problem, memory):
         counts[IDLE] = 1
         return
@@ -89,18 +95,20 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         start = now_ns(memory.room)
         best, plain = primal(problem, memory, best)
         left = half_square(memory.ascent)
-        solved = left <= local * plain
+        solved = left <= max(local, problem.rounding) * plain
         active = kernel.take_active(memory.listed, counts[COUNT], memory.slack, memory.active)
         work = step_work(len(memory.target), counts[COUNT], active)
-        ending = start + time_to_end(problem, memory)
-        late = deadline > 0 and ending + measures[STEP_PACE] * work > deadline
+        proof, ending = time_to_prove(problem, memory), start + time_to_end(problem, memory)
+        provable = deadline == 0 or ending + proof <= deadline
+        until = ending + (proof if provable else 0.0) + measures[STEP_PACE] * work
+        late = deadline > 0 and until > deadline
         if not (solved or late) and counts[STEPS] < problem.most:
             newton(problem, memory, active)
             counts[STEPS] += 1
             taken = now_ns(memory.room) - start
             measures[STEP_PACE] = measured(measures[STEP_PACE], taken, work)
             continue
-        if deadline > 0 and ending > deadline:
+        if not provable:
             break
         proved, within = dual_values(problem, memory)
         lower, passes = max(lower, proved), passes + 1
@@ -129,13 +137,21 @@ def begin(problem: Problem, memory: Memory) -> bool:
         memory.dual[:] = memory.target
         memory.counts[COUNT] = memory.counts[GIVEN] = 0
         return False
-    if memory.counts[GIVEN] == 0:
+    if memory.counts[GIVEN] == 0 or not given_is_better(problem, memory):
         start_along(problem, memory)
-    else:
-        kernel.correlate(problem.rows, memory.dual, every)
     memory.counts[GIVEN] = 0
     memory.counts[COUNT] = list_near(problem, memory)
     return True
+
+
+@njit(cache=True, nogil=True)
+def given_is_better(problem: Problem, memory: Memory) -> bool:
+    """Whether the dual that was handed in is better than none; `every` is then of that one."""
+    _, within = dual_values(problem, memory)
+    if within > 0.0:
+        return True
+    kernel.correlate(problem.rows, memory.target, memory.every)
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -277,12 +293,16 @@ def step_work(taxels: int, count: int, active: int) -> float:
 
 
 @njit(cache=True, nogil=True)
+def time_to_prove(problem: Problem, memory: Memory) -> float:
+    """Nanoseconds that a pass over all nodes takes, by its pace so far."""
+    return float(memory.measures[PASS_PACE] * problem.rows.size)
+
+
+@njit(cache=True, nogil=True)
 def time_to_end(problem: Problem, memory: Memory) -> float:
-    """Nanoseconds that the proof and the answer take, by their pace so far."""
-    measures, size = memory.measures, len(memory.every)
-    spread = size + memory.counts[PRESSED] * problem.bump.size
-    proof = measures[PASS_PACE] * problem.rows.size
-    return float(proof + measures[SPREAD_PACE] * spread + SPARE_NS)
+    """Nanoseconds that writing the answer takes, by its pace so far."""
+    size = len(memory.every) + memory.counts[PRESSED] * problem.bump.size
+    return float(memory.measures[SPREAD_PACE] * size + SPARE_NS)
 
 
 @njit(cache=True, nogil=True)
