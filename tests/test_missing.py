@@ -77,6 +77,7 @@ def assert_same(mine: Estimate, other: Estimate, error: float = 1e-9) -> None:
         assert apart(getattr(mine, name), getattr(other, name)) < error, name
     assert np.array_equal(np.isnan(mine.residual), np.isnan(other.residual))
     assert apart(np.nan_to_num(mine.residual), np.nan_to_num(other.residual)) < error
+    assert not np.any(mine.gap)
     assert [len(found) for found in mine.contacts] == [len(found) for found in other.contacts]
     for found, expected in zip(mine.contacts, other.contacts, strict=True):
         for contact, twin in zip(found, expected, strict=True):
@@ -167,7 +168,11 @@ def test_fields_and_contacts_are_those_of_a_fresh_plan(solver: Solver, pressed: 
 
 
 def assert_same_single(mine: Estimate, other: Estimate) -> None:
-    assert apart(mine.pressure, other.pressure) < 1e-9
+    for name in FIELDS:
+        assert apart(getattr(mine, name), getattr(other, name)) < 1e-9, name
+    assert mine.residual == pytest.approx(other.residual, rel=1e-9, abs=1e-12, nan_ok=True)
+    assert mine.valid.tolist() == other.valid.tolist()
+    assert mine.gap == other.gap == 0.0
     assert len(mine.contacts) == len(other.contacts)
     for contact, twin in zip(mine.contacts, other.contacts, strict=True):
         assert_same_contact(contact, twin)

@@ -2,14 +2,15 @@
 
 from collections import OrderedDict
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.contacts.finder import EXACT
 from skinfield.errors import Floats, Ints
 from skinfield.inverse import GaussianModel, TaxelSets
+from skinfield.inverse.taxel_sets import SetError
 
 if TYPE_CHECKING:
     from skinfield.pipeline.plan import LinearPlan, Results
@@ -26,13 +27,17 @@ class Prepared:
     ----------
     sets : TaxelSets
         P of them.
-    errors : list of P pairs of PressureError
+    errors : list of P pairs of SetError
         Of the posterior, and by the readings' noise alone.
     """
 
     def __init__(self, sets: TaxelSets) -> None:
         self.sets = sets
-        self.errors = sets.errors()
+
+    @cached_property
+    def errors(self) -> list[tuple[SetError, SetError]]:
+        """Of the sets, one after the other: computed when contacts are first asked for."""
+        return self.sets.errors()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +67,15 @@ class MissingTaxels:
         which = which[order]
         for first in range(0, len(patterns), SETS):
             start, end = np.searchsorted(which, [first, first + SETS])
-            prepared = self._prepared(patterns[first : first + SETS])
+            prepared = self.prepared(patterns[first : first + SETS])
             for begin in range(start, end, CHUNK):
                 chunk = order[begin : min(begin + CHUNK, end)]
                 table = np.where(valid[chunk], readings[chunk], 0.0)
                 part = which[begin : begin + len(chunk)] - first
                 _solve(plan, prepared, table, part, rows[chunk], out)
 
-    def _prepared(self, patterns: NDArray[np.bool_]) -> Prepared:
+    def prepared(self, patterns: NDArray[np.bool_]) -> Prepared:
+        """Sets of valid taxels (P, L), of which those of the last calls are kept."""
         key = np.packbits(patterns, axis=1).tobytes()
         if key not in self._kept:
             prepared = Prepared(self.model.sets(patterns))
@@ -97,16 +103,11 @@ def _solve(
     setting, nodes, sets = plan.setting, len(plan.setting.grid), known.sets
     linear = setting.quantity.linearise(table, np.empty_like(table))
     filled = sets.filled(linear, which)
+    out.gap[rows] = 0.0
     out.fields[rows] = (plan.operator @ filled.T.astype(setting.precision)).T
     left = linear - filled @ plan.explained.T
     out.residual[rows] = np.where(sets.valid[which], left, np.nan)
     for row, place in zip(rows, which, strict=True):
         posterior, noise = known.errors[place]
         out.pressure_std[row] = posterior.std
-        out.contacts[row] = setting.finder(
-            setting.grid,
-            out.fields[row, :nodes],
-            noise,
-            posterior,
-            plan.model_error if setting.model_errors else EXACT,
-        )
+        out.contacts[row] = plan.contacts(out.fields[row, :nodes], noise, posterior)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.contacts import ContactFinder
 from skinfield.contacts.finder import EXACT
 from skinfield.errors import Floats, Ints
-from skinfield.fields import Contact, ModelError, PressureNoise, PressurePosterior
+from skinfield.fields import Contact, ModelError, PressureError, PressureNoise, PressurePosterior
 from skinfield.inverse import InverseOperator
 from skinfield.layout import Grid
 from skinfield.observation import Deformation, ObservationModel, Quantity
@@ -173,7 +173,7 @@ class LinearPlan:
             out.fields[part] = (self.operator @ linear.T.astype(setting.precision)).T
             out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
         for row in rows:
-            out.contacts[row] = self._contacts(out.fields[row, :nodes])
+            out.contacts[row] = self.contacts(out.fields[row, :nodes], self.noise, self.posterior)
 
     def prompt(self, reading: Floats, end: int | None) -> Answer:
         """Answer one reading (L',) at once, whatever the time it should end."""
@@ -186,15 +186,38 @@ class LinearPlan:
             {
                 "displacement": lambda: fields[nodes:].reshape(3, nodes).T,
                 "pressure_std": lambda: self.pressure_std.copy(),
-                "contacts": lambda: self._contacts(pressure),
+                "contacts": lambda: self.contacts(pressure, self.noise, self.posterior),
                 "residual": lambda: spread_out(linear - self.explained @ linear, self.valid),
             },
         )
 
-    def _contacts(self, pressure: Floats) -> tuple[Contact, ...]:
+    def prompt_among(self, reading: Floats, valid: NDArray[np.bool_]) -> Answer | None:
+        """Answer one reading (L,) of which some taxels are `valid`; None for most solvers."""
+        if self.missing is None:
+            return None
+        setting, nodes = self.setting, len(self.setting.grid)
+        known, one = self.missing.prepared(valid[None]), np.zeros(1, dtype=np.int64)
+        there = np.where(valid, reading, 0.0)
+        linear = setting.quantity.linearise(there, np.empty_like(there))
+        filled = known.sets.filled(linear[None], one)[0]
+        fields = np.dot(self.operator, filled.astype(setting.precision)).astype(np.float64)
+        pressure = fields[:nodes]
+        return Answer(
+            pressure,
+            {
+                "displacement": lambda: fields[nodes:].reshape(3, nodes).T,
+                "pressure_std": lambda: known.errors[0][0].std.copy(),
+                "contacts": lambda: self.contacts(pressure, *reversed(known.errors[0])),
+                "residual": lambda: spread_out((linear - self.explained @ filled)[valid], valid),
+            },
+        )
+
+    def contacts(
+        self, pressure: Floats, noise: PressureError, posterior: PressureError | None
+    ) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa, whose errors are known."""
         error = self.model_error if self.setting.model_errors else EXACT
-        finder = self.setting.finder
-        return finder(self.setting.grid, pressure, self.noise, self.posterior, error)
+        return self.setting.finder(self.setting.grid, pressure, noise, posterior, error)
 
     def reset(self) -> None:
         """Nothing is kept."""

@@ -27,7 +27,7 @@ from skinfield.pipeline.arguments import check_parts, checked_readings
 from skinfield.pipeline.contact_plan import make_plan
 from skinfield.pipeline.field_plan import FieldPlan
 from skinfield.pipeline.intervals import Intervals
-from skinfield.pipeline.plan import LinearPlan, Plan, Results, Setting
+from skinfield.pipeline.plan import Answer, LinearPlan, Plan, Results, Setting
 from skinfield.pipeline.support import support_of
 
 AFTER = 10_000  # ns: what a call does after the solver, at first
@@ -211,14 +211,10 @@ class Reconstructor:
 
         None where the plan computes all at once, as one that finds contacts does.
         """
-        plan, whole = self._plan, bool(valid.all())
-        if not isinstance(plan, (LinearPlan, FieldPlan) if whole else FieldPlan):
-            return None
-        plan = plan if whole else self._plan_for(valid)
-        assert isinstance(plan, (LinearPlan, FieldPlan))  # as that of all taxels is
         end = None if deadline is None else start + int(deadline * 1e9)
-        part = reading if whole else reading[valid]
-        answer = plan.prompt(part, None if end is None else end - self._after)
+        answer = self._answer(reading, valid, None if end is None else end - self._after)
+        if answer is None:
+            return None
         answered = time.perf_counter_ns()
         pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
         rest["traction"] = lambda: -pressure[:, None] * self.grid.normals
@@ -239,6 +235,16 @@ class Reconstructor:
         vars(estimate)["latency"] = (now - start) * 1e-9
         vars(estimate)["deadline_met"] = end is None or now <= end
         return estimate
+
+    def _answer(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer | None:
+        plan, whole = self._plan, bool(valid.all())
+        if isinstance(plan, LinearPlan):
+            return plan.prompt(reading, end) if whole else plan.prompt_among(reading, valid)
+        if not isinstance(plan, FieldPlan):
+            return None
+        plan = plan if whole else self._plan_for(valid)
+        assert isinstance(plan, FieldPlan)  # as that of all taxels is
+        return plan.prompt(reading if whole else reading[valid], end)
 
     def calibrated(
         self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
