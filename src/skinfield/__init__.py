@@ -27,6 +27,7 @@ from skinfield.mechanics import Layer as Layer
 from skinfield.observation import BaseStress as BaseStress
 from skinfield.observation import Capacitance as Capacitance
 from skinfield.observation import Gap as Gap
+from skinfield.pipeline import Ladder as Ladder
 from skinfield.pipeline import Reconstructor as Reconstructor
 
 if _typing.TYPE_CHECKING:

@@ -79,6 +79,8 @@ class Recipe:
         if missing:
             raise FileError(f"settings lack {', '.join(sorted(missing))}: is the file whole?")
         parts = {name: value_from_plain(name, plain[name]) for name in PARTS}
+        if not isinstance(parts["patch"], Patch):
+            raise FileError(f"patch is a {type(parts['patch']).__name__}, expected a Patch")
         grid = value_from_plain("grid", plain["grid"])
         try:
             shape, pitch, origin = grid

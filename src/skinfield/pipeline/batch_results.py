@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,6 @@ from skinfield.pipeline.batch_fields import RUN, BulkFields, Fields
 from skinfield.pipeline.batch_lazy import ChunkCache, LazyArray, LazyList
 from skinfield.pipeline.batch_recipe import Recipe
 from skinfield.pipeline.reconstructor import Reconstructor
-
-if TYPE_CHECKING:
-    import xarray
 
 ALL = ("pressure", "indentation", "displacement")
 
@@ -202,12 +199,12 @@ class LazyResults:
             part = slice(first, min(first + rows, len(self)))
             yield part, {name: getattr(self, name)[part] for name in names}
 
-    def to_xarray(self) -> "xarray.Dataset":
-        """Labelled fields that are computed when they are looked at; needs `skinfield[xarray]`."""
+    def to_xarray(self) -> Any:
+        """An `xarray.Dataset` of the fields, computed when looked at; needs `skinfield[xarray]`."""
         from skinfield.fields.lazy_labelled import dataset_from_lazy
 
         pictures = {name: self._picture(getattr(self, name)) for name in ALL}
-        return dataset_from_lazy(self.grid, self.stamp_ns[:], pictures)  # type: ignore[no-any-return]
+        return dataset_from_lazy(self.grid, self.stamp_ns[:], pictures)
 
     @property
     def _is_linear(self) -> bool:

@@ -56,6 +56,8 @@ def plain_from_value(name: str, value: Any) -> Any:
         return value
     if isinstance(value, float):
         return value if math.isfinite(value) else {"float": repr(value)}
+    if isinstance(value, type) and value in (np.float32, np.float64):
+        return {"type": value.__name__}
     if isinstance(value, np.generic):
         return plain_from_value(name, value.item())
     if isinstance(value, np.ndarray) and value.dtype.kind in "fiub":
@@ -84,6 +86,8 @@ def value_from_plain(name: str, plain: Any) -> Any:
         return plain
     if "float" in plain:
         return _made(name, float, plain["float"])
+    if "type" in plain:
+        return {"float32": np.float32, "float64": np.float64}.get(str(plain["type"]))
     if "array" in plain:
         return _made(name, _array, plain)
     kind = _kinds().get(str(plain.get("is")))

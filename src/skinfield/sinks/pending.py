@@ -55,8 +55,11 @@ def pending(path: str | Path) -> Pending:
             raise FileError(
                 f"{target} cannot be written: {folder} is no folder, expected one that is there"
             )
-        if target.is_dir() and not (target / "zarr.json").is_file():
-            raise FileError(f"{target} is a folder that is no Zarr store, expected a new name")
+        own = any((target / name).is_file() for name in ("zarr.json", "readings.npy"))
+        if target.is_dir() and not own:
+            raise FileError(
+                f"{target} is a folder that is no Zarr store and no results, expected a new name"
+            )
         if target.exists() and not (target.is_dir() or target.is_file()):
             raise FileError(f"{target} is no file, expected the name of one: it cannot be replaced")
         if not os.access(folder, os.W_OK):

@@ -3,3 +3,4 @@
 from skinfield.sources.recordings import open_recording as open_recording
 from skinfield.sources.recordings import readings_for as readings_for
 from skinfield.sources.recordings import stream_recording as stream_recording
+from skinfield.sources.results import open_results as open_results
