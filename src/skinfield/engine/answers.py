@@ -1,7 +1,6 @@
 """From the arrays of a cycle to the estimate of one patch."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +11,9 @@ from skinfield.engine.group import Group
 from skinfield.engine.report import CycleReport
 from skinfield.engine.state import FEASIBLE, LINEAR
 from skinfield.errors import Floats
-from skinfield.fields import Contact, Estimate, ModelError, PressureError, PressureNoise
+from skinfield.fields import Estimate
 from skinfield.layout import Grid
-
-
-@dataclass(frozen=True, eq=False)
-class Beliefs:
-    """What is known of an answer's errors, and how readings follow from it."""
-
-    noise: PressureNoise
-    posterior: PressureError | None
-    pressure_std: Floats
-    model_error: ModelError
+from skinfield.pipeline.ladder_estimate import Rest, linear_beliefs, searched_beliefs
 
 
 def grid_on(group: Group, place: int, rung: int) -> Grid:
@@ -31,65 +21,6 @@ def grid_on(group: Group, place: int, rung: int) -> Grid:
     first, patch = group.kind.patches[0], group.kind.patches[place]
     grid = group.rungs.steps[rung].grid
     return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
-
-
-@dataclass(frozen=True, eq=False)
-class Rest:
-    """What follows from a pressure, each computed when it is asked for.
-
-    Attributes
-    ----------
-    group : Group
-    answer : int
-        Of `Answer`.
-    rung : int
-    grid : Grid
-    pressure : (K,) array, Pa
-    readings : (L,) array
-        Linearised.
-    valid : (L,) bool array
-    predicted : (L,) array or None
-        Of a linear answer; of others it follows from the pressure.
-    finder : ContactFinder
-    """
-
-    group: Group
-    answer: int
-    rung: int
-    grid: Grid
-    pressure: Floats
-    readings: Floats
-    valid: NDArray[np.bool_]
-    predicted: Floats | None
-    finder: ContactFinder
-
-    def traction(self) -> Floats:
-        """Of a pressure along the normals, (K, 3) Pa."""
-        return np.asarray(-self.pressure[:, None] * self.grid.normals)
-
-    def displacement(self) -> Floats:
-        """Of the surface, (K, 3) m."""
-        return self.group.rungs.steps[self.rung].deformation.on(self.grid)(self.pressure)
-
-    def pressure_std(self) -> Floats:
-        """As the solver states it, (K,) Pa."""
-        return _beliefs(self.group, self.answer, self.rung).pressure_std
-
-    def contacts(self) -> tuple[Contact, ...]:
-        """By falling force."""
-        known = _beliefs(self.group, self.answer, self.rung)
-        return self.finder(
-            self.grid, self.pressure, known.noise, known.posterior, known.model_error
-        )
-
-    def residual(self) -> Floats:
-        """Readings less what the pressure predicts, (L,); NaN for taxels that were left out."""
-        predicted = self.predicted
-        if predicted is None:
-            model = self.group.rungs.steps[self.rung].model
-            assert model is not None  # searches have one
-            predicted = model.matrix @ self.pressure
-        return np.asarray(np.where(self.valid, self.readings - predicted, np.nan))
 
 
 def estimate_of(
@@ -104,34 +35,32 @@ def estimate_of(
     state, intake = work.state, work.intake
     group = work.groups[state.group[patch]]
     place, rung, answer = patch - group.first, int(state.rung[patch]), int(state.answer[patch])
-    rows = intake.rows_of(patch)
-    predicted = None
-    if work.linear:
-        filled = work.white[group.index][place] * group.kind.noise_std
-        predicted = np.asarray(group.rungs.explained @ filled)
-    rest = Rest(
-        group=group,
-        answer=answer,
-        rung=rung,
-        grid=grid_of(patch, rung),
-        pressure=_pressure(group, answer, rung, place),
+    step, grid, rows = group.rungs.steps[rung], grid_of(patch, rung), intake.rows_of(patch)
+    pressure, valid = _pressure(group, answer, rung, place), intake.valid[rows].copy()
+    filled = work.white[group.index][place] * group.kind.noise_std
+
+    def predicted() -> Floats:
+        if step.model is None:
+            return np.asarray(group.rungs.explained @ filled)
+        return np.asarray(step.model.matrix @ pressure)
+
+    linear = answer == LINEAR or step.operator is None
+    return Rest(
+        grid=grid,
+        pressure=pressure,
         readings=intake.linear[rows].copy(),
-        valid=intake.valid[rows].copy(),
+        valid=valid,
         predicted=predicted,
+        moved=lambda: step.deformation.on(grid)(pressure),
+        beliefs=lambda: linear_beliefs(step) if linear else searched_beliefs(step),
         finder=finder,
-    )
-    following = ("traction", "displacement", "pressure_std", "contacts", "residual")
-    return Estimate.later(
-        {name: getattr(rest, name) for name in following},
-        grid=rest.grid,
-        pressure=rest.pressure,
-        valid=rest.valid,
+    ).estimate(
         latency=report.spent,
         stamp_ns=stamp_ns,
         gap=float(state.gap[patch]),
         iterations=int(state.iterations[patch]),
         deadline_met=not report.overrun,
-        notes=_notes(work, answer, rest.valid),
+        notes=_notes(work, answer, valid),
     )
 
 
@@ -141,14 +70,6 @@ def _pressure(group: Group, answer: int, rung: int, place: int) -> Floats:
     if answer == FEASIBLE:
         return np.array(group.feasible[rung][place])
     return np.zeros(len(group.rungs.steps[rung].grid))
-
-
-def _beliefs(group: Group, answer: int, rung: int) -> Beliefs:
-    step = group.rungs.steps[rung]
-    operator = step.operator
-    if answer == LINEAR or operator is None:
-        return Beliefs(step.noise, step.posterior, step.pressure_std, step.model_error)
-    return Beliefs(operator.noise, operator.posterior, operator.pressure_std, operator.model_error)
 
 
 def _notes(work: Clockwork, answer: int, valid: NDArray[np.bool_]) -> tuple[str, ...]:

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.engine.interning import Kind
-from skinfield.engine.missing import MissingTaxels
 from skinfield.engine.products import SharedProduct, Singles
 from skinfield.engine.searching import ReducedSearch, SearchOperator, idle_test_of, is_search
 from skinfield.engine.stamped_product import product_of, slack_of
 from skinfield.errors import Floats, InputError
+from skinfield.pipeline.ladder_missing import MissingTaxels
 from skinfield.pipeline.ladder_rungs import Rungs
 
 

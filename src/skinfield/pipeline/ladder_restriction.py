@@ -1,6 +1,6 @@
 """From a fine grid to a coarse one over the same patch: averages over cells, so force is kept."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -56,24 +56,42 @@ class Restriction:
 
 @dataclass(frozen=True, eq=False)
 class RestrictedPosterior:
-    """Covariance of coarse cells, exactly: that of the sums of fine cells that they are."""
+    """Covariance of coarse cells, exactly: that of the sums of fine cells that they are.
+
+    Attributes
+    ----------
+    fine : PressurePosterior
+    restriction : Restriction
+    cells : (K,) int array
+        Which of the coarse cells, by their numbers on the coarse grid.
+    """
 
     fine: PressurePosterior
     restriction: Restriction
+    cells: NDArray[np.int64]
+
+    def on(self, nodes: NDArray[np.int64]) -> "RestrictedPosterior":
+        """Of some of the cells, in their order."""
+        return replace(self, cells=self.cells[nodes])
 
     @cached_property
     def std(self) -> Floats:
         """Standard deviation of each coarse cell, (K,) Pa."""
-        cells = len(self.restriction.down) * len(self.restriction.across)
-        one = np.ones((1, 1))
-        variance = [self.covariance_of_sums(np.array([k]), one)[0, 0] for k in range(cells)]
+        each, one = np.arange(len(self.cells))[:, None], np.ones((1, 1))
+        variance = [self.covariance_of_sums(cell, one)[0, 0] for cell in each]
         return np.sqrt(np.maximum(variance, 0.0))
+
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells of which anything is left open."""
+        return int(np.count_nonzero(self.std))
 
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         restriction = self.restriction
-        coarse = np.zeros((len(weights), len(restriction.down) * len(restriction.across)))
-        np.add.at(coarse, (slice(None), cells), weights)  # a cell may come more than once
+        places, count = self.cells[cells], len(restriction.down) * len(restriction.across)
+        sums = [np.bincount(places, weight, count) for weight in weights]  # cells may come again
+        coarse = np.asarray(sums, dtype=np.float64)
         fine = restriction.transposed(coarse)
         used = np.flatnonzero(fine.any(axis=0))
         return self.fine.covariance_of_sums(used, fine[:, used])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_count
-from skinfield.fields import ModelError, PressureError, PressureNoise
+from skinfield.fields import ModelError, PressureNoise, PressurePosterior
 from skinfield.inverse import (
     ContactOperator,
     FieldOperator,
@@ -40,7 +40,7 @@ class Rung:
         The linear answer: that of the finest rung, averaged over this one's cells.
     noise : PressureNoise
         Of the linear answer.
-    posterior : PressureError or None
+    posterior : PressurePosterior, RestrictedPosterior or None
         Of a Bayesian solver, averaged alike.
     model_error : ModelError
     model : ObservationModel or None
@@ -54,7 +54,7 @@ class Rung:
     deformation: Deformation
     matrix: Floats
     noise: PressureNoise
-    posterior: PressureError | None
+    posterior: PressurePosterior | RestrictedPosterior | None
     model_error: ModelError
     model: ObservationModel | None = None
     operator: FieldOperator | None = None
@@ -195,10 +195,10 @@ def _linear_rung(
     nodes: int, deformation: Deformation, finest: InverseOperator, model: ObservationModel
 ) -> Rung:
     grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
-    error: PressureError | None = posterior
+    error: PressurePosterior | RestrictedPosterior | None = posterior
     if grid.shape != model.grid.shape:
-        restriction = Restriction.between(model.grid, grid)
+        restriction, every = Restriction.between(model.grid, grid), np.arange(len(grid))
         matrix = np.ascontiguousarray(restriction(matrix.T).T)
-        error = None if posterior is None else RestrictedPosterior(posterior, restriction)
+        error = None if posterior is None else RestrictedPosterior(posterior, restriction, every)
     noise = PressureNoise(matrix * model.noise_std)
     return Rung(nodes, grid, deformation, matrix, noise, error, finest.model_error)
