@@ -34,6 +34,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "zarr": {"sinks", "sources"},
     "xarray": {"fields"},  # the type that Estimate.to_xarray returns
     "skfem": {"fem"},
+    "array_api_compat": {"pipeline"},  # batches on a GPU
     "trimesh": {"sources"},
     "PIL": {"sources"},
     "jinja2": {"experiments"},
