@@ -105,6 +105,7 @@ def memory_of(problem: "Problem") -> "Memory":
         turn=numbers(nodes),
         every=numbers(nodes),
         active=np.zeros(nodes, dtype=np.int64),
+        factored=np.zeros(nodes, dtype=np.int64),
         lower=numbers(width, width),
         pressed=np.zeros(nodes, dtype=np.int64),
         amounts=numbers(nodes),

@@ -169,6 +169,15 @@ def solve_factored(lower: Floats, count: int, values: Floats) -> None:
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
+def factor(rows: Floats, active: Ints, count: int, width: int, lower: Floats) -> None:
+    """Factor 1 + B_A' B_A, or 1 + B_A B_A' where fewer nodes are active than there are taxels."""
+    if count < width:
+        factor_nodes(rows, active, count, lower)
+    else:
+        factor_taxels(rows, active, count, width, lower)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
 def newton_step(
     rows: Floats,
     active: Ints,
@@ -178,18 +187,15 @@ def newton_step(
     scratch: Floats,
     step: Floats,
 ) -> None:
-    """Write into `step` (W,) the solution of (1 + B_A' B_A) step = ascent.
+    """Write into `step` (W,) the solution of (1 + B_A' B_A) step = ascent, by its `factor`.
 
-    By nodes where fewer are active than there are taxels:
-    (1 + B_A' B_A)^-1 = 1 - B_A' (1 + B_A B_A')^-1 B_A.
+    By nodes: (1 + B_A' B_A)^-1 = 1 - B_A' (1 + B_A B_A')^-1 B_A.
     """
     width = len(ascent)
     step[:] = ascent
     if count >= width:
-        factor_taxels(rows, active, count, width, lower)
         solve_factored(lower, width, step)
         return
-    factor_nodes(rows, active, count, lower)
     project(rows, active, count, ascent, scratch)
     solve_factored(lower, count, scratch)
     for i in range(count):

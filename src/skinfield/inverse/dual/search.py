@@ -16,8 +16,9 @@ STRICTER = 0.1  # of that, wherever it did not do
 PASSES = 12  # over all nodes, at most
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 SPARE_NS = 2000  # for the way back to the caller
+WELL = 0.2  # of what was left before a step: if more is left after it, its system was too old
 LARGEST = 1e30  # of half the squared readings, beyond which single precision overflows
-IDLE, COUNT, STEPS, PRESSED, GIVEN = range(5)  # of `counts`
+IDLE, COUNT, STEPS, PRESSED, GIVEN, FACTORED = range(6)  # of `counts`
 GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE = range(5)  # of `measures`; ns per product
 
 
@@ -52,6 +53,7 @@ class Memory(NamedTuple):
     turn: Floats
     every: Floats
     active: Ints
+    factored: Ints
     lower: Floats
     pressed: Ints
     amounts: Floats
@@ -90,7 +92,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
     if not begin(problem, memory):
         counts[IDLE] = 1
         return
-    local, passes = LOCAL * problem.tolerance, 0
+    local, passes, before = LOCAL * problem.tolerance, 0, np.inf
     while True:
         start = now_ns(memory.room)
         best, plain = primal(problem, memory, best)
@@ -103,7 +105,8 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         until = ending + (proof if provable else 0.0) + measures[STEP_PACE] * work
         late = deadline > 0 and until > deadline
         if not (solved or late) and counts[STEPS] < problem.most:
-            newton(problem, memory, active)
+            newton(problem, memory, active, left > WELL * before)
+            before = left
             counts[STEPS] += 1
             taken = now_ns(memory.room) - start
             measures[STEP_PACE] = measured(measures[STEP_PACE], taken, work)
@@ -268,12 +271,19 @@ def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True)
-def newton(problem: Problem, memory: Memory, active: int) -> None:
-    """One semismooth Newton step from the dual, to where the dual value is highest along it."""
+def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
+    """One semismooth Newton step from the dual, to where the dual value is highest along it.
+
+    By the system of the active nodes of an earlier step, unless it should be made `anew`.
+    """
     count, dual, step, turn = memory.counts[COUNT], memory.dual, memory.step, memory.turn
-    kernel.newton_step(
-        problem.rows, memory.active, active, memory.ascent, memory.lower, memory.scratch, step
-    )
+    rows, factored = problem.rows, memory.factored
+    if anew or memory.counts[FACTORED] == 0:
+        factored[:active] = memory.active[:active]
+        kernel.factor(rows, factored, active, len(dual), memory.lower)
+        memory.counts[FACTORED] = active
+    n = memory.counts[FACTORED]
+    kernel.newton_step(rows, factored, n, memory.ascent, memory.lower, memory.scratch, step)
     first, second = 0.0, 0.0
     for taxel in range(len(step)):
         first += step[taxel] * (memory.target[taxel] - dual[taxel])
