@@ -9,7 +9,7 @@ from skinfield.errors import Floats
 from skinfield.experiments.bench import contenders
 from skinfield.experiments.bench.chain import Chain, run_chain
 from skinfield.experiments.bench.clock import Spread, spread, undisturbed
-from skinfield.experiments.bench.contenders import EXACTER, Contender
+from skinfield.experiments.bench.contenders import CONVERGED, LONG, Contender
 from skinfield.experiments.bench.scene import LEAD, Scene
 from skinfield.experiments.bench.settings import BenchSettings
 from skinfield.experiments.bench.truth import Miss, miss
@@ -163,8 +163,8 @@ def _tracks(settings: BenchSettings, scene: Scene, show: Show) -> list[_Track]:
     ]
     tracks = [_Track(each, "warm", None, _converged(each, scene, "cold")) for each in linear]
     show("preparing", 1, 3)
-    field_solver = contenders.non_negative("NonNegative", model)
-    exact = _converged(contenders.non_negative("converged", model, EXACTER), scene, "cold")
+    field_solver = contenders.non_negative("NonNegative", model, LONG)
+    exact = _converged(contenders.non_negative("converged", model, CONVERGED), scene, "cold")
     tracks += _laddered(field_solver, ladder, dict.fromkeys(STARTS, exact))
     show("preparing", 2, 3)
     fit = contenders.contact_fit("ContactFit", model)

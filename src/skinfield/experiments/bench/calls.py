@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,6 @@ SOLVERS: dict[str, Solver] = {
     "NonNegative": NonNegative(),
     "ContactFit": ContactFit(),
 }
-NAN = float("nan")
 Show = Callable[[str, int, int], None]
 
 
@@ -65,11 +63,11 @@ class _Calls:
         self.rec.reset()
         for index, reading in enumerate(readings):
             start = time.perf_counter_ns()
-            estimate: Any = self.rec(reading, deadline=self.deadline)
+            estimate = self.rec(reading, deadline=self.deadline)
             spent = (time.perf_counter_ns() - start) * 1e-9
             if index >= LEAD:
-                said = (estimate.latency, getattr(estimate, "gap", NAN))
-                self.rows.append((spent, *said, bool(getattr(estimate, "deadline_met", True))))
+                said = (estimate.latency, float(estimate.gap), bool(estimate.deadline_met))
+                self.rows.append((spent, *said))
 
     def result(self) -> Call:
         seconds, latency, gap, told = np.array(self.rows, dtype=np.float64).T
@@ -105,5 +103,5 @@ def whole_calls(settings: BenchSettings, scene: Scene, show: Show) -> list[Call]
         for done, which in enumerate(rng.permutation(len(todo))):
             show(f"calls, round {turn + 1} of {rounds}", done, len(todo))
             with undisturbed():
-                todo[which].take(scene.readings)
+                todo[which].take(scene.part(turn, settings.size.steps))
     return [each.result() for each in todo]

@@ -53,6 +53,9 @@ def _converted_item(key: str, value: Any) -> tuple[str, Any]:
 
 
 def _scaled(value: Any, factor: float) -> Any:
+    """Six digits: more is noise."""
     if isinstance(value, dict):  # a spread
-        return {name: each if name == "count" else each * factor for name, each in value.items()}
-    return None if value is None else value * factor
+        return {
+            name: each if name == "count" else _scaled(each, factor) for name, each in value.items()
+        }
+    return None if value is None else float(f"{value * factor:.6g}")

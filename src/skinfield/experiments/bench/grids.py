@@ -14,6 +14,7 @@ from skinfield.experiments.bench.contenders import Contender
 from skinfield.experiments.bench.scene import LEAD, Scene
 from skinfield.experiments.bench.settings import FIT_DEADLINES, GAPS, BenchSettings
 from skinfield.experiments.paper.algorithm import reconstruct_as_paper, stress_matrix
+from skinfield.inverse import NonNegative
 from skinfield.layout import Grid
 
 PAPER, INVERSION = "paper", "paper, inversion alone"
@@ -95,9 +96,8 @@ def _rows(settings: BenchSettings, scene: Scene, nodes: int) -> Iterator[_Row]:
         yield _Row(nodes, made.name, _repeated(made, scene, settings.size.laps))
     model, steps = contenders.model_of(settings, nodes), settings.size.steps
     for gap in GAPS:
-        found = contenders.non_negative(
-            f"NonNegative to {gap:.0e}".replace("e-0", "e-"), model, gap
-        )
+        name = f"NonNegative to {gap:.0e}".replace("e-0", "e-")
+        found = contenders.non_negative(name, model, NonNegative(tolerance=gap))
         for start in ("warm", "cold"):
             lap = _chained(found, scene, steps, None, cold=start == "cold")
             yield _Row(nodes, f"{found.name}, {start}", lap, target=gap)
@@ -145,9 +145,7 @@ def _chained(
     """Readings in order, others in each round."""
 
     def lap(turn: int) -> tuple[Floats, list[float]]:
-        first = max(turn, 0) * steps % max(len(scene) - steps + 1, 1)
-        part = scene.readings[first : first + LEAD + steps]
-        chain = run_chain(made, part, deadline, cold=cold)
+        chain = run_chain(made, scene.part(turn, steps), deadline, cold=cold)
         return chain.seconds, [answer.gap for answer in chain.answers]
 
     return lap

@@ -89,7 +89,8 @@ def run_bench(settings: BenchSettings, show: Show = say_nothing) -> Bench:
 def as_printed(points: list[Point], grids: list[GridTime], nodes: int) -> list[Point]:
     """Points where the paper's has the time of its algorithm, all of it for every reading.
 
-    Its answers are those of the same inverse prepared once, to rounding.
+    Its answers are those of the same inverse prepared once, but for taxels on one circle, between
+    which there are two Delaunay triangulations.
     """
     times = {each.nodes: each.seconds for each in grids if each.name == PAPER}
     return [

@@ -29,17 +29,25 @@ class Scene:
     ----------
     readings : (LEAD + T, L) array, in the quantity's unit
         With noise.
+    exact : (LEAD + T, L) array
+        Without.
     places : (LEAD + T, 2, 2) array, m
         Of the fingers on the patch's plane.
     forces : (LEAD + T, 2) array, N
     """
 
     readings: Floats
+    exact: Floats
     places: Floats
     forces: Floats
 
     def __len__(self) -> int:
         return len(self.readings) - LEAD
+
+    def part(self, turn: int, steps: int) -> Floats:
+        """Readings (LEAD + steps, L) for a round: one after another, and from the start again."""
+        first = max(turn, 0) * steps % max(len(self) - steps + 1, 1)
+        return self.readings[first : first + LEAD + steps]
 
 
 def paths(count: int) -> tuple[Floats, Floats]:
@@ -75,4 +83,4 @@ def make_scene(
         exact[index] = solved.readings(patch.plane, patch.pad_diameter, "stress")
     rng = np.random.default_rng(settings.seed)
     noisy = exact + rng.normal(scale=settings.noise, size=exact.shape)
-    return Scene(noisy, places, forces)
+    return Scene(noisy, exact, places, forces)

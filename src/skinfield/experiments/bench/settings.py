@@ -9,9 +9,9 @@ from skinfield.layout.generators import hexagon72
 from skinfield.mechanics import Layer
 from skinfield.observation import BaseStress
 
-LADDER = tuple(
-    1e-6 * each for each in (20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 50_000)
-)  # s
+MICROSECONDS = (10, 20, 30, 50, 70, 100, 200, 500)
+MILLISECONDS = (1, 2, 5, 10, 20, 50)
+LADDER = tuple(us * 1e-6 for us in MICROSECONDS) + tuple(ms * 1e-3 for ms in MILLISECONDS)  # s
 GAPS = (1e-2, 1e-4)  # certified: how far above the minimum an objective may be
 FIT_DEADLINES = (0.5e-3, 2e-3)  # s: beside none
 SIZES = ("smoke", "short", "full")
@@ -60,12 +60,12 @@ SMOKE = BenchSize(
     name="smoke",
     grids=(10, 20),
     nodes=20,
-    deadlines=(100e-6, 1e-3, 10e-3),
-    readings=10,
+    deadlines=(30e-6, 1e-3),
+    readings=6,
     rounds=1,
     paper_laps=2,
     laps=200,
-    steps=10,
+    steps=6,
     cell=0.5e-3,
 )
 SHORT = BenchSize(name="short", readings=100, rounds=5, paper_laps=10, laps=600, steps=40)
