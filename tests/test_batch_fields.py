@@ -68,6 +68,13 @@ def test_bulk_fields_are_those_of_the_reconstructor(reconstructor, lack) -> None
     for name in names:
         assert found[name].dtype == np.float32
         close(found[name], np.concatenate([getattr(e, name) for e in estimates]))
+    for one, other in zip(
+        bulk.contacts(readings), [c for e in estimates for c in e.contacts], strict=True
+    ):
+        assert len(one) == len(other)
+        for contact, expected in zip(one, other, strict=True):
+            np.testing.assert_allclose(contact.force, expected.force, rtol=1e-7, atol=1e-9)
+            np.testing.assert_allclose(contact.covariance, expected.covariance, rtol=1e-5)
     some = BulkFields(reconstructor, "pressure", np.float64)(readings)
     assert list(some) == ["pressure"]
     np.testing.assert_allclose(

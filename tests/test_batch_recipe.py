@@ -70,7 +70,8 @@ def test_intervals_come_back() -> None:
 @pytest.mark.parametrize(
     "value",
     [
-        ICubByte(no_load=235), CySkinCount(), np.float32, float("inf"), -0.0, 1e-300, 2**60, None, True, "ü",
+        ICubByte(no_load=235), CySkinCount(), np.float32, float("inf"), -0.0, 1e-300, 2**60,
+        None, True, "ü",
         (1, (2.5, "a")), np.array([[1.5, np.nan]]), np.arange(3, dtype=np.uint64),
         np.array([True, False]),
     ],

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, check_shape
-from skinfield.fields import Estimate
+from skinfield.fields import Contact, Estimate
 from skinfield.pipeline.batch import CHUNK, OUTPUTS, BulkProduct, checked_outputs, rows_of
 from skinfield.pipeline.plan import LinearPlan
 from skinfield.pipeline.reconstructor import Reconstructor
@@ -108,6 +108,32 @@ class BulkFields:
                 linear = self._linearised(readings[np.ix_(rows, pattern)])
                 out[rows] = self._product(pattern).fields(linear)
 
+    def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
+        """Contacts of some readings (T, L), by the reconstructor's finder.
+
+        Of a linear solver by the pressure in double precision alone, where the same taxels are
+        valid in all of them.
+        """
+        mask = ~np.isnan(readings)
+        if self._linear is None or not (mask == mask[0]).all():
+            return [each for estimate in self.estimates(readings) for each in estimate.contacts]
+        plan = self._plan(mask[0])
+        linear = self._linearised(readings[:, mask[0]])
+        product = BulkProduct(plan.operator[: len(self.reconstructor.grid)], np.float64, RUN)
+        learnt, found = self.reconstructor.intervals, []
+        for first in range(0, len(linear), RUN):
+            for pressure in product.fields(linear[first : first + RUN]):
+                each = plan.contacts(pressure, plan.noise, plan.posterior)
+                found.append(each if learnt is None else learnt(each))
+        return found
+
+    def std(self, readings: Floats) -> Floats | None:
+        """Deviation of the pressure (K,), Pa, if it is one for all of some readings (T, L)."""
+        mask = ~np.isnan(readings)
+        if self._linear is None or not (mask == mask[0]).all():
+            return None
+        return self._plan(mask[0]).pressure_std
+
     def estimates(self, readings: Floats) -> Iterator[Estimate]:
         """Everything of some readings, contacts too, as estimates of a run each."""
         for first in range(0, len(readings), RUN):
@@ -135,12 +161,15 @@ class BulkFields:
         quantity = self.reconstructor.quantity
         return quantity.linearise(readings, np.empty(readings.shape))
 
+    def _plan(self, valid: NDArray[np.bool_]) -> LinearPlan:
+        plan = self._linear if valid.all() else self.reconstructor._plan_for(valid)
+        assert isinstance(plan, LinearPlan)
+        return plan
+
     def _product(self, valid: NDArray[np.bool_]) -> BulkProduct:
         key = np.packbits(valid).tobytes()
         if key not in self._products:
-            plan = self._linear if valid.all() else self.reconstructor._plan_for(valid)
-            assert isinstance(plan, LinearPlan)
-            rows = rows_of(plan.operator, self.reconstructor.grid, self.outputs)
+            rows = rows_of(self._plan(valid).operator, self.reconstructor.grid, self.outputs)
             _let_go(self._products)
             self._products[key] = BulkProduct(rows, self.precision)
         self._products.move_to_end(key)

@@ -158,7 +158,8 @@ class LazyResults:
     def contacts(self) -> LazyList:
         """Of each reading, a tuple in order of falling force."""
         if self._is_linear:
-            return LazyList(len(self), 1, self._contacts, self._cache)
+            size = 4096 + 8 * len(self.grid)  # they keep their pressure for what is asked later
+            return LazyList(len(self), 1, self._contacts, self._cache, size)
         return LazyList(len(self), RUN, lambda a, b: self._solved(a)[1], self._cache)
 
     def estimate(self, reading: int) -> Estimate:
@@ -239,7 +240,7 @@ class LazyResults:
         return LazyArray(shape, array.dtype, array.chunk, load, self._cache)
 
     def _contacts(self, first: int, last: int) -> tuple[tuple[Contact, ...], ...]:
-        return tuple(self.reconstructor(self.kept.values(first, last)).contacts)
+        return tuple(self._fields("pressure").contacts(self.kept.values(first, last)))
 
     def _solved(self, first: int) -> tuple[Fields, tuple[tuple[Contact, ...], ...]]:
         """Everything of a run of an iterative solver: it comes at once, so it is kept at once."""
