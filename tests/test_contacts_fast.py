@@ -90,10 +90,11 @@ def test_hills_of_one_height_that_meet_in_turn_stay_whole() -> None:
 
 @given(st.lists(st.sampled_from([0.0, -0.0, 1.0, 1.5, 2.0, 7.0, 9.0]), max_size=80))
 def test_sorting_is_stable(values: list[float]) -> None:
-    flat = np.array(values)
-    order = np.arange(len(flat))
-    sort_falling(order, flat, np.empty_like(order))
-    assert order.tolist() == np.argsort(-flat, kind="stable").tolist()
+    flat, order = np.array(values), np.arange(len(values))
+    expected = np.argsort(-flat, kind="stable")
+    sort_falling(flat, order, np.empty(len(flat)), np.empty_like(order))
+    assert order.tolist() == expected.tolist()
+    assert flat.tolist() == [values[place] for place in expected]
 
 
 @pytest.mark.parametrize("shape", [(9, 13), (1, 20)])

@@ -50,6 +50,10 @@ class ContactFinder:
         for name in ("relative_height", "prominence", "edge"):
             check_range(name, getattr(self, name), 0.0, 1.0, "a fraction of a peak")
 
+    def sigmas(self, noise: PressureError) -> float:
+        """Standard deviations by which a peak must exceed the noise of the cells that feel it."""
+        return _significance(self.false_alarm_rate, max(noise.felt, 1))
+
     def __call__(
         self,
         grid: Grid,
@@ -83,7 +87,7 @@ class ContactFinder:
             If the pressure or the noise is not one number for each node.
         """
         flood = compiled()
-        sigmas = _significance(self.false_alarm_rate, max(noise.felt, 1))
+        sigmas = self.sigmas(noise)
         flat = np.require(pressure, np.float64, ("C", "W"))  # others would be compiled for anew
         if not flat.shape == noise.std.shape == (len(grid),):
             check_shape("pressure", flat, (len(grid),), "one per node of the grid")

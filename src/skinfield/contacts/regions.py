@@ -33,8 +33,11 @@ def regions(values: Floats, least_drop: Floats, floor: float, edge: float) -> li
     """
     flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
     least = np.ascontiguousarray(least_drop, dtype=np.float64).ravel()
-    starts, cells = compiled().flood(flat, least, values.shape[1], 1.0, 0.0, floor, edge)
-    return np.split(cells, starts[1:-1]) if len(starts) > 1 else []
+    kernel, (rows, columns) = compiled(), values.shape
+    work = kernel.room_for(rows, columns)
+    count = kernel.flood(flat, least, columns, 1.0, 0.0, floor, edge, work)
+    starts, cells = work[2][kernel.STARTS], work[2][kernel.REGIONS]
+    return [cells[starts[n] : starts[n + 1]].copy() for n in range(count)]
 
 
 def border(cells: NDArray[np.int64], shape: tuple[int, int]) -> Floats:

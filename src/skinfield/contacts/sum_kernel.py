@@ -150,7 +150,7 @@ def borders(
     return ends, around[:end], weights[:end]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def sides_of(
     pressure: Floats,
     columns: int,
@@ -180,10 +180,14 @@ def sides_of(
         if not (pressure[beside] < level < pressure[cell]):
             continue
         across = pressure[cell] - pressure[beside]
-        along = 0.5 * (
-            slope_at(pressure, columns, row, column, down == 0)
-            + slope_at(pressure, columns, r, c, down == 0)
-        )
+        along = 0.0
+        if down == 0 and rows > 1:
+            along = slope_at(pressure, cell, columns, row, rows)
+            along += slope_at(pressure, beside, columns, r, rows)
+        elif down != 0 and columns > 1:
+            along = slope_at(pressure, cell, 1, column, columns)
+            along += slope_at(pressure, beside, 1, c, columns)
+        along *= 0.5
         share = (pressure[cell] - level) / across  # of the way to the cell beside
         per_pascal = cell_area * across / (across * across + along * along)
         for at, part in ((cell, 1.0 - share), (beside, share)):
@@ -194,17 +198,12 @@ def sides_of(
     return sides, end
 
 
-@njit(cache=True, nogil=True)
-def slope_at(pressure: Floats, columns: int, row: int, column: int, downwards: bool) -> float:
-    """Change of the pressure per cell, along rows or columns; one-sided on the grid's border."""
-    rows = len(pressure) // columns
-    if rows == 1 or columns == 1:
-        return 0.0
-    step, place, count = (columns, row, rows) if downwards else (1, column, columns)
-    cell = row * columns + column
-    before = cell - step if place > 0 else cell
-    after = cell + step if place < count - 1 else cell
-    return float(pressure[after] - pressure[before]) / ((after - before) // step)
+@njit(cache=True, nogil=True, inline="always")
+def slope_at(pressure: Floats, cell: int, step: int, place: int, count: int) -> float:
+    """Change of the pressure per cell along a line of `count`; one-sided at its ends."""
+    before, after = place > 0, place < count - 1
+    rise = pressure[cell + after * step] - pressure[cell - before * step]
+    return float(rise / (1.0 + (before & after)))
 
 
 @njit(cache=True, nogil=True)
