@@ -23,6 +23,7 @@ Numba; a script that calls `run` then needs ``if __name__ == "__main__":``. `sto
 there is without running anything. One campaign at a time may write to a folder.
 """
 
+from skinfield.campaign.ordered import in_order as in_order
 from skinfield.campaign.outcome import Outcome as Outcome
 from skinfield.campaign.outcome import stored as stored
 from skinfield.campaign.runner import Event as Event

@@ -57,11 +57,15 @@ class ContactWriter(Closing):
             return
         if self.start_ns is None:
             self.start_ns = int(np.ravel(estimate.stamp_ns)[0])
-        for row in rows_from_estimate(estimate, self.readings, self.start_ns):
+        self.write_rows(rows_from_estimate(estimate, self.readings, self.start_ns), count)
+
+    def write_rows(self, rows: Iterable[Row], readings: int) -> None:
+        """Add what `contact_rows.rows_from_estimate` makes of some readings, maybe elsewhere."""
+        for row in rows:
             self.rows.append(row)
             if len(self.rows) >= CHUNK:
                 self._flush()
-        self.readings += count
+        self.readings += readings
 
     def close(self) -> None:
         """Write what is left and give the file its name."""

@@ -41,12 +41,9 @@ def series_of(estimate: Estimate) -> Arrays:
     }
 
 
-def fixed_of(estimate: Estimate) -> Arrays:
+def fixed_of(grid: Grid) -> Arrays:
     """Arrays of `FIXED`."""
-    shape = estimate.grid.shape
-    return {
-        "position": estimate.grid.positions.reshape(*shape, 3),
-    }
+    return {"position": grid.positions.reshape(*grid.shape, 3)}
 
 
 def attributes_of(grid: Grid) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from skinfield.sinks.sink import Closing
 
 
 class _Store(Protocol):
-    def begin(self, estimate: Estimate) -> None: ...
+    def begin(self, grid: Grid) -> None: ...
     def append(self, series: Arrays) -> None: ...
     def finish(self) -> None: ...
     def discard(self) -> None: ...
@@ -43,15 +43,18 @@ class FieldWriter(Closing):
         FileError
             If the file cannot be written.
         """
-        series = series_of(estimate)
+        self.write_series(estimate.grid, series_of(estimate))
+
+    def write_series(self, grid: Grid, series: Arrays) -> None:
+        """Add what `field_series.series_of` makes of an estimate, perhaps in another process."""
         count, start = len(series["stamp_ns"]), 0
         if not count:
             return
         if self.grid is None:
-            self.store.begin(estimate)
-            self.grid = estimate.grid
-        _check_grid(self.grid, estimate.grid)
-        chunk = readings_per_chunk(estimate.grid)
+            self.store.begin(grid)
+            self.grid = grid
+        _check_grid(self.grid, grid)
+        chunk = readings_per_chunk(grid)
         while start < count:  # whole chunks, so that none is written twice
             take = min(count - start, chunk - self.readings_held)
             self.held.append({key: a[start : start + take] for key, a in series.items()})
@@ -91,9 +94,9 @@ def open_fields(path: str | Path) -> FieldWriter:
     Parameters
     ----------
     path : str or Path
-        Ends in `.npz` (all is held in memory until `close`) or `.zarr` (written in chunks of some
-        megabytes: for long recordings). Both hold `stamp_ns` (T,), `pressure` (T, rows, columns)
-        Pa and its `pressure_std`, `displacement` (T, rows, columns, 3) m and `position`
+        Ends in `.npz` or `.zarr`. Either is written as the estimates come, so memory stays bounded;
+        NPZ is compressed at the end, out of files beside it. Both hold `stamp_ns` (T,), `pressure`
+        (T, rows, columns) Pa and its `pressure_std`, `displacement` (T, rows, columns, 3) m and `position`
         (rows, columns, 3) m, the fields in single precision. Units are attributes in Zarr, and in
         NPZ a JSON text under the key `attributes`.
 
