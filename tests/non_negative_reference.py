@@ -1,0 +1,167 @@
+"""The problem of `NonNegative` as dense algebra from its docstring, and its minimum by scipy."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.optimize import nnls
+from scipy.stats import norm
+
+from skinfield.errors import Floats
+from skinfield.inverse import NonNegative
+from skinfield.inverse.bumps import bump_of
+from skinfield.inverse.gaussian_field import taxel_distance
+from skinfield.inverse.non_negative_operator import NonNegativeOperator
+from skinfield.layout import Grid
+from skinfield.mechanics import BondedLayer, Layer
+from skinfield.observation import BaseStress, Capacitance, ObservationModel
+from skinfield.testing.solver import square_patch
+
+Either = BaseStress | Capacitance
+
+
+@lru_cache(maxsize=8)
+def small_model(nodes: int = 13, side: int = 5, quantity: Either | None = None) -> ObservationModel:
+    """A regular array under the default layer."""
+    patch = square_patch(side=side)
+    quantity = BaseStress() if quantity is None else quantity
+    noise = 20.0 if isinstance(quantity, BaseStress) else 0.002
+    grid = Grid.square(patch, nodes=nodes)
+    return ObservationModel.of(patch, Layer(), grid, BondedLayer(), quantity, noise)
+
+
+def random_model(rng: np.random.Generator, shape: tuple[int, int], taxels: int) -> ObservationModel:
+    """Any matrix at all on a small lattice, in a unit of its own per taxel."""
+    unit = 10.0 ** rng.uniform(-4, 3, taxels)
+    return made_model(rng.normal(size=(taxels, shape[0] * shape[1])) * unit[:, None], shape, unit)
+
+
+def made_model(
+    matrix: Floats, shape: tuple[int, int], noise: Floats | float = 1.0
+) -> ObservationModel:
+    """Model of a given matrix (L, K)."""
+    return ObservationModel(
+        matrix=matrix,
+        noise_std=np.broadcast_to(noise, len(matrix)).astype(float),
+        taxels=np.random.default_rng(0).uniform(0, 0.01, (len(matrix), 2)),
+        grid=Grid(square_patch(side=3), shape, 2e-3, np.zeros(2)),
+        virtual_matrix=lambda points: np.zeros((len(points), shape[0] * shape[1])),
+    )
+
+
+def pressed(model: ObservationModel, rng: np.random.Generator, places: int = 3) -> Floats:
+    """Readings (L,) of some patches of pressure of many times the noise, with noise."""
+    truth = np.zeros(model.grid.shape)
+    for _ in range(places):
+        row, column = (int(rng.integers(0, n)) for n in truth.shape)
+        truth[row : row + 3, column : column + 4] = rng.uniform(0.3, 1.0)
+    clean = model.matrix @ truth.ravel()
+    clean *= 50.0 / max(np.abs(clean / model.noise_std).max(), 1e-300)
+    return np.asarray(clean + rng.normal(size=len(clean)) * model.noise_std)
+
+
+def bumps(model: ObservationModel, length: float | None) -> Floats:
+    """G (K, K): column k is the bump at node k, cut at the border."""
+    if length is None:
+        length = 0.3 * taxel_distance(model.taxels, model.grid.pitch)
+    table = bump_of(model.grid, length)
+    reach = len(table) // 2
+    row, column = np.divmod(np.arange(len(model.grid)), model.grid.shape[1])
+    down, aside = row[:, None] - row, column[:, None] - column
+    near = (np.abs(down) <= reach) & (np.abs(aside) <= reach)
+    dense = np.zeros(down.shape)
+    dense[near] = table[down[near] + reach, aside[near] + reach]
+    return dense
+
+
+@dataclass(frozen=True, eq=False)
+class Dense:
+    """B (L, K), G (K, K), mu (K,) and what whitens."""
+
+    seen: Floats
+    bumps: Floats
+    penalty: Floats
+    threshold: float
+    noise: Floats
+
+    @classmethod
+    def of(cls, solver: NonNegative, model: ObservationModel) -> "Dense":
+        """From the formulas of the docstring and nothing else."""
+        spread = bumps(model, solver.length_scale)
+        seen = model.matrix / model.noise_std[:, None] @ spread
+        scale = solver.snr * np.sqrt(len(seen) / np.trace(seen @ seen.T))
+        seen, spread = seen * scale, spread * scale
+        norms = np.linalg.norm(seen, axis=0)
+        threshold = float(norm.isf(solver.false_alarm_rate / np.count_nonzero(norms)))
+        penalty = solver.shrinkage * threshold * norms
+        return cls(seen, spread, penalty, threshold, model.noise_std)
+
+    def score(self, readings: Floats) -> Floats:
+        """How many standard deviations each node's match has, (K,)."""
+        norms = np.linalg.norm(self.seen, axis=0)
+        match = self.seen.T @ (readings / self.noise)
+        return np.divide(match, norms, out=np.zeros_like(match), where=norms > 0)
+
+    def objective(self, amounts: Floats, readings: Floats) -> float:
+        """P(z)."""
+        missing = self.seen @ amounts - readings / self.noise
+        return float(0.5 * missing @ missing + 0.5 * amounts @ amounts + self.penalty @ amounts)
+
+    def minimum(self, readings: Floats) -> Floats:
+        """The amounts z (K,) where P is least: NNLS of |B z - b|^2 + |z + mu|^2."""
+        rows = np.concatenate([self.seen, np.eye(len(self.penalty))])
+        target = np.concatenate([readings / self.noise, -self.penalty])
+        return np.asarray(nnls(rows, target, maxiter=100 * len(self.penalty))[0])
+
+    def minimum_by_squares(self, readings: Floats) -> Floats:
+        """The same from the Cholesky factor of the curvature, for larger grids."""
+        curvature = self.seen.T @ self.seen + np.eye(len(self.penalty))
+        lower = np.linalg.cholesky(curvature)
+        slope = self.seen.T @ (readings / self.noise) - self.penalty
+        target = solve_triangular(lower, slope, lower=True)
+        return np.asarray(nnls(lower.T, target, maxiter=100 * len(slope))[0])
+
+
+def amounts_of(operator: NonNegativeOperator) -> Floats:
+    """z (K,) of the last answer."""
+    memory: Any = operator._memory
+    count = memory.counts[3]
+    found = np.zeros(len(memory.every))
+    found[memory.pressed[:count]] = memory.amounts[:count]
+    return found
+
+
+def solve(operator: NonNegativeOperator, readings: Floats, deadline: int | None = None) -> Floats:
+    """Pressure (K,) of one reading."""
+    out = np.full(len(operator.problem.norms), np.nan)
+    operator.apply(readings, out, deadline)
+    return out
+
+
+def solved(operator: NonNegativeOperator, readings: Floats) -> Floats:
+    """As `solve`, from nothing."""
+    operator.reset()
+    return solve(operator, readings)
+
+
+def assert_proved(
+    operator: NonNegativeOperator, dense: Dense, readings: Floats, pressure: Floats, gap: float
+) -> None:
+    """The last answer is the minimum, as near as its gap says, which is at most `gap`.
+
+    P is at least as curved as |z|^2 / 2, so |z - z*|^2 <= 2 (P - P*).
+    """
+    least = dense.minimum_by_squares(readings)
+    value = dense.objective(least, readings)
+    amounts = amounts_of(operator)
+    rounding = 1e-13 if operator.problem.rows.itemsize == 8 else 1e-6
+    reached = dense.objective(amounts, readings)
+    assert np.isclose(operator.objective, reached, rtol=20 * rounding)
+    assert 0.0 <= operator.gap <= gap
+    assert reached - value <= (operator.gap + rounding) * reached
+    radius = np.sqrt(2 * (operator.gap + rounding) * reached)
+    assert np.linalg.norm(amounts - least) <= radius
+    assert np.linalg.norm(pressure - dense.bumps @ least) <= radius * np.linalg.norm(dense.bumps, 2)
+    assert pressure.min() >= 0.0
