@@ -13,7 +13,7 @@ from skinfield.layout import Grid
 
 SIDE = 4  # cells of a tile
 LINE = 64  # bytes of a cache line
-DENSE_WINS = 0.8  # share of the numbers above which the dense product is quicker
+DENSE_WINS = 1.0  # share from which on a dense product is quicker: tiles at borders overlap
 
 Ints32 = NDArray[np.int32]
 

