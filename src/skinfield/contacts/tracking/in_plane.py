@@ -1,7 +1,6 @@
 """Contacts into the developed plane, and tracks back onto the skin."""
 
 from collections.abc import Sequence
-from dataclasses import fields
 
 import numpy as np
 
@@ -12,8 +11,6 @@ from skinfield.errors import InputError
 from skinfield.fields import Contact
 
 FLOOR = np.diag([1e-5, 1e-5, 1e-3]) ** 2  # m, m, N: no solver is surer than this
-_FILTERED = {"position", "force", "moment", "normal", "covariance", "track_id", "spread"}
-_KEPT = tuple(field.name for field in fields(Contact) if field.name not in _FILTERED)
 
 
 def seen_of(contacts: Sequence[Contact], chart: Chart) -> list[Seen]:
@@ -60,8 +57,8 @@ def contacts_of(tracks: Sequence[Track], chart: Chart, now: float) -> list[Track
     for index, track in enumerate(tracks):
         identity, contact = track.known, track.seen.contact
         found.append(
-            TrackedContact(
-                **{name: getattr(contact, name) for name in _KEPT},
+            TrackedContact.later(
+                contact,  # has all that is not filtered
                 position=positions[index],
                 force=forces[index],
                 moment=shares[index] * contact.moment,
