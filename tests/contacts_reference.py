@@ -46,26 +46,29 @@ def regions(
 
 
 def flooded(flat: np.ndarray, drop: np.ndarray, order: np.ndarray, columns: int) -> np.ndarray:
-    """Peak of each cell's hill, -1 for cells that are not in `order`."""
+    """Peak of each cell's hill, -1 for cells that are not in `order`; Numba can compile it."""
     rows, parent = len(flat) // columns, np.full(len(flat), -1)
-
-    def top(cell: int) -> int:
-        while parent[cell] != cell:
-            cell = parent[cell]
-        return cell
-
     for cell in order:
-        row, column = divmod(int(cell), columns)
-        near = [(row + down, column + right) for down in (-1, 0, 1) for right in (-1, 0, 1)]
-        inside = [r * columns + c for r, c in near if 0 <= r < rows and 0 <= c < columns]
-        hills = list(dict.fromkeys(top(other) for other in inside if parent[other] >= 0))
-        best = max(hills, key=lambda peak: flat[peak], default=-1)  # the first of equal ones
+        row, column = cell // columns, cell % columns
+        hills = []
+        for step in range(9):
+            r, c = row + step // 3 - 1, column + step % 3 - 1
+            if 0 <= r < rows and 0 <= c < columns and parent[r * columns + c] >= 0:
+                peak = r * columns + c
+                while parent[peak] != peak:
+                    peak = parent[peak]
+                hills.append(peak)
+        best = cell
+        for peak in hills:  # the first of equal ones
+            if best == cell or flat[peak] > flat[best]:
+                best = peak
         for lower in hills:
             if lower != best and flat[lower] - flat[cell] < drop[lower]:
                 parent[lower] = best
-        parent[cell] = cell if best < 0 else best
+        parent[cell] = best
     for cell in order:
-        parent[cell] = top(cell)
+        while parent[cell] != parent[parent[cell]]:
+            parent[cell] = parent[parent[cell]]
     return parent
 
 
