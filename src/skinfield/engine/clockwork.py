@@ -86,6 +86,7 @@ class Clockwork:
         self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
         self.rungs = rungs
         self.linear = self.groups[0].rungs.linear
+        self.fills = self.groups[0].rungs.bayesian
         self.white = [
             self.intake.views(self.intake.white, group.first, group.count) for group in self.groups
         ]
@@ -102,6 +103,8 @@ class Clockwork:
         if not intake.all_valid:
             np.add.reduceat(~intake.valid, intake.starts[:-1], out=state.invalid)
             intake.present &= state.invalid < intake.sizes
+            if not self.fills:
+                intake.present &= state.invalid == 0
         else:
             state.invalid[:] = 0
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.engine.clockwork import NS, Clockwork, Done
+from skinfield.engine.clockwork import Clockwork, Done
 from skinfield.engine.state import Answer, Step
 from skinfield.errors import Floats, InputError, Ints
 
@@ -144,7 +144,7 @@ class Snapshot:
         state, missing = work.state, {}
         if not work.intake.present.all():
             for place in np.flatnonzero(~work.intake.present).tolist():
-                missing[place] = "no reading" if not state.invalid[place] else "no valid taxel"
+                missing[place] = _why(work, place)
         return cls(
             answer=state.answer.copy(),
             rung=state.rung.copy(),
@@ -203,6 +203,14 @@ class Snapshot:
         )
 
 
-def spent_since(start: int, now: int) -> float:
-    """Time between two readings of the clock, s."""
-    return (now - start) * NS
+def _why(work: Clockwork, place: int) -> str:
+    """Why a patch was not answered."""
+    invalid = int(work.state.invalid[place])
+    if not invalid:
+        return "no reading"
+    if invalid == work.intake.sizes[place]:
+        return "no valid taxel"
+    return (
+        f"{invalid} taxels did not answer, and this solver cannot leave them out within a cycle: "
+        "GaussianField(), Tikhonov() and NonNegative() can"
+    )

@@ -1,0 +1,313 @@
+"""An engine's answers against those of one reconstructor for each patch."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.engine import Engine, MissingPatch
+from skinfield.errors import Floats, InputError
+from skinfield.layout import generators
+from skinfield.observation import ObservationModel
+
+NOISE = 0.002
+ENOUGH = 10.0  # s
+LAYER = sf.Layer()
+HEXAGON, TRIANGLE = generators.hexagon72(), generators.icub_triangle()
+MOVED = replace(TRIANGLE, positions=np.add(TRIANGLE.positions, [0.1, -0.2, 0.0]), name="moved")
+SKIN = sf.Skin((TRIANGLE, HEXAGON, MOVED, replace(HEXAGON, name="other")))
+BALL = sf.simulate.press(LAYER, [sf.simulate.Sphere(radius=6e-3, force=2.0)], cell=0.6e-3)
+CUT = 3e-3  # what a stamped product may leave out of a linear answer
+RUNGS = (8, 16, 32)
+
+
+def touched(patch: sf.Patch, seed: int) -> Floats:
+    """Readings of a press whose truth is solved on a grid of its own, with noise."""
+    rng = np.random.default_rng(seed)
+    taxel = patch.plane[rng.integers(len(patch))]
+    at = np.column_stack([patch.plane - taxel, np.zeros(len(patch))])
+    clean = BALL.readings(at[:, :2], patch.pad_diameter, "capacitance")
+    return np.asarray(clean + rng.normal(0.0, NOISE, len(patch)))
+
+
+def readings_of(skin: sf.Skin, hot: tuple[str, ...], seed: int = 0) -> dict[str, Floats]:
+    rng = np.random.default_rng(seed + 1000)
+    return {
+        patch.name: touched(patch, seed + i)
+        if patch.name in hot
+        else rng.normal(0.0, NOISE, len(patch))
+        for i, patch in enumerate(skin)
+    }
+
+
+def engine_of(solver: Any, skin: sf.Skin | sf.Patch = SKIN, **options: Any) -> Engine:
+    given = {"budget": ENOUGH, "rungs": RUNGS, "noise_std": NOISE, **options}
+    return Engine(skin, LAYER, solver=solver, **given)
+
+
+@pytest.fixture(scope="module")
+def linear() -> Engine:
+    return engine_of(sf.GaussianField())
+
+
+@pytest.fixture(scope="module")
+def searching() -> Engine:
+    return engine_of(sf.NonNegative())
+
+
+def apart(a: Floats, b: Floats) -> float:
+    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
+
+
+def test_linear_answers_are_those_of_reconstructors(linear: Engine) -> None:
+    readings = readings_of(SKIN, ("moved", "other"))
+    estimates = linear(readings, stamp_ns=7)
+    assert list(estimates) == [patch.name for patch in SKIN]
+    assert not estimates.report.overrun
+    assert estimates.report.spent > 0
+    for patch in SKIN:
+        rec = sf.Reconstructor(patch, LAYER, sf.Grid.square(patch, RUNGS[-1]), noise_std=NOISE)
+        ours, alone = estimates[patch.name], rec(readings[patch.name])
+        assert ours.grid.patch is patch
+        assert ours.stamp_ns == 7
+        assert ours.gap == 0.0
+        np.testing.assert_allclose(ours.grid.positions, rec.grid.positions, atol=1e-12)
+        assert apart(ours.pressure, alone.pressure) < CUT
+        assert apart(ours.displacement, alone.displacement) < CUT
+        assert apart(ours.pressure_std, alone.pressure_std) < 1e-9
+        assert apart(ours.residual, alone.residual) < CUT
+        assert len(ours.contacts) == len(alone.contacts)
+        for one, other in zip(ours.contacts, alone.contacts, strict=True):
+            assert one.normal_force == pytest.approx(other.normal_force, rel=CUT)
+            np.testing.assert_allclose(one.position, other.position, atol=1e-5)
+    assert len(estimates["moved"].contacts) == 1
+    assert not estimates["icub_triangle"].contacts
+
+
+def test_searched_answers_are_those_of_reconstructors(searching: Engine) -> None:
+    readings = readings_of(SKIN, ("moved", "other"), seed=3)
+    searching.reset()
+    estimates = searching(readings)
+    report = estimates.report
+    assert set(report.idle) == {"icub_triangle", "hexagon72"}
+    for name in ("moved", "other"):
+        patch = SKIN[name]
+        rec = sf.Reconstructor(
+            patch,
+            LAYER,
+            sf.Grid.square(patch, RUNGS[-1]),
+            solver=sf.NonNegative(),
+            noise_std=NOISE,
+        )
+        ours, alone = estimates[name], rec(readings[name])
+        assert report[name].answer == "non-negative"
+        assert report[name].rung == RUNGS[-1]
+        assert ours.pressure.min() == 0.0
+        assert 0.0 <= ours.gap <= 1e-4
+        assert apart(ours.pressure, alone.pressure) < 0.02  # both within 1e-4 of the objective
+        assert apart(ours.displacement, alone.displacement) < 0.02
+        assert ours.contacts[0].normal_force == pytest.approx(
+            alone.contacts[0].normal_force, rel=0.02
+        )
+    quiet = estimates["hexagon72"]
+    assert not quiet.pressure.any()
+    assert quiet.gap == 0.0
+    assert quiet.contacts == ()
+    assert quiet.grid.shape == (RUNGS[-1],) * 2  # idleness is proven where time is left
+
+
+def test_idle_patches_are_told_at_the_stated_rate(searching: Engine) -> None:
+    alarms = 0
+    for seed in range(150):
+        report = searching(readings_of(SKIN, (), seed=seed)).report
+        alarms += len(report) - len(report.idle)
+    # 600 patches at 1e-3 on each of three grids, by a bound that is safe: 0.6 to 1.8 expected
+    assert alarms <= 5
+
+
+def test_patches_of_one_geometry_share_a_plan_wherever_they_are(linear: Engine) -> None:
+    assert [group.count for group in linear.groups] == [2, 2]
+    assert linear.groups[0].kind.patches == (TRIANGLE, SKIN["moved"])
+    wider = replace(TRIANGLE, pad_diameter=3e-3, name="wider")
+    turned = replace(TRIANGLE, positions=TRIANGLE.positions[:, [1, 0, 2]], name="turned")
+    order = np.r_[1, 0, 2 : len(TRIANGLE)]
+    swapped = replace(TRIANGLE.subset(order), name="swapped")
+    skin = sf.Skin((TRIANGLE, wider, turned, swapped, MOVED))
+    noisy = {"moved": 2 * NOISE}
+    assert len(engine_of(sf.GaussianField(), skin, noise_std=NOISE).groups) == 4
+    assert len(engine_of(sf.GaussianField(), skin, noise_std=noisy).groups) == 5
+    thick = dict.fromkeys((patch.name for patch in skin), LAYER) | {"moved": sf.Layer(3e-3)}
+    engine = Engine(skin, thick, solver=sf.GaussianField(), rungs=(8,), budget=ENOUGH)
+    assert len(engine.groups) == 5
+    assert engine.groups[-1].kind.layer.thickness == 3e-3
+
+
+def test_a_sequence_in_the_skins_order_is_a_mapping(linear: Engine) -> None:
+    readings = readings_of(SKIN, ("other",))
+    by_name = linear(readings).keep()
+    in_order = linear([readings[patch.name].tolist() for patch in SKIN])
+    for name in by_name:
+        np.testing.assert_array_equal(by_name[name].pressure, in_order[name].pressure)
+
+
+def test_a_missing_patch_is_never_repeated(searching: Engine) -> None:
+    readings = readings_of(SKIN, ("other",))
+    searching(readings)
+    del readings["other"]
+    estimates = searching(readings)
+    assert "other" not in estimates
+    assert len(estimates) == 3
+    assert estimates.report.missing == ("other",)
+    assert estimates.report["other"].skipped == "no reading"
+    assert estimates.get("other") is None
+    with pytest.raises(MissingPatch, match="'other' was not answered in this cycle: no reading"):
+        estimates["other"]
+    readings["other"] = np.full(72, np.nan)
+    assert searching(readings).report["other"].skipped == "no valid taxel"
+
+
+def test_estimates_outlast_the_next_cycle_only_if_kept(linear: Engine) -> None:
+    first = linear(readings_of(SKIN, ("other",), seed=1))
+    seen = first["other"]
+    before = seen.pressure.copy()
+    kept = linear(readings_of(SKIN, ("moved",), seed=2)).keep()
+    linear(readings_of(SKIN, (), seed=3))
+    np.testing.assert_array_equal(first["other"].pressure, before)
+    assert seen.contacts
+    assert len(kept["moved"].contacts) == 1
+    with pytest.raises(InputError, match="after the engine's next cycle"):
+        first["moved"]
+
+
+def subset_answer(patch: sf.Patch, readings: Floats, valid: Any) -> Floats:
+    """Posterior mean from the valid taxels, its prior that of all: written out."""
+    grid = sf.Grid.square(patch, RUNGS[-1])
+    model = ObservationModel.of(
+        patch, LAYER, grid, sf.BondedLayer(), sf.Capacitance(), np.full(len(patch), NOISE)
+    )
+    prior = sf.GaussianField().prepare(model).posterior
+    assert prior is not None
+    row, column = np.divmod(np.arange(len(grid)), grid.shape[1])
+    covariance = prior.prior[abs(row[:, None] - row), abs(column[:, None] - column)]
+    seen = model.matrix[valid]
+    strain = readings[valid] / (1.0 + readings[valid])
+    expected = seen @ covariance @ seen.T + NOISE**2 * np.eye(valid.sum())
+    return np.asarray(covariance @ seen.T @ np.linalg.solve(expected, strain))
+
+
+@pytest.mark.parametrize("ranks", [[0], [1, 2, 10, 40], list(range(0, 72, 2))])
+def test_missing_taxels_are_left_out_of_a_linear_answer_exactly(
+    linear: Engine, ranks: list[int]
+) -> None:
+    readings = readings_of(SKIN, ("other",), seed=4)
+    missing = np.argsort(-readings["other"])[ranks]
+    whole = linear(readings)["other"].pressure.copy()
+    valid = np.ones(72, np.bool_)
+    valid[missing] = False
+    expected = subset_answer(SKIN["other"], readings["other"], valid)
+    readings["other"][missing] = np.nan
+    estimate = linear(readings)["other"]
+    assert apart(estimate.pressure, expected) < CUT < apart(whole, expected)
+    assert np.isnan(estimate.residual[missing]).all()
+    assert not estimate.valid[missing].any()
+    assert np.isfinite(estimate.residual[valid]).all()
+    assert any("left out" in note for note in estimate.notes)
+    readings["other"][missing] = 0.7  # whatever a taxel says that is not to be used
+    by_mask = linear(readings, valid={"other": valid})
+    np.testing.assert_allclose(by_mask["other"].pressure, estimate.pressure)
+    assert by_mask.report["other"].invalid == len(missing)
+
+
+def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
+    readings = readings_of(SKIN, ("other", "hexagon72"), seed=5)
+    group = searching.groups[1]
+    operator = group.searches[-1][0]
+    for missing in ([5, 6], [40], [5, 6]):  # one search serves both patches, whatever is missing
+        searching.reset()
+        valid = np.ones(72, np.bool_)
+        valid[missing] = False
+        given = {name: values.copy() for name, values in readings.items()}
+        given["other"][missing] = np.nan
+        given["hexagon72"][[1, 2]] = -np.inf  # no skin reads that
+        estimates = searching(given)
+        assert estimates.report["hexagon72"].invalid == 2
+        alone = operator.without(valid)
+        expected = np.zeros(len(estimates["other"].grid))
+        alone.apply(np.where(valid, given["other"] / (1 + given["other"]), 0.0), expected, None)
+        assert apart(estimates["other"].pressure, expected) < 0.02
+        assert estimates["other"].gap <= 1e-4
+        assert estimates["hexagon72"].pressure.any()
+
+
+def test_one_patch_is_a_skin(searching: Engine) -> None:
+    engine = engine_of(sf.NonNegative(), TRIANGLE)
+    estimate = engine({TRIANGLE.name: touched(TRIANGLE, 0)})[TRIANGLE.name]
+    assert len(estimate.contacts) == 1
+
+
+@pytest.mark.parametrize(
+    ("solver", "power"), [(sf.Tikhonov(), 2e-3), (sf.PseudoInverse(rcond=1e-3), 2e-3)]
+)
+def test_other_linear_solvers(solver: Any, power: float) -> None:
+    engine = engine_of(solver, TRIANGLE)
+    readings = touched(TRIANGLE, 1)
+    rec = sf.Reconstructor(
+        TRIANGLE, LAYER, sf.Grid.square(TRIANGLE, RUNGS[-1]), solver=solver, noise_std=NOISE
+    )
+    assert apart(engine([readings])[TRIANGLE.name].pressure, rec(readings).pressure) < power
+
+
+class FindsContacts:
+    """As `ContactFit`: what it prepares has contacts, and no field on a grid."""
+
+    extended = None
+
+    def prepare(self, model: ObservationModel) -> "FindsContacts":
+        return self
+
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Any: ...
+
+    def reset(self) -> None: ...
+
+
+def test_arguments_that_do_not_fit() -> None:
+    with pytest.raises(InputError, match=r"ContactFit.*finds contacts by itself"):
+        engine_of(FindsContacts(), TRIANGLE)
+    with pytest.raises(InputError, match=r"rungs is \(40, 20\), expected one or more"):
+        engine_of(sf.GaussianField(), TRIANGLE, rungs=(40, 20))
+    with pytest.raises(InputError, match="budget is -1, expected a finite number above 0"):
+        engine_of(sf.GaussianField(), TRIANGLE, budget=-1)
+    with pytest.raises(InputError, match="layer has no entry for patch 'hexagon72'"):
+        Engine(SKIN, {"moved": LAYER, "icub_triangle": LAYER})
+    with pytest.raises(InputError, match="noise_std names 'arm', expected names of patches"):
+        engine_of(sf.GaussianField(), noise_std={"arm": 1.0})
+    with pytest.raises(InputError, match="skin is a list, expected a Skin or a Patch"):
+        engine_of(sf.GaussianField(), [TRIANGLE])  # type: ignore[arg-type]
+
+
+def test_readings_that_do_not_fit(linear: Engine) -> None:
+    good = readings_of(SKIN, ())
+    with pytest.raises(
+        InputError, match=r"readings\['other'\] has shape \(71,\), expected \(72,\)"
+    ):
+        linear(good | {"other": np.zeros(71)})
+    with pytest.raises(InputError, match="readings names 'elbow', which is no patch"):
+        linear(good | {"elbow": np.zeros(3)})
+    with pytest.raises(InputError, match="readings has 1 entries, expected one for each of the 4"):
+        linear([np.zeros(72)])
+    with pytest.raises(InputError, match=r"valid\['other'\] has shape \(3,\)"):
+        linear(good, valid={"other": np.ones(3, np.bool_)})
+    with pytest.raises(InputError, match="expected numbers"):
+        linear(good | {"other": ["x"] * 72})
+    assert not linear(good).report.missing
+
+
+def test_missing_taxels_of_a_solver_without_a_prior_are_told() -> None:
+    engine = engine_of(sf.PseudoInverse(), TRIANGLE)
+    readings = touched(TRIANGLE, 1)
+    readings[3] = np.nan
+    report = engine([readings]).report
+    assert report.missing == (TRIANGLE.name,)
+    assert "1 taxels did not answer, and this solver cannot" in report[TRIANGLE.name].skipped

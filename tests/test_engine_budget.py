@@ -1,0 +1,305 @@
+"""How an engine spends its budget: planning, predictions and promises, by a clock that is told."""
+
+import itertools
+from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import skinfield as sf
+from skinfield.engine.cost import CostModel
+from skinfield.engine.spending_kernel import plan
+from skinfield.engine.state import Step
+from skinfield.layout import generators
+
+NOISE = 0.002
+PATCH = generators.icub_triangle()
+
+
+class Clock:
+    """Time that passes when something says so, and a little whenever one looks."""
+
+    def __init__(self, look: int = 100) -> None:
+        self.now, self.look = 0, look
+
+    def __call__(self) -> int:
+        self.now += self.look
+        return self.now
+
+
+@dataclass(frozen=True)
+class Told:
+    """Solver whose search takes the time that it is told, and gains nothing before that."""
+
+    clock: Clock
+    seconds: dict[int, float]
+    slower: dict[str, float] = field(default_factory=lambda: {"factor": 1.0})
+
+    def prepare(self, model: Any) -> "ToldOperator":
+        linear = sf.GaussianField().prepare(model)
+        rows = (model.matrix / model.noise_std[:, None]).T
+        norms = np.linalg.norm(rows, axis=1)
+        problem = SimpleNamespace(
+            rows=rows,
+            norms=norms,
+            penalty=norms.copy(),
+            whitening=1.0 / model.noise_std,
+            threshold=5.0,
+            tolerance=1e-3,
+        )
+        return ToldOperator(self, model.grid.shape[0], problem, linear)
+
+
+class ToldOperator:
+    def __init__(self, told: Told, nodes: int, problem: Any, linear: Any) -> None:
+        self.told, self.nodes, self.problem, self.linear = told, nodes, problem, linear
+        self.gap, self.objective, self.iterations = 1.0, 1.0, 0
+        self.dual = np.zeros(len(problem.whitening))
+        self.started: list[float] = []
+        self.pressure_std, self.posterior = linear.pressure_std, linear.posterior
+        self.model_error = linear.model_error
+        self.noise = sf.fields.PressureNoise(linear.matrix * NOISE)
+
+    def apply(self, readings: Any, out: Any, deadline_ns: int | None = None) -> None:
+        clock = self.told.clock
+        needed = round(1e9 * self.told.seconds[self.nodes] * self.told.slower["factor"])
+        in_time = deadline_ns is None or clock.now + needed <= deadline_ns
+        clock.now = clock.now + needed if in_time else max(clock.now, int(deadline_ns or 0))
+        self.gap, self.iterations = (1e-4, 3) if in_time else (0.5, 1)
+        out[:] = 1.0
+        self.dual[:] = readings
+
+    def start_from(self, dual: Any) -> None:
+        self.started.append(float(dual[0]))
+
+    def twin(self) -> "ToldOperator":
+        return ToldOperator(self.told, self.nodes, self.problem, self.linear)
+
+    def without(self, valid: Any) -> "ToldOperator":
+        arrays = {name: np.array(value) for name, value in vars(self.problem).items()}
+        return ToldOperator(self.told, self.nodes, SimpleNamespace(**arrays), self.linear)
+
+    def reset(self) -> None:
+        self.dual[:] = 0.0
+
+
+COSTS = {4: 20e-6, 8: 60e-6, 16: 200e-6}
+
+
+def engine_of(patches: int, budget: float, costs: dict[int, float] = COSTS) -> sf.Engine:
+    clock = Clock()
+    skin = sf.Skin(tuple(replace(PATCH, name=f"p{i}") for i in range(patches)))
+    solver = Told(clock, costs)
+    rungs = tuple(costs)
+    return sf.Engine(skin, budget=budget, rungs=rungs, solver=solver, noise_std=NOISE, clock=clock)
+
+
+def readings_of(engine: sf.Engine, hot: set[int], strength: float = 40.0) -> dict[str, Any]:
+    touch = np.zeros(len(PATCH))
+    touch[0] = strength * NOISE
+    return {name: touch * (i in hot) for i, name in enumerate(engine.names)}
+
+
+@given(
+    patches=st.integers(1, 6),
+    rungs=st.integers(1, 3),
+    seed=st.integers(0, 10_000),
+    left=st.floats(0.0, 3.0),
+)
+@settings(max_examples=150, deadline=None)
+def test_a_plan_fits_and_leaves_nothing_out_that_would_fit(
+    patches: int, rungs: int, seed: int, left: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    costs = np.cumsum(rng.uniform(0.05, 1.0, (1, 1, rungs)), axis=2)
+    unresolved = np.sort(rng.uniform(0.0, 0.9, (1, rungs)))[:, ::-1].copy()
+    energy = rng.uniform(1.0, 100.0, patches)
+    none = np.zeros(patches, dtype=np.int64)
+    target, order, work = none.copy(), none.copy(), none.copy()
+    count = plan(
+        np.arange(patches),
+        none,
+        none,
+        none - 1,
+        energy,
+        energy,
+        none,
+        costs,
+        unresolved,
+        left,
+        target,
+        order,
+        work,
+        np.zeros(patches),
+    )
+    chosen = order[:count]
+    assert sorted(chosen) == sorted(np.flatnonzero(target >= 0))
+    paid = costs[0, 0, target[chosen]].sum()
+    assert paid <= left + 1e-9
+    for patch in range(patches):
+        before = costs[0, 0, target[patch]] if target[patch] >= 0 else 0.0
+        finer = costs[0, 0, target[patch] + 1 :]
+        assert not (finer - before <= left - paid - 1e-9).any()
+
+
+def test_a_plan_gains_nearly_what_the_best_of_all_plans_gains() -> None:
+    rng, shares = np.random.default_rng(3), []
+    for _ in range(60):
+        costs = np.cumsum(rng.uniform(0.05, 1.0, (1, 1, 3)), axis=2)
+        unresolved = np.array([[0.5, 0.2, 0.0]])
+        energy, none = rng.uniform(1.0, 10.0, 4), np.zeros(4, dtype=np.int64)
+        target, order = none.copy(), none.copy()
+        left = float(rng.uniform(0.5, 6.0))
+        arrays = (energy, energy, none, costs, unresolved, left, target, order)
+        plan(np.arange(4), none, none, none - 1, *arrays, none.copy(), np.zeros(4))
+
+        def gain(choice: Any, energy: Any = energy, unresolved: Any = unresolved) -> float:
+            kept = [0.0 if r < 0 else 1.0 - unresolved[0, r] for r in choice]
+            return float(energy @ np.array(kept))
+
+        def cost(choice: Any, costs: Any = costs) -> float:
+            return float(sum(costs[0, 0, r] for r in choice if r >= 0))
+
+        every = itertools.product(range(-1, 3), repeat=4)
+        best = max(gain(choice) for choice in every if cost(choice) <= left)
+        shares.append(gain(target) / best if best else 1.0)
+    assert np.mean(shares) > 0.95  # a greedy plan; the problem is a knapsack
+    assert max(shares) <= 1.0 + 1e-12
+
+
+@given(hot=st.sets(st.integers(0, 5)), budget=st.floats(20e-6, 2e-3))
+@settings(max_examples=60, deadline=None)
+def test_no_cycle_ends_late_when_steps_take_what_they_took(hot: set[int], budget: float) -> None:
+    engine = ENGINE
+    engine.reset()
+    for cycle in range(4):
+        report = engine(readings_of(engine, hot), budget=budget).report
+        assert report.steps[0].kind == Step.TEST  # idle or not is told before any search
+        assert report.overrun == (report.spent > budget)
+        assert report.spent <= budget, (cycle, report.steps)
+        assert set(report.idle) == {f"p{i}" for i in range(6) if i not in hot}
+        assert not report.missing
+
+
+ENGINE = engine_of(6, 1e-3)
+
+
+def test_time_enough_settles_every_contact_on_the_finest_rung() -> None:
+    engine = engine_of(5, 5e-3)
+    estimates = engine(readings_of(engine, {0, 3}))
+    for name in ("p0", "p3"):
+        each = estimates.report[name]
+        assert (each.answer, each.rung, each.gap, each.skipped) == ("non-negative", 16, 1e-4, "")
+        assert estimates[name].gap == 1e-4
+        assert estimates[name].iterations == 3
+    assert estimates.report["p1"].answer == "idle"
+    assert estimates.report["p1"].rung == 16  # what time was left proved it on the finest grid
+    assert estimates.report.skipped == ()
+
+
+def test_a_small_budget_is_spread_over_contacts_and_the_rest_is_told() -> None:
+    engine = engine_of(5, 200e-6)
+    report = engine(readings_of(engine, {0, 1, 2, 3, 4})).report
+    answers = [each.answer for each in report]
+    assert answers.count("non-negative") == 5  # 100 µs of coarse searches; no finer one for all
+    assert {each.rung for each in report} <= {4, 8}
+    assert report.skipped
+    assert all("predicted" in each and "left" in each for each in report.skipped)
+    assert not report.overrun
+
+
+def test_more_budget_is_never_coarser() -> None:
+    resolved = []
+    for budget in (60e-6, 120e-6, 250e-6, 500e-6, 1e-3, 2e-3):
+        engine = engine_of(4, budget)
+        report = engine(readings_of(engine, {0, 1, 2})).report
+        resolved.append(sum(each.rung for each in report if each.answer == "non-negative"))
+    assert resolved == sorted(resolved)
+    assert resolved[0] < resolved[-1] == 48
+
+
+def test_a_budget_that_holds_no_first_answer_is_an_overrun() -> None:
+    engine = engine_of(3, 1e-6)
+    estimates = engine(readings_of(engine, {0}))
+    assert estimates.report.overrun
+    assert estimates.report.spent > 1e-6
+    assert estimates.report["p0"].answer == "linear"
+    assert "search on rung 4" in estimates.report["p0"].skipped
+    assert estimates["p0"].deadline_met is False
+    assert np.isnan(estimates["p0"].gap)
+    assert any("no time" in note for note in estimates["p0"].notes)
+    assert not engine(readings_of(engine, set()), budget=1e-3).report.overrun
+
+
+def test_every_contact_is_served_in_turn() -> None:
+    engine = engine_of(6, 60e-6)  # one coarse search in a cycle, or two
+    waited, served = [], set()
+    for _ in range(12):
+        report = engine(readings_of(engine, set(range(6)))).report
+        served |= {each.name for each in report if each.answer == "non-negative"}
+        waited.append(max(each.waited for each in report))
+        assert not report.overrun
+    assert served == set(engine.names)
+    assert max(waited) <= 6
+
+
+def test_searches_that_become_slower_are_cut_then_predicted_and_come_back() -> None:
+    engine = engine_of(2, 500e-6)
+    factor = engine.solver.slower  # type: ignore[attr-defined]
+    hot = readings_of(engine, {0, 1})
+    assert engine(hot).report["p0"].rung == 16
+    factor["factor"] = 4.0  # 800 µs on the finest rung
+    reports = [engine(hot).report for _ in range(60)]
+    assert not any(report.overrun for report in reports)
+    assert {reports[-1]["p0"].rung, reports[-1]["p1"].rung} <= {4, 8}
+    assert reports[-1]["p0"].gap == 1e-4
+    factor["factor"] = 1.0
+    reports = [engine(hot).report for _ in range(1500)]
+    assert reports[-1]["p0"].rung == 16  # what was too dear was tried again
+
+
+def test_a_finer_rung_goes_on_from_the_coarser_ones_dual() -> None:
+    engine = engine_of(1, 150e-6)
+    coarse = readings_of(engine, {0})
+    engine(coarse)
+    assert engine(coarse).report["p0"].rung == 8
+    finest = engine.groups[0].searches[2][0]
+    finest.started.clear()  # type: ignore[attr-defined]
+    engine(coarse, budget=5e-3)
+    assert finest.started[0] == pytest.approx(  # type: ignore[attr-defined]
+        engine.quantity.linearise(coarse["p0"], np.empty(len(PATCH)))[0]
+    )
+
+
+def test_the_cost_model_follows_a_high_quantile() -> None:
+    rng = np.random.default_rng(0)
+    model = CostModel(np.array([1e-3]), quantile=0.9, pace=0.05)
+    laps = 50e-6 * rng.lognormal(sigma=0.4, size=6000)
+    predicted = []
+    for lap in laps:
+        predicted.append(model.predict(0))
+        model.observe(0, lap)
+    inside = np.mean(laps[1000:] <= np.array(predicted)[1000:])
+    assert 0.87 < inside < 0.93
+    exact = 50e-6 * np.exp(0.4 * 1.2816)
+    assert np.median(predicted[1000:]) == pytest.approx(exact, rel=0.06)
+
+
+def test_one_interrupted_step_moves_the_prediction_little() -> None:
+    model = CostModel(np.array([50e-6]))
+    model.observe(0, 10.0)
+    assert 50e-6 < model.predict(0) < 56e-6
+    model.at_least(0, 40e-6)  # cut before what was predicted: nothing is learnt
+    assert model.predict(0) > 50e-6
+    for _ in range(200):
+        model.relax()
+    assert model.predict(0) == pytest.approx(50e-6)
+
+
+def test_a_cost_model_refuses_what_is_no_quantile() -> None:
+    with pytest.raises(sf.errors.InputError, match=r"quantile is 1\.5, expected"):
+        CostModel(np.ones(2), quantile=1.5)

@@ -1,0 +1,268 @@
+"""Resolutions of one patch: what they share, what switching costs, what a focus leaves out."""
+
+import tracemalloc
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.errors import Floats, InputError
+from skinfield.layout import generators
+from skinfield.observation import ObservationModel
+from skinfield.pipeline.ladder_restriction import RestrictedPosterior, Restriction
+
+NOISE = 0.002
+PATCH = generators.icub_triangle()
+LAYER = sf.Layer()
+RUNGS = (6, 12, 24)
+BALL = sf.simulate.press(LAYER, [sf.simulate.Sphere(radius=6e-3, force=2.0)], cell=0.6e-3)
+
+
+def touched(seed: int = 0, taxel: int = 4) -> Floats:
+    """Readings of a ball beside a taxel, solved on a grid of its own, with noise."""
+    rng = np.random.default_rng(seed)
+    places = PATCH.plane - PATCH.plane[taxel] - rng.uniform(-1e-3, 1e-3, 2)
+    clean = BALL.readings(places, PATCH.pad_diameter, "capacitance")
+    return np.asarray(clean + rng.normal(0.0, NOISE, len(PATCH)))
+
+
+def ladder_of(solver: Any) -> sf.Ladder:
+    return sf.Ladder(PATCH, LAYER, RUNGS, solver=solver, noise_std=NOISE)
+
+
+@pytest.fixture(scope="module")
+def linear() -> sf.Ladder:
+    return ladder_of(sf.GaussianField())
+
+
+@pytest.fixture(scope="module")
+def searching() -> sf.Ladder:
+    return ladder_of(sf.NonNegative())
+
+
+def test_the_finest_rung_is_a_reconstructor(linear: sf.Ladder) -> None:
+    rec = sf.Reconstructor(PATCH, LAYER, sf.Grid.square(PATCH, 24), noise_std=NOISE)
+    linear.rung = 24
+    ours, alone = linear(touched(), stamp_ns=5), rec(touched())
+    for name in ("pressure", "displacement", "pressure_std", "residual", "traction"):
+        expected = getattr(alone, name)
+        np.testing.assert_allclose(
+            getattr(ours, name), expected, rtol=1e-8, atol=1e-9 * np.abs(expected).max()
+        )
+    assert ours.contacts[0].normal_force == pytest.approx(alone.contacts[0].normal_force)
+    assert (ours.stamp_ns, ours.gap, ours.deadline_met) == (5, 0.0, True)
+
+
+def test_all_rungs_state_the_same_force_and_moment(linear: sf.Ladder) -> None:
+    forces, middles = [], []
+    for nodes in RUNGS:
+        linear.rung = nodes
+        estimate = linear(touched())
+        assert len(estimate.pressure) == nodes**2 == len(linear.grid)
+        forces.append(estimate.normal_force)
+        middles.append(estimate.pressure @ estimate.grid.plane * estimate.grid.cell_area)
+    np.testing.assert_allclose(forces, forces[-1], rtol=1e-10)
+    shift = np.abs(np.subtract(middles, middles[-1])).max() / abs(forces[-1])
+    assert shift < PATCH.pitch  # the middle of a coarse cell stands for what lies in it
+
+
+def test_coarse_uncertainty_is_that_of_averages(linear: sf.Ladder) -> None:
+    """Against fields drawn from the fine posterior, and averaged."""
+    grid, coarse = sf.Grid.square(PATCH, 24), sf.Grid.square(PATCH, 6)
+    model = ObservationModel.of(
+        PATCH, LAYER, grid, sf.BondedLayer(), sf.Capacitance(), np.full(len(PATCH), NOISE)
+    )
+    fine = sf.GaussianField().prepare(model).posterior
+    assert fine is not None
+    every = np.arange(len(grid))
+    row, column = np.divmod(every, 24)
+    prior = fine.prior[abs(row[:, None] - row), abs(column[:, None] - column)]
+    covariance = prior - fine.factor @ fine.factor.T
+    restriction = Restriction.between(grid, coarse)
+    matrix = restriction(np.eye(len(grid))).T
+    np.testing.assert_allclose(restriction.transposed(np.eye(36)), matrix)
+    expected = matrix @ covariance @ matrix.T
+    linear.rung = 6
+    np.testing.assert_allclose(
+        linear(touched()).pressure_std, np.sqrt(np.diag(expected)), rtol=1e-6
+    )
+    posterior = RestrictedPosterior(fine, restriction, np.arange(36))
+    cells = np.array([14, 15, 20, 14])  # one of them twice
+    weights = np.random.default_rng(0).normal(size=(3, 4))
+    whole = np.zeros((3, 36))
+    np.add.at(whole.T, cells, weights.T)
+    np.testing.assert_allclose(
+        posterior.covariance_of_sums(cells, weights), whole @ expected @ whole.T, rtol=1e-6
+    )
+    part = posterior.on(np.array([20, 14]))
+    np.testing.assert_allclose(part.std, posterior.std[[20, 14]])
+    assert part.felt == 2
+
+
+def test_restriction_conserves_force_between_grids_that_do_not_nest() -> None:
+    rng = np.random.default_rng(1)
+    for fine, coarse in ((24, 7), (13, 12), (40, 10), (9, 9)):
+        grids = sf.Grid.square(PATCH, fine), sf.Grid.square(PATCH, coarse)
+        field = rng.normal(size=(3, fine**2))
+        averaged = Restriction.between(*grids)(field)
+        np.testing.assert_allclose(
+            averaged.sum(axis=1) * grids[1].cell_area, field.sum(axis=1) * grids[0].cell_area
+        )
+    np.testing.assert_allclose(averaged, field)
+
+
+def allocated(action: Any, times: int) -> int:
+    """Bytes that `times` calls left allocated at their highest."""
+    action()
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        tracemalloc.reset_peak()
+        for _ in range(times):
+            action()
+        return tracemalloc.get_traced_memory()[1] - before
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("name", ["linear", "searching"])
+def test_switching_and_answering_allocate_nothing(name: str, request: Any) -> None:
+    ladder: sf.Ladder = request.getfixturevalue(name)
+    readings = touched()
+    outs = {nodes: np.zeros(nodes**2) for nodes in RUNGS}
+
+    def turn() -> None:
+        for nodes in RUNGS:
+            ladder.rung = nodes
+            ladder.apply(readings, outs[nodes])
+
+    assert allocated(turn, 20) < 4000  # numbers and views; one field of 24 x 24 has 4608
+    for nodes in RUNGS:
+        ladder.rung = nodes
+        assert np.abs(outs[nodes]).max() > 0
+
+
+def test_a_search_goes_on_from_rung_to_rung(searching: sf.Ladder) -> None:
+    readings = touched()
+    searching.reset()
+    searching.rung = 24
+    cold = searching(readings)
+    assert 0.0 <= cold.gap <= 1e-4
+    assert cold.pressure.min() == 0.0
+    searching.reset()
+    searching.rung = 12
+    searching(readings)
+    searching.rung = 24
+    warm = searching(readings)
+    assert warm.iterations <= cold.iterations
+    np.testing.assert_allclose(warm.pressure, cold.pressure, atol=0.02 * cold.pressure.max())
+    rec = sf.Reconstructor(
+        PATCH, LAYER, sf.Grid.square(PATCH, 24), solver=sf.NonNegative(), noise_std=NOISE
+    )
+    alone = rec(readings)
+    np.testing.assert_allclose(cold.pressure, alone.pressure, atol=0.02 * cold.pressure.max())
+    np.testing.assert_allclose(cold.residual, alone.residual, atol=0.1 * NOISE)
+    assert cold.contacts[0].normal_force == pytest.approx(alone.contacts[0].normal_force, rel=0.02)
+
+
+def test_a_linear_focus_is_a_part_of_the_whole(linear: sf.Ladder) -> None:
+    linear.rung = 24
+    whole = linear(touched())
+    linear.rung = 6
+    linear(touched())
+    assert linear.focus_on_contact(margin=2e-3)
+    assert linear.rung == 24
+    part = linear(touched())
+    assert len(part.pressure) == len(linear.grid) < len(whole.pressure)
+    offset = (linear.grid.plane[:, None] - whole.grid.plane[None]).reshape(-1, 2)
+    near = np.linalg.norm(offset, axis=1).reshape(len(part.pressure), -1).argmin(axis=1)
+    np.testing.assert_allclose(part.grid.plane, whole.grid.plane[near], atol=1e-12)
+    for name in ("pressure", "displacement", "pressure_std", "traction"):
+        np.testing.assert_allclose(getattr(part, name), getattr(whole, name)[near], rtol=1e-6)
+    np.testing.assert_allclose(part.residual, whole.residual)
+    assert part.contacts[0].normal_force == pytest.approx(whole.contacts[0].normal_force, rel=0.05)
+    out = np.empty(len(linear.grid))
+    linear.apply(touched(), out)
+    np.testing.assert_allclose(out, part.pressure)
+    linear.rung = 12
+    assert len(linear.grid) == 144
+
+
+def test_the_gap_of_a_focus_tells_what_was_left_out(searching: sf.Ladder) -> None:
+    readings = touched(taxel=4)
+    searching.rung = 12
+    searching(readings)
+    searching.focus_on_contact(margin=3e-3)
+    good = searching(readings)
+    assert good.grid.shape == (24, 24)
+    assert good.gap < 0.05
+    searching.rung = 24
+    whole = searching(readings)
+    np.testing.assert_allclose(good.pressure, whole.pressure, atol=0.1 * whole.pressure.max())
+    searching.rung = 6
+    far = PATCH.plane[np.linalg.norm(PATCH.plane - PATCH.plane[4], axis=1).argmax()]
+    searching.focus(far - 2e-3, far + 2e-3, rung=24)  # where nothing presses
+    bad = searching(readings)
+    assert bad.gap > 2 * good.gap
+    assert bad.pressure.min() == 0.0
+
+
+def test_nothing_to_focus_on(searching: sf.Ladder) -> None:
+    searching.rung = 12
+    searching(np.zeros(len(PATCH)))
+    assert not searching.focus_on_contact(margin=1e-3)
+    assert searching.rung == 12
+    fresh = ladder_of(sf.GaussianField())
+    with pytest.raises(InputError, match="nothing was answered yet"):
+        fresh.focus_on_contact(margin=1e-3)
+
+
+@pytest.mark.parametrize("name", ["linear", "searching"])
+def test_missing_taxels_are_left_out(name: str, request: Any) -> None:
+    ladder: sf.Ladder = request.getfixturevalue(name)
+    ladder.rung = 24
+    ladder.reset()
+    readings, model = (
+        touched(),
+        ObservationModel.of(
+            PATCH, LAYER, sf.Grid.square(PATCH, 24), sf.BondedLayer(), sf.Capacitance(), NOISE
+        ),
+    )
+    whole = ladder(readings).pressure
+    readings[[4, 7]] = np.nan
+    valid = np.isfinite(readings)
+    estimate = ladder(readings)
+    operator = ladder.solver.prepare(model.subset(valid))
+    alone = np.zeros(576)
+    operator.apply(readings[valid] / (1 + readings[valid]), alone)  # type: ignore[union-attr]
+    away = np.linalg.norm(estimate.pressure - alone) / np.linalg.norm(alone)
+    assert away < 0.1  # the prior's amplitude is that of all taxels, or of those left
+    assert np.linalg.norm(whole - alone) > 3 * np.linalg.norm(estimate.pressure - alone)
+    assert np.isnan(estimate.residual).sum() == 2
+    assert estimate.notes == ("2 taxels left out",)
+
+
+def test_a_deadline_reaches_the_search(searching: sf.Ladder) -> None:
+    searching.rung = 24
+    searching.reset()
+    hasty = searching(touched(), deadline=1e-9)
+    assert not hasty.deadline_met
+    assert hasty.pressure.min() >= 0.0
+
+
+def test_arguments_that_do_not_fit(linear: sf.Ladder) -> None:
+    with pytest.raises(InputError, match=r"rung is 7, expected one of \(6, 12, 24\)"):
+        linear.rung = 7
+    with pytest.raises(InputError, match="rungs is \\(\\), expected one or more"):
+        sf.Ladder(PATCH, LAYER, ())
+    with pytest.raises(InputError, match="rungs is 1, expected a whole number from 2 to 400"):
+        sf.Ladder(PATCH, LAYER, (1, 10))
+    with pytest.raises(InputError, match="holds no node of the 24 x 24 grid"):
+        linear.focus((1.0, 1.0), (2.0, 2.0), rung=24)
+    with pytest.raises(InputError, match="one reading at a time"):
+        linear(np.zeros((2, len(PATCH))))
+    with pytest.raises(InputError, match="deadline is 0"):
+        linear(np.zeros(len(PATCH)), deadline=0)
+    with pytest.raises(InputError, match="margin is -1"):
+        linear.focus_on_contact(margin=-1)
