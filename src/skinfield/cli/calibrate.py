@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.cli.inputs import LAYOUT_HELP
+from skinfield.cli.job import Job, prepare
 from skinfield.cli.options import conditioning_options, model_options
-from skinfield.cli.reconstruct import Job, prepare
 from skinfield.cli.report import console, progress, say_notes
 from skinfield.errors import Floats, InputError, as_floats
 from skinfield.reading import Recording

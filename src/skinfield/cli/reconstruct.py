@@ -1,31 +1,26 @@
 """`skinfield reconstruct`: a recording becomes fields and contacts."""
 
-from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
 import numpy as np
+from click.core import ParameterSource
 
-from skinfield.cli.inputs import LAYOUT_HELP, skin_from_text
-from skinfield.cli.options import (
-    OF_UNIT,
-    QUANTITIES,
-    conditioning_from_options,
-    conditioning_options,
-    layer_from_options,
-    model_options,
-    patch_of,
-    reconstructor_from_options,
-)
-from skinfield.cli.report import console, plural, progress, say_notes, table_of_contacts
+from skinfield.cli.inputs import LAYOUT_HELP
+from skinfield.cli.options import conditioning_options, model_options
+from skinfield.cli.reconstruct_progress import readings_progress
+from skinfield.cli.reconstruct_report import Run, report
+from skinfield.cli.report import say_notes
 from skinfield.errors import InputError
-from skinfield.fields import Estimate
-from skinfield.pipeline import Reconstructor
-from skinfield.pipeline.conditioned import Conditioned, condition, without_empty
+from skinfield.pipeline.batch_results import LazyResults
 
-CHUNK = 64  # readings per step of the progress bar; bounds the memory of the fields
+ENDING = ".skinfield"
+KEPT = ("recording", "output", "fields_path", "summary_path", "plot", "reading", "part",
+        "processes")  # options that mean something for results that are there already  # fmt: skip
 
 
 @click.command(
@@ -33,213 +28,193 @@ CHUNK = 64  # readings per step of the progress bar; bounds the memory of the fi
     help=f"""Turn a recording of a skin into force, deformation and contacts.
 
 RECORDING is a yarpdatadumper log or its folder, a CySkin text recording, or a CSV or NPZ file of
-your own. {LAYOUT_HELP}
+your own; or results that an earlier run left with -o run.skinfield. {LAYOUT_HELP}
 
 Counts become ΔC/C₀ through the board's convention and a gain, or a calibration file; without one
 the gain is a guess and forces are true up to one factor, which 'skinfield calibrate scale' finds.
 What was assumed, skipped or left out is said in notes.
 
+A recording may be longer than memory. -o run.skinfield keeps its readings and what reconstructs
+them, some hundred times less than the fields, which are computed when they are looked at: in Python
+with skinfield.open_results, here with --slice. Contacts are found where a table or a summary asks
+for them; without, the reading of the highest summed pressure is shown. Long work is done by as many
+processes as there are cores. Solvers that start from the reading before (nonnegative, contact) do
+so within runs of 64 readings and begin anew at each: the answers do not depend on the processes.
+
 \b
   skinfield reconstruct right_foot/data.log --layout right_foot.txt -o contacts.csv --plot foot.png
   skinfield reconstruct press.csv --layout hexagon72 --grid 40 --fields press.zarr
+  skinfield reconstruct hours.csv --layout hexagon72 --grid 40 -o hours.skinfield
+  skinfield reconstruct hours.skinfield --slice 100:200 --fields part.npz
 """,
 )
 @click.argument("recording")
-@click.option("--layout", "layout", required=True, help="Layout file, or generator by name.")
+@click.option("--layout", "layout", help="Layout file, or generator by name.")
 @click.option("--patch", help="Which patch, where the layout has several.")
-@click.option("-o", "--output", help="Contacts of every reading: .csv or .parquet.")
+@click.option(
+    "-o",
+    "--output",
+    multiple=True,
+    help="Contacts of every reading: .csv or .parquet; or all results: .skinfield. Repeatable.",
+)
 @click.option("--fields", "fields_path", help="Pressure and displacement: .npz or .zarr.")
 @click.option("--summary", "summary_path", help="Summary of the run: .json.")
 @click.option("--plot", help="Figure of the reading with the highest load: .png, .pdf or .svg.")
 @click.option("--reading", type=int, help="Draw and list this reading (from 0) instead.")
+@click.option("--slice", "part", metavar="FROM:TO", help="Of the readings, from 0, TO left out.")
+@click.option(
+    "--processes",
+    type=click.IntRange(1, 1024),
+    help="How many work at once. Default one, and all cores where it takes long.",
+)
 @model_options(grid=20)
 @conditioning_options
-def reconstruct(recording: str, layout: str, patch: str | None, **options: Any) -> None:
+def reconstruct(recording: str, layout: str | None, patch: str | None, **options: Any) -> None:
     """Reconstruct a recording."""
     from skinfield.figures import check_name
 
     if options["plot"]:
         check_name(options["plot"])
-    job = prepare(recording, layout, patch, **options)
-    say_notes(job.conditioned.notes)
     with ExitStack() as files:
-        from skinfield.sinks import open_contacts, open_fields
+        sinks = Sinks.of(options, files)
+        ready = recording.rstrip("/").lower().endswith(ENDING) and Path(recording).is_dir()
+        if ready:
+            _refuse_without_effect(click.get_current_context(), sinks)
+            path, skipped = Path(recording), 0
+        else:
+            from skinfield.cli.reconstruct_intake import take_in
 
-        sinks: list[Any] = []
-        if options["output"]:
-            sinks.append(files.enter_context(open_contacts(options["output"])))
-        if options["fields_path"]:
-            sinks.append(files.enter_context(open_fields(options["fields_path"])))
-        run = _run(job, sinks, options["reading"])
-    _report(job, run, options)
+            if layout is None:
+                raise click.MissingParameter(param_hint="'--layout'", param_type="option")
+            path = sinks.results or Path(files.enter_context(_beside(options))) / f"run{ENDING}"
+            skipped = take_in(recording, layout, patch, path, options)
+        from skinfield.sources import open_results
 
-
-@dataclass(frozen=True, eq=False)
-class Job:
-    """A recording and what reconstructs it."""
-
-    reconstructor: Reconstructor
-    conditioned: Conditioned
-    quantity: str
-
-    def __len__(self) -> int:
-        return len(self.conditioned.values)
-
-    def estimates(self) -> Iterator[tuple[int, Estimate]]:
-        """Batches of estimates, each with the index of its first reading."""
-        stamps = self.conditioned.recording.stamp_ns
-        for first in range(0, len(self), CHUNK):
-            part = slice(first, first + CHUNK)
-            yield first, self.reconstructor(self.conditioned.values[part], stamp_ns=stamps[part])
+        results = open_results(path)
+        say_notes(results.notes)
+        run = _run(path, results, sinks, options)
+        shown = results.estimate(run.shown)
+        sinks.close()
+        report(results, run, shown, {**options, "skipped": skipped})
 
 
-def prepare(recording: str, layout: str, patch_name: str | None, **options: Any) -> Job:
-    """Open, condition and prepare."""
-    from skinfield.sources import open_recording, readings_for
+def _beside(options: dict[str, Any]) -> TemporaryDirectory[str]:
+    """A folder for the readings until the end: where the outputs go, as there is room."""
+    named = [*options["output"], options["fields_path"], options["summary_path"]]
+    first = next((name for name in named if name), None)
+    folder = None if first is None else Path(first).absolute().parent
+    return TemporaryDirectory(prefix=".skinfield-", dir=folder)
 
-    skin = skin_from_text(layout)
-    patch = patch_of(skin, patch_name)
-    layer = layer_from_options(options["thickness_mm"], options["modulus_kpa"], options["poisson"])
-    how = conditioning_from_options(
-        patch,
-        **{key: options[key] for key in ("board", "no_load", "gain", "calibration", "smooth_ms",
-                                         "noise")},
-    )  # fmt: skip
-    with progress() as bar:
-        task = bar.add_task("reading", total=None)
-        opened = open_recording(
-            recording, progress=lambda done, total: bar.update(task, completed=done, total=total)
+
+def _refuse_without_effect(context: click.Context, sinks: "Sinks") -> None:
+    """Results know their layout, their model and what counts mean."""
+    given = [
+        parameter.opts[-1]
+        for parameter in context.command.params
+        if parameter.name not in KEPT
+        and context.get_parameter_source(str(parameter.name)) == ParameterSource.COMMANDLINE
+    ]
+    if sinks.results is not None:
+        given.append(f"-o {sinks.results.name}")
+    if given:
+        raise InputError(
+            f"{', '.join(given)} would have no effect: expected none beside results, which were "
+            "made with theirs; give the recording itself"
         )
-    readings = readings_for(opened, patch)
-    name = OF_UNIT[readings.unit] if options["quantity"] == "auto" else options["quantity"]
-    quantity = QUANTITIES[name]()
-    conditioned = without_empty(condition(readings, patch, layer, quantity, how))
-    reconstructor = reconstructor_from_options(
-        patch, layer, quantity, conditioned.noise_std, options
-    )
-    return Job(reconstructor, conditioned, name)
 
 
 @dataclass
-class Run:
-    """What a run over a recording leaves."""
+class Sinks:
+    """Where results go, by the endings of their names."""
 
-    load: list[float] = field(default_factory=list)
-    force: list[float] = field(default_factory=list)
-    contacts: list[int] = field(default_factory=list)
-    latency: float = 0.0
-    shown: Estimate | None = None
-    shown_index: int = -1
+    tables: list[Any] = field(default_factory=list)
+    fields: Any = None
+    results: Path | None = None
+
+    @classmethod
+    def of(cls, options: dict[str, Any], files: ExitStack) -> "Sinks":
+        """Open what is asked for; each is discarded where anything fails."""
+        from skinfield.sinks import open_contacts, open_fields
+
+        made = cls()
+        for name in options["output"]:
+            if not name.lower().endswith(ENDING):
+                made.tables.append(files.enter_context(open_contacts(name)))
+            elif made.results is None:
+                made.results = Path(name).absolute()
+            else:
+                raise InputError(f"--output names two {ENDING} files, expected one at most")
+        if options["fields_path"]:
+            made.fields = files.enter_context(open_fields(options["fields_path"]))
+        return made
+
+    def write(self, part: Any, results: LazyResults) -> None:
+        """Take what a piece of work gives."""
+        for table in self.tables:
+            table.write_rows(part.rows, len(part.load))
+        if self.fields is not None:
+            self.fields.write_series(results.grid, part.series)
+
+    def close(self) -> None:
+        """Give all files their names."""
+        for sink in (*self.tables, *([self.fields] if self.fields is not None else [])):
+            sink.close()
 
 
-def _run(job: Job, sinks: list[Any], reading: int | None) -> Run:
-    if reading is not None and not 0 <= reading < len(job):
-        raise InputError(f"--reading is {reading}, expected 0 to {len(job) - 1}")
-    run = Run()
-    with progress() as bar:
-        task = bar.add_task("reconstructing", total=len(job))
-        for first, batch in job.estimates():
-            for sink in sinks:
-                sink.write(batch)
-            load = [sum(c.normal_force for c in contacts) for contacts in batch.contacts]
-            best = int(np.argmax(load)) if reading is None else reading - first
-            if (reading is None and load[best] > max(run.load, default=-np.inf)) or (
-                reading is not None and 0 <= best < len(batch)
-            ):
-                run.shown, run.shown_index = batch[best], first + best
-            run.load += load
-            run.force += np.asarray(batch.normal_force).tolist()
-            run.contacts += [len(contacts) for contacts in batch.contacts]
-            run.latency += batch.latency
-            bar.update(task, advance=len(batch))
+def _run(path: Path, results: LazyResults, sinks: Sinks, options: dict[str, Any]) -> Run:
+    """Reconstruct what is asked for; readings that nothing needs are not."""
+    run = Run(_readings_of(options["part"], len(results)))
+    reading = options["reading"]
+    if reading is not None and reading not in run.readings:
+        raise InputError(
+            f"--reading is {reading}, expected {run.readings.start} to {run.readings.stop - 1}"
+        )
+    contacts = bool(sinks.tables or options["summary_path"])
+    only_kept = sinks.results is not None and not results.is_linear  # its fields come later
+    if contacts or sinks.fields is not None or (reading is None and not only_kept):
+        _over_all(path, results, sinks, run, contacts, options["processes"])
+    else:
+        _survey(results, run)
+    run.shown = run.shown if reading is None else reading
     return run
 
 
-def _report(job: Job, run: Run, options: dict[str, Any]) -> None:
-    recording, patch = job.conditioned.recording, job.reconstructor.patch
-    shown, index = run.shown, run.shown_index
-    assert shown is not None  # there is at least one reading
-    out = console()
-    seconds = float(recording.time[-1])
-    dead = int((~job.conditioned.valid.any(axis=0)).sum())
-    out.print(
-        f"{recording.source}: {plural(len(job), 'reading')} in {seconds:.2f} s, "
-        f"{len(patch)} taxels of {patch.name} ({dead} left out), "
-        f"{recording.skipped} lines skipped; {run.latency / len(job) * 1e3:.2f} ms per reading",
-        highlight=False,
-        soft_wrap=True,
-    )
-    when = float(recording.time[index])
-    found = plural(len(shown.contacts), "contact")
-    title = f"reading {index} at {when:.2f} s: {run.load[index]:.2f} N in {found}"
-    out.print(table_of_contacts(shown.contacts, title))
-    say_notes(doubts(job.reconstructor, shown))
-    if options["summary_path"]:
-        from skinfield.sinks import write_summary
+def _over_all(
+    path: Path, results: LazyResults, sinks: Sinks, run: Run, contacts: bool, processes: int | None
+) -> None:
+    from skinfield.cli.reconstruct_work import Task, parts
 
-        write_summary(options["summary_path"], _summary(job, run, options))
-    if options["plot"]:
-        _plot(job, run, options["plot"])
-    for name in ("output", "fields_path", "summary_path", "plot"):
-        if options[name]:
-            out.print(f"wrote {options[name]}", highlight=False, soft_wrap=True)
+    task = Task(path, contacts, sinks.fields is not None)
+    with readings_progress() as bar:
+        line = bar.add_task("reconstructing", total=len(run.readings))
+        for part in parts(task, results, run.readings, processes):
+            sinks.write(part, results)
+            run.add(part)
+            bar.update(line, advance=len(part.load))
 
 
-def doubts(reconstructor: Reconstructor, shown: Estimate) -> list[str]:
-    """What about an estimate cannot be, and what to try."""
-    found, grid, layer = [], shown.grid, reconstructor.layer
-    if grid.pitch > reconstructor.patch.pitch:
-        found.append(
-            f"cells of {grid.pitch * 1e3:.1f} mm are wider than the taxels' distance of "
-            f"{reconstructor.patch.pitch * 1e3:.1f} mm: a finer --grid gives other forces"
-        )
-    deepest = float(shown.indentation.max()) / layer.thickness
-    if deepest > 0.8:
-        found.append(
-            f"an indentation of {deepest:.1f} times the thickness is beyond a linear model: the "
-            "gain, the modulus or Poisson's ratio does not fit this skin"
-        )
-    if shown.pressure.min() < -0.5 * shown.pressure.max():
-        foam = ": if the elastomer is a foam or a fabric, try --poisson 0.3"
-        found.append(
-            f"pressure falls to {shown.pressure.min() / 1e3:.0f} kPa beside "
-            f"{shown.pressure.max() / 1e3:.0f} kPa, and nothing pulls"
-            f"{foam if layer.poisson_ratio > 0.45 else '; linear solvers do not know that'}"
-        )
+def _survey(results: LazyResults, run: Run) -> None:
+    """The reading that is highest, and taxels that never answer, without a solver."""
+    highest = -np.inf
+    for first in range(run.readings.start, run.readings.stop, 4096):
+        values = results.readings[first : min(first + 4096, run.readings.stop)]
+        mean = np.nansum(values, axis=1)
+        best = int(np.argmax(mean))
+        if mean[best] > highest:
+            highest, run.shown = float(mean[best]), first + best
+        dead = np.isnan(values).all(axis=0)
+        run.dead = dead if run.dead is None else run.dead & dead
+
+
+def _readings_of(text: str | None, count: int) -> range:
+    """Readings that `--slice` names."""
+    if text is None:
+        return range(count)
+    try:
+        low, high = (int(word) if word.strip() else None for word in text.split(":"))
+    except ValueError:
+        raise InputError(f"--slice is {text!r}, expected two numbers such as 100:200") from None
+    found = range(count)[slice(low, high)]
+    if not found:
+        raise InputError(f"--slice is {text!r}, expected readings of 0:{count}")
     return found
-
-
-def _summary(job: Job, run: Run, options: dict[str, Any]) -> dict[str, Any]:
-    recording = job.conditioned.recording
-    return {
-        "recording": recording.source,
-        "readings": len(job),
-        "duration_s": float(recording.time[-1]),
-        "skipped_lines": recording.skipped,
-        "patch": job.reconstructor.patch.name,
-        "taxels": len(job.reconstructor.patch),
-        "taxels_left_out": int((~job.conditioned.valid.any(axis=0)).sum()),
-        "quantity": job.quantity,
-        "options": {key: value for key, value in options.items() if value is not None},
-        "contact_force_N": {"mean": np.mean(run.load), "highest": np.max(run.load)},
-        "field_force_N": {"mean": np.mean(run.force), "highest": np.max(run.force)},
-        "contacts_per_reading": np.mean(run.contacts),
-        "highest_load_reading": run.shown_index,
-        "latency_ms_per_reading": run.latency / len(job) * 1e3,
-        "notes": list(job.conditioned.notes),
-    }
-
-
-def _plot(job: Job, run: Run, path: str) -> None:
-    from skinfield.figures import draw_estimate, save
-
-    quantity = job.reconstructor.quantity
-    unit = {"1": "%", "Pa": "kPa"}[quantity.unit]
-    assert run.shown is not None
-    figure = draw_estimate(
-        run.shown,
-        job.conditioned.values[run.shown_index],
-        quantity_name=quantity.symbol,
-        quantity_unit=unit,
-    )
-    save(figure, path)

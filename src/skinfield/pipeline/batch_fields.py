@@ -53,6 +53,11 @@ class BulkFields:
         self._sets: OrderedDict[bytes, Any] = OrderedDict()
 
     @property
+    def is_linear(self) -> bool:
+        """Whether one product answers."""
+        return self._linear is not None
+
+    @property
     def shapes(self) -> dict[str, tuple[int, ...]]:
         """Of each output of one reading: (K,), or (K, 3) for a vector field."""
         nodes = len(self.reconstructor.grid)

@@ -157,7 +157,7 @@ class LazyResults:
     @cached_property
     def contacts(self) -> LazyList:
         """Of each reading, a tuple in order of falling force."""
-        if self._is_linear:
+        if self.is_linear:
             size = 4096 + 8 * len(self.grid)  # they keep their pressure for what is asked later
             return LazyList(len(self), 1, self._contacts, self._cache, size)
         return LazyList(len(self), RUN, lambda a, b: self._solved(a)[1], self._cache)
@@ -208,8 +208,9 @@ class LazyResults:
         return dataset_from_lazy(self.grid, self.stamp_ns[:], pictures)
 
     @property
-    def _is_linear(self) -> bool:
-        return self._fields("pressure").run == CHUNK
+    def is_linear(self) -> bool:
+        """Whether one matrix product answers."""
+        return self._fields("pressure").is_linear
 
     @property
     def _run(self) -> int:
@@ -223,7 +224,7 @@ class LazyResults:
 
     def _array(self, name: str, tail: tuple[int, ...]) -> LazyArray:
         def load(first: int, last: int) -> NDArray[Any]:
-            if self._is_linear:
+            if self.is_linear:
                 return self._fields(name)(self.kept.values(first, last))[name]
             return self._solved(first)[0][name]
 

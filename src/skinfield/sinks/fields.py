@@ -96,9 +96,9 @@ def open_fields(path: str | Path) -> FieldWriter:
     path : str or Path
         Ends in `.npz` or `.zarr`. Either is written as the estimates come, so memory stays bounded;
         NPZ is compressed at the end, out of files beside it. Both hold `stamp_ns` (T,), `pressure`
-        (T, rows, columns) Pa and its `pressure_std`, `displacement` (T, rows, columns, 3) m and `position`
-        (rows, columns, 3) m, the fields in single precision. Units are attributes in Zarr, and in
-        NPZ a JSON text under the key `attributes`.
+        (T, rows, columns) Pa and its `pressure_std`, `displacement` (T, rows, columns, 3) m and
+        `position` (rows, columns, 3) m, the fields in single precision. Units are attributes in
+        Zarr, and in NPZ a JSON text under the key `attributes`.
 
     Returns
     -------
