@@ -10,6 +10,7 @@ import numpy as np
 from skinfield.contacts.regions import Regions, border
 from skinfield.errors import Floats, Ints
 from skinfield.fields import Contact, ModelError, PressureError
+from skinfield.fields.noise import compiled as load_covariances
 from skinfield.layout import Grid
 
 
@@ -103,7 +104,8 @@ class Details:
         """
         found, sums, cells = self.found, compiled(), self._cells
         grid, row = found.grid, found.table[self.index]
-        moves = sums.first_moments(cells, grid.shape[1], grid.pitch, grid.origin, row)
+        origin = float(grid.origin[0]), float(grid.origin[1])
+        moves = sums.first_moments(cells, grid.shape[1], grid.pitch, origin, row)
         noise = found.error.covariance_of_sums(cells, moves)
         return noise + found.model_error.covariance(float(row[sums.TOTAL]))
 
@@ -141,7 +143,11 @@ def _normals(grid: Grid, centres: Floats) -> Floats:
 
 @lru_cache(maxsize=1)
 def compiled() -> Any:
-    """The kernels, loaded when first needed."""
+    """The kernels, loaded when first needed; those that wait to be asked for, too."""
     from skinfield.contacts import sum_kernel
 
+    load_covariances()
+    cell = np.zeros(1, np.int64)
+    sum_kernel.first_moments(cell, 1, 1.0, (0.0, 0.0), np.ones(sum_kernel.WIDTH))
+    sum_kernel.walk_around(cell, 1, 1)
     return sum_kernel

@@ -208,7 +208,7 @@ def slope_at(pressure: Floats, cell: int, step: int, place: int, count: int) -> 
 
 @njit(cache=True, nogil=True)
 def first_moments(
-    cells: Ints, columns: int, pitch: float, origin: Floats, row: Floats
+    cells: Ints, columns: int, pitch: float, origin: tuple[float, float], row: Floats
 ) -> NDArray[np.float64]:
     """Weights (3, N), per Pa, that make a region's x m, y m and normal force N of its cells."""
     weights = np.empty((3, len(cells)))

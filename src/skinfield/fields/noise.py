@@ -67,9 +67,12 @@ class PressureNoise:
 
 @lru_cache(maxsize=1)
 def compiled() -> Any:
-    """The kernels, loaded when first needed."""
+    """The kernels, loaded when first needed, and all at once."""
     from skinfield.fields import covariance_kernel
 
+    cell, one = np.zeros(1, np.int64), np.ones((1, 1))
+    covariance_kernel.of_factor(one, cell, one)
+    covariance_kernel.of_lattice(one, np.zeros((1, 2), np.int64), cell, one)
     return covariance_kernel
 
 
