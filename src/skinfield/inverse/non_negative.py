@@ -9,7 +9,8 @@ from skinfield.errors import InputError, check_positive, check_range
 from skinfield.inverse.bumps import bump_of, seen_through
 from skinfield.inverse.gaussian_field import GaussianField, taxel_distance
 from skinfield.inverse.model_errors import NON_NEGATIVE
-from skinfield.inverse.non_negative_operator import Backing, NonNegativeOperator, problem_of
+from skinfield.inverse.non_negative_operator import Backing, NonNegativeOperator
+from skinfield.inverse.non_negative_problem import problem_of
 from skinfield.inverse.tikhonov import Tikhonov
 from skinfield.observation import ObservationModel
 
@@ -109,17 +110,7 @@ class NonNegative:
         if not power > 0.0:
             raise InputError("no taxel sees any node: the matrix is 0; check grid and layout")
         scale = np.sqrt(self.snr**2 * len(seen) / power)
-        problem = problem_of(
-            seen.T * scale,
-            bump * scale,
-            whitening,
-            model.grid.shape,
-            self.false_alarm_rate,
-            self.shrinkage,
-            self.tolerance,
-            self.most_iterations,
-            self.precision,
-        )
+        problem = problem_of(self, model.grid, seen.T * scale, bump * scale, whitening)
         linear = (
             Tikhonov(snr=self.snr)
             if length == 0.0

@@ -14,11 +14,9 @@ from skinfield.inverse.operator import InverseOperator
 from skinfield.observation import ObservationModel
 
 if TYPE_CHECKING:
-    from skinfield.inverse.dual.search import Memory, Problem
+    from skinfield.inverse.dual.arrays import Problem
 
-LANES = 64  # bytes: rows are filled up to whole vector registers
 LAPS = 6  # of the run in, after which the times of steps are known
-ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a dual value may be off
 
 
 class Linear(Protocol):
@@ -40,79 +38,6 @@ class Backing:
     def operator(self) -> InverseOperator:
         """Prepared when it is first asked for: the search itself does not need it."""
         return self.solver.prepare(self.model)
-
-
-def problem_of(
-    rows: Floats,
-    bump: Floats,
-    whitening: Floats,
-    shape: tuple[int, int],
-    false_alarm_rate: float,
-    shrinkage: float,
-    tolerance: float,
-    most: int,
-    precision: type[np.floating[Any]],
-) -> "Problem":
-    """Arrays of the compiled search, for what each node's bump does to the taxels (K, L)."""
-    from scipy.special import ndtri
-
-    from skinfield.inverse.dual.search import Problem
-
-    nodes, taxels = rows.shape
-    norms = np.linalg.norm(rows, axis=1)
-    chances = max(int(np.count_nonzero(norms)), 1)
-    threshold = float(-ndtri(false_alarm_rate / chances))
-    size = np.dtype(precision).itemsize
-    lanes = LANES // size
-    width = -(-taxels // lanes) * lanes
-    filled = np.zeros((nodes, width), dtype=precision)
-    filled[:, :taxels] = rows
-    return Problem(
-        rows=filled,
-        norms=norms.astype(precision),
-        penalty=(shrinkage * threshold * norms).astype(precision),
-        bump=np.ascontiguousarray(bump, dtype=precision),
-        whitening=np.ascontiguousarray(whitening, dtype=np.float64),
-        allowed=np.ones(nodes, dtype=np.bool_),
-        threshold=threshold,
-        tolerance=tolerance,
-        rounding=ROUNDING[size],
-        most=most,
-        height=shape[0],
-        width=shape[1],
-    )
-
-
-def memory_of(problem: "Problem") -> "Memory":
-    """Room for one patch; pages that are never written are never taken."""
-    from skinfield.inverse.dual.search import Memory
-
-    nodes, width = problem.rows.shape
-    kind = problem.rows.dtype
-
-    def numbers(*shape: int) -> NDArray[Any]:
-        return np.zeros(shape, dtype=kind)
-
-    return Memory(
-        target=numbers(width),
-        dual=numbers(width),
-        predicted=numbers(width),
-        ascent=numbers(width),
-        step=numbers(width),
-        scratch=numbers(width),
-        listed=np.zeros(nodes, dtype=np.int64),
-        slack=numbers(nodes),
-        turn=numbers(nodes),
-        every=numbers(nodes),
-        active=np.zeros(nodes, dtype=np.int64),
-        factored=np.zeros(nodes, dtype=np.int64),
-        lower=numbers(width, width),
-        pressed=np.zeros(nodes, dtype=np.int64),
-        amounts=numbers(nodes),
-        counts=np.zeros(8, dtype=np.int64),
-        measures=np.zeros(8),
-        room=np.zeros(2, dtype=np.int64),
-    )
 
 
 @dataclass(eq=False)
@@ -154,7 +79,13 @@ class NonNegativeOperator:
     deadline_met: bool = field(default=True, init=False)
 
     def __post_init__(self) -> None:
-        self._memory = memory_of(self.problem)
+        from skinfield.inverse.dual.arrays import memory_in, packed, room_for
+        from skinfield.inverse.dual.search import answer
+
+        nodes, width = self.problem.rows.shape
+        room = room_for(nodes, width, self.problem.rows.dtype)
+        self._memory = memory_in(nodes, width, room)
+        self._packed, self._answer = packed(self.problem, room), answer
         self._readings = np.zeros(self.taxels)
 
     @property
@@ -248,11 +179,9 @@ class NonNegativeOperator:
         nowhere negative and explains the readings no worse than 0; no step is begun that would
         take longer than is left, going by those before.
         """
-        from skinfield.inverse.dual import search
-
         self._readings[:] = readings
         limit = 0 if deadline_ns is None else max(deadline_ns, 1)
-        search.answer(self.problem, self._memory, self._readings, out, limit)
+        self._answer(self._packed, self._readings, out, limit)
         self.deadline_met = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
 
     def run_in(self) -> None:
