@@ -156,7 +156,7 @@ def test_stamps_and_prediction_are_transposes() -> None:
     field, value = rng.normal(size=sheet.shape), rng.normal(size=len(sheet))
     out, plan = np.empty(field.size), sheet.plan
     parts = parts_of(plan.stamps.spread, np.float64)
-    add_stamps(value[plan.placing.order], plan.corner, plan.offset, *parts, sheet.shape[1], out)
+    add_stamps(value[plan.placing.order], plan.corner, plan.offset, parts, sheet.shape[1], out)
     assert np.vdot(out, field) == pytest.approx(value @ sheet.predict(field), rel=1e-12)
 
 

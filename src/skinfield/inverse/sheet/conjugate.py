@@ -84,7 +84,7 @@ class Conjugate:
         square = self._begin(whole)
         self.iterations, self.stopped = 0, False
         enough = tolerance**2 * whole
-        way[:] = residual
+        turn(0.0, residual, way, moved)
         while square > enough and self.iterations < most:
             begin = perf_counter_ns()
             if deadline_ns is not None and begin + self.step_ns > deadline_ns:
@@ -92,7 +92,7 @@ class Conjugate:
                 break
             curved = self._multiply(way, moved)
             before, square = square, descend(square / curved, way, moved, valid, answer, residual)
-            turn(square / before, residual, way)
+            turn(square / before, residual, way, moved)
             self.iterations += 1
             spent = perf_counter_ns() - begin
             self.step_ns = max(spent, self.step_ns - self.step_ns // FORGET)
@@ -103,6 +103,7 @@ class Conjugate:
         from skinfield.inverse.sheet.kernels import residual_of
 
         if self.answer.any():
+            self._moved[:] = self.answer
             self._multiply(self.answer, self._moved)
             square = residual_of(self._target, self._moved, self.valid, self._residual)
             if square < whole:
@@ -112,6 +113,7 @@ class Conjugate:
         return whole
 
     def _multiply(self, vector: NDArray[Any], out: NDArray[Any]) -> float:
+        """Write M v over v in `out`; return v . M v."""
         from skinfield.inverse.sheet.kernels import multiply
 
         gram = self.gram

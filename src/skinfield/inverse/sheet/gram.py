@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Ints
 from skinfield.inverse.sheet.placing import Placing
-from skinfield.inverse.sheet.stamps import Stamp, Stamps
+from skinfield.inverse.sheet.stamps import GROUP, Stamp, Stamps
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,17 +51,18 @@ def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
         np.empty(taxels, dtype=precision),
     )
     most = int(np.diff(placing.strip).max())
-    ring = np.empty((2, most, 2 * stamps.read.reach, 2 * stamps.read.reach), dtype=precision)
+    read, spread = parts_of(stamps.read, precision), parts_of(stamps.spread, precision)
+    ring = np.empty((2, most, read[4], read[5]), dtype=precision)
     fill_pairs(
         placing.place,
         placing.cell,
         placing.offset.astype(precision),
         placing.strip,
         reach,
-        parts_of(stamps.read, precision),
-        parts_of(stamps.spread, precision),
+        read,
+        spread,
         ring,
-        start,
+        gram.start,
         gram.other,
         gram.value,
         gram.own,
@@ -69,7 +70,23 @@ def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
     return gram
 
 
-def parts_of(stamp: Stamp, precision: type[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Table, signs and room for one taxel's profiles, as the kernels take them."""
-    table = stamp.table.astype(precision)
-    return table, stamp.sign.astype(precision), np.empty((2, *table.shape[1:]), dtype=precision)
+def parts_of(stamp: Stamp, precision: type[Any]) -> tuple[Any, ...]:
+    """Take a stamp as the kernels do.
+
+    Returns
+    -------
+    across, down : (STEPS + 1, N) arrays
+        Profiles along x, all cells of a part together, and along y times the parts' signs, all
+        `GROUP` parts of a cell together.
+    along_x, along_y : (N,) arrays
+        Room for those of one taxel.
+    rows, width : int
+        Cells that are added to; `width` is a multiple of `LANES`, the profiles' last cells are 0.
+    """
+    steps, parts, rows = stamp.table.shape
+    across = np.zeros((steps, parts, stamp.width), dtype=precision)
+    across[..., :rows] = stamp.table
+    signed = (stamp.table * stamp.sign[:, None]).reshape(steps, -1, GROUP, rows)
+    down = np.ascontiguousarray(np.swapaxes(signed, 2, 3), dtype=precision)
+    across, down = across.reshape(steps, -1), down.reshape(steps, -1)
+    return across, down, np.empty_like(across[0]), np.empty_like(down[0]), rows, stamp.width

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from skinfield.inverse.sheet.kernels import FAST, Array, profiles_at
+from skinfield.inverse.sheet.kernels import FAST, Array, Parts, add_stamp
 
 
 @njit(cache=True, nogil=True)
@@ -57,22 +57,6 @@ def count_pairs(place: Array, strip: Array, reach: float, start: Array) -> None:
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def stamp_at(table: Array, sign: Array, offset: Array, work: Array, out: Array) -> None:
-    """Write the whole stamp (width, width) of a taxel."""
-    across, down = work[0], work[1]
-    profiles_at(table, offset[0], across)
-    profiles_at(table, offset[1], down)
-    out[:] = 0.0
-    for part in range(table.shape[1]):
-        profile = across[part]
-        for row in range(table.shape[2]):
-            height = sign[part] * down[part, row]
-            line = out[row]
-            for cell in range(len(line)):
-                line[cell] += height * profile[cell]
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
 def overlap(one: Array, other: Array, down: int, across: int) -> float:
     """Sum of products of two stamps, the other's corner `down` rows and `across` cells further."""
     first, last = max(0, across), min(one.shape[1], other.shape[1] + across)
@@ -91,8 +75,8 @@ def fill_pairs(
     offset: Array,
     strip: Array,
     reach: float,
-    read: tuple[Array, Array, Array],
-    spread: tuple[Array, Array, Array],
+    read: Parts,
+    spread: Parts,
     ring: Array,
     start: Array,
     other_of: Array,
@@ -101,18 +85,23 @@ def fill_pairs(
 ) -> None:
     """Write what each taxel reads of itself, (L,), and of its earlier neighbours.
 
-    `read` and `spread` are (table, sign, work) of what a taxel reads and of the pressure that its
-    reading makes, `ring` the stamps of two strips, (2, most taxels, width, width).
+    `read` and `spread` are what a taxel reads and the pressure that its reading makes, `ring` the
+    stamps of two strips, (2, most taxels, rows, width).
     """
-    mine = np.zeros((spread[0].shape[2], spread[0].shape[2]), ring.dtype)
-    shift = spread[0].shape[2] // 2 - read[0].shape[2] // 2  # of the corners of one taxel's stamps
+    ra, rd, rx, ry, rrows, rwidth = read
+    sa, sd, sx, sy, srows, swidth = spread
+    mine = np.empty((srows, swidth), ring.dtype)
+    shift = (srows - rrows) // 2  # of the corners of one taxel's stamps
     for row in range(len(strip) - 1):
         before = strip[max(row - 1, 0)]
         near = strip[row]
         here, above = ring[row % 2], ring[(row + 1) % 2]
         for taxel in range(strip[row], strip[row + 1]):
-            stamp_at(read[0], read[1], offset[taxel], read[2], here[taxel - strip[row]])
-            stamp_at(spread[0], spread[1], offset[taxel], spread[2], mine)
+            mine[:] = 0.0
+            add_stamp(1.0, sa, sd, sx, sy, srows, swidth, offset, taxel, 0, swidth, mine.ravel())
+            here[taxel - strip[row]] = 0.0
+            to = here[taxel - strip[row]].ravel()
+            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, rwidth, to)
             own[taxel] = overlap(mine, here[taxel - strip[row]], shift, shift)
             x, y = place[taxel]
             while before < strip[row] and place[before, 0] < x - reach:

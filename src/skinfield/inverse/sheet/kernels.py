@@ -9,21 +9,55 @@ from typing import Any
 from numba import njit
 from numpy.typing import NDArray
 
+from skinfield.inverse.sheet.lanes import add_block
+from skinfield.inverse.sheet.stamps import GROUP, LANES
+
 Array = NDArray[Any]
+Parts = tuple[Array, Array, Array, Array, int, int]  # see `gram.parts_of`
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
 def profiles_at(table: Array, offset: float, out: Array) -> None:
-    """Profiles (rank, width) of a taxel at `offset` of a cell, 0 to 1; linear in between."""
+    """Profiles of a taxel at `offset` of a cell, 0 to 1, flat; linear in between."""
     place = offset * (table.shape[0] - 1)
     step = min(int(place), table.shape[0] - 2)
     share = out.dtype.type(place - step)
-    below, above = table[step], table[step + 1]
-    for part in range(table.shape[1]):
-        low, high, line = below[part], above[part], out[part]
-        for cell in range(len(line)):
-            line[cell] = low[cell] + share * (high[cell] - low[cell])
+    low, high = table[step], table[step + 1]
+    for index in range(len(out)):
+        out[index] = low[index] + share * (high[index] - low[index])
+
+
+@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+def add_stamp(
+    value: float,
+    across: Array,
+    down: Array,
+    along_x: Array,
+    along_y: Array,
+    rows: int,
+    width: int,
+    offset: Array,
+    taxel: int,
+    corner: int,
+    columns: int,
+    out: Array,
+) -> None:
+    """Add a taxel's stamp times a value to a flat field, from its cell `corner` on.
+
+    The stamp is handed over in parts, as a tuple of arrays costs more than the sum.
+    """
+    profiles_at(across, offset[taxel, 0], along_x)
+    profiles_at(down, offset[taxel, 1], along_y)
+    factor = out.dtype.type(value)
+    for index in range(len(along_y)):
+        along_y[index] *= factor
+    for part in range(0, len(along_x) // width, GROUP):
+        for cell in range(0, width, LANES):
+            first = part * width + cell
+            add_block(
+                out, corner + cell, columns, along_x, first, width, along_y, part * rows, rows
+            )
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -31,45 +65,20 @@ def add_stamps(
     values: Array,
     corner: Array,
     offset: Array,
-    table: Array,
-    sign: Array,
-    work: Array,
+    stamp: Parts,
     columns: int,
     out: Array,
 ) -> None:
-    """Set a field, flat, to the sum of all taxels' stamps, each times its value.
+    """Set a flat field to the sum of all taxels' stamps, each times its value.
 
-    A stamp is the sum over parts of sign * (profile along y) * (profile along x); their number is a
-    multiple of 4. `corner` (L,) is the flat index of a stamp's first cell, `offset` (L, 2) the
-    taxel's place in its cell, `work` (2, parts, width).
+    `corner` (L,) is the index of a stamp's first cell, `offset` (L, 2) the taxel's in its cell.
     """
     out[:] = 0.0
-    across, down = work[0], work[1]
-    width = table.shape[2]
+    a, d, x, y, rows, width = stamp
     for taxel in range(len(values)):
-        value = values[taxel]
-        if value == 0.0:
-            continue
-        profiles_at(table, offset[taxel, 0], across)
-        profiles_at(table, offset[taxel, 1], down)
-        for part in range(0, table.shape[1], 4):
-            first, second = sign[part] * value, sign[part + 1] * value
-            third, fourth = sign[part + 2] * value, sign[part + 3] * value
-            one, two, three, four = (
-                across[part],
-                across[part + 1],
-                across[part + 2],
-                across[part + 3],
-            )
-            for row in range(width):
-                a = first * down[part, row]
-                b = second * down[part + 1, row]
-                c = third * down[part + 2, row]
-                d = fourth * down[part + 3, row]
-                start = corner[taxel] + row * columns
-                line = out[start : start + width]
-                for cell in range(width):
-                    line[cell] += a * one[cell] + b * two[cell] + c * three[cell] + d * four[cell]
+        value, to = values[taxel], corner[taxel]
+        if value != 0.0:
+            add_stamp(value, a, d, x, y, rows, width, offset, taxel, to, columns, out)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -77,41 +86,36 @@ def read_stamps(
     field: Array,
     corner: Array,
     offset: Array,
-    table: Array,
-    sign: Array,
-    work: Array,
+    stamp: Parts,
     columns: int,
     out: Array,
 ) -> None:
     """Each taxel's stamp times a flat field, summed: the transpose of `add_stamps`."""
-    across, down = work[0], work[1]
-    width = table.shape[2]
+    across, down, along_x, along_y, rows, width = stamp
     for taxel in range(len(out)):
-        profiles_at(table, offset[taxel, 0], across)
-        profiles_at(table, offset[taxel, 1], down)
+        profiles_at(across, offset[taxel, 0], along_x)
+        profiles_at(down, offset[taxel, 1], along_y)
         total = 0.0
-        for part in range(table.shape[1]):
-            profile = across[part]
-            of_part = 0.0
-            for row in range(width):
+        for part in range(len(along_x) // width):
+            profile = along_x[part * width : (part + 1) * width]
+            first = part // GROUP * GROUP * rows + part % GROUP
+            for row in range(rows):
                 start = corner[taxel] + row * columns
                 line = field[start : start + width]
                 of_row = out.dtype.type(0.0)
                 for cell in range(width):
                     of_row += profile[cell] * line[cell]
-                of_part += down[part, row] * of_row
-            total += sign[part] * of_part
+                total += along_y[first + GROUP * row] * of_row
         out[taxel] = total
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
 def multiply(start: Array, other: Array, value: Array, vector: Array, out: Array) -> float:
-    """Write M v for symmetric M with a diagonal of ones, below which it is stored by rows.
+    """Write M v over v in `out`, for symmetric M with a diagonal of ones; returns v . M v.
 
-    Returns v . M v.
+    What lies below the diagonal is stored by rows. Half the matrix is less to read than all of it,
+    which counts for more than that such a loop cannot be done several entries at once.
     """
-    for row in range(len(vector)):
-        out[row] = vector[row]
     curved = 0.0
     for row in range(len(vector)):
         mine = vector[row]
@@ -150,11 +154,11 @@ def descend(
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
-def turn(keep: float, residual: Array, way: Array) -> None:
-    """The next way: the residual and `keep` of the way before."""
+def turn(keep: float, residual: Array, way: Array, copy: Array) -> None:
+    """The next way, the residual and `keep` of the way before, and a copy of it."""
     share = way.dtype.type(keep)
     for row in range(len(way)):
-        way[row] = residual[row] + share * way[row]
+        way[row] = copy[row] = residual[row] + share * way[row]
 
 
 @njit(cache=True, nogil=True)

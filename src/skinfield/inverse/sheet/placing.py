@@ -26,10 +26,13 @@ class Lattice:
     origin: Floats
 
     @classmethod
-    def around(cls, low: Floats, high: Floats, pitch: float, margin: int) -> "Lattice":
-        """Cells over the rectangle low .. high (2,) m and `margin` more on each side."""
-        columns, rows = (np.floor((high - low) / pitch) + 2 * margin).astype(int).tolist()
-        return cls((rows, columns), pitch, low - (margin - 1) * pitch)
+    def around(cls, low: Floats, high: Floats, pitch: float, reach: int, width: int) -> "Lattice":
+        """Cells over the rectangle low .. high (2,) m and what stamps reach beyond.
+
+        A stamp begins reach - 1 cells before the taxel's own, and has `width` columns.
+        """
+        columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
+        return cls((rows + 2 * reach, columns + width), pitch, low - (reach - 1) * pitch)
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,7 +63,7 @@ class SheetPlan:
         self.stamps = stamps = Stamps.of(
             mechanics, layer, quantity, pitch, pad_diameter, cut, self.length_scale / pitch
         )
-        self.lattice = Lattice.around(low, high, pitch, stamps.spread.reach)
+        self.lattice = Lattice.around(low, high, pitch, stamps.spread.reach, stamps.spread.width)
         self.placing = Placing.of((places - self.lattice.origin) / pitch, stamps.neighbours)
         self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)

@@ -178,9 +178,8 @@ class Sheet:
         conjugate.solve(readings, self.tolerance, self.most_iterations, last)
         begin = time.perf_counter_ns()
         give_out(conjugate.answer, plan.gain, self._weights)
-        table, sign, work = self._spread
         columns = self.shape[1]
-        add_stamps(self._weights, plan.corner, plan.offset, table, sign, work, columns, out.ravel())
+        add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out.ravel())
         end = time.perf_counter_ns()
         self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
         self._deadline_met = deadline_ns is None or end <= deadline_ns
@@ -219,12 +218,11 @@ class Sheet:
         from skinfield.inverse.sheet.kernels import read_stamps
 
         check_shape("pressure", pressure, self.shape, "one per cell, sheet.shape")
-        table, sign, work = self._read
         sorted_out = np.empty(len(self), dtype=self.precision)
         field = np.ascontiguousarray(pressure, dtype=self.precision).ravel()
         plan, columns = self.plan, self.shape[1]
         corner = plan.placing.corner(plan.stamps.read.reach, columns)
-        read_stamps(field, corner, plan.offset, table, sign, work, columns, sorted_out)
+        read_stamps(field, corner, plan.offset, self._read, columns, sorted_out)
         out = np.empty(len(self))
         out[plan.placing.order] = sorted_out
         return out

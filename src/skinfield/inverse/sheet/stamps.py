@@ -27,7 +27,8 @@ from skinfield.mechanics import Layer, Mechanics
 from skinfield.observation import Quantity
 
 STEPS = 64  # offsets per cell of a profile, linear in between
-GROUP = 4  # parts that are added in one pass over a stamp
+GROUP = 4  # parts that the kernels add in one pass
+LANES = 8  # cells that they add at once
 MOST = 16  # parts
 MISFIT = 0.2  # of the cut: what the products may be off
 TRIALS = 512  # offsets at which a stamp is held against the kernel itself
@@ -55,6 +56,11 @@ class Stamp:
     reach: int
     dropped: float
     misfit: float
+
+    @property
+    def width(self) -> int:
+        """Cells along x that are written to: a multiple of `LANES`."""
+        return -(-2 * self.reach // LANES) * LANES
 
     @property
     def bound(self) -> float:
