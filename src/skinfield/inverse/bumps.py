@@ -2,12 +2,13 @@
 
 import numpy as np
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 from skinfield.layout import Grid
 from skinfield.mechanics import LatticeConvolution
 
 VANISHED = 20.0  # length scales at which the correlation is below 1e-13
 CUT = 1e-3  # of a bump's peak: what is less is no part of it
+LONGEST = 100  # cells that a length scale may span: its table is a square of 40 times as many
 
 
 def bump_of(grid: Grid, length: float) -> Floats:
@@ -28,11 +29,21 @@ def bump_of(grid: Grid, length: float) -> Floats:
     -------
     (2 n + 1, 2 n + 1) array
         By the offset in rows and columns; its squares sum to 1.
+
+    Raises
+    ------
+    InputError
+        For a length of more than 100 cells.
     """
     from scipy import fft
 
     if length == 0.0:
         return np.ones((1, 1))
+    if length > LONGEST * grid.pitch:
+        raise InputError(
+            f"length_scale is {length * 1e3:g} mm on nodes {grid.pitch * 1e3:g} mm apart, "
+            f"expected at most {LONGEST * grid.pitch * 1e3:g} mm: give a coarser grid"
+        )
     count = fft.next_fast_len(int(2 * np.ceil(VANISHED * length / grid.pitch)) + 32)
     offset = np.minimum(np.arange(count), count - np.arange(count)) * grid.pitch
     scaled = np.sqrt(3.0) * np.hypot(offset[:, None], offset) / length

@@ -1,0 +1,225 @@
+"""What `NonNegative` proves at any interruption, against minima found by scipy."""
+
+import time
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from non_negative_reference import (
+    Dense,
+    Either,
+    amounts_of,
+    assert_proved,
+    pressed,
+    small_model,
+    solve,
+    solved,
+)
+
+from skinfield.errors import Floats
+from skinfield.inverse import NonNegative
+from skinfield.inverse.non_negative_operator import NonNegativeOperator
+from skinfield.observation import BaseStress, Capacitance
+
+BOTH = [BaseStress(), Capacitance()]
+LOOSE = 1e-6  # share of the objective that single precision may be off
+
+
+@lru_cache(maxsize=4)
+def large(quantity: Either) -> tuple[NonNegativeOperator, Dense, list[tuple[Floats, float, float]]]:
+    """A problem of many steps: operator, its algebra, readings with the least and zero's value."""
+    model = small_model(24, 7, quantity)
+    solver = NonNegative(tolerance=1e-6)
+    dense = Dense.of(solver, model)
+    rng = np.random.default_rng(3)
+    readings = [pressed(model, rng, 5) * size for size in (0.3, 1.0, 10.0)]
+    least = [dense.objective(dense.minimum_by_squares(each), each) for each in readings]
+    zero = [dense.objective(np.zeros(len(model.grid)), each) for each in readings]
+    return solver.prepare(model), dense, list(zip(readings, least, zero, strict=True))
+
+
+def assert_honest(
+    operator: NonNegativeOperator, dense: Dense, readings: Floats, least: float, zero: float
+) -> float:
+    """The gap is not below the true one and the answer no worse than 0; returns its objective."""
+    amounts = amounts_of(operator)
+    assert amounts.min() >= 0.0
+    assert np.isfinite(amounts).all()
+    reached = dense.objective(amounts, readings)
+    assert reached <= zero * (1 + LOOSE)
+    assert operator.objective == pytest.approx(reached, rel=20 * LOOSE)
+    assert 0.0 <= operator.gap <= 1.0
+    assert (reached - least) / reached <= operator.gap + LOOSE
+    return reached
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+@pytest.mark.parametrize("quantity", BOTH)
+def test_more_steps_never_make_it_worse_and_each_is_proved(
+    quantity: Either, precision: type[np.floating]
+) -> None:
+    _, dense, cases = large(quantity)
+    model = small_model(24, 7, quantity)
+    for readings, least, zero in cases:
+        before, gaps = np.inf, []
+        for most in range(1, 40):
+            operator = NonNegative(
+                tolerance=1e-6, most_iterations=most, precision=precision
+            ).prepare(model)
+            solve(operator, readings)
+            reached = assert_honest(operator, dense, readings, least, zero)
+            assert operator.iterations <= most
+            assert reached <= before * (1 + LOOSE)
+            before = reached
+            gaps.append(operator.gap)
+            if operator.iterations < most:
+                break
+        assert gaps[-1] <= 2e-6
+        assert len(gaps) > 3
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    quantity=st.sampled_from(BOTH),
+    which=st.integers(0, 2),
+    allowed=st.one_of(st.integers(-5_000, 2_000), st.integers(0, 1_000_000)),
+    warm=st.booleans(),
+)
+def test_whatever_the_deadline_the_proof_holds(
+    quantity: Either, which: int, allowed: int, warm: bool
+) -> None:
+    operator, dense, cases = large(quantity)
+    if not warm:
+        operator.reset()
+    readings, least, zero = cases[which]
+    out = np.full(len(dense.penalty), np.nan)
+    limit = time.perf_counter_ns() + allowed
+    operator.apply(readings, out, limit)
+    after = time.perf_counter_ns()
+    assert_honest(operator, dense, readings, least, zero)
+    amounts = amounts_of(operator)
+    assert out.min() >= 0.0
+    assert out == pytest.approx(dense.bumps @ amounts, rel=1e-4, abs=1e-5 * max(out.max(), 1.0))
+    if after < limit:
+        assert operator.deadline_met
+    if allowed <= 0:
+        assert not operator.deadline_met
+
+
+@pytest.mark.parametrize("quantity", BOTH)
+def test_more_time_never_makes_it_worse(quantity: Either) -> None:
+    """The best of some trials at each deadline, as the machine is not ours alone."""
+    operator, dense, cases = large(quantity)
+    readings, least, zero = cases[1]
+    reached = []
+    for allowed in (-(10**9), 0, 10_000, 50_000, 200_000, 1_000_000, 10**10):
+        trials = []
+        for _ in range(5):
+            operator.reset()
+            solve(operator, readings, time.perf_counter_ns() + allowed)
+            trials.append(assert_honest(operator, dense, readings, least, zero))
+        reached.append(min(trials))
+    assert (np.diff(reached) <= LOOSE * zero).all()
+    assert reached[0] <= zero * (1 + LOOSE)
+    assert reached[-1] <= least * (1 + 3e-6)
+    assert operator.deadline_met
+
+
+def test_a_deadline_before_the_clocks_start_is_one() -> None:
+    operator, _, cases = large(BOTH[0])
+    for limit in (-(10**18), 0, 1):
+        operator.reset()
+        solve(operator, cases[0][0], limit)
+        assert not operator.deadline_met
+        assert operator.iterations == 0
+
+
+@pytest.mark.parametrize("quantity", BOTH)
+def test_forces_are_as_near_as_the_gap_says(quantity: Either) -> None:
+    """|w'(p - p*)|^2 <= 2 (P - D) w'Sw, S the posterior without the constraint, densely."""
+    _, dense, cases = large(quantity)
+    model = small_model(24, 7, quantity)
+    rng = np.random.default_rng(4)
+    curvature = np.eye(len(dense.penalty)) + dense.seen.T @ dense.seen
+    cases_of_weights = np.concatenate([rng.normal(size=(30, len(curvature))), model.grid.plane.T])
+    moved = cases_of_weights @ dense.bumps
+    spread = np.sqrt(np.einsum("nk,nk->n", moved, np.linalg.solve(curvature, moved.T).T))
+    readings = cases[1][0]
+    best = dense.bumps @ dense.minimum_by_squares(readings)
+    for most in (2, 4, 6, 8, 12):
+        operator = NonNegative(tolerance=1e-6, most_iterations=most).prepare(model)
+        found = solve(operator, readings)
+        share = (operator.gap + LOOSE) * operator.objective
+        assert (np.abs(cases_of_weights @ (found - best)) <= np.sqrt(2 * share) * spread).all()
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**32), size=st.floats(-2, 6), quantity=st.sampled_from(BOTH))
+def test_single_and_double_precision_agree_as_far_as_they_say(
+    seed: int, size: float, quantity: Either
+) -> None:
+    model = small_model(13, 5, quantity)
+    operators = _pair(quantity)
+    readings = pressed(model, np.random.default_rng(seed)) * 10.0**size
+    found = [solved(each, readings) for each in operators]
+    assert operators[0].idle == operators[1].idle
+    amounts = [amounts_of(each) for each in operators]
+    apart = sum(np.sqrt(2 * (each.gap + LOOSE) * each.objective) for each in operators)
+    assert np.linalg.norm(amounts[0] - amounts[1]) <= apart
+    assert np.isfinite(found[0]).all()
+    assert operators[0].gap < 2e-4
+
+
+@lru_cache(maxsize=2)
+def _pair(quantity: Either) -> tuple[NonNegativeOperator, NonNegativeOperator]:
+    model = small_model(13, 5, quantity)
+    single, double = (NonNegative(precision=kind) for kind in (np.float32, np.float64))
+    return single.prepare(model), double.prepare(model)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-8, 1e-12])
+def test_no_tolerance_is_too_strict_for_single_precision(tolerance: float) -> None:
+    """It ends where rounding leaves no better proof, with all nodes looked at."""
+    model = small_model()
+    for seed in range(20):
+        readings = pressed(model, np.random.default_rng(seed)) * 30.0 ** (seed % 3)
+        for snr in (3.0, 15.0, 100.0):
+            solver = NonNegative(snr=snr, tolerance=tolerance)
+            operator = solver.prepare(model)
+            solve(operator, readings)
+            assert operator.gap <= max(tolerance, 1e-4)
+            assert operator.iterations < 60
+
+
+def test_exact_in_double_precision() -> None:
+    for quantity in BOTH:
+        model = small_model(13, 5, quantity)
+        solver = NonNegative(tolerance=1e-12, precision=np.float64)
+        operator, dense = solver.prepare(model), Dense.of(solver, model)
+        for seed in range(5):
+            readings = pressed(model, np.random.default_rng(seed))
+            assert_proved(operator, dense, readings, solve(operator, readings), 1e-11)
+
+
+def test_nothing_is_proved_of_what_is_no_number() -> None:
+    operator, _, cases = large(BOTH[1])
+    readings = cases[1][0]
+    expected = solved(operator, readings)
+    for strange in (np.nan, np.inf, -np.inf, 1e200, 1e25):
+        bad = readings.copy()
+        bad[3] = strange
+        assert not solve(operator, bad).any()
+        assert operator.gap == 1.0
+        assert not operator.idle
+        found = solve(operator, readings)
+        assert found == pytest.approx(expected, abs=1e-4 * expected.max())  # not spoilt by it
+
+
+def test_before_the_first_reading_nothing_is_stated() -> None:
+    operator = NonNegative().prepare(small_model())
+    for each in (operator, operator.twin(), operator.without(np.arange(25) != 3)):
+        assert np.isnan(each.gap)
+        assert np.isnan(each.objective)
+        assert each.iterations == 0

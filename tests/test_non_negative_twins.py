@@ -1,0 +1,264 @@
+"""What belongs to a prepared `NonNegative`: twins, windows, missing taxels, starts, memory."""
+
+import gc
+import sys
+import threading
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+from non_negative_reference import (
+    Dense,
+    Either,
+    amounts_of,
+    assert_proved,
+    pressed,
+    small_model,
+    solve,
+    solved,
+)
+from scipy.optimize import nnls
+
+import skinfield as sf
+from skinfield.errors import Floats, InputError
+from skinfield.inverse import NonNegative
+from skinfield.layout import Grid
+from skinfield.mechanics import BondedLayer, Layer
+from skinfield.observation import BaseStress, Capacitance, ObservationModel
+
+BOTH = [BaseStress(), Capacitance()]
+LOOSE = 2e-6
+
+
+def test_twins_share_what_is_prepared_and_nothing_else() -> None:
+    model = small_model()
+    first = NonNegative().prepare(model)
+    second = first.twin()
+    rng = np.random.default_rng(0)
+    one, other = (pressed(model, rng) for _ in range(2))
+    expected = solved(first, one).copy()
+    dual = first.dual.copy()
+    assert second.problem is first.problem
+    assert second.backing is first.backing
+    solve(second, other)
+    assert np.array_equal(first.dual, dual)
+    assert not np.shares_memory(first.dual, second.dual)
+    assert not np.array_equal(second.dual, dual)
+    second.reset()
+    assert solve(second, one) == pytest.approx(expected, abs=1e-6 * expected.max())
+
+
+def test_twins_may_work_at_the_same_time() -> None:
+    """The search lets go of the interpreter: no state is shared that is written."""
+    model = small_model(21, 7)
+    operators = [NonNegative().prepare(model)]
+    operators += [operators[0].twin() for _ in range(3)]
+    rng = np.random.default_rng(1)
+    readings = [[pressed(model, rng) for _ in range(30)] for _ in operators]
+    expected = [
+        [solve(twin, each).copy() for each in rows]
+        for twin, rows in zip((each.twin() for each in operators), readings, strict=True)
+    ]
+    found: list[list[Floats]] = [[] for _ in operators]
+
+    def work(index: int) -> None:
+        found[index] = [solve(operators[index], each).copy() for each in readings[index]]
+
+    threads = [threading.Thread(target=work, args=(index,)) for index in range(len(operators))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for mine, theirs in zip(found, expected, strict=True):
+        for one, other in zip(mine, theirs, strict=True):
+            assert one == pytest.approx(other, abs=1e-3 * max(other.max(), 1.0))
+
+
+@pytest.mark.parametrize("quantity", BOTH)
+def test_a_window_is_solved_and_the_gap_counts_what_is_outside(quantity: Either) -> None:
+    model = small_model(13, 5, quantity)
+    solver = NonNegative(tolerance=1e-9, precision=np.float64)
+    operator, dense = solver.prepare(model), Dense.of(solver, model)
+    readings = pressed(model, np.random.default_rng(2))
+    inside = np.zeros(model.grid.shape, dtype=bool)
+    inside[3:10, 2:9] = True
+    allowed = inside.ravel()
+    window = operator.within(allowed)
+    solve(window, readings)
+    rows = np.concatenate([dense.seen[:, allowed], np.eye(allowed.sum())])
+    target = np.concatenate([readings / dense.noise, -dense.penalty[allowed]])
+    expected = np.zeros(len(allowed))
+    expected[allowed] = nnls(rows, target, maxiter=5000)[0]
+    assert amounts_of(window) == pytest.approx(expected, abs=1e-5 * expected.max())
+    assert not amounts_of(window)[~allowed].any()
+    value = dense.objective(expected, readings)
+    least = dense.objective(dense.minimum_by_squares(readings), readings)
+    assert value > least * 1.001  # what stands outside matters here
+    assert window.objective == pytest.approx(value, rel=1e-8)
+    assert (value - least) / value <= window.gap <= 1.0
+    everything = operator.within(np.ones(len(allowed), dtype=bool))
+    pressure = solve(everything, readings)
+    assert_proved(everything, dense, readings, pressure, 1e-8)
+
+
+def test_a_window_around_the_contact_is_the_whole_answer() -> None:
+    model = small_model(21, 7)
+    operator = NonNegative(tolerance=1e-6).prepare(model)
+    distance = np.linalg.norm(model.grid.plane - (4e-3, -4e-3), axis=1)
+    clean = model.matrix @ np.maximum(0.0, 1 - (distance / 4e-3) ** 2)
+    readings = clean * 60.0 * model.noise_std / clean.max()
+    expected = solve(operator, readings)
+    window = operator.within(distance < 9e-3)
+    assert solve(window, readings) == pytest.approx(expected, abs=1e-3 * expected.max())
+    assert window.gap <= 1e-4
+    empty = operator.within(np.zeros(len(distance), dtype=bool))
+    assert not solve(empty, readings).any()
+    assert 0.5 < empty.gap <= 1.0
+    solve(empty, 0.0 * readings)
+    assert empty.idle
+    assert empty.gap == 0.0
+
+
+@pytest.mark.parametrize("quantity", BOTH)
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+def test_taxels_are_left_out_as_if_they_were_not_there(
+    quantity: Either, precision: type[np.floating]
+) -> None:
+    model = small_model(13, 5, quantity)
+    solver = NonNegative(tolerance=1e-6, precision=precision)
+    operator, dense = solver.prepare(model), Dense.of(solver, model)
+    rng = np.random.default_rng(3)
+    for missing in (1, 5, 20):
+        readings = pressed(model, rng)
+        valid = np.ones(len(readings), dtype=bool)
+        valid[rng.choice(len(readings), missing, replace=False)] = False
+        seen = dense.seen[valid]
+        rate = dense.penalty / np.linalg.norm(dense.seen, axis=0)
+        left = Dense(
+            seen, dense.bumps, rate * np.linalg.norm(seen, axis=0), dense.threshold,
+            dense.noise[valid],
+        )  # fmt: skip
+        readings[~valid] = np.nan
+        part = operator.without(valid)
+        pressure = solve(part, readings)
+        assert np.isfinite(pressure).all()
+        assert np.isfinite(part.dual).all()
+        assert not part.dual[~valid].any()
+        if not part.idle:
+            assert_proved(part, left, readings[valid], pressure, 1e-5)
+
+
+def test_without_any_taxel_nothing_is_pressed() -> None:
+    model = small_model()
+    part = NonNegative().prepare(model).without(np.zeros(len(model.taxels), dtype=bool))
+    assert not solve(part, np.full(len(model.taxels), np.nan)).any()
+    assert part.idle
+
+
+@pytest.mark.parametrize("quantity", BOTH)
+def test_the_dual_of_a_coarse_grid_is_a_start_for_a_fine_one(quantity: Either) -> None:
+    patch = sf.layouts.hexagon72()
+    operators = [
+        NonNegative(length_scale=2e-3).prepare(
+            ObservationModel.of(
+                patch, Layer(), Grid.square(patch, nodes), BondedLayer(), quantity,
+                quantity.typical_noise,
+            )
+        )
+        for nodes in (12, 20)
+    ]  # fmt: skip
+    coarse, fine = operators
+    saved, within = [], 0
+    for seed in range(20):
+        readings = pressed(coarse.backing.model, np.random.default_rng(seed))
+        solved(coarse, readings)
+        expected = solved(fine, readings)
+        steps = fine.iterations
+        amounts, objective, gap = amounts_of(fine), fine.objective, fine.gap
+        fine.reset()
+        fine.start_from(coarse.dual)
+        solve(fine, readings)
+        apart = np.sqrt(2 * (fine.gap + LOOSE) * fine.objective)
+        apart += np.sqrt(2 * (gap + LOOSE) * objective)
+        assert np.linalg.norm(amounts_of(fine) - amounts) <= apart
+        assert fine.gap <= 1e-4
+        saved.append(steps - fine.iterations)
+        within += bool(expected.any())
+    assert within == 20
+    assert np.mean(saved) > 0.0
+
+
+def test_a_bad_start_is_no_harm() -> None:
+    model = small_model()
+    operator = NonNegative().prepare(model)
+    readings = pressed(model, np.random.default_rng(4))
+    expected = solved(operator, readings)
+    for value in (np.nan, np.inf, 1e30, -1e30, 1e6, -1e3, 0.0):
+        operator.start_from(np.full(len(readings), value))
+        found = solve(operator, readings)
+        assert found == pytest.approx(expected, abs=0.02 * expected.max())
+        assert operator.gap <= 1e-4
+        operator.start_from(np.full(len(readings), value))
+        assert not solve(operator, 0.0 * readings).any()
+        assert operator.idle
+    with pytest.raises(InputError, match="dual has shape"):
+        operator.start_from(np.zeros(3))
+
+
+def test_reset_forgets() -> None:
+    model = small_model()
+    operator = NonNegative().prepare(model)
+    rng = np.random.default_rng(5)
+    readings = pressed(model, rng)
+    expected, steps = solve(operator, readings).copy(), operator.iterations
+    for _ in range(5):
+        solve(operator, pressed(model, rng))
+    operator.reset()
+    assert np.isnan(operator.gap)
+    assert not operator.dual.any()
+    found = solve(operator, readings)
+    assert found == pytest.approx(expected, abs=1e-3 * expected.max())
+    assert operator.iterations == steps
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+def test_apply_allocates_nothing(precision: type[np.floating]) -> None:
+    model = small_model(21, 7)
+    operator = NonNegative(precision=precision).prepare(model)
+    rng = np.random.default_rng(6)
+    chain = [pressed(model, rng) for _ in range(20)]
+    chain += [0.0 * chain[0], rng.normal(size=len(chain[0])) * model.noise_std]
+    out = np.empty(len(model.grid))
+
+    def work(laps: int) -> int:
+        before = sys.getallocatedblocks()
+        for _ in range(laps):
+            for readings in chain:
+                operator.apply(readings, out)
+                operator.apply(readings, out, time.perf_counter_ns() + 50_000)
+        return sys.getallocatedblocks() - before
+
+    gc.collect()
+    gc.disable()
+    try:
+        work(40)  # until the interpreter's own stores are full
+        assert abs(work(40)) < 40  # of 1760 calls
+        tracemalloc.start()
+        for readings in chain:
+            operator.apply(readings, out)
+        _, peak = tracemalloc.get_traced_memory()
+        assert peak < out.nbytes  # small objects of the call, no array
+    finally:
+        tracemalloc.stop()
+        gc.enable()
+
+
+def test_the_clock_is_that_of_the_deadline() -> None:
+    from skinfield.inverse.dual.clock import now_ns
+
+    room = np.zeros(2, dtype=np.int64)
+    for _ in range(100):
+        before = time.perf_counter_ns()
+        inside = now_ns(room)
+        assert before <= inside <= time.perf_counter_ns()
