@@ -209,6 +209,8 @@ def test_a_contact_lends_what_another_does_not_have() -> None:
     assert (contact.area, contact.track_id) == (2 * lender.area, 7)
     assert contact.outline is lender.outline
     assert contact.spread is None
+    assert vars(Contact.later(contact)).keys() == {"_rest"}
+    assert Contact.later(contact).track_id == 7
     with pytest.raises(InputError, match="Contact has no size: expected its attributes"):
         Contact.later(lender, size=3.0)
 

@@ -85,6 +85,8 @@ class Found:
                 axes=axes[index],
                 angle=row[sums.ANGLE],
                 cells=mine,
+                track_id=None,
+                spread=None,
             )
 
 

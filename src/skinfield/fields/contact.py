@@ -1,6 +1,6 @@
 """One pressed region."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -65,8 +65,8 @@ class Contact:
     axes: Floats
     angle: float
     cells: NDArray[np.int64]
-    track_id: int | None = None
-    spread: Spread | None = None
+    track_id: int | None = field(default_factory=lambda: None)  # no attribute of the class:
+    spread: Spread | None = field(default_factory=lambda: None)  # what `later` has not may come
 
     @classmethod
     def later(cls, rest: Any, /, **known: Any) -> Self:
@@ -78,7 +78,7 @@ class Contact:
             Whose attributes of the same names are asked for the missing ones, once each; another
             contact will do.
         **known
-            Attributes that are known. `track_id` and `spread`, which have defaults, keep them.
+            Attributes that are known.
 
         Raises
         ------

@@ -8,7 +8,9 @@ sure of, and those that it is not, are counted apart, so that intervals hold for
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -146,10 +148,11 @@ class Intervals:
             )
 
     def __call__(self, contacts: Sequence[Contact]) -> tuple[Contact, ...]:
-        """Contacts with their covariance rescaled and their spread set."""
-        return tuple(self._of(contact) for contact in contacts)
+        """Contacts with their covariance rescaled and their spread set, when asked for."""
+        return tuple(Contact.later(Learnt(self, contact)) for contact in contacts)
 
-    def _of(self, contact: Contact) -> Contact:
+    def of(self, contact: Contact) -> tuple[Floats, float, Spread]:
+        """Covariance, deviation of the area and spread of a contact."""
         force, deviation = contact.normal_force, relative_deviation(contact)
         group = self.groups[int(np.searchsorted(self.edges, deviation))]
         features = features_of(deviation, force)
@@ -169,9 +172,37 @@ class Intervals:
         stretch = wide * force_std / max(contact.force_std, 1e-300)  # of place and of force
         covariance[:2, 2] = covariance[2, :2] = contact.covariance[:2, 2] * stretch
         low, high = spread.area_interval(2 / 3)
-        return replace(
-            contact, covariance=covariance, area_std=float(high - low) / 2, spread=spread
-        )
+        return covariance, float(high - low) / 2, spread
+
+
+@dataclass(frozen=True, eq=False)
+class Learnt:
+    """A contact by what was learnt, worked out when first asked for; see `Contact.later`."""
+
+    intervals: Intervals
+    contact: Contact
+
+    @cached_property
+    def _told(self) -> tuple[Floats, float, Spread]:
+        return self.intervals.of(self.contact)
+
+    @property
+    def covariance(self) -> Floats:
+        """Of place and force, rescaled."""
+        return self._told[0]
+
+    @property
+    def area_std(self) -> float:
+        """Of the spread of the area."""
+        return self._told[1]
+
+    @property
+    def spread(self) -> Spread:
+        """Truths of presses like this one."""
+        return self._told[2]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.__dict__["contact"], name)
 
 
 def relative_deviation(contact: Contact) -> float:
