@@ -4,6 +4,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from scipy.optimize import lsq_linear
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.pipeline import device_non_negative, device_product
+from skinfield.pipeline import array_backend, device_non_negative, device_product
 from skinfield.pipeline.array_backend import ArrayBackend
 from skinfield.pipeline.batch import BulkProduct
 from skinfield.pipeline.device_non_negative import BulkNonNegative
@@ -343,3 +345,123 @@ def test_readings_that_lack_taxels_are_refused(readings: np.ndarray) -> None:
         bulk(spoiled)
     with pytest.raises(InputError, match="tolerance"):
         BulkNonNegative(operator_of(sf.NonNegative()), ArrayBackend.numpy(), tolerance=0.0)
+
+
+# --- CUDA's copies, where there is no CUDA ----------------------------------------------------
+
+
+class Page:
+    """Memory of the host that a device writes to: filled when the event has passed, not before."""
+
+    def __init__(self, values: np.ndarray, log: list[str]) -> None:
+        self.values, self.log = values, log
+        self.shape, self.dtype = values.shape, values.dtype
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __getitem__(self, part: slice) -> "Page":
+        return Page(self.values[part], self.log)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        return self.values
+
+    def copy_(self, source: np.ndarray, *, non_blocking: bool) -> None:
+        assert non_blocking
+        self.log.append("copy")
+        waiting.append((self.values, source))
+
+
+waiting: list[tuple[np.ndarray, np.ndarray]] = []
+
+
+class Event:
+    """An event of a stream."""
+
+    def __init__(self) -> None:
+        self.mine: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def record(self, stream: object = None) -> None:
+        self.mine = list(waiting)
+        waiting.clear()
+
+    def synchronize(self) -> None:
+        for out, values in self.mine:
+            out[:] = values
+
+
+class Device(SimpleNamespace):
+    def __enter__(self) -> None: ...
+
+    def __exit__(self, *error: object) -> None: ...
+
+
+def stand_in(library: str, log: list[str]) -> tuple[ArrayBackend, dict[str, Any]]:
+    """A backend whose arrays are NumPy's, and modules to be found in place of the library's."""
+
+    def pinned(shape: tuple[int, ...], dtype: Any, pin_memory: bool = True) -> Any:
+        assert pin_memory
+        log.append(f"page of {shape[0]}")
+        values = np.full(shape, np.nan, dtype)
+        return Page(values, log) if library == "torch" else values
+
+    def asnumpy(array: np.ndarray, out: np.ndarray, blocking: bool) -> None:
+        assert not blocking
+        Page(out, log).copy_(array, non_blocking=True)
+
+    cuda = SimpleNamespace(
+        Event=Event,
+        current_stream=lambda device: device,
+        mem_get_info=lambda device: (5000, 9000),
+        runtime=SimpleNamespace(),
+    )
+    modules = {
+        "torch": SimpleNamespace(
+            cuda=cuda,
+            empty=pinned,
+            get_float32_matmul_precision=lambda: "highest",
+            set_float32_matmul_precision=lambda to: None,
+        ),
+        "cupy": SimpleNamespace(cuda=cuda, asnumpy=asnumpy),
+        "cupyx": SimpleNamespace(empty_pinned=pinned),
+    }
+    functions = {name: getattr(np, name) for name in ("matmul",)}
+    namespace = SimpleNamespace(
+        __name__=f"array_api_compat.{library}",
+        asarray=lambda values, device=None: np.array(values),
+        **functions,
+    )
+    return ArrayBackend(namespace, Device(type="cuda", mem_info=(5000, 9000))), modules
+
+
+@pytest.mark.parametrize("library", ["torch", "cupy"])
+def test_copies_of_cuda_land_when_they_are_awaited(
+    library: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log: list[str] = []
+    backend, modules = stand_in(library, log)
+    monkeypatch.setattr(array_backend, "import_module", lambda name: modules[name])
+    assert not backend.is_host
+    assert backend.free_bytes() == 5000
+    rng = np.random.default_rng(2)
+    operator, table = rng.normal(size=(6, 3)), rng.normal(size=(11, 3))
+    product = DeviceProduct(operator, backend, np.float64, chunk=4)
+    found = product.fields(table)
+    assert np.allclose(found, table @ operator.T, rtol=1e-14, atol=1e-14)
+    assert log == ["page of 4", "copy", "page of 4", "copy", "copy"]  # the third into the first's
+    log.clear()
+    assert np.allclose(product.fields(table[:2]), table[:2] @ operator.T, atol=1e-14)
+    assert log == ["copy"]
+    assert DeviceProduct(operator, backend).chunk == 1250 // (9 * 4)
+
+
+def test_the_page_runs(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from test_readme import ROOT, follow
+
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "gpu.md") == (2, 0)
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == "(3000, 1600) True"
+    assert printed[1].startswith("True True")
