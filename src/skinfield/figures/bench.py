@@ -18,7 +18,7 @@ COLOURS = ("#d55e00", "#0072b2", "#009e73", "#aa4499", "#56b4e9")
 MARKS = ("o", "s", "^", "D", "v")
 WIDTH, HEIGHT = 9.6, 4.6  # inches
 PANELS = ((0.085, 0.255, 0.37, 0.625), (0.575, 0.255, 0.405, 0.625))
-FLOOR = 1e-4  # errors below count as none
+FLOOR = 1e-3  # errors below count as none
 BELOW = FLOOR / 2.2  # where they are drawn
 
 
