@@ -40,7 +40,8 @@ def picture(bench: Bench) -> "Figure":
     )
     right = View(
         "How close, by when",
-        f"{bench.nodes} × {bench.nodes} nodes, two moving fingers: nine of ten are this good by then",
+        f"{bench.nodes} × {bench.nodes} nodes, two fingers move; nine of ten answers are this good "
+        "by then",
         tuple(_curves(bench, _error)),
         x="time from the reading to the answer",
         y="error of the pressure to the converged one",
