@@ -160,6 +160,19 @@ def test_stamps_and_prediction_are_transposes() -> None:
     assert np.vdot(out, field) == pytest.approx(value @ sheet.predict(field), rel=1e-12)
 
 
+@pytest.mark.parametrize("pitch", [1.1e-3, 1.5e-3, 2.1e-3, 2.9e-3])
+@pytest.mark.parametrize("length", [0.5e-3, 1.5e-3, 4e-3])
+def test_all_stamps_lie_on_the_lattice(pitch: float, length: float) -> None:
+    solver = sf.GaussianField(length_scale=length)
+    sheet = sf.Sheet(PLACES[:40], LAYER, pitch=pitch, solver=solver, cut=5e-3)
+    columns = sheet.shape[1]
+    for stamp in (sheet.plan.stamps.read, sheet.plan.stamps.spread):
+        corner = sheet.plan.placing.corner(stamp.reach, columns)
+        assert corner.min() >= 0
+        assert (corner % columns + stamp.width).max() <= columns
+        assert (corner // columns + 2 * stamp.reach).max() <= sheet.shape[0]
+
+
 def test_it_is_linear() -> None:
     sheet, dense = fine_pair()
     other = np.random.default_rng(5).normal(size=len(sheet)) * 400.0

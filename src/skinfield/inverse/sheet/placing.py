@@ -26,13 +26,15 @@ class Lattice:
     origin: Floats
 
     @classmethod
-    def around(cls, low: Floats, high: Floats, pitch: float, reach: int, width: int) -> "Lattice":
+    def around(cls, low: Floats, high: Floats, pitch: float, before: int, after: int) -> "Lattice":
         """Cells over the rectangle low .. high (2,) m and what stamps reach beyond.
 
-        A stamp begins reach - 1 cells before the taxel's own, and has `width` columns.
+        Stamps begin `before` - 1 cells before that of a taxel; their last column is `after` cells
+        behind it.
         """
         columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
-        return cls((rows + 2 * reach, columns + width), pitch, low - (reach - 1) * pitch)
+        shape = (rows + 2 * before, columns + before + after)
+        return cls(shape, pitch, low - (before - 1) * pitch)
 
 
 @dataclass(frozen=True, eq=False)

@@ -63,11 +63,13 @@ class SheetPlan:
         self.stamps = stamps = Stamps.of(
             mechanics, layer, quantity, pitch, pad_diameter, cut, self.length_scale / pitch
         )
-        self.lattice = Lattice.around(low, high, pitch, stamps.spread.reach, stamps.spread.width)
+        spread = stamps.spread
+        after = max(stamp.width - stamp.reach for stamp in (spread, stamps.read))
+        self.lattice = Lattice.around(low, high, pitch, spread.reach, after)
         self.placing = Placing.of((places - self.lattice.origin) / pitch, stamps.neighbours)
         self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)
-        self.corner = self.placing.corner(stamps.spread.reach, self.lattice.shape[1])
+        self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
         self._scale(noise_std[self.placing.order], solver.snr)
 
     def _scale(self, noise_std: Floats, snr: float) -> None:

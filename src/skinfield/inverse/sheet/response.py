@@ -97,7 +97,8 @@ def smoothed_kernel(kernel: Kernel, correlation: Floats, cut: float) -> Kernel:
     quadrant = full[len(full) // 2 :, len(full) // 2 :]
     peak = float(np.abs(quadrant).max())
     away = np.abs(quadrant).max(axis=0)
-    reach = int(np.flatnonzero(away > cut * peak)[-1] // FINE) + 1
+    reach = int(np.ceil(np.flatnonzero(away > cut * peak)[-1] / FINE))
+    reach = max(reach, kernel.reach)  # so that the lattice holds both
     if reach > WIDEST:
         raise InputError(
             f"the prior carries a taxel's reading {reach} cells away, expected at most {WIDEST}: "
