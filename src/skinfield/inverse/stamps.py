@@ -93,7 +93,7 @@ class Stamps:
         blocks = np.where(own[..., None], matrix[members], 0.0)  # (T, 16, L)
         keep = _kept(blocks, cut)
         tile, taxel = (side.astype(np.int32) for side in np.nonzero(keep))
-        values = _aligned(len(tile), kind)
+        values = aligned_blocks(len(tile), kind)
         by_taxel = blocks.transpose(0, 2, 1)  # a view: (T, L, 16)
         values[:] = by_taxel[keep]
         cells = members[:, 0].astype(np.int32)
@@ -249,7 +249,7 @@ def _checked_type(dtype: DTypeLike, matrix: Floats) -> np.dtype[Any]:
     return kind
 
 
-def _aligned(blocks: int, kind: np.dtype[Any]) -> NDArray[Any]:
+def aligned_blocks(blocks: int, kind: np.dtype[Any]) -> NDArray[Any]:
     """Room that begins at a cache line, so that no float32 block crosses two."""
     room = np.zeros(blocks * SIDE**2 + LINE // kind.itemsize, kind)
     skip = -room.ctypes.data % LINE // kind.itemsize

@@ -1,0 +1,118 @@
+"""The same product for all patches of a skin in one call: another kind of patch costs no call."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.engine.products import Singles
+from skinfield.errors import Ints
+from skinfield.inverse.stamps import Stamps, aligned_blocks
+
+Ints32 = NDArray[np.int32]
+SCORES = 6  # patches whose products an idle test holds at once: `stamps_kernel.TOGETHER`
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """Stamps of all kinds of patches, end to end.
+
+    Attributes
+    ----------
+    values, taxels, firsts, cells : arrays
+        Of all stamps; see `Stamps`. Each kind has one entry of `firsts` and `cells` more than
+        tiles.
+    table : (G, 10) int array
+        Where the parts of each kind are; see `skinfield.engine.atlas_kernel.products`.
+    dropped : float32 array
+        Of all stamps: how far a product may be off, as part of the norm of a patch's readings.
+    thresholds : (G,) float32 array
+        Of an idle test.
+    scores : float32 array
+        To work in.
+    """
+
+    values: Singles
+    taxels: Ints32
+    firsts: Ints32
+    cells: Ints32
+    table: Ints
+    dropped: Singles
+    thresholds: Singles
+    scores: Singles
+
+    @classmethod
+    def of(
+        cls, stamps: Sequence[Stamps], counts: Sequence[int], thresholds: Sequence[float] = ()
+    ) -> "Atlas":
+        """Put stamps in float32 end to end.
+
+        Parameters
+        ----------
+        stamps : sequence of Stamps
+            Of each kind of patch.
+        counts : sequence of int
+            Patches of each kind; all arrays over patches have them side by side.
+        thresholds : sequence of float, optional
+            Of an idle test of each kind.
+        """
+        values = aligned_blocks(sum(len(each.values) for each in stamps), np.dtype(np.float32))
+        np.concatenate([each.values for each in stamps], out=values)
+        blocks = np.cumsum([0, *(len(each.values) for each in stamps)])[:-1]
+        none = np.zeros(1, np.int32)
+        dropped = np.concatenate([each.dropped for each in stamps])
+        return cls(
+            values=values,
+            taxels=np.concatenate([each.taxels for each in stamps]),
+            firsts=np.concatenate(
+                [each.firsts + first for each, first in zip(stamps, blocks, strict=True)]
+            ).astype(np.int32),
+            cells=np.concatenate([part for each in stamps for part in (each.cells, none)]),
+            table=_table(stamps, counts),
+            dropped=(dropped * (1.0 + 1e-6)).astype(np.float32),  # not less by its rounding
+            thresholds=np.asarray(thresholds, dtype=np.float32),
+            scores=np.zeros(SCORES * max(len(each.dropped) for each in stamps), np.float32),
+        )
+
+    @property
+    def nbytes(self) -> int:
+        """Of what is read in each call."""
+        return int(self.values.nbytes + self.taxels.nbytes)
+
+    def apply(self, readings: Singles, out: Singles) -> None:
+        """Write the products of all patches' readings (N,) into `out` (M,), end to end."""
+        from skinfield.engine.atlas_kernel import products
+
+        products(self.values, self.taxels, self.firsts, self.cells, self.table, readings, out)
+
+    def find_idle(self, readings: Singles, idle: NDArray[np.bool_]) -> None:
+        """Write into `idle` (P,) of which patches no product exceeds the threshold of its kind.
+
+        Of the whole matrices' products: what the stamps lack is added at its most.
+        """
+        from skinfield.engine.atlas_kernel import idle_patches
+
+        idle_patches(
+            self.values,
+            self.taxels,
+            self.firsts,
+            self.cells,
+            self.table,
+            self.dropped,
+            self.thresholds,
+            readings,
+            self.scores,
+            idle,
+        )
+
+
+def _table(stamps: Sequence[Stamps], counts: Sequence[int]) -> Ints:
+    table: Ints = np.zeros((len(stamps), 10), dtype=np.int64)
+    tile = taxel = cell = bound = row = 0
+    for kind, (each, count) in enumerate(zip(stamps, counts, strict=True)):
+        tiles, size, width = len(each.cells), len(each.begins) - 1, len(each.dropped)
+        table[kind] = tile, tiles, each.shape[1], size, width, count, taxel, cell, bound, row
+        tile, bound, row = tile + tiles + 1, bound + width, row + count
+        taxel, cell = taxel + count * size, cell + count * width
+    return table
