@@ -29,15 +29,37 @@ class Linear(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Backing:
-    """The field without the constraint: what contacts and their uncertainty are told by."""
+    """The field without the constraint: what contacts and their uncertainty are told by.
+
+    Attributes
+    ----------
+    solver : Linear
+    model : ObservationModel
+    whole : Backing, optional
+        That of all taxels, if some are left out.
+    valid : (L,) bool array, optional
+        Which of those are not.
+    """
 
     solver: Linear
     model: ObservationModel
+    whole: "Backing | None" = None
+    valid: NDArray[np.bool_] | None = None
 
     @cached_property
     def operator(self) -> InverseOperator:
         """Prepared when it is first asked for: the search itself does not need it."""
+        if self.whole is not None and self.valid is not None:
+            gaussian = self.whole.operator.gaussian
+            if gaussian is not None:  # a low-rank update, some milliseconds
+                sets = gaussian.sets(self.valid[None])
+                posterior = sets.posterior(0)
+                return InverseOperator(sets.matrix(0), posterior.std, posterior)
         return self.solver.prepare(self.model)
+
+    def without(self, valid: NDArray[np.bool_]) -> "Backing":
+        """Of the valid taxels, by a mask (L,)."""
+        return Backing(self.solver, self.model.subset(valid), self, valid)
 
 
 @dataclass(eq=False)
@@ -170,7 +192,7 @@ class NonNegativeOperator:
         rate = np.divide(old.penalty, old.norms, out=np.zeros_like(norms), where=old.norms > 0.0)
         whitening = np.where(valid, old.whitening, 0.0)
         changed = old._replace(rows=rows, norms=norms, penalty=rate * norms, whitening=whitening)
-        return self._with(changed, Backing(self.backing.solver, self.backing.model.subset(valid)))
+        return self._with(changed, self.backing.without(valid))
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
         """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,).

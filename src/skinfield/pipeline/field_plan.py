@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.contacts.finder import EXACT
 from skinfield.errors import Floats, Ints
-from skinfield.fields import Contact, PressureNoise, PressurePosterior
+from skinfield.fields import Contact, PressureError, PressureNoise, PressurePosterior
 from skinfield.inverse import FieldOperator
 from skinfield.observation import ObservationModel
 from skinfield.pipeline.plan import Answer, Results, Setting, spread_out, until
@@ -37,11 +37,13 @@ class FieldPlan:
     whole: bool = False
 
     @cached_property
-    def _noise(self) -> PressureNoise:
+    def noise(self) -> PressureNoise:
+        """By which contacts are told."""
         return PressureNoise(self.operator.noise.factor[self.setting.nodes])
 
     @cached_property
-    def _posterior(self) -> PressurePosterior | None:
+    def posterior(self) -> PressurePosterior | None:
+        """By which they are said to be sure."""
         whole = self.operator.posterior
         return None if whole is None else whole.on(self.setting.nodes)
 
@@ -71,17 +73,19 @@ class FieldPlan:
             {
                 "displacement": lambda: setting.deformation(found)[setting.nodes],
                 "pressure_std": lambda: operator.pressure_std[setting.nodes],
-                "contacts": lambda: self._contacts(pressure),
+                "contacts": lambda: self.contacts(pressure, self.noise, self.posterior),
                 "residual": lambda: spread_out(linear - self.model.matrix @ found, self.valid),
             },
             getattr(operator, "gap", float("nan")),
             getattr(operator, "iterations", 0),
         )
 
-    def _contacts(self, pressure: Floats) -> tuple[Contact, ...]:
+    def contacts(
+        self, pressure: Floats, noise: PressureError, posterior: PressureError | None
+    ) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa, whose errors are known."""
         error = self.operator.model_error if self.setting.model_errors else EXACT
-        finder = self.setting.finder
-        return finder(self.setting.grid, pressure, self._noise, self._posterior, error)
+        return self.setting.finder(self.setting.grid, pressure, noise, posterior, error)
 
     def reset(self) -> None:
         """Forget the reading before, where the operator keeps it."""

@@ -303,10 +303,11 @@ class Reconstructor:
         """Load what is compiled, so that the first reading is as fast as the next."""
         self(np.zeros(len(self.patch)))
         self.reset()
-        if isinstance(self._plan, LinearPlan):
+        if isinstance(self._plan, (LinearPlan, FieldPlan)):
             peak = np.zeros(len(self.grid))
-            peak[0] = 1e3 * max(float(self._plan.noise.std.max()), 1.0)
-            self.finder(self.grid, peak, self._plan.noise)
+            peak[len(peak) // 2] = 1e3 * max(float(self._plan.noise.std.max()), 1.0)
+            self._plan.contacts(peak, self._plan.noise, self._plan.posterior)
+            self._setting.deformation(np.zeros(len(self.model.grid)))
 
     def _without_missing(self, table: Floats, mask: NDArray[np.bool_], out: Results) -> Ints:
         """Answer the readings that lack taxels, if the plan of all taxels can; rows that remain."""
