@@ -293,8 +293,8 @@ def test_displacement_does_not_know_of_blocks() -> None:
     from skinfield.inverse.sheet.deform import SheetDeformation
     from skinfield.mechanics import LatticeConvolution, displacement_kernel
 
-    deform = SheetDeformation(sf.BondedLayer(), LAYER, 1.5e-3)
-    shape = (70, 420)  # one block and three
+    shape = (70, 720)  # one block and some
+    deform = SheetDeformation(sf.BondedLayer(), LAYER, 1.5e-3, shape)
     pressure = np.random.default_rng(0).normal(size=shape)
     kernel = displacement_kernel(sf.BondedLayer(), LAYER, 1.5e-3, shape[0] - 1, shape[1] - 1)
     exact = np.moveaxis(LatticeConvolution(-kernel)(pressure), 0, -1)

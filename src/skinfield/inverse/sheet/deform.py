@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, check_shape
 from skinfield.mechanics import Layer, Mechanics, displacement_kernel
 
 FAINT = 1e-5  # of the largest: what a displacement kernel is cut at
@@ -17,7 +17,7 @@ BLOCK = 8  # lengths of the kernel per side of a block
 
 @dataclass(frozen=True, eq=False)
 class SheetDeformation:
-    """Displacement of the surface by a pressure on any number of cells.
+    """Displacement of the surface by a pressure on many cells.
 
     The response depends on the offset alone. The sheet is cut into blocks, each transformed with
     as much around it as the kernel reaches (overlap-save), so memory does not grow with the sheet
@@ -29,11 +29,14 @@ class SheetDeformation:
     layer : Layer
     pitch : float, m
         Side of a cell.
+    shape : (rows, columns)
+        Of the sheet's cells.
     """
 
     mechanics: Mechanics
     layer: Layer
     pitch: float
+    shape: tuple[int, int]
 
     @cached_property
     def _sizes(self) -> Floats:
@@ -56,17 +59,26 @@ class SheetDeformation:
         return float(self._sizes[self.reach + 1] / self._sizes[0])
 
     @cached_property
-    def _spectra(self) -> tuple[int, NDArray[Any]]:
-        """Side of a block with what is around it, and the kernels' transforms (3, ...)."""
+    def _sides(self) -> list[int]:
+        """Rows and columns of a block with what is around it."""
+        from scipy import fft
+
+        most = BLOCK * (2 * self.reach + 1)
+        return [
+            fft.next_fast_len(min(most, cells + 2 * self.reach), real=True) for cells in self.shape
+        ]
+
+    @cached_property
+    def _spectra(self) -> NDArray[Any]:
+        """Transforms of the three kernels."""
         from scipy import fft
 
         reach = self.reach
         outward = displacement_kernel(self.mechanics, self.layer, self.pitch, reach, reach)
-        side = fft.next_fast_len(BLOCK * (2 * reach + 1), real=True)
-        kernel = np.zeros((3, side, side), dtype=np.float32)
-        at = np.arange(-reach, reach + 1) % side
-        kernel[:, at[:, None], at] = -outward  # pressure pushes inwards
-        return side, fft.rfft2(kernel)
+        kernel = np.zeros((3, *self._sides), dtype=np.float32)
+        row, column = (np.arange(-reach, reach + 1) % side for side in self._sides)
+        kernel[:, row[:, None], column] = -outward  # pressure pushes inwards
+        return np.asarray(fft.rfft2(kernel))
 
     def __call__(self, pressure: NDArray[Any], along: tuple[int, ...] = (0, 1, 2)) -> NDArray[Any]:
         """Displacement (rows, columns, len(along)) m of a pressure (rows, columns) Pa, float32.
@@ -75,21 +87,21 @@ class SheetDeformation:
         """
         from scipy import fft
 
-        side, spectra = self._spectra
-        reach, (rows, columns) = self.reach, pressure.shape
-        step = side - 2 * reach
+        check_shape("pressure", pressure, self.shape, "one per cell")
+        reach, (rows, columns) = self.reach, self.shape
+        down_step, right_step = (side - 2 * reach for side in self._sides)
         out = np.empty((rows, columns, len(along)), dtype=np.float32)
-        part = np.zeros((side, side), dtype=np.float32)
-        for row in range(0, rows, step):
-            for column in range(0, columns, step):
+        part = np.zeros(self._sides, dtype=np.float32)
+        for row in range(0, rows, down_step):
+            for column in range(0, columns, right_step):
                 part[:] = 0.0
                 low, left = max(row - reach, 0), max(column - reach, 0)
-                here = pressure[low : row + step + reach, left : column + step + reach]
+                here = pressure[low : row + down_step + reach, left : column + right_step + reach]
                 down, right = low - row + reach, left - column + reach
                 part[down : down + here.shape[0], right : right + here.shape[1]] = here
                 spectrum = fft.rfft2(part)
-                to = out[row : row + step, column : column + step]
+                to = out[row : row + down_step, column : column + right_step]
                 for index, component in enumerate(along):
-                    moved = fft.irfft2(spectrum * spectra[component], part.shape)
+                    moved = fft.irfft2(spectrum * self._spectra[component], part.shape)
                     to[..., index] = moved[reach:, reach:][: to.shape[0], : to.shape[1]]
         return out

@@ -152,7 +152,7 @@ class Sheet:
     @cached_property
     def deformation(self) -> SheetDeformation:
         """From pressure to displacement."""
-        return SheetDeformation(self.mechanics, self.layer, self.pitch)
+        return SheetDeformation(self.mechanics, self.layer, self.pitch, self.shape)
 
     def reset(self) -> None:
         """Forget the reading before, from which the next one starts."""
