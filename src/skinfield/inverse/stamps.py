@@ -84,12 +84,23 @@ class Stamps:
             For a matrix of another grid or with numbers that are not finite, a smaller grid,
             another `cut` or type.
         """
+        return cls.of_cells(matrix, grid.shape, cut, dtype)
+
+    @classmethod
+    def of_cells(
+        cls,
+        matrix: ArrayLike,
+        shape: tuple[int, int],
+        cut: float = 1e-3,
+        dtype: DTypeLike = np.float32,
+    ) -> "Stamps":
+        """As `of`, of any cells in rows and columns."""
         matrix = as_floats("matrix", matrix)
-        check_shape("matrix", matrix, (len(grid), None), "one row per cell of the grid")
+        check_shape("matrix", matrix, (shape[0] * shape[1], None), "one row per cell of the grid")
         check_finite("matrix", matrix, "stamps are parts of a matrix of finite numbers")
         check_range("cut", cut, 0.0, 0.9, "part of a column's norm that may be lost")
         kind = _checked_type(dtype, matrix)
-        members, own = _tiles(grid.shape)
+        members, own = _tiles(shape)
         blocks = np.where(own[..., None], matrix[members], 0.0)  # (T, 16, L)
         keep = _kept(blocks, cut)
         tile, taxel = (side.astype(np.int32) for side in np.nonzero(keep))
@@ -112,7 +123,7 @@ class Stamps:
         )
         for array in (*arrays, dropped):
             array.setflags(write=False)
-        return cls(*arrays, grid.shape, dropped)
+        return cls(*arrays, shape, dropped)
 
     @property
     def nbytes(self) -> int:
