@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.pipeline.batch import BulkProduct, rows_of
+from skinfield.pipeline.batch import BulkProduct, readings_per_product, rows_of
 
 PATCH = sf.layouts.hexagon72()
 GRID = sf.Grid.square(PATCH, nodes=8)
@@ -64,3 +64,8 @@ def test_what_is_no_product_is_refused(linear) -> None:
         rows_of(linear.operator, linear.grid, [])
     with pytest.raises(sf.errors.InputError, match="chunk is 0, expected"):
         BulkProduct(linear.operator, chunk=0)
+
+
+def test_outputs_of_a_product_stay_in_the_cache() -> None:
+    sizes = [readings_per_product(4 * width) for width in (1, 1600, 3200, 6400, 12800, 10**7)]
+    assert sizes == [512, 512, 256, 128, 64, 64]

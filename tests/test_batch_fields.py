@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.pipeline import batch_fields, batch_results
+from skinfield.pipeline import batch, batch_fields, batch_results
 from skinfield.pipeline.batch_fields import BulkFields
 from skinfield.pipeline.batch_recipe import Recipe
 from skinfield.pipeline.batch_results import LazyResults
@@ -33,8 +33,8 @@ def reconstructor(request) -> sf.Reconstructor:
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Chunks of some readings, so that few readings have several."""
+    monkeypatch.setattr(batch, "CHUNK", 16)
     for module in (batch_fields, batch_results):
-        monkeypatch.setattr(module, "CHUNK", 16)
         monkeypatch.setattr(module, "RUN", 8)
 
 
@@ -68,6 +68,9 @@ def test_bulk_fields_are_those_of_the_reconstructor(reconstructor, lack) -> None
     for name in names:
         assert found[name].dtype == np.float32
         close(found[name], np.concatenate([getattr(e, name) for e in estimates]))
+    force = BulkFields(reconstructor, "pressure").normal_force(readings)
+    expected = np.concatenate([e.normal_force for e in estimates])
+    np.testing.assert_allclose(force, expected, atol=2e-6 * np.abs(expected).max())
     for one, other in zip(
         bulk.contacts(readings), [c for e in estimates for c in e.contacts], strict=True
     ):

@@ -94,6 +94,10 @@ class Worker:
         begun, (first, last) = time.perf_counter(), piece
         start = first if self.bulk.is_linear else first - first % RUN
         values = self.results.kept.values(start, last)
+        if self.bulk.is_linear and not (self.task.contacts or self.task.fields):
+            force, none = self.bulk.normal_force(values), np.zeros(len(values), np.int64)
+            dead = np.asarray(np.isnan(values).all(axis=0))
+            return Part(first, force, force, none, dead, [], None, time.perf_counter() - begun)
         estimate = self._estimate(values, first - start, self.results.kept.stamps(first, last))
         force = estimate.pressure.sum(axis=1, dtype=np.float64) * self.results.grid.cell_area
         load, rows = force, []

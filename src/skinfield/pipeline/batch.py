@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.errors import InputError, check_choice, check_count, check_shape
 from skinfield.layout import Grid
 
-CHUNK = 512  # readings per product: of fewer the calls tell; the outputs of more leave the cache
+CHUNK = 512  # readings per product at most
+FEWEST = 64  # of fewer the calls tell
+CACHED = 4 << 20  # bytes: outputs of more leave the cache before anybody has looked at them
 OUTPUTS = {  # numbers per node; in the patch's frame, signs as in `Estimate`
     "pressure": 1,
     "indentation": 1,
@@ -84,6 +86,12 @@ class BulkProduct:
             np.copyto(cast, part, casting="same_kind")
             np.dot(cast, self._transposed, out=out[first : first + len(part)])
         return out
+
+
+def readings_per_product(row_bytes: int) -> int:
+    """Readings whose outputs of so many bytes each stay in the cache: a power of two."""
+    fitting = max(CACHED // max(row_bytes, 1), 1)
+    return min(CHUNK, max(FEWEST, 1 << fitting.bit_length() - 1))
 
 
 def rows_of(operator: NDArray[Any], grid: Grid, outputs: Iterable[str]) -> NDArray[Any]:

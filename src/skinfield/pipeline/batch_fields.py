@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, check_shape
 from skinfield.fields import Contact, Estimate
-from skinfield.pipeline.batch import CHUNK, OUTPUTS, BulkProduct, checked_outputs, rows_of
+from skinfield.pipeline.batch import (
+    OUTPUTS,
+    BulkProduct,
+    checked_outputs,
+    readings_per_product,
+    rows_of,
+)
 from skinfield.pipeline.plan import LinearPlan
 from skinfield.pipeline.reconstructor import Reconstructor
 
@@ -48,7 +54,8 @@ class BulkFields:
         self.precision = precision
         plan = reconstructor._plan
         self._linear = plan if isinstance(plan, LinearPlan) else None
-        self.run = RUN if self._linear is None else CHUNK
+        row_bytes = self.width * np.dtype(precision).itemsize
+        self.run = RUN if self._linear is None else readings_per_product(row_bytes)
         self._products: OrderedDict[bytes, BulkProduct] = OrderedDict()
         self._sets: OrderedDict[bytes, Any] = OrderedDict()
 
@@ -62,6 +69,11 @@ class BulkFields:
         """Of each output of one reading: (K,), or (K, 3) for a vector field."""
         nodes = len(self.reconstructor.grid)
         return {name: (nodes, 3) if OUTPUTS[name] == 3 else (nodes,) for name in self.outputs}
+
+    @property
+    def width(self) -> int:
+        """Numbers that all outputs of one reading take."""
+        return len(self.reconstructor.grid) * sum(OUTPUTS[name] for name in self.outputs)
 
     def __call__(self, readings: Floats) -> Fields:
         """Fields of some readings.
@@ -79,10 +91,9 @@ class BulkFields:
         check_shape("readings", readings, (None, len(self.reconstructor.patch)), "one per taxel")
         if self._linear is None:
             return self._joined(readings)
-        width = sum(int(np.prod(shape)) for shape in self.shapes.values())
-        out = np.empty((len(readings), width), self.precision)
-        for first in range(0, len(readings), CHUNK):
-            part = slice(first, first + CHUNK)
+        out = np.empty((len(readings), self.width), self.precision)
+        for first in range(0, len(readings), self.run):
+            part = slice(first, first + self.run)
             self.into(readings[part], out[part])
         return self.named(out)
 
@@ -112,6 +123,23 @@ class BulkFields:
             for pattern, rows in _patterns(mask):
                 linear = self._linearised(readings[np.ix_(rows, pattern)])
                 out[rows] = self._product(pattern).fields(linear)
+
+    def normal_force(self, readings: Floats) -> Floats:
+        """Sum of the pressure of each of some readings, (T,) N; outputs: the pressure first.
+
+        Fields are made one run at a time and let go: for the highest reading of hours.
+        """
+        nodes, area = len(self.reconstructor.grid), self.reconstructor.grid.cell_area
+        if self._linear is None:
+            return np.concatenate([e.normal_force for e in self.estimates(readings)])
+        found = np.empty(len(readings))
+        out = np.empty((min(self.run, len(readings)), self.width), self.precision)
+        cells = np.full(nodes, area, self.precision)
+        for first in range(0, len(readings), self.run):
+            part = readings[first : first + self.run]
+            self.into(part, out[: len(part)])
+            found[first : first + len(part)] = out[: len(part), :nodes] @ cells
+        return found
 
     def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
         """Contacts of some readings (T, L), by the reconstructor's finder.
@@ -176,7 +204,7 @@ class BulkFields:
         if key not in self._products:
             rows = rows_of(self._plan(valid).operator, self.reconstructor.grid, self.outputs)
             _let_go(self._products)
-            self._products[key] = BulkProduct(rows, self.precision)
+            self._products[key] = BulkProduct(rows, self.precision, self.run)
         self._products.move_to_end(key)
         return self._products[key]
 

@@ -152,7 +152,7 @@ class LazyResults:
             pressure = self.pressure[first:last]
             return np.asarray(pressure.sum(axis=1, dtype=np.float64) * area)
 
-        return LazyArray((len(self),), np.float64, self._run, load, self._cache)
+        return LazyArray((len(self),), np.float64, self.pressure.chunk, load, self._cache)
 
     @cached_property
     def contacts(self) -> LazyList:
@@ -212,10 +212,6 @@ class LazyResults:
         """Whether one matrix product answers."""
         return self._fields("pressure").is_linear
 
-    @property
-    def _run(self) -> int:
-        return self._fields("pressure").run
-
     def _fields(self, *names: str) -> BulkFields:
         key = " ".join(names)
         if key not in self._bulk:
@@ -229,7 +225,7 @@ class LazyResults:
             return self._solved(first)[0][name]
 
         shape = (len(self), len(self.grid), *tail)
-        return LazyArray(shape, self.precision, self._run, load, self._cache)
+        return LazyArray(shape, self.precision, self._fields(name).run, load, self._cache)
 
     def _picture(self, array: LazyArray) -> LazyArray:
         """The same with rows and columns of nodes."""
