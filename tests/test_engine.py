@@ -273,7 +273,7 @@ class FindsContacts:
 
 
 def test_arguments_that_do_not_fit() -> None:
-    with pytest.raises(InputError, match=r"ContactFit.*finds contacts by itself"):
+    with pytest.raises(InputError, match=r"FindsContacts.*finds contacts by itself"):
         engine_of(FindsContacts(), TRIANGLE)
     with pytest.raises(InputError, match=r"rungs is \(40, 20\), expected one or more"):
         engine_of(sf.GaussianField(), TRIANGLE, rungs=(40, 20))

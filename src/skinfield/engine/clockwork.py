@@ -60,6 +60,10 @@ class Clockwork:
 
     Attributes
     ----------
+    places : P pairs
+        Group of each patch, and its place there.
+    linear_rows, valid_rows : lists of P arrays (L,)
+        Each patch's part of what was taken in.
     costs : (G, kinds of steps, R) array, s
     unresolved : (G, R) array
         Part of the energy that each rung leaves unresolved.
@@ -90,7 +94,12 @@ class Clockwork:
         self.white = [
             self.intake.views(self.intake.white, group.first, group.count) for group in self.groups
         ]
-        patches = len(self.state.group)
+        intake = self.intake
+        rows = [intake.rows_of(patch) for patch in range(len(intake.names))]
+        self.linear_rows = [intake.linear[each] for each in rows]
+        self.valid_rows = [intake.valid[each] for each in rows]
+        self.places = [(group, place) for group in self.groups for place in range(group.count)]
+        patches = len(rows)
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios = np.zeros(patches)
 
@@ -135,14 +144,14 @@ class Clockwork:
         self.model.observe(which, seconds)
         return seconds
 
-    def searched(self, step: int, patch: int, rung: int, start: int, to_the_end: bool) -> float:
+    def searched(
+        self, step: int, patch: int, rung: int, start: int, end: int, to_the_end: bool
+    ) -> None:
         """As `done`, of a search that came to its end or was cut short."""
-        group = int(self.state.group[patch])
-        end, which = self.clock(), self.which(step, group, rung)
+        group = self.places[patch][0].index
+        which = (group * KINDS + step) * self.rungs + rung
         self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
-        seconds = (end - start) * NS
-        (self.model.observe if to_the_end else self.model.at_least)(which, seconds)
-        return seconds
+        (self.model.observe if to_the_end else self.model.at_least)(which, (end - start) * NS)
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
         """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`."""

@@ -1,6 +1,7 @@
 """Patches of one kind: one prepared plan, and room for the answers of each."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from skinfield.engine.stamped_product import product_of, slack_of
 from skinfield.errors import Floats, InputError
 from skinfield.pipeline.ladder_missing import MissingTaxels
 from skinfield.pipeline.ladder_rungs import Rungs
+
+SHARED = object()  # in place of the search that a patch used last: its dual was copied
 
 
 @dataclass(eq=False)
@@ -40,8 +43,10 @@ class Group:
     searches : R lists of P SearchOperator
     feasible : R arrays (P, K), Pa
         Their answers.
+    rows_of_feasible : R lists of P arrays (K,)
+        Each patch's part of them.
     duals : (P, L) array
-        Where the last search of each patch ended, on whichever rung.
+        Where the last search of each patch ended, if it left taxels out.
     filler : MissingTaxels
         Of whitened readings.
     """
@@ -56,6 +61,7 @@ class Group:
     thresholds: list[float] = field(init=False)
     searches: list[list[SearchOperator]] = field(init=False)
     feasible: list[Floats] = field(init=False)
+    rows_of_feasible: list[list[Floats]] = field(init=False)
     duals: Floats = field(init=False)
 
     def __post_init__(self) -> None:
@@ -76,7 +82,9 @@ class Group:
             twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
             self.searches.append(twins)
             self.feasible.append(np.zeros((count, len(step.grid))))
+        self.rows_of_feasible = [list(fields) for fields in self.feasible]
         self.duals = np.zeros((count, len(noise)))
+        self._last: list[Any] = [None] * count
         widest = max(len(step.grid) for step in steps)
         self._scores = np.zeros(count * widest, np.float32)
         self.highest = np.zeros(count, np.float32)
@@ -114,13 +122,30 @@ class Group:
         return self.highest <= self.thresholds[rung]
 
     def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
-        """Search of a patch; if not all taxels are valid, one that all patches share."""
+        """Search of a patch, which goes on where the patch's last one ended.
+
+        If not all taxels are valid, it is one that all patches share.
+        """
+        last = self._last[place]
         if valid is None:
-            return self.searches[rung][place]
-        return self._reduced[rung].mask(valid)
+            operator: SearchOperator = self.searches[rung][place]
+            if operator is last:
+                return operator
+        else:
+            operator = self._reduced[rung].mask(valid)
+        if last is not None:
+            operator.start_from(self.duals[place] if last is SHARED else last.dual)
+        self._last[place] = operator
+        return operator
+
+    def remember(self, place: int, shared: SearchOperator) -> None:
+        """Keep where a patch's search ended that another patch will use next."""
+        np.copyto(self.duals[place], shared.dual)
+        self._last[place] = SHARED
 
     def reset(self) -> None:
         """Forget the readings before."""
         for twins in self.searches:
             for each in twins:
                 each.reset()
+        self._last = [None] * self.count

@@ -111,15 +111,19 @@ def serve(work: Clockwork, hot: Ints) -> None:
     """Search the patches that a plan chooses, each within what the others leave it."""
     state = work.state
     chosen, target = work.plan(hot, work.left)
-    chosen, rungs = chosen.tolist(), target.tolist()
-    costs = [work.costs[state.group[i], state.kind[i], rungs[i]] for i in chosen]
-    committed = float(sum(costs))
-    for patch, cost in zip(chosen, costs, strict=True):
+    if not len(chosen):
+        return
+    rungs = target[chosen]
+    costs = work.costs[state.group[chosen], state.kind[chosen], rungs]
+    committed = float(costs.sum())
+    for patch, rung, cost in zip(chosen.tolist(), rungs.tolist(), costs.tolist(), strict=True):
         committed -= cost
         allowance = work.left - committed  # what is planned for the others is theirs
-        rung, cost = cheaper(work, patch, rungs[patch], allowance)
-        if cost <= allowance:
-            search(work, patch, rung, cost, allowance)
+        if cost > allowance:
+            rung, cost = cheaper(work, patch, rung, allowance)
+            if cost > allowance:
+                continue
+        search(work, patch, rung, cost, allowance)
 
 
 def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[int, float]:
@@ -134,21 +138,18 @@ def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[i
 def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float) -> None:
     """Search one patch on a rung from where its last search ended, on whichever rung that was."""
     state, start = work.state, work.clock()
-    group = work.groups[state.group[patch]]
-    place, rows = patch - group.first, work.intake.rows_of(patch)
-    valid = work.intake.valid[rows] if state.invalid[patch] else None
+    group, place = work.places[patch]
+    valid = work.valid_rows[patch] if state.invalid[patch] else None
     operator = group.search_of(rung, place, valid)
-    if state.searched[patch] >= 0 and (valid is not None or state.searched[patch] != rung):
-        operator.start_from(group.duals[place])
     deadline = start + int(allowance / NS)
-    operator.apply(work.intake.linear[rows], group.feasible[rung][place], deadline)
-    seconds_left = (deadline - work.clock()) * NS
-    gap, objective = operator.gap, operator.objective
-    settled = gap <= operator.problem.tolerance or seconds_left > ENDED * allowance
-    np.copyto(group.duals[place], operator.dual)
-    state.searched[patch] = rung
-    missing = 0.0 if settled else objective * gap
-    excess = float(state.energy[patch] * work.unresolved[group.index, rung]) + missing
+    operator.apply(work.linear_rows[patch], group.rows_of_feasible[rung][place], deadline)
+    end = work.clock()
+    gap = operator.gap
+    settled = gap <= operator.problem.tolerance or (deadline - end) * NS > ENDED * allowance
+    if valid is not None:
+        group.remember(place, operator)
+    unresolved = float(state.energy[patch] * work.unresolved[group.index, rung])
+    excess = unresolved if settled else unresolved + operator.objective * gap
     if state.at[patch] < 0 or excess <= state.excess[patch]:
         state.answer[patch] = FEASIBLE
         state.rung[patch] = state.at[patch] = rung
@@ -156,5 +157,6 @@ def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float
         state.settled[patch] = settled
     state.iterations[patch] += operator.iterations
     state.predicted[patch] += cost
-    state.spent[patch] += work.searched(int(state.kind[patch]), patch, rung, start, settled)
+    state.spent[patch] += (end - start) * NS
+    work.searched(int(state.kind[patch]), patch, rung, start, end, settled)
     state.kind[patch] = WARM

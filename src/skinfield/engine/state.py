@@ -47,7 +47,6 @@ class State:
     excess : by how much its objective may be above the finest rung's minimum, about
     energy : objective of an answer of 0
     iterations : of the last search
-    searched : rung of the last search, of any cycle; -1 before the first
     settled : whether the last search came to its end
     was_hot : whether the patch had a contact in the cycle before
     age : cycles since a patch with a contact was served
@@ -64,7 +63,6 @@ class State:
     excess: Floats = field(init=False)
     energy: Floats = field(init=False)
     iterations: Ints = field(init=False)
-    searched: Ints = field(init=False)
     settled: NDArray[np.bool_] = field(init=False)
     was_hot: NDArray[np.bool_] = field(init=False)
     age: Ints = field(init=False)
@@ -78,7 +76,7 @@ class State:
         self.answer, self.iterations, self.age, self.kind, self.invalid = np.zeros(
             (5, patches), dtype=np.int64
         )
-        self.rung, self.at, self.searched = np.full((3, patches), -1, dtype=np.int64)
+        self.rung, self.at = np.full((2, patches), -1, dtype=np.int64)
         self.gap, self.excess, self.energy, self.spent, self.predicted = np.zeros((5, patches))
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
 
