@@ -128,9 +128,9 @@ class Group:
         """
         last = self._last[place]
         if valid is None:
-            operator: SearchOperator = self.searches[rung][place]
-            if operator is last:
-                return operator
+            operator = self.searches[rung][place]
+            if last is operator:
+                return self.searches[rung][place]
         else:
             operator = self._reduced[rung].mask(valid)
         if last is not None:
