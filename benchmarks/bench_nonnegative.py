@@ -1,0 +1,346 @@
+"""How long a proof takes: `NonNegative` to certified gaps, beside what else could be done.
+
+Run: python benchmarks/bench_nonnegative.py [--nodes 20 40 80] [--readings 240] [--laps 5]
+
+One run. Readings are those of two balls that wander over the paper's patch of 72 taxels, with the
+quantity's typical noise: presses solved by `skinfield.simulate` on cells of their own, one for
+each load, carried to the places (the two never come nearer than eight thicknesses, so readings
+add). Every reading is solved from nothing (cold) and after the one before (warm).
+
+Times are the shortest of some laps for each reading, p50 and p99 over the readings; only
+deadlines are taken once each. `linear` is the product of a matrix and the readings in float32, for
+pressure (1), with the normal displacement (2), and with all of it (4). `FISTA` is accelerated
+gradient with restart and backtracking on the same dual, compiled, warm. `nnls` is
+scipy.optimize.nnls of the same minimum for cells that are independent (length_scale 0), in which
+the penalties are further rows.
+"""
+
+import argparse
+import gc
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(name, "1")  # before NumPy: one core, no spinning threads
+
+import numpy as np
+from fista import Fista
+from scipy.optimize import nnls
+
+import skinfield as sf
+from skinfield.experiments.bench.scene import RADIUS, paths
+from skinfield.inverse.bumps import bump_of, seen_through
+from skinfield.observation import ObservationModel
+from skinfield.simulate import Sphere, press
+from skinfield.simulate.pressing.anywhere import readings_anywhere
+
+PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer(2e-3, 100e3, 0.5)
+QUANTITIES: dict[str, Any] = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}
+PRIORS = {"smooth": sf.NonNegative(), "white": sf.NonNegative(length_scale=0.0)}
+GAPS = (1e-2, 1e-3, 1e-4)
+LOADS = np.geomspace(0.3, 2.0, 7)  # N
+DEADLINES = (30, 50, 100, 200, 500)  # µs
+EXACT = 4  # readings that scipy's nnls solves
+
+
+def chains(count: int) -> dict[str, np.ndarray]:
+    """Readings (count, L) of two wandering balls with noise, by quantity."""
+    places, forces = paths(count)
+    solved = [
+        press(LAYER, [Sphere(radius=RADIUS, force=float(load))], 24e-3, 0.25e-3) for load in LOADS
+    ]
+    found = {}
+    for quantity, kind in QUANTITIES.items():
+        tables = [readings_anywhere(each, PATCH.pad_diameter, quantity) for each in solved]
+        rows = np.zeros((count, len(PATCH)))
+        for row, (places_now, forces_now) in enumerate(zip(places, forces, strict=True)):
+            for place, force in zip(places_now, forces_now, strict=True):
+                part = np.clip(np.interp(force, LOADS, np.arange(len(LOADS))), 0, len(LOADS) - 1)
+                low = min(int(part), len(LOADS) - 2)
+                away = PATCH.plane - place
+                rows[row] += (low + 1 - part) * tables[low](away)
+                rows[row] += (part - low) * tables[low + 1](away)
+        noise = np.random.default_rng(0).normal(size=rows.shape) * kind.typical_noise
+        found[quantity] = np.array(
+            [kind.linearise(each, np.empty_like(each)) for each in rows + noise]
+        )
+    return found
+
+
+def model_of(quantity: str, nodes: int) -> ObservationModel:
+    kind = QUANTITIES[quantity]
+    return ObservationModel.of(
+        PATCH, LAYER, sf.Grid.square(PATCH, nodes), sf.BondedLayer(), kind, kind.typical_noise
+    )
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Without the collector of cycles."""
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+def shortest(work: Callable[[int], None], begin: Callable[[], None], count: int, laps: int) -> Any:
+    """Seconds of the quickest lap for each of `count` readings, one after another."""
+    times = np.full(count, np.inf)
+    with undisturbed():
+        for _ in range(laps):
+            begin()
+            for index in range(count):
+                start = time.perf_counter_ns()
+                work(index)
+                times[index] = min(times[index], (time.perf_counter_ns() - start) * 1e-9)
+    return times
+
+
+def linear(nodes: int, rows: np.ndarray, laps: int) -> list[float]:
+    """Median seconds of products for one, two and four outputs per node."""
+    rec = sf.Reconstructor(PATCH, LAYER, sf.Grid.square(PATCH, nodes), precision=np.float32)
+    whole = np.ascontiguousarray(rec.operator.reshape(-1, len(PATCH)), dtype=np.float32)
+    single = np.ascontiguousarray(rows, dtype=np.float32)
+    found = []
+    for outputs in (1, 2, 4):
+        matrix = np.ascontiguousarray(np.resize(whole, (outputs * nodes**2, len(PATCH))))
+        out = np.empty(len(matrix), np.float32)
+        times = shortest(
+            lambda index, m=matrix, o=out: np.dot(m, single[index], out=o),  # type: ignore[misc]
+            lambda: None,
+            len(rows),
+            4 * laps,
+        )
+        found.append(float(np.median(times)))
+    return found
+
+
+def algebra(solver: sf.NonNegative, model: ObservationModel) -> tuple[np.ndarray, np.ndarray]:
+    """B (L, K) and mu (K,) of the docstring."""
+    operator = solver.prepare(model)
+    bump = bump_of(model.grid, solver._length(model))
+    seen = seen_through(bump, model.matrix / model.noise_std[:, None], model.grid)
+    seen *= solver.snr * np.sqrt(len(seen) / np.square(seen).sum())
+    return seen, solver.shrinkage * operator.threshold * np.linalg.norm(seen, axis=0)
+
+
+def by_nnls(seen: np.ndarray, penalty: np.ndarray, white: np.ndarray) -> float:
+    """Median seconds of scipy's nnls."""
+    rows = np.concatenate([seen, np.eye(len(penalty))])
+    times = []
+    for index in np.linspace(0, len(white) - 1, EXACT).astype(int):
+        start = time.perf_counter()
+        nnls(rows, np.concatenate([white[index], -penalty]), maxiter=100 * len(penalty))
+        times.append(time.perf_counter() - start)
+    return float(np.median(times))
+
+
+def certified(
+    solver: sf.NonNegative, model: ObservationModel, rows: np.ndarray, laps: int
+) -> dict[str, Any]:
+    """Seconds per reading, cold and warm, steps and the largest gap."""
+    operator, out = solver.prepare(model), np.empty(len(model.grid))
+    gaps, steps = np.zeros(len(rows)), np.zeros(len(rows))
+
+    def warm(index: int) -> None:
+        operator.apply(rows[index], out)
+        gaps[index], steps[index] = operator.gap, operator.iterations
+
+    def cold(index: int) -> None:
+        operator.apply(rows[index], out)
+
+    chained = shortest(warm, operator.reset, len(rows), laps)[1:]
+    found = {"warm": chained, "gap": gaps.max(), "steps": steps[1:].mean()}
+    alone = np.full(len(rows), np.inf)
+    for _ in range(max(laps // 2, 2)):
+        for index in range(len(rows)):
+            operator.reset()
+            start = time.perf_counter_ns()
+            cold(index)
+            alone[index] = min(alone[index], (time.perf_counter_ns() - start) * 1e-9)
+    return {**found, "cold": alone}
+
+
+def by_fista(
+    seen: np.ndarray, penalty: np.ndarray, white: np.ndarray, gap: float, laps: int
+) -> tuple[np.ndarray, float]:
+    """Seconds per reading, warm, and steps."""
+    solver = Fista(seen, penalty, gap)
+    steps = np.zeros(len(white))
+
+    def work(index: int) -> None:
+        steps[index] = solver(white[index])
+
+    times = shortest(work, solver.reset, len(white), laps)
+    return times[1:], float(steps[1:].mean())
+
+
+def us(values: np.ndarray) -> str:
+    """Median and 99th percentile in microseconds."""
+    return " / ".join(f"{1e6 * float(v):.0f}" for v in np.quantile(values, [0.5, 0.99]))
+
+
+def times_table(rows: dict[str, np.ndarray], nodes: list[int], laps: int) -> list[dict[str, Any]]:
+    """Print the times to certified gaps."""
+    print("\n| nodes | linear 1 / 2 / 4 outputs, µs |\n| --- | --- |")
+    products = {}
+    for each in nodes:
+        products[each] = linear(each, rows["stress"], laps)
+        print(f"| {each} x {each} | {' / '.join(f'{1e6 * t:.1f}' for t in products[each])} |")
+    columns = (
+        "nodes | readings | prior | gap | cold p50 / p99 µs | warm p50 / p99 µs | steps | "
+        "warm over linear 1 / 2 / 4 | FISTA µs (steps) | FISTA over warm | nnls ms | "
+        "nnls over cold / warm"
+    )
+    print(f"\n| {columns} |\n|{' --- |' * (columns.count('|') + 1)}", flush=True)
+    found = []
+    for each in nodes:
+        for quantity, chain in rows.items():
+            model = model_of(quantity, each)
+            for prior, solver in PRIORS.items():
+                found += _rows(model, prior, solver, chain, products[each], laps)
+                for row in found[-len(GAPS) :]:
+                    row.update(nodes=each, quantity=quantity, prior=prior)
+                    print(_line(row), flush=True)
+    return found
+
+
+def _rows(
+    model: ObservationModel,
+    prior: str,
+    solver: sf.NonNegative,
+    chain: np.ndarray,
+    products: list[float],
+    laps: int,
+) -> Iterator[dict[str, Any]]:
+    seen, penalty = algebra(solver, model)
+    white = chain / model.noise_std
+    few = white if len(penalty) < 2000 else white[: len(white) // 4]
+    exact = by_nnls(seen, penalty, white) if prior == "white" and len(penalty) < 2000 else np.nan
+    for gap in GAPS:
+        row = certified(replace(solver, tolerance=gap), model, chain, laps)
+        fista, steps = by_fista(seen, penalty, few, gap, 2 if gap > 1e-4 else 1)
+        yield {
+            "gap": gap,
+            "proved": row["gap"],
+            "steps": row["steps"],
+            "linear": products,
+            "fista": float(np.median(fista)),
+            "fista_steps": steps,
+            "nnls": exact,
+            **{f"{kind}_p50": float(np.median(row[kind])) for kind in ("cold", "warm")},
+            **{f"{kind}_p99": float(np.quantile(row[kind], 0.99)) for kind in ("cold", "warm")},
+        }
+
+
+def _line(row: dict[str, Any]) -> str:
+    warm, cold = row["warm_p50"], row["cold_p50"]
+    over = " / ".join(f"{warm / each:.1f}" for each in row["linear"])
+    late = "" if row["proved"] <= row["gap"] * 1.001 else f" (proved {row['proved']:.0e})"
+    exact = "| |" if np.isnan(row["nnls"]) else (
+        f"| {1e3 * row['nnls']:.0f} | {row['nnls'] / cold:.0f} / {row['nnls'] / warm:.0f} |"
+    )  # fmt: skip
+    return (
+        f"| {row['nodes']} | {row['quantity']} | {row['prior']} | {row['gap']:.0e}{late} "
+        f"| {1e6 * cold:.0f} / {1e6 * row['cold_p99']:.0f} "
+        f"| {1e6 * warm:.0f} / {1e6 * row['warm_p99']:.0f} | {row['steps']:.1f} | {over} "
+        f"| {1e6 * row['fista']:.0f} ({row['fista_steps']:.0f}) | {row['fista'] / warm:.1f} {exact}"
+    )
+
+
+@contextmanager
+def real_time(wanted: bool) -> Iterator[bool]:
+    """With the scheduler's real-time class where that is permitted."""
+    if not wanted or not hasattr(os, "sched_setscheduler"):
+        yield False
+        return
+    before = os.sched_getscheduler(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
+    except OSError:
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        os.sched_setscheduler(0, before, os.sched_param(0))
+
+
+def overshoot_table(rows: dict[str, np.ndarray], nodes: int, laps: int) -> list[dict[str, Any]]:
+    """Print how late answers are, each taken once; a pause after each lets others run."""
+    print(f"\nDeadlines, {nodes} x {nodes}, warm, smooth prior, to 1e-4")
+    columns = "scheduler | readings | deadline µs | late p50 / p99 / max µs | met | gap p50 / p90"
+    print(f"| {columns} |\n|{' --- |' * (columns.count('|') + 1)}")
+    found = []
+    for wanted in (False, True):
+        with real_time(wanted) as given:
+            if wanted and not given:
+                print("| SCHED_FIFO is not permitted | | | | | |")
+                continue
+            for quantity, chain in rows.items():
+                operator = sf.NonNegative().prepare(model_of(quantity, nodes))
+                for deadline in DEADLINES:
+                    row = _late(operator, chain, deadline, laps)
+                    row.update(fifo=given, quantity=quantity, deadline=deadline)
+                    found.append(row)
+                    late = " / ".join(f"{1e6 * row[key]:.1f}" for key in ("p50", "p99", "max"))
+                    name = "SCHED_FIFO" if given else "usual"
+                    print(
+                        f"| {name} | {quantity} | {deadline} | {late} "
+                        f"| {row['met']:.4f} | {row['gap']:.0e} / {row['gap_p90']:.0e} |",
+                        flush=True,
+                    )
+    return found
+
+
+def _late(operator: Any, chain: np.ndarray, deadline: int, laps: int) -> dict[str, Any]:
+    late, gaps, met = [], [], []
+    out = np.empty(len(operator.backing.model.grid))
+    with undisturbed():
+        for lap in range(laps + 1):
+            for readings in chain:
+                limit = time.perf_counter_ns() + 1000 * deadline
+                operator.apply(readings, out, limit)
+                end = time.perf_counter_ns()
+                if lap:  # the first one learns the pace
+                    late.append(max(end - limit, 0) * 1e-9)
+                    gaps.append(operator.gap)
+                    met.append(operator.deadline_met)
+                time.sleep(5e-4)
+    p50, p99 = np.quantile(late, [0.5, 0.99])
+    return {
+        "p50": float(p50),
+        "p99": float(p99),
+        "max": max(late),
+        "met": float(np.mean(met)),
+        "gap": float(np.median(gaps)),
+        "gap_p90": float(np.quantile(gaps, 0.9)),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--nodes", type=int, nargs="*", default=[20, 40, 80])
+    parser.add_argument("--readings", type=int, default=240)
+    parser.add_argument("--laps", type=int, default=5)
+    parser.add_argument("--json", help="file for the numbers, in seconds")
+    options = parser.parse_args()
+    print(f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}")
+    rows = chains(options.readings)
+    times = times_table(rows, options.nodes, options.laps)
+    late = overshoot_table(rows, 40, max(options.laps // 2, 1))
+    if options.json:
+        Path(options.json).write_text(json.dumps({"times": times, "late": late}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
