@@ -43,9 +43,10 @@ class ContactPlan:
             end = until(deadline)
             fit = self.operator.fit(reading, end)
             late = end is not None and time.perf_counter_ns() >= end
-            out.in_time[row] = not late
-            if fit.explained or late or not self._answered(reading, fit, row, out):
+            left = None if end is None else (end - time.perf_counter_ns()) * 1e-9
+            if fit.explained or late or not self._answered(reading, fit, row, out, left):
                 self._write(reading, fit, row, out)
+            out.in_time[row] = end is None or time.perf_counter_ns() <= end
             out.notes.extend(note for note in fit.notes if note not in out.notes)
 
     def _write(self, reading: Floats, fit: Fit, row: int, out: Results) -> None:
@@ -57,12 +58,15 @@ class ContactPlan:
         out.fields[row, nodes:].reshape(3, nodes)[:] = moved.T
         out.pressure_std[row] = fit.pressure_std if whole else fit.pressure_std[here]
         out.residual[row, self.valid] = reading - fit.predicted
+        out.gap[row], out.iterations[row] = np.nan, 0
 
-    def _answered(self, reading: Floats, fit: Fit, row: int, out: Results) -> bool:
+    def _answered(
+        self, reading: Floats, fit: Fit, row: int, out: Results, deadline: float | None
+    ) -> bool:
         """Let a field answer a reading that contacts do not explain, if it explains more."""
         if self.extended is None:
             return False
-        self.extended.solve(reading[None] - fit.offset, np.array([row]), out, None)
+        self.extended.solve(reading[None] - fit.offset, np.array([row]), out, deadline)
         noise = self.extended.model.noise_std
         left = np.square(out.residual[row, self.valid] / noise).sum()
         if left >= LESS * np.square((reading - fit.predicted) / noise).sum():
