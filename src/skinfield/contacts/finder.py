@@ -100,4 +100,4 @@ class ContactFinder:
             return ()
         stated = noise if error is None else error
         found = Found.of(grid, flat, stated, model_error, regions, self.edge)
-        return tuple(sorted(found.contacts(), key=lambda contact: -contact.normal_force))
+        return tuple(found.contacts())

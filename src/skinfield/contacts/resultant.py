@@ -59,31 +59,28 @@ class Found:
         return cls(grid, error, model_error, regions, borders, table)
 
     def contacts(self) -> Iterator[Contact]:
-        """One contact for each region, in their order; covariance, outline come when asked for."""
+        """One contact for each region, by falling force; some of it comes when asked for."""
         sums, grid, table = compiled(), self.grid, self.table
         centres = table[:, sums.CENTRE : sums.CENTRE + 2]
         positions = grid.patch.surface.position_from_plane(centres)
         normals = _normals(grid, centres)
-        sums.set_apart(table, positions)
-        forces = table[:, sums.FORCE : sums.FORCE + 3]
-        moments = table[:, sums.MOMENT : sums.MOMENT + 3]
-        axes = table[:, sums.MAJOR : sums.MINOR + 1]
-        starts, cells = self.regions[0].tolist(), self.regions[1]
-        for index, row in enumerate(table[:, : sums.ANGLE + 1].tolist()):
-            mine = cells[starts[index] : starts[index + 1]]
+        order = sums.set_places(table, positions, normals).tolist()
+        starts, cells, rows = self.regions[0].tolist(), self.regions[1], table.tolist()
+        for index in order:
+            row, mine = table[index], cells[starts[index] : starts[index + 1]]
             area = len(mine) * grid.cell_area
             yield Contact.later(
                 Details(self, index),
                 position=positions[index],
-                force=forces[index],
-                moment=moments[index],
-                normal=normals[index],
+                force=row[sums.FORCE : sums.FORCE + 3],
+                moment=row[sums.MOMENT : sums.MOMENT + 3],
+                normal=normals[index if len(normals) > 1 else 0],
                 area=area,
-                peak_pressure=row[sums.PEAK],
+                peak_pressure=rows[index][sums.PEAK],
                 radius=(area / np.pi) ** 0.5,
                 shape="other",
-                axes=axes[index],
-                angle=row[sums.ANGLE],
+                axes=row[sums.MAJOR : sums.MINOR + 1],
+                angle=rows[index][sums.ANGLE],
                 cells=mine,
                 track_id=None,
                 spread=None,
@@ -136,10 +133,10 @@ class Details:
 
 
 def _normals(grid: Grid, centres: Floats) -> Floats:
-    """Outward normals at points of the plane, (R, 3)."""
+    """Outward normals at points of the plane, (R, 3); on a flat skin one for all, (1, 3)."""
     surface = grid.patch.surface
     if surface.is_flat:
-        return np.broadcast_to(grid.normals[0], (len(centres), 3))
+        return grid.normals[:1]
     return surface.frame_from_plane(centres)[:, :, 2]
 
 

@@ -10,7 +10,7 @@ from skinfield.errors import Floats, Ints
 TOTAL, PEAK, ROUNDING, MAJOR, MINOR, ANGLE = range(6)
 CENTRE = 6  # two of them, in the plane, m
 FORCE = 8  # three, N
-MOMENT = 11  # three, N m, about REFERENCE until `set_apart`
+MOMENT = 11  # three, N m, about REFERENCE until `set_places`
 REFERENCE = 14  # three, m
 WIDTH = 17
 # Variance, in cells, of the count in a disc at random per side of its border: 0.4576 R over 8 R
@@ -68,9 +68,14 @@ def add_loads(
 
 
 @njit(cache=True, nogil=True)
-def set_apart(table: Floats, places: Floats) -> None:
-    """Make the moments those about `places` (R, 3)."""
-    for row, place in zip(table, places):  # noqa: B905 - not known to Numba
+def set_places(table: Floats, places: Floats, normals: Floats) -> Ints:
+    """Make the moments those about `places` (R, 3); rows by falling force along `normals` (R, 3).
+
+    A single normal is that of all rows.
+    """
+    order, forces = np.arange(len(table)), np.empty(len(table))
+    for region in range(len(table)):
+        row, place, normal = table[region], places[region], normals[min(region, len(normals) - 1)]
         x = row[REFERENCE] - place[0]
         y = row[REFERENCE + 1] - place[1]
         z = row[REFERENCE + 2] - place[2]
@@ -78,6 +83,12 @@ def set_apart(table: Floats, places: Floats) -> None:
         row[MOMENT] += y * fz - z * fy
         row[MOMENT + 1] += z * fx - x * fz
         row[MOMENT + 2] += x * fy - y * fx
+        force, index = -(fx * normal[0] + fy * normal[1] + fz * normal[2]), region
+        while index > 0 and forces[index - 1] < force:
+            forces[index], order[index] = forces[index - 1], order[index - 1]
+            index -= 1
+        forces[index], order[index] = force, region
+    return order
 
 
 @njit(cache=True, nogil=True)
