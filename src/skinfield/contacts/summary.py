@@ -37,7 +37,8 @@ class ContactTable:
     noise : PressureError, optional
         Of the pressure: what stands out of it is a contact. Default none, for fields that are
         exactly 0 where nothing presses, such as those of `NonNegative`: there whatever is above 0
-        and `relative_height` of the highest is a contact.
+        and `relative_height` of the highest is a contact, and two peaks are two wherever
+        `prominence` says so, though the noise may be deeper than the saddle.
 
     Attributes
     ----------
