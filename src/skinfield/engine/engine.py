@@ -165,6 +165,7 @@ class Engine:
             budget=budget,
             spent=spent,
             first=(first - start) * NS,
+            started=start,
             overrun=spent > budget,
             steps=tuple(work.log),
             names=self._ordered,

@@ -63,6 +63,8 @@ class CycleReport:
     budget, spent : float, s
     first : float, s
         Until every patch had its idle test or its coarse linear answer.
+    started : int, ns
+        Of the engine's clock.
     overrun : bool
         Whether more than the budget was spent.
     steps : tuple of Done
@@ -74,6 +76,7 @@ class CycleReport:
     budget: float
     spent: float
     first: float
+    started: int
     overrun: bool
     steps: tuple[Done, ...]
     names: tuple[str, ...]
