@@ -9,8 +9,8 @@ from skinfield.inverse.dual.arrays import Memory, Packed, Problem, unpacked
 from skinfield.inverse.dual.clock import now_ns
 from skinfield.inverse.dual.values import (
     COUNT,
-    FASTER,
     FACTORED,
+    FASTER,
     GAP,
     GIVEN,
     IDLE,
