@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.fields import Contact
+from skinfield.inverse.sheet.search import contacts_on
+from skinfield.inverse.sheet.windows import Finder
 
 if TYPE_CHECKING:
     from skinfield.inverse.sheet.sheet import Sheet
@@ -67,6 +70,26 @@ class SheetEstimate:
         if "displacement" in self.__dict__:
             return np.asarray(-self.displacement[..., 2])
         return np.asarray(-self.sheet.deformation(self.pressure, (2,))[..., 0])
+
+    def contacts(self, finder: Finder) -> tuple[Contact, ...]:
+        """Pressed regions, by falling normal force.
+
+        The sheet is searched where the pressure exceeds what noise alone reaches on it (on all but
+        1 % of its cells), and each such window is given to the finder as a patch of its own: two
+        contacts far from each other do not know of each other, and no finder sees a million taxels.
+
+        Parameters
+        ----------
+        finder : Finder
+            Such as `skinfield.ContactFinder()`. Its rate of false alarms is that of the sheet.
+
+        Returns
+        -------
+        tuple of Contact
+            In the sheet's plane, z = 0; `cells` are flat indices of `pressure`. Their covariance is
+            that of the readings' noise.
+        """
+        return contacts_on(self, finder)
 
     @cached_property
     def residual(self) -> Floats:

@@ -32,6 +32,7 @@ class SheetPlan:
         Of the taxels in their cells.
     corner : (L,) int array
         First cell of the pressure that a taxel adds.
+    noise_std : (L,) array, unit of the reading
     variance : float, Pa²
         Of a cell, as the prior has it.
     gram : Gram
@@ -70,7 +71,8 @@ class SheetPlan:
         self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)
         self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
-        self._scale(noise_std[self.placing.order], solver.snr)
+        self.noise_std = noise_std[self.placing.order]
+        self._scale(self.noise_std, solver.snr)
 
     def _scale(self, noise_std: Floats, snr: float) -> None:
         """Give the prior its variance and the matrix its diagonal."""

@@ -22,6 +22,7 @@ from skinfield.inverse.sheet.deform import SheetDeformation
 from skinfield.inverse.sheet.estimate import SheetEstimate
 from skinfield.inverse.sheet.gram import parts_of
 from skinfield.inverse.sheet.plan import SheetPlan
+from skinfield.inverse.sheet.search import highest_std
 from skinfield.inverse.tikhonov import Tikhonov
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import BaseStress, Quantity
@@ -93,7 +94,7 @@ class Sheet:
         check_physics(self.layer, self.mechanics, self.quantity)
         check_settings(tolerance, most_iterations, precision)
         self.tolerance, self.most_iterations = tolerance, most_iterations
-        self.precision = precision
+        self.precision, self.pad_diameter = precision, pad_diameter
         places = checked_places(positions)
         noise = self.quantity.typical_noise if noise_std is None else noise_std
         self.noise_std = checked_noise(noise, len(places))
@@ -153,6 +154,11 @@ class Sheet:
     def deformation(self) -> SheetDeformation:
         """From pressure to displacement."""
         return SheetDeformation(self.mechanics, self.layer, self.pitch, self.shape)
+
+    @cached_property
+    def highest_std(self) -> float:
+        """Deviation of the pressure by the readings' noise, Pa, that few cells exceed."""
+        return highest_std(self.plan)
 
     def reset(self) -> None:
         """Forget the reading before, from which the next one starts."""
