@@ -19,7 +19,7 @@ from non_negative_reference import (
 )
 
 from skinfield.errors import Floats
-from skinfield.inverse import NonNegative
+from skinfield.inverse import NonNegative, non_negative_problem
 from skinfield.inverse.non_negative_operator import NonNegativeOperator
 from skinfield.observation import BaseStress, Capacitance
 
@@ -223,3 +223,50 @@ def test_before_the_first_reading_nothing_is_stated() -> None:
         assert np.isnan(each.gap)
         assert np.isnan(each.objective)
         assert each.iterations == 0
+
+
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+@pytest.mark.parametrize("quantity", BOTH)
+@pytest.mark.parametrize("cut", [5e-3, 0.2])
+def test_what_stamps_lack_is_in_the_proof(
+    quantity: Either, precision: type[np.floating], cut: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Passes by windows of each taxel's nodes, as on large grids, prove no less and no more."""
+    model = small_model(24, 7, quantity)
+    _, dense, cases = large(quantity)
+    plain = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
+    monkeypatch.setattr(non_negative_problem, "LARGE", 0)
+    monkeypatch.setattr(non_negative_problem, "SPARSE", 2.0)
+    monkeypatch.setattr(non_negative_problem, "CUT", cut)
+    operator = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
+    assert len(plain.problem.cells) == 0
+    assert len(operator.problem.cells) > 0
+    assert operator.problem.dropped.max() > 0.0
+    for readings, least, zero in cases:
+        solved(plain, readings)
+        solved(operator, readings)
+        reached = assert_honest(operator, dense, readings, least, zero)
+        assert reached == pytest.approx(least, rel=3e-6)
+        assert operator.gap == pytest.approx(plain.gap, abs=2e-6)
+        for allowed in range(0, 200_000, 10_000):
+            operator.reset()
+            solve(operator, readings, time.perf_counter_ns() + allowed)
+            assert_honest(operator, dense, readings, least, zero)
+        quiet = 0.5 * readings * dense.threshold / dense.score(readings).max()
+        assert not solve(operator, quiet).any()
+        assert operator.idle
+
+
+def test_a_slow_step_is_not_held_against_all_later_ones() -> None:
+    """What no deadline lets happen is not measured either; it is tried again after a while."""
+    model = small_model()
+    operator = NonNegative().prepare(model)
+    readings = pressed(model, np.random.default_rng(0))
+    operator._memory.measures[2:5] *= 1e5
+    operator.reset()
+    for _ in range(2000):
+        operator.reset()
+        solve(operator, readings, time.perf_counter_ns() + 50_000_000)
+        if operator.gap <= 1e-4:
+            break
+    assert operator.gap <= 1e-4

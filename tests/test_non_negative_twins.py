@@ -22,7 +22,7 @@ from scipy.optimize import nnls
 
 import skinfield as sf
 from skinfield.errors import Floats, InputError
-from skinfield.inverse import NonNegative
+from skinfield.inverse import NonNegative, non_negative_problem
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, Layer
 from skinfield.observation import BaseStress, Capacitance, ObservationModel
@@ -147,6 +147,23 @@ def test_taxels_are_left_out_as_if_they_were_not_there(
         assert not part.dual[~valid].any()
         if not part.idle:
             assert_proved(part, left, readings[valid], pressure, 1e-5)
+
+
+def test_a_start_says_nothing_of_taxels_that_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(non_negative_problem, "LARGE", 0)  # by stamps, which still hold them
+    model = small_model(24, 7)
+    operator = NonNegative().prepare(model)
+    assert len(operator.problem.cells) > 0
+    readings = pressed(model, np.random.default_rng(9))
+    valid = np.arange(len(readings)) % 5 != 0
+    expected = solve(operator.without(valid), readings)
+    part = operator.without(valid)
+    for value in (-50.0, 50.0):
+        part.start_from(np.where(valid, 0.1, value))
+        solve(part, readings, 1)  # cut short at once
+        assert not part.dual[~valid].any()
+        part.start_from(np.where(valid, 0.1, value))
+        assert solve(part, readings) == pytest.approx(expected, abs=0.01 * expected.max())
 
 
 def test_without_any_taxel_nothing_is_pressed() -> None:
