@@ -5,12 +5,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.engine.cost import CostModel
 from skinfield.engine.group import Group
 from skinfield.engine.intake import Intake, Readings
-from skinfield.engine.state import State, Step
+from skinfield.engine.state import PRODUCT, TEST, State, Step
+from skinfield.engine.whole_skin import idle_tests, linear_answers
 from skinfield.errors import Floats, Ints
 
 GUESS = 20e-6  # s: of every step, until it is measured
@@ -64,7 +65,14 @@ class Clockwork:
         Group of each patch, and its place there.
     linear_rows, valid_rows : lists of P arrays (L,)
         Each patch's part of what was taken in.
+    tests : R of Atlas
+        Idle tests of all patches; none where linear.
+    answers : R pairs of Atlas and array
+        Linear answers of all patches, where they are the answer; none on grids below 4 nodes.
+    proven : int
+        Rung of the last idle test.
     costs : (G, kinds of steps, R) array, s
+        Of a step for all patches in the first row, the others 0.
     unresolved : (G, R) array
         Part of the energy that each rung leaves unresolved.
     end : int, ns
@@ -90,6 +98,13 @@ class Clockwork:
         self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
         self.rungs = rungs
         self.linear = self.groups[0].rungs.linear
+        self.tests = idle_tests(self.groups)
+        self.answers = linear_answers(self.groups) if self.linear else []
+        self.proven = 0
+        self._idle = np.zeros(len(self.state.group), np.bool_)
+        self.costs[1:, TEST] = 0.0
+        if self.answers:
+            self.costs[1:, PRODUCT] = 0.0
         self.fills = self.groups[0].rungs.bayesian
         self.white = [
             self.intake.views(self.intake.white, group.first, group.count) for group in self.groups
@@ -127,6 +142,16 @@ class Clockwork:
     def left(self) -> float:
         """Time until the end, s."""
         return (self.end - self.clock()) * NS
+
+    def find_idle(self, rung: int) -> NDArray[np.bool_]:
+        """Which patches are idle on a rung, (P,): proven, 0 is the minimum there."""
+        self.tests[rung].find_idle(self.intake.white, self._idle)
+        return self._idle
+
+    def answer_all(self, rung: int) -> None:
+        """Linear answers of all patches."""
+        atlas, fields = self.answers[rung]
+        atlas.apply(self.intake.white, fields)
 
     def which(self, step: int, group: int, rung: int) -> int:
         """Place of a step in the cost model."""

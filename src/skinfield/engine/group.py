@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from skinfield.engine.interning import Kind
 from skinfield.engine.products import SharedProduct, Singles
-from skinfield.engine.searching import ReducedSearch, SearchOperator, idle_test_of, is_search
-from skinfield.engine.stamped_product import product_of, slack_of
+from skinfield.engine.searching import ReducedSearch, SearchOperator, is_search
+from skinfield.engine.stamped_product import product_of
 from skinfield.errors import Floats, InputError
 from skinfield.pipeline.ladder_missing import MissingTaxels
 from skinfield.pipeline.ladder_rungs import Rungs
@@ -36,10 +36,8 @@ class Group:
         From whitened readings to the linear answer.
     fields : R arrays (P, K) float32, Pa
         Linear answers.
-    tests : R of SharedProduct
-        From whitened readings to how far each cell stands out of the noise; none where linear.
     thresholds : R floats
-        Of `tests`.
+        Of idle tests; none where linear.
     searches : R lists of P SearchOperator
     feasible : R arrays (P, K), Pa
         Their answers.
@@ -57,7 +55,6 @@ class Group:
     rungs: Rungs
     products: list[SharedProduct] = field(init=False)
     fields: list[Singles] = field(init=False)
-    tests: list[SharedProduct] = field(init=False)
     thresholds: list[float] = field(init=False)
     searches: list[list[SearchOperator]] = field(init=False)
     feasible: list[Floats] = field(init=False)
@@ -68,7 +65,7 @@ class Group:
         steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
         self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
         self.fields = [np.zeros((count, len(step.grid)), np.float32) for step in steps]
-        self.tests, self.thresholds, self.searches, self.feasible = [], [], [], []
+        self.thresholds, self.searches, self.feasible = [], [], []
         for step in steps:
             if step.operator is None:
                 continue
@@ -77,7 +74,6 @@ class Group:
                     f"the solver's {type(step.operator).__name__} can neither be cut short nor "
                     "tell its gap, expected an operator such as that of NonNegative()"
                 )
-            self.tests.append(product_of(idle_test_of(step.operator, len(noise)), step.grid))
             self.thresholds.append(step.operator.problem.threshold)
             twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
             self.searches.append(twins)
@@ -85,9 +81,6 @@ class Group:
         self.rows_of_feasible = [list(fields) for fields in self.feasible]
         self.duals = np.zeros((count, len(noise)))
         self._last: list[Any] = [None] * count
-        widest = max(len(step.grid) for step in steps)
-        self._scores = np.zeros(count * widest, np.float32)
-        self.highest = np.zeros(count, np.float32)
         self.filler = MissingTaxels(self.rungs.weights * np.outer(noise, noise))
         self._reduced = [ReducedSearch(twins[0], len(noise)) for twins in self.searches]
 
@@ -109,17 +102,6 @@ class Group:
         """Linear answer of one patch, its readings among those (P, L) of all."""
         here = slice(place, place + 1)
         self.products[rung].apply(white[here], self.fields[rung][here])
-
-    def test_all(self, rung: int, white: Singles) -> NDArray[np.bool_]:
-        """Which patches are idle on a rung, (P,): proven, 0 is the minimum there."""
-        width = self.fields[rung].shape[1]
-        scores = self._scores[: self.count * width].reshape(self.count, width)
-        self.tests[rung].apply(white, scores)
-        np.max(scores, axis=1, out=self.highest)
-        slack = slack_of(self.tests[rung])
-        if slack:  # what is cut off the product may hide a contact
-            self.highest += slack * np.linalg.norm(white, axis=1)
-        return self.highest <= self.thresholds[rung]
 
     def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
         """Search of a patch, which goes on where the patch's last one ended.

@@ -29,15 +29,18 @@ def finest_for_all(work: Clockwork) -> int:
 def answer_linearly(work: Clockwork) -> None:
     """Linear answers of all patches, as fine as all can be."""
     state, rung = work.state, finest_for_all(work)
-    for group in work.groups:
-        start = work.clock()
+    for group in work.groups if not work.intake.all_valid else ():
         invalid = np.flatnonzero(state.invalid[group.rows])
-        if len(invalid):
-            present = work.intake.present[group.rows][invalid]
-            fill_missing(work, group, invalid[present])
-            start = work.clock()  # how long a product takes is learnt without
-        group.answer_all(rung, work.white[group.index])
-        work.done(PRODUCT, group.index, -1, rung, start)
+        fill_missing(work, group, invalid[work.intake.present[group.rows][invalid]])
+    start = work.clock()  # how long a product takes is learnt without
+    if work.answers:
+        work.answer_all(rung)
+        work.done(PRODUCT, 0, -1, rung, start)
+    else:
+        for group in work.groups:
+            start = work.clock()
+            group.answer_all(rung, work.white[group.index])
+            work.done(PRODUCT, group.index, -1, rung, start)
     present = work.intake.present
     state.answer[present] = LINEAR
     state.rung[present] = state.at[present] = rung

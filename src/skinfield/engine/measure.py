@@ -18,13 +18,18 @@ STRONG = 20.0  # standard deviations of the noise that it reads
 def measure(work: Clockwork) -> None:
     """Start the cost model from laps of every step."""
     rng = np.random.default_rng(0)
-    for group in work.groups:
-        white = np.zeros((group.count, len(group.kind.noise_std)), np.float32)
-        for rung in range(work.rungs):
-            _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
+    work.intake.white[:] = 0.0
+    for rung in range(work.rungs):
+        if work.tests:
+            _lap(work, work.groups[0], TEST, rung, partial(work.find_idle, rung))
+        if work.answers:
+            _lap(work, work.groups[0], PRODUCT, rung, partial(work.answer_all, rung))
+        for group in work.groups:
+            white = work.white[group.index]
+            if not work.answers:
+                _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
             _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
-            if group.tests:
-                _lap(work, group, TEST, rung, partial(group.test_all, rung, white))
+            if group.searches:
                 _searches(work, group, rung, rng)
 
 

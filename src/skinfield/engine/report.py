@@ -199,7 +199,8 @@ class Snapshot:
             what = what if done or answer == Answer.LINEAR else "more iterations on rung"
         if following > top:
             return ""
-        cost = float(self.costs[self.group[place], step, following])
+        group = 0 if step == Step.TEST else self.group[place]  # one test of all
+        cost = float(self.costs[group, step, following])
         return (
             f"{what} {self.sides[following]}: {cost * 1e6:.0f} µs predicted, "
             f"{max(self.left, 0.0) * 1e6:.0f} µs left"

@@ -7,6 +7,7 @@ from skinfield.engine.linear_stages import fill_missing
 from skinfield.engine.state import FEASIBLE, IDLE, LINEAR, PRODUCT, ROW, TEST, WARM
 from skinfield.errors import Ints
 
+FIRST = 0.25  # of the time, for the first proof
 ROUNDS = 6  # of planning in a cycle, at most
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
 ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
@@ -14,17 +15,16 @@ ROWS = 4  # patches with a contact, of one kind, from which one product for all 
 
 def test_all(work: Clockwork, rung: int) -> None:
     """Prove on a rung which patches are idle; the others have a contact."""
-    state = work.state
-    for group in work.groups:
-        start, rows = work.clock(), group.rows
-        idle = group.test_all(rung, work.white[group.index])
-        answer = state.answer[rows]
-        open_still = work.intake.present[rows] & (answer <= IDLE)
-        answer[open_still & idle] = IDLE
-        state.rung[rows][open_still & idle] = rung
-        state.gap[rows][open_still & idle] = 0.0
-        answer[open_still & ~idle] = LINEAR
-        work.done(TEST, group.index, -1, rung, start)
+    state, start = work.state, work.clock()
+    idle = work.find_idle(rung)
+    still_open = work.intake.present & (state.answer <= IDLE)
+    proven = still_open & idle
+    state.answer[still_open] = LINEAR
+    state.answer[proven] = IDLE
+    state.rung[proven] = rung
+    state.gap[proven] = 0.0
+    work.proven = rung
+    work.done(TEST, 0, -1, rung, start)
 
 
 def start_linearly(work: Clockwork, fresh: Ints) -> None:
@@ -60,8 +60,14 @@ def with_contact(work: Clockwork) -> Ints:
 
 def begin_search(work: Clockwork) -> None:
     """First of all, for every patch: the proof that it is idle, or its coarse linear answer."""
-    test_all(work, 0)
+    test_all(work, first_proof(work))
     start_linearly(work, with_contact(work))
+
+
+def first_proof(work: Clockwork) -> int:
+    """Finest rung whose proof takes little of the time: coarse cells overlook small touches."""
+    affordable = np.flatnonzero(work.costs[0, TEST] <= FIRST * work.left)
+    return int(affordable[-1]) if len(affordable) else 0
 
 
 def spend(work: Clockwork) -> Ints:
@@ -70,17 +76,17 @@ def spend(work: Clockwork) -> Ints:
     Contacts first. When all of them are settled on the finest rung, idleness is proven on finer
     rungs as well, where what was too fine for the coarse proof shows.
     """
-    hot, proven = with_contact(work), 0
+    hot = with_contact(work)
     for _ in range(ROUNDS):
         if len(hot):
             serve(work, hot)
-        finer = finest_proof(work, proven) if is_settled(work, hot) else proven
-        if finer == proven:
+        finer = finest_proof(work) if is_settled(work, hot) else work.proven
+        if finer == work.proven:
             if is_settled(work, hot) or not can_go_on(work, hot):
                 break
             continue
         test_all(work, finer)
-        proven, before = finer, hot
+        before = hot
         hot = with_contact(work)
         start_linearly(work, np.setdiff1d(hot, before, assume_unique=True))
     return hot
@@ -98,13 +104,13 @@ def can_go_on(work: Clockwork, hot: Ints) -> bool:
     return len(chosen) > 0
 
 
-def finest_proof(work: Clockwork, proven: int) -> int:
-    """Finest rung on which there is time to prove idleness; `proven` if there is none."""
-    left, total = work.left, work.costs[:, TEST].sum(axis=0)
-    for rung in range(work.rungs - 1, proven, -1):
-        if total[rung] <= left:
+def finest_proof(work: Clockwork) -> int:
+    """Finest rung on which there is time to prove idleness; the last one if there is none."""
+    left = work.left
+    for rung in range(work.rungs - 1, work.proven, -1):
+        if work.costs[0, TEST, rung] <= left:
             return rung
-    return proven
+    return work.proven
 
 
 def serve(work: Clockwork, hot: Ints) -> None:
