@@ -80,7 +80,8 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         work = step_work(len(memory.target), counts[COUNT], active)
         proof, ending = time_to_prove(problem, memory), start + time_to_end(problem, memory)
         provable = deadline == 0 or ending + proof <= deadline
-        until = ending + (proof if provable else 0.0) + measures[STEP_PACE] * work
+        reserved = proof if counts[STEPS] > 0 else 0.0  # a first step goes before its proof
+        until = ending + reserved + measures[STEP_PACE] * work
         late = deadline > 0 and until > deadline
         if not (solved or late) and counts[STEPS] < problem.most:
             newton(problem, memory, active, active < FEW or left > WELL * before)
