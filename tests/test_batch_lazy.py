@@ -22,7 +22,11 @@ def lazy(chunk: int = 5, most_bytes: int = 1 << 20, eager=EAGER) -> LazyArray:
         loads.append((first, last))
         return eager[first:last].copy()
 
-    array = LazyArray(eager.shape, eager.dtype, chunk, load, ChunkCache(most_bytes))
+    def into(first, last, out):
+        out[:] = load(first, last)
+
+    direct = into if chunk % 2 else None
+    array = LazyArray(eager.shape, eager.dtype, chunk, load, ChunkCache(most_bytes), direct)
     array.loads = loads
     return array
 
@@ -64,6 +68,13 @@ ITEMS = st.one_of(
 )
 
 
+@pytest.mark.parametrize("chunk", [4, 5, 23, 30])
+def test_whole_chunks_turned_round(chunk) -> None:
+    for index in ((slice(None), slice(None, None, -1)), (..., slice(None, None, -1)),
+                  (slice(None, None, -1), slice(None), slice(0, 3))):  # fmt: skip
+        check(index, chunk)
+
+
 @settings(max_examples=300)
 @given(st.lists(ITEMS, max_size=4).map(tuple), st.integers(1, 30))
 def test_any_mixture(index, chunk) -> None:
@@ -94,6 +105,16 @@ def test_chunks_are_computed_once_and_where_they_are_needed() -> None:
     assert array.loads == [(5, 10), (20, 23)]
     assert array.chunks == ((5, 5, 5, 5, 3), (4,), (3,))
     assert (array.ndim, array.size, array.nbytes, len(array)) == (3, 276, 1104, 23)
+
+
+def test_whole_chunks_are_written_where_they_are_wanted_and_not_kept() -> None:
+    array = lazy(5)
+    np.testing.assert_array_equal(array[5:15], EAGER[5:15])
+    assert array.loads == [(5, 10), (10, 15)]
+    assert array._cache.nbytes == 0
+    array[12]
+    array[10:15]  # known by now
+    assert array.loads == [(5, 10), (10, 15), (10, 15)]
 
 
 def test_memory_is_bounded() -> None:

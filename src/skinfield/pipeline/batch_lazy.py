@@ -45,6 +45,15 @@ class ChunkCache:
             self._chunks.move_to_end(key)
             return self._chunks[key][0]
 
+    def has(self, key: tuple[Any, int]) -> bool:
+        """Whether something stands under a key."""
+        with self._lock:
+            return key in self._chunks
+
+    def alone(self) -> threading.RLock:
+        """What threads wait for, to be held while something is made that is not kept."""
+        return self._lock
+
     def clear(self) -> None:
         """Forget all chunks."""
         with self._lock:
@@ -69,16 +78,26 @@ class LazyArray:
     load : callable
         Rows first to last, (last - first, ...), of one chunk.
     cache : ChunkCache
+    into : callable, optional
+        Writes rows first to last of one chunk into an array (last - first, ...): for chunks that
+        are wanted as a whole, which are then not kept.
     """
 
     def __init__(
-        self, shape: tuple[int, ...], dtype: Any, chunk: int, load: Load, cache: ChunkCache
+        self,
+        shape: tuple[int, ...],
+        dtype: Any,
+        chunk: int,
+        load: Load,
+        cache: ChunkCache,
+        into: Callable[[int, int, NDArray[Any]], None] | None = None,
     ) -> None:
         self.shape = shape
         self.dtype = np.dtype(dtype)
         self.chunk = chunk
         self._load = load
         self._cache = cache
+        self._into = into
 
     @property
     def ndim(self) -> int:
@@ -139,12 +158,24 @@ class LazyArray:
             stop = (number + 1) * self.chunk
             ends = done + int(np.searchsorted(rows[done:], stop))
             local = np.asarray(rows[done:ends]) - number * self.chunk
-            block = self._chunk(int(number))
-            even = len(local) > 1 and local[-1] - local[0] == len(local) - 1
-            part = block[local[0] : local[-1] + 1] if even else block[local]
-            out[done:ends] = part[(slice(None), *trim)]
+            untrimmed = len(local) > 1 and all(item == slice(None) for item in trim)
+            if not (untrimmed and self._written(int(number), local, out[done:ends])):
+                block = self._chunk(int(number))
+                even = local[-1] - local[0] == len(local) - 1
+                part = block[local[0] : local[-1] + 1] if even else block[local]
+                out[done:ends] = part[(slice(None), *trim)]
             done = ends
         return out[want.rest]
+
+    def _written(self, number: int, local: NDArray[Any], out: NDArray[Any]) -> bool:
+        """Whether a chunk was computed where it is wanted, as nothing of it is known or left."""
+        first = number * self.chunk
+        last = min(first + self.chunk, len(self))
+        if self._into is None or len(local) < last - first or self._cache.has((self, number)):
+            return False
+        with self._cache.alone():
+            self._into(first, last, out)
+        return True
 
     def _chunk(self, number: int) -> NDArray[Any]:
         first = number * self.chunk

@@ -224,8 +224,12 @@ class LazyResults:
                 return self._fields(name)(self.kept.values(first, last))[name]
             return self._solved(first)[0][name]
 
-        shape = (len(self), len(self.grid), *tail)
-        return LazyArray(shape, self.precision, self._fields(name).run, load, self._cache)
+        def into(first: int, last: int, out: NDArray[Any]) -> None:
+            self._fields(name).into(self.kept.values(first, last), out.reshape(last - first, -1))
+
+        shape, run = (len(self), len(self.grid), *tail), self._fields(name).run
+        direct = into if self.is_linear else None
+        return LazyArray(shape, self.precision, run, load, self._cache, direct)
 
     def _picture(self, array: LazyArray) -> LazyArray:
         """The same with rows and columns of nodes."""
