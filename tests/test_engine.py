@@ -223,7 +223,7 @@ def test_missing_taxels_are_left_out_of_a_linear_answer_exactly(
 def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
     readings = readings_of(SKIN, ("other", "hexagon72"), seed=5)
     group = searching.groups[1]
-    operator = group.searches[-1][0]
+    operator: Any = group.searches[-1][0]
     for missing in ([5, 6], [40], [5, 6]):  # one search serves both patches, whatever is missing
         searching.reset()
         valid = np.ones(72, np.bool_)
@@ -238,6 +238,10 @@ def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
         alone.apply(np.where(valid, given["other"] / (1 + given["other"]), 0.0), expected, None)
         assert apart(estimates["other"].pressure, expected) < 0.02
         assert estimates["other"].gap <= 1e-4
+        reduced: Any = group.search_of(2, 0, valid)
+        for name in ("rows", "vectors", "whitening"):
+            ours, theirs = getattr(reduced._packed, name), getattr(alone._packed, name)
+            np.testing.assert_allclose(ours, theirs, rtol=1e-6)
         assert estimates["hexagon72"].pressure.any()
 
 

@@ -46,7 +46,6 @@ class Told:
         problem = SimpleNamespace(
             rows=rows,
             norms=norms,
-            penalty=norms.copy(),
             whitening=1.0 / model.noise_std,
             threshold=5.0,
             tolerance=1e-3,
@@ -82,6 +81,8 @@ class ToldOperator:
     def without(self, valid: Any) -> "ToldOperator":
         arrays = {name: np.array(value) for name, value in vars(self.problem).items()}
         return ToldOperator(self.told, self.nodes, SimpleNamespace(**arrays), self.linear)
+
+    def leave_out(self, whole: Any, valid: Any) -> None: ...
 
     def reset(self) -> None:
         self.dual[:] = 0.0

@@ -5,22 +5,30 @@ from typing import Any, Protocol, Self, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
 from skinfield.inverse import FieldOperator
 
-NEEDED = ("gap", "objective", "iterations", "dual", "start_from", "twin", "reset", "without")
+NEEDED = (
+    "gap",
+    "objective",
+    "iterations",
+    "dual",
+    "start_from",
+    "twin",
+    "reset",
+    "without",
+    "leave_out",
+)
 
 
 class Whitened(Protocol):
-    """Prepared arrays of a search; those of one that leaves taxels out are its own.
+    """Prepared arrays of a search.
 
     Attributes
     ----------
     rows : (K, L or more) array
         What each cell's bump does to the taxels, in units of their noise; zeros beyond L.
-    norms, penalty : (K,) arrays
-        Length of each row, and the penalty on its amount, in proportion to it.
-    whitening : (L,) array
+    norms : (K,) array
+        Length of each row.
     threshold : float
         Standard deviations: if no cell's matched readings exceed it, the answer is 0.
     tolerance : float
@@ -29,8 +37,6 @@ class Whitened(Protocol):
 
     rows: NDArray[Any]
     norms: NDArray[Any]
-    penalty: NDArray[Any]
-    whitening: Floats
     threshold: float
     tolerance: float
 
@@ -91,10 +97,14 @@ class SearchOperator(FieldOperator, Protocol):
         """Search that leaves taxels out, with arrays of its own."""
         ...
 
+    def leave_out(self, whole: Any, valid: NDArray[np.bool_]) -> None:
+        """Become `whole.without(valid)` in place."""
+        ...
+
 
 def is_search(operator: object) -> TypeGuard[SearchOperator]:
     """Whether an operator offers all that."""
-    return all(hasattr(operator, name) for name in NEEDED)
+    return all(hasattr(operator, name) for name in STATED + OFFERED)
 
 
 def idle_test_of(operator: SearchOperator, taxels: int) -> NDArray[Any]:
@@ -123,17 +133,11 @@ class ReducedSearch:
     """
 
     def __init__(self, whole: SearchOperator, taxels: int) -> None:
-        self._whole = whole.problem
-        self._valid = np.ones(taxels, np.bool_)
-        self.search = whole.without(self._valid)
-        self.mask(self._valid)
+        self._whole = whole
+        self.search = whole.without(np.ones(taxels, np.bool_))
+        self.mask(np.ones(taxels, np.bool_))  # loads what is compiled
 
     def mask(self, valid: NDArray[np.bool_]) -> SearchOperator:
         """Leave out what is not `valid` (L,)."""
-        from skinfield.engine.masking_kernel import mask_taxels
-
-        now, whole = self.search.problem, self._whole
-        mask_taxels(whole.rows, whole.norms, whole.penalty, valid, now.rows, now.norms, now.penalty)
-        np.multiply(whole.whitening, valid, out=now.whitening)
-        self.search.reset()
+        self.search.leave_out(self._whole, valid)
         return self.search
