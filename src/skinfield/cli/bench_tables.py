@@ -133,8 +133,13 @@ def in_words(seconds: float) -> str:
         return "0 µs"
     for unit, size in (("s", 1.0), ("ms", 1e-3)):
         if seconds >= 0.9995 * size:
-            return f"{number(seconds / size)} {unit}"
-    return f"{number(1e6 * seconds)} µs"
+            return f"{_three(seconds / size)} {unit}"
+    return f"{_three(1e6 * seconds)} µs"
+
+
+def _three(value: float) -> str:
+    """Three digits, also where they round up to the next power of ten."""
+    return number(float(f"{value:.3g}"))
 
 
 def _of(found: "Spread | None", percentile: str) -> str:
