@@ -7,17 +7,8 @@ from numpy.typing import NDArray
 
 from skinfield.inverse import FieldOperator
 
-NEEDED = (
-    "gap",
-    "objective",
-    "iterations",
-    "dual",
-    "start_from",
-    "twin",
-    "reset",
-    "without",
-    "leave_out",
-)
+STATED = ("gap", "objective", "iterations", "dual")
+OFFERED = ("start_from", "twin", "reset", "without", "leave_out")
 
 
 class Whitened(Protocol):
