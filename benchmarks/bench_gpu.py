@@ -5,7 +5,8 @@ Run: python benchmarks/bench_gpu.py [--device numpy cpu cuda] [--nodes 40] [--re
 One table in one run, of the devices that are found (PyTorch's, or CuPy's). `to host` is pressure
 and displacement of many readings from arrays of the host to arrays of the host; `stay` the same
 without the way back; `NonNegative` pressure without pull, certified to `--gap`, of readings of a
-moving press, and the host's row has the solver's own search, one by one. Each is the best of some
+moving press, and the host's row has the solver's own search, one by one. `chunks` is `to host` as
+long as each chunk is used before the next comes, without a copy into one array. Each is the best of some
 laps on one core of the host, in float32; `error` is the largest difference to the host's product in
 float64, part of its largest value in its unit. A GPU's laps end when the device has.
 """
@@ -86,13 +87,21 @@ class Bench:
                 self.search.apply(reading, pressure)
 
         slow = rate(one_by_one, len(self.few), 2)
-        return f"| BulkProduct, NonNegative | {fast:,.0f} | | {self.error():.0e} | {slow:,.0f} | |"
+        return (
+            f"| BulkProduct, NonNegative | {fast:,.0f} | | | {self.error():.0e} | {slow:,.0f} | |"
+        )
 
     def row(self, backend: ArrayBackend) -> str:
         """Row of a device."""
         product = DeviceProduct(self.operator, backend)
         fast = rate(lambda: product.fields(self.readings, self.out), len(self.readings))
         last = slice(-1, None)
+
+        def chunks() -> None:
+            for _ in product.chunks(self.readings):
+                pass
+
+        passing = rate(chunks, len(self.readings))
 
         def stay() -> None:
             for first in range(0, len(self.readings), product.chunk):
@@ -104,7 +113,7 @@ class Bench:
         answer = bulk(self.few)
         slow = rate(lambda: bulk(self.few), len(self.few), 2)
         return (
-            f"| {backend.name}, chunks of {product.chunk} | {fast:,.0f} | {stays:,.0f} "
+            f"| {backend.name}, chunks of {product.chunk} | {fast:,.0f} | {passing:,.0f} | {stays:,.0f} "
             f"| {self.error():.0e} | {slow:,.0f} | {answer.iterations.max()}, "
             f"{answer.gap.max():.0e} |"
         )
@@ -119,14 +128,22 @@ def main() -> None:
     options = parser.parse_args()
     bench = Bench(options.nodes, options.readings, options.gap)
     print(f"{options.nodes} x {options.nodes} nodes, 72 taxels, readings/s on one core of the host")
-    columns = ["", "to host", "stay", "error", f"NonNegative, gap {options.gap:g}", "steps, gap"]
+    columns = [
+        "",
+        "to host",
+        "chunks",
+        "stay",
+        "error",
+        f"NonNegative, gap {options.gap:g}",
+        "steps, gap",
+    ]
     print(f"| {' | '.join(columns)} |\n|{' --- |' * len(columns)}")
     print(bench.host(), flush=True)
     for device in options.device:
         try:
             backend = ArrayBackend.on(device)
         except InputError as error:
-            print(f"| {device} | not measured: {error} | | | | |")
+            print(f"| {device} | not measured: {error} | | | | | |")
             continue
         if device == "cpu":
             backend.namespace.set_num_threads(1)

@@ -132,14 +132,14 @@ class ArrayBackend:
             return np.asarray(array.get())
         return np.asarray(array.cpu() if self._is("torch") else array)
 
-    def begin_fetch(self, array: Any, slot: int) -> Callable[[NDArray[Any]], None]:
-        """Begin to copy an array to the host; returns what ends it, into an array of the host.
+    def begin_fetch(self, array: Any, slot: int) -> Callable[[], NDArray[Any]]:
+        """Begin to copy an array to the host; returns what waits for it, a NumPy array then.
 
-        Where the library offers it the copy runs beside the host, into pages that stay in memory.
-        Each `slot` has its own: end a copy before the next begins in its slot.
+        On CUDA the copy runs beside the host, into pages of its own that stay in memory: those of
+        a `slot` are written over by the next copy that begins in it.
         """
         if not self._is_cuda:
-            return lambda out: np.copyto(out, self.fetch(array))
+            return lambda: self.fetch(array)
         page = self._page(array, slot)[: len(array)]
         if self._is("torch"):
             page.copy_(array, non_blocking=True)
@@ -150,9 +150,9 @@ class ArrayBackend:
             event = import_module("cupy").cuda.Event()
             event.record()
 
-        def end(out: NDArray[Any]) -> None:
+        def end() -> NDArray[Any]:
             event.synchronize()
-            np.copyto(out, np.asarray(page))
+            return np.asarray(page)
 
         return end
 

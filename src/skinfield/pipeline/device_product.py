@@ -1,5 +1,6 @@
 """One matrix for many readings, on another device than the host."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -61,13 +62,39 @@ class DeviceProduct:
             sent = self.backend.send(np.ascontiguousarray(readings, dtype=self.dtype))
             return self.backend.namespace.matmul(sent, self._transposed)
 
+    def chunks(self, readings: NDArray[Any]) -> Iterator[tuple[slice, NDArray[Any]]]:
+        """Products with many readings, chunk by chunk, while the next one is computed.
+
+        Parameters
+        ----------
+        readings : (T, L) array
+            Linearised, all taxels valid: nothing is checked here but the shape.
+
+        Yields
+        ------
+        part : slice
+            Of the readings.
+        products : (n, R) array
+            On the host; valid until the next chunk is asked for.
+        """
+        check_shape("readings", readings, (None, self.taxels), "one number per taxel")
+        before = None
+        for number, first in enumerate(range(0, len(readings), self.chunk)):
+            part = slice(first, min(first + self.chunk, len(readings)))
+            end = self.backend.begin_fetch(self.on_device(readings[part]), number % SLOTS)
+            if before is not None:
+                yield before[0], before[1]()
+            before = part, end
+        if before is not None:
+            yield before[0], before[1]()
+
     def fields(self, readings: NDArray[Any], out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Products with many readings, on the host.
 
         Parameters
         ----------
         readings : (T, L) array
-            Linearised, all taxels valid: nothing is checked here but the shape.
+            As for `chunks`, which spares a copy.
         out : (T, R) array of `dtype`, optional
             Where the products go.
 
@@ -80,15 +107,8 @@ class DeviceProduct:
         if out is None:
             out = np.empty((len(readings), self.rows), self.dtype)
         check_shape("out", out, (len(readings), self.rows), "a row per reading")
-        before = None
-        for number, first in enumerate(range(0, len(readings), self.chunk)):
-            part = slice(first, first + self.chunk)
-            end = self.backend.begin_fetch(self.on_device(readings[part]), number % SLOTS)
-            if before is not None:
-                before[0](out[before[1]])
-            before = end, part
-        if before is not None:
-            before[0](out[before[1]])
+        for part, products in self.chunks(readings):
+            out[part] = products
         return out
 
 
