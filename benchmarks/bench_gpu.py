@@ -3,12 +3,12 @@
 Run: python benchmarks/bench_gpu.py [--device numpy cpu cuda] [--nodes 40] [--readings 32768]
 
 One table in one run, of the devices that are found (PyTorch's, or CuPy's). `to host` is pressure
-and displacement of many readings from arrays of the host to arrays of the host; `stay` the same
-without the way back; `NonNegative` pressure without pull, certified to `--gap`, of readings of a
-moving press, and the host's row has the solver's own search, one by one. `chunks` is `to host` as
-long as each chunk is used before the next comes, without a copy into one array. Each is the best of some
-laps on one core of the host, in float32; `error` is the largest difference to the host's product in
-float64, part of its largest value in its unit. A GPU's laps end when the device has.
+and displacement of many readings from arrays of the host to one array of the host; `chunks` the
+same with each chunk used before the next comes, without a copy into one array; `stay` without the
+way back. `NonNegative` is pressure without pull, certified to `--gap`, of readings of a moving
+press; the host's row has the solver's own search, one by one. Each is the best of some laps on one
+core of the host, in float32; `error` is the largest difference to the host's product in float64,
+part of its largest value in its unit. A GPU's laps end when the device has.
 """
 
 import argparse
@@ -112,11 +112,10 @@ class Bench:
         bulk = BulkNonNegative(self.search, backend, self.gap)
         answer = bulk(self.few)
         slow = rate(lambda: bulk(self.few), len(self.few), 2)
-        return (
-            f"| {backend.name}, chunks of {product.chunk} | {fast:,.0f} | {passing:,.0f} | {stays:,.0f} "
-            f"| {self.error():.0e} | {slow:,.0f} | {answer.iterations.max()}, "
-            f"{answer.gap.max():.0e} |"
-        )
+        rates = " | ".join(f"{each:,.0f}" for each in (fast, passing, stays))
+        proved = f"{answer.iterations.max()}, {answer.gap.max():.0e}"
+        name = f"{backend.name}, chunks of {product.chunk}"
+        return f"| {name} | {rates} | {self.error():.0e} | {slow:,.0f} | {proved} |"
 
 
 def main() -> None:
