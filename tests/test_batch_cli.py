@@ -196,6 +196,10 @@ def test_what_would_have_no_effect_or_makes_no_sense_is_refused(
         ((kept, "--processes", 0), "'--processes'"),
         ((recording, *LAYOUT, "-o", "a.skinfield", "-o", "b.skinfield"), "two .skinfield files"),
         ((tmp_path / "gone.skinfield", *LAYOUT), "gone.skinfield"),
+        ((recording, *LAYOUT, "-o", tmp_path / "no/r.skinfield"), "is no folder, expected one"),
+        ((recording, *LAYOUT, "--summary", tmp_path / "no/s.json"), "is no folder, expected one"),
+        ((recording, *LAYOUT, "--plot", tmp_path / "no/p.png"), "is no folder, expected one"),
+        ((recording, *LAYOUT, "-o", kept.parent), "expected a name that ends in"),
     ]:
         code, said = run("reconstruct", *words)
         assert code == 2, said

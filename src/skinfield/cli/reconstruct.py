@@ -135,13 +135,17 @@ class Sinks:
     def of(cls, options: dict[str, Any], files: ExitStack) -> "Sinks":
         """Open what is asked for; each is discarded where anything fails."""
         from skinfield.sinks import open_contacts, open_fields
+        from skinfield.sinks.pending import pending
 
         made = cls()
+        for name in (options["summary_path"], options["plot"]):
+            if name:
+                pending(name)  # makes nothing: it says what is wrong with the folder
         for name in options["output"]:
             if not name.lower().endswith(ENDING):
                 made.tables.append(files.enter_context(open_contacts(name)))
             elif made.results is None:
-                made.results = Path(name).absolute()
+                made.results = pending(name).target
             else:
                 raise InputError(f"--output names two {ENDING} files, expected one at most")
         if options["fields_path"]:

@@ -28,6 +28,7 @@ from skinfield.pipeline.batch_recipe import Recipe
 from skinfield.pipeline.conditioned import Conditioning, impossible_note
 from skinfield.pipeline.survey import Survey, survey
 from skinfield.reading import Recording
+from skinfield.sinks.pending import explained
 
 PIECE = 1 << 20  # numbers that are looked at together: 8 MB
 FEWEST, MOST = 2048, 16384  # readings that are: enough to see motion, and what stands still
@@ -90,7 +91,7 @@ def take_in(
     grid = Grid.square(patch, nodes=options["grid"])
     names = ("board", "no_load", "gain", "calibration", "smooth_ms", "noise")
     how = conditioning_from_options(patch, **{name: options[name] for name in names})
-    with TemporaryFile(dir=path.parent) as file:
+    with explained(path), TemporaryFile(dir=path.parent) as file:
         spool = _spooled(recording, Spool(file, patch))
         assert spool.like is not None
         unit = spool.like.unit
