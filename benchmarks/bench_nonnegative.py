@@ -16,13 +16,11 @@ the penalties are further rows.
 """
 
 import argparse
-import gc
 import json
 import os
 import platform
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -32,64 +30,17 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 from fista import Fista
+from lateness import overshoot_table
+from pressed_readings import LAYER, PATCH, SHAPES, chains, model_of, staying, undisturbed
 from scipy.optimize import nnls
 
 import skinfield as sf
-from skinfield.experiments.bench.scene import RADIUS, paths
 from skinfield.inverse.bumps import bump_of, seen_through
 from skinfield.observation import ObservationModel
-from skinfield.simulate import Sphere, press
-from skinfield.simulate.pressing.anywhere import readings_anywhere
 
-PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer(2e-3, 100e3, 0.5)
-QUANTITIES: dict[str, Any] = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}
 PRIORS = {"smooth": sf.NonNegative(), "white": sf.NonNegative(length_scale=0.0)}
 GAPS = (1e-2, 1e-3, 1e-4)
-LOADS = np.geomspace(0.3, 2.0, 7)  # N
-DEADLINES = (30, 50, 100, 200, 500)  # µs
 EXACT = 4  # readings that scipy's nnls solves
-
-
-def chains(count: int) -> dict[str, np.ndarray]:
-    """Readings (count, L) of two wandering balls with noise, by quantity."""
-    places, forces = paths(count)
-    solved = [
-        press(LAYER, [Sphere(radius=RADIUS, force=float(load))], 24e-3, 0.25e-3) for load in LOADS
-    ]
-    found = {}
-    for quantity, kind in QUANTITIES.items():
-        tables = [readings_anywhere(each, PATCH.pad_diameter, quantity) for each in solved]
-        rows = np.zeros((count, len(PATCH)))
-        for row, (places_now, forces_now) in enumerate(zip(places, forces, strict=True)):
-            for place, force in zip(places_now, forces_now, strict=True):
-                part = np.clip(np.interp(force, LOADS, np.arange(len(LOADS))), 0, len(LOADS) - 1)
-                low = min(int(part), len(LOADS) - 2)
-                away = PATCH.plane - place
-                rows[row] += (low + 1 - part) * tables[low](away)
-                rows[row] += (part - low) * tables[low + 1](away)
-        noise = np.random.default_rng(0).normal(size=rows.shape) * kind.typical_noise
-        found[quantity] = np.array(
-            [kind.linearise(each, np.empty_like(each)) for each in rows + noise]
-        )
-    return found
-
-
-def model_of(quantity: str, nodes: int) -> ObservationModel:
-    kind = QUANTITIES[quantity]
-    return ObservationModel.of(
-        PATCH, LAYER, sf.Grid.square(PATCH, nodes), sf.BondedLayer(), kind, kind.typical_noise
-    )
-
-
-@contextmanager
-def undisturbed() -> Iterator[None]:
-    """Without the collector of cycles."""
-    gc.collect()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
 
 
 def shortest(work: Callable[[int], None], begin: Callable[[], None], count: int, laps: int) -> Any:
@@ -167,7 +118,7 @@ def certified(
             start = time.perf_counter_ns()
             cold(index)
             alone[index] = min(alone[index], (time.perf_counter_ns() - start) * 1e-9)
-    return {**found, "cold": alone}
+    return {**found, "cold": alone, "pressed": int(np.count_nonzero(out))}
 
 
 def by_fista(
@@ -214,6 +165,27 @@ def times_table(rows: dict[str, np.ndarray], nodes: list[int], laps: int) -> lis
     return found
 
 
+def shapes_table(count: int, nodes: int, laps: int) -> list[dict[str, Any]]:
+    """Print the times to the default gap for presses of several shapes that stay."""
+    print(f"\nPresses that stay, {nodes} x {nodes}, smooth prior, to 1e-4")
+    columns = "press | readings | cold p50 / p99 µs | warm p50 / p99 µs | steps | nodes pressed"
+    print(f"| {columns} |\n|{' --- |' * (columns.count('|') + 1)}")
+    found = []
+    for name, body in SHAPES.items():
+        for quantity, chain in staying(body, count):
+            row = certified(sf.NonNegative(), model_of(quantity, nodes), chain, laps)
+            found.append({"press": name, "quantity": quantity, "pressed": row["pressed"]})
+            for start in ("cold", "warm"):
+                found[-1][f"{start}_p50"] = float(np.median(row[start]))
+                found[-1][f"{start}_p99"] = float(np.quantile(row[start], 0.99))
+            print(
+                f"| {name} | {quantity} | {us(row['cold'])} | {us(row['warm'])} "
+                f"| {row['steps']:.1f} | {row['pressed']} |",
+                flush=True,
+            )
+    return found
+
+
 def _rows(
     model: ObservationModel,
     prior: str,
@@ -257,76 +229,6 @@ def _line(row: dict[str, Any]) -> str:
     )
 
 
-@contextmanager
-def real_time(wanted: bool) -> Iterator[bool]:
-    """With the scheduler's real-time class where that is permitted."""
-    if not wanted or not hasattr(os, "sched_setscheduler"):
-        yield False
-        return
-    before = os.sched_getscheduler(0)
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
-    except OSError:
-        yield False
-        return
-    try:
-        yield True
-    finally:
-        os.sched_setscheduler(0, before, os.sched_param(0))
-
-
-def overshoot_table(rows: dict[str, np.ndarray], nodes: int, laps: int) -> list[dict[str, Any]]:
-    """Print how late answers are, each taken once; a pause after each lets others run."""
-    print(f"\nDeadlines, {nodes} x {nodes}, warm, smooth prior, to 1e-4")
-    columns = "scheduler | readings | deadline µs | late p50 / p99 / max µs | met | gap p50 / p90"
-    print(f"| {columns} |\n|{' --- |' * (columns.count('|') + 1)}")
-    found = []
-    for wanted in (False, True):
-        with real_time(wanted) as given:
-            if wanted and not given:
-                print("| SCHED_FIFO is not permitted | | | | | |")
-                continue
-            for quantity, chain in rows.items():
-                operator = sf.NonNegative().prepare(model_of(quantity, nodes))
-                for deadline in DEADLINES:
-                    row = _late(operator, chain, deadline, laps)
-                    row.update(fifo=given, quantity=quantity, deadline=deadline)
-                    found.append(row)
-                    late = " / ".join(f"{1e6 * row[key]:.1f}" for key in ("p50", "p99", "max"))
-                    name = "SCHED_FIFO" if given else "usual"
-                    print(
-                        f"| {name} | {quantity} | {deadline} | {late} "
-                        f"| {row['met']:.4f} | {row['gap']:.0e} / {row['gap_p90']:.0e} |",
-                        flush=True,
-                    )
-    return found
-
-
-def _late(operator: Any, chain: np.ndarray, deadline: int, laps: int) -> dict[str, Any]:
-    late, gaps, met = [], [], []
-    out = np.empty(len(operator.backing.model.grid))
-    with undisturbed():
-        for lap in range(laps + 1):
-            for readings in chain:
-                limit = time.perf_counter_ns() + 1000 * deadline
-                operator.apply(readings, out, limit)
-                end = time.perf_counter_ns()
-                if lap:  # the first one learns the pace
-                    late.append(max(end - limit, 0) * 1e-9)
-                    gaps.append(operator.gap)
-                    met.append(operator.deadline_met)
-                time.sleep(5e-4)
-    p50, p99 = np.quantile(late, [0.5, 0.99])
-    return {
-        "p50": float(p50),
-        "p99": float(p99),
-        "max": max(late),
-        "met": float(np.mean(met)),
-        "gap": float(np.median(gaps)),
-        "gap_p90": float(np.quantile(gaps, 0.9)),
-    }
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--nodes", type=int, nargs="*", default=[20, 40, 80])
@@ -337,9 +239,12 @@ def main() -> None:
     print(f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}")
     rows = chains(options.readings)
     times = times_table(rows, options.nodes, options.laps)
+    shapes = shapes_table(options.readings // 2, 40, options.laps)
     late = overshoot_table(rows, 40, max(options.laps // 2, 1))
     if options.json:
-        Path(options.json).write_text(json.dumps({"times": times, "late": late}, indent=1) + "\n")
+        Path(options.json).write_text(
+            json.dumps({"times": times, "shapes": shapes, "late": late}, indent=1) + "\n"
+        )
 
 
 if __name__ == "__main__":
