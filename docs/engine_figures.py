@@ -25,6 +25,7 @@ from skinfield.figures.style import ABOVE, BELOW, FAINT, INK, QUIET, add_title, 
 IMAGES = Path(__file__).parent / "images"
 PATCH = sf.layouts.hexagon72()
 PATCHES, TOUCHED, CYCLES = 60, 6, 150
+PLACES, STAY = 20, 4  # where the balls go, and for how many cycles they stay there
 BUDGETS = (150e-6, 300e-6, 600e-6, 1200e-6)
 NOISE = 0.002
 WORDS = {
@@ -43,18 +44,18 @@ def skin() -> sf.Skin:
 
 
 def recorded() -> list[list[Floats]]:
-    """Readings of all patches, cycle after cycle."""
+    """Readings of all patches, cycle after cycle; each ball stays where it is for some of them."""
     ball = sf.simulate.Sphere(radius=5e-3, force=1.0)
     pressed, rng = sf.simulate.press(sf.Layer(), [ball]), np.random.default_rng(0)
-    centre, turn = PATCH.plane[30], 2 * np.pi / CYCLES
+    touches = []
+    for angle in np.linspace(0, 2 * np.pi, PLACES, endpoint=False):
+        away = PATCH.plane - PATCH.plane[30] - 5e-3 * np.array([np.cos(angle), np.sin(angle)])
+        touches.append(pressed.readings(away, PATCH.pad_diameter, "capacitance"))
     cycles = []
     for cycle in range(CYCLES):
         readings = [rng.normal(0.0, NOISE, len(PATCH)) for _ in range(PATCHES)]
         for place in range(0, PATCHES, PATCHES // TOUCHED):
-            angle = turn * (cycle + 11 * place)
-            shift = 5e-3 * np.array([np.cos(angle), np.sin(angle)])
-            away = PATCH.plane - centre - shift
-            readings[place] += pressed.readings(away, PATCH.pad_diameter, "capacitance")
+            readings[place] += touches[(cycle // STAY + place) % PLACES]
         cycles.append(readings)
     return cycles
 
@@ -86,7 +87,7 @@ def draw_cycle(axes: Any, row: int, report: CycleReport) -> None:
         colour = WORDS[kind_of(step)][1]
         axes.barh(row, took, left=began, height=0.62, color=colour, ec="white", lw=0.4, zorder=2)
     budget = report.budget * 1e6
-    axes.plot([budget, budget], [row - 0.45, row + 0.45], color=INK, lw=2.0, zorder=3)
+    axes.plot([budget, budget], [row - 0.37, row + 0.37], color=INK, lw=2.0, zorder=3)
 
 
 def summary(report: CycleReport) -> str:
@@ -101,7 +102,7 @@ def draw_cycles(axes: Any, chosen: list[CycleReport]) -> None:
     """Panel a."""
     for row, report in enumerate(chosen):
         draw_cycle(axes, row, report)
-        axes.text(0, row + 0.40, summary(report), fontsize=7.5, color=QUIET, va="top")
+        axes.text(3, row + 0.37, summary(report), fontsize=7.5, color=QUIET, va="top")
     axes.set_yticks(range(len(chosen)), [f"{r.budget * 1e6:.0f} µs" for r in chosen])
     axes.set_ylim(len(chosen) - 0.25, -0.6)
     axes.set_xlim(0, 1.04 * max(report.budget for report in chosen) * 1e6)
@@ -114,6 +115,8 @@ def draw_cycles(axes: Any, chosen: list[CycleReport]) -> None:
 
 def draw_predictions(axes: Any, reports: list[CycleReport]) -> float:
     """Panel b; returns the part of the searches that took no longer than was predicted."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
     inside = []
     for rung in (0, 1, 2):
         steps = [s for r in reports for s in r.steps if kind_of(s) == rung]
@@ -127,9 +130,13 @@ def draw_predictions(axes: Any, reports: list[CycleReport]) -> float:
     limits = (8.0, 400.0)
     axes.plot(limits, limits, color=INK, lw=1.0)
     axes.text(
-        limits[0] * 1.2, limits[0] * 1.6, "took what was predicted", fontsize=7.5, rotation=45
+        limits[0] * 1.15, limits[0] * 1.45, "took what was predicted", fontsize=7.5, rotation=45
     )
     axes.set(xlim=limits, ylim=limits, xlabel="predicted, µs", ylabel="taken, µs")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(FixedLocator([10, 30, 100, 300]))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0f}"))
+        axis.set_minor_locator(NullLocator())
     axes.set_aspect("equal")
     return float(np.mean(inside))
 
@@ -142,13 +149,13 @@ def main() -> None:
     with style():
         figure = new_figure(9.6, 4.6)
         left = figure.add_axes((0.085, 0.12, 0.565, 0.72))
-        right = figure.add_axes((0.735, 0.12, 0.25, 0.72))
+        right = figure.add_axes((0.725, 0.12, 0.265, 0.72))
         draw_cycles(left, chosen)
         add_title(left, "a", "Where the time of a cycle goes", "60 patches, 6 of them touched")
         shown = [report for each in reports.values() for report in each]
         inside = draw_predictions(right, shown)
         note = f"{100 * inside:.0f} % took no longer than predicted"
-        add_title(right, "b", "Searches, predicted and taken", note)
+        add_title(right, "b", "Searches", note)
         save(figure, IMAGES / "engine-budget.png")
     for budget, each in reports.items():
         spent = np.array([report.spent for report in each]) * 1e6
