@@ -4,14 +4,15 @@ A contact is no Gaussian field, and between taxels a thin skin is nearly blind: 
 finds a part of the force, at the nearest taxel. The numbers are such that, on the hexagon of 72
 taxels with 2 mm of incompressible silicone (100 kPa), at the quantity's typical noise, 1.645
 standard deviations each way hold nine of ten forces, and the 90 % ellipse as many places, of 600
-presses of `pipeline.rehearsal` (balls, flats, a cone, a bar; 0.1 to 3 N; 300 for `NonNegative`).
+presses of `pipeline.rehearsal` (balls, flats, a cone, a bar; 0.1 to 3 N).
 
 At other noises one number cannot do. With 2.5 times the typical noise 88 to 98 % of the forces are
-held. With a twentieth of it 70 to 82 %, but for capacitance 99 % (`NonNegative`) and 87 %
+held. With a twentieth of it 70 to 82 %, but for capacitance 98 % (`NonNegative`) and 87 %
 (`Inverse`): weak presses between taxels are then found, of which a linear solver sees a tenth. Of
-the places 93 % are then held by the resampled solvers, 66 to 79 % by `GaussianField` and 29 to 36 %
-by `Tikhonov`, whose prior is only wide where it is told much noise. On other layouts and layers
-nothing was measured: `Reconstructor.calibrated` learns what holds there.
+the places 93 % are then held by the resampled solvers, 66 to 80 % by `GaussianField` and
+`NonNegative`, and 29 to 36 % by `Tikhonov`, whose prior is only wide where it is told much noise.
+On other layouts and layers nothing was measured: `Reconstructor.calibrated` learns what holds
+there.
 
 They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64
 taxel cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For
@@ -57,7 +58,7 @@ class Errors:
 
 
 GAUSSIAN_FIELD = Errors(Measured(1.2, 0.20, 0.30), Measured(1.4, 0.22, 0.22))
-NON_NEGATIVE = Errors(Measured(0.87, 0.09, 0.07), Measured(0.95, 0.16, 0.0))
+NON_NEGATIVE = Errors(Measured(1.4, 0.13, 0.18), Measured(0.54, 0.14, 0.23))
 TIKHONOV = Errors(Measured(1.9, 0.13, 0.0), Measured(1.8, 0.14, 0.0))
 PSEUDO_INVERSE = Errors(Measured(2.2, 0.29, 0.46), Measured(2.6, 0.29, 0.64))
 RESAMPLED_PSEUDO_INVERSE = Errors(Measured(0.92, 0.29, 0.53), Measured(0.60, 0.37, 0.58))
