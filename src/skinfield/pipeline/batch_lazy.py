@@ -98,6 +98,13 @@ class LazyArray:
         self._load = load
         self._cache = cache
         self._into = into
+        self.origin: tuple[Any, str] | None = None  # an object and what it calls this array
+
+    def __reduce__(self) -> tuple[Any, tuple[Any, str]]:
+        """For pickles: the other process asks what it came from for it."""
+        if self.origin is None:
+            raise TypeError("this lazy array cannot be pickled: nothing says what it came from")
+        return getattr, self.origin
 
     @property
     def ndim(self) -> int:

@@ -77,6 +77,11 @@ class LazyResults:
         self._cache = ChunkCache(cache_bytes)
         self._bulk: dict[str, BulkFields] = {}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickles: settings and readings, or where they lie; nothing that was computed."""
+        parts = self.recipe, self.kept, self.precision, self._cache.most_bytes
+        return _again, (*parts, self.notes, self.source)
+
     def __len__(self) -> int:
         return len(self.kept)
 
@@ -229,7 +234,9 @@ class LazyResults:
 
         shape, run = (len(self), len(self.grid), *tail), self._fields(name).run
         direct = into if self.is_linear else None
-        return LazyArray(shape, self.precision, run, load, self._cache, direct)
+        array = LazyArray(shape, self.precision, run, load, self._cache, direct)
+        array.origin = self, name
+        return array
 
     def _picture(self, array: LazyArray) -> LazyArray:
         """The same with rows and columns of nodes."""
@@ -256,3 +263,12 @@ class LazyResults:
             ("run", first), make, lambda made: sum(a.nbytes for a in made[0].values())
         )
         return found
+
+
+def _again(
+    recipe: Recipe, kept: KeptReadings, precision: Any, most: int, notes: Any, source: str
+) -> LazyResults:
+    """Results in another process."""
+    return LazyResults(
+        recipe, kept, precision=precision, cache_bytes=most, notes=notes, source=source
+    )

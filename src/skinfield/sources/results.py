@@ -54,7 +54,7 @@ def open_results(
         If it is no such folder, damaged, cut short, or of another version. Readings are checked
         when they are first read.
     """
-    folder = Path(path)
+    folder = _absolute(path)
     content = content_from_text(_text(folder), str(folder / SETTINGS))
     try:
         recipe = Recipe.from_plain(content["recipe"])
@@ -152,6 +152,14 @@ class StoredReadings:
         """Readings first to last in the quantity's unit, (last - first, L)."""
         recorded = self.recorded(first, last)
         return recorded if self.conditioner is None else self.conditioner(recorded)
+
+
+def _absolute(path: str | Path) -> Path:
+    """The folder, wherever the program goes afterwards."""
+    try:
+        return Path(path).absolute()
+    except (OSError, ValueError) as error:
+        raise FileError(f"{str(path)!r} cannot be opened: {error}; expected results") from error
 
 
 def _text(folder: Path) -> str:
