@@ -213,6 +213,27 @@ def hidden(*names: str) -> Iterator[None]:
                 sys.modules[name] = module
 
 
+@pytest.mark.parametrize(
+    ("installed", "cuda", "expected"),
+    [
+        (("torch",), True, "torch cuda:1"),
+        (("torch", "cupy"), True, "torch cuda:1"),
+        (("torch", "cupy"), False, "cupy 1"),
+        (("cupy",), False, "cupy 1"),
+        (("torch",), False, "torch cuda:1"),  # which then says what PyTorch misses
+    ],
+)
+def test_who_has_the_card(
+    installed: tuple[str, ...], cuda: bool, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = SimpleNamespace(cuda=SimpleNamespace(is_available=lambda: cuda))
+    monkeypatch.setattr(array_backend, "import_module", lambda name: library)
+    monkeypatch.setattr(array_backend, "_installed", lambda name: name in installed)
+    monkeypatch.setattr(ArrayBackend, "torch", lambda device: f"torch {device}")
+    monkeypatch.setattr(ArrayBackend, "cupy", lambda device: f"cupy {device}")
+    assert ArrayBackend.on("cuda:1") == expected
+
+
 def test_without_a_library_it_is_said_what_to_install() -> None:
     with hidden("torch", "cupy", "array_api_compat", "array_api_compat.torch"):
         with pytest.raises(InputError, match=r"device is 'cuda', but no library.*skinfield\[gpu\]"):

@@ -83,7 +83,7 @@ class ArrayBackend:
 
     @classmethod
     def on(cls, device: str) -> "ArrayBackend":
-        """By the name of a device: PyTorch's if that is installed, else CuPy's.
+        """By the name of a device: PyTorch's if that has it, else CuPy's.
 
         Parameters
         ----------
@@ -98,11 +98,12 @@ class ArrayBackend:
         """
         if device == "numpy":
             return cls.numpy()
+        kind, _, number = device.partition(":")
+        named = kind == "cuda" and (number.isdigit() or not number)
+        if named and _installed("cupy") and not _torch_has_cuda():
+            return cls.cupy(int(number or 0))
         if _installed("torch"):
             return cls.torch(device)
-        kind, _, number = device.partition(":")
-        if kind == "cuda" and _installed("cupy") and (number.isdigit() or not number):
-            return cls.cupy(int(number or 0))
         raise InputError(f"device is {device!r}, but no library for it is installed: {INSTALL}")
 
     @property
@@ -215,6 +216,10 @@ def _installed(library: str) -> bool:
     except ImportError:
         return False
     return True
+
+
+def _torch_has_cuda() -> bool:
+    return _installed("torch") and bool(import_module("torch").cuda.is_available())
 
 
 def _compat(library: str) -> ModuleType:
