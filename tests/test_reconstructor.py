@@ -1,6 +1,7 @@
 """One patch from readings to contacts: the prepared chain against its parts, and bad input."""
 
 import tracemalloc
+from typing import Any
 
 import numpy as np
 import pytest
@@ -284,3 +285,20 @@ def test_a_curved_patch_presses_inwards_everywhere() -> None:
     assert contact.normal_force > 0
     assert contact.position == pytest.approx(patch.positions[len(patch) // 2], abs=1.5e-3)
     assert contact.normal == pytest.approx(patch.normals[len(patch) // 2], abs=0.1)
+
+
+@pytest.mark.parametrize("solver", [sf.GaussianField(), sf.NonNegative()])
+def test_what_is_computed_later_is_of_the_reading_that_was(solver: Any) -> None:
+    rec = sf.Reconstructor(PATCH, LAYER, GRID, quantity=sf.BaseStress(), solver=solver)
+    readings = np.full(len(PATCH), 5e3)
+    whole = rec(readings[None])
+    rec.reset()
+    prompt = rec(readings)
+    readings[:] = 0.0
+    rec(readings)
+    for name in ("pressure", "displacement", "residual", "pressure_std", "traction"):
+        expected = getattr(whole, name)[0]
+        assert np.allclose(getattr(prompt, name), expected, atol=1e-9 * np.abs(expected).max())
+    assert [c.normal_force for c in prompt.contacts] == pytest.approx(
+        [c.normal_force for c in whole.contacts[0]]
+    )

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -175,16 +176,29 @@ class LinearPlan:
         for row in rows:
             out.contacts[row] = self.contacts(out.fields[row, :nodes], self.noise, self.posterior)
 
+    @cached_property
+    def pressing(self) -> NDArray[Any]:
+        """The operator's rows of the pressure alone, (K, L'): what has to be there at once."""
+        return np.asfortranarray(self.operator[: len(self.setting.grid)])
+
+    def _moved(self, linear: Floats) -> Floats:
+        """Displacement (K, 3) of linearised readings of all its taxels."""
+        nodes = len(self.setting.grid)
+        fields = np.dot(self.operator, linear.astype(self.setting.precision))
+        return np.asarray(fields[nodes:].reshape(3, nodes).T, dtype=np.float64)
+
+    def _pressed(self, linear: Floats) -> Floats:
+        found = np.dot(self.pressing, linear.astype(self.setting.precision, copy=False))
+        return np.asarray(found, dtype=np.float64)
+
     def prompt(self, reading: Floats, end: int | None) -> Answer:
         """Answer one reading (L',) at once, whatever the time it should end."""
-        setting, nodes = self.setting, len(self.setting.grid)
-        linear = setting.quantity.linearise(reading, np.empty_like(reading))
-        fields = np.dot(self.operator, linear.astype(setting.precision)).astype(np.float64)
-        pressure = fields[:nodes]
+        linear = self.setting.quantity.linearise(reading, np.empty_like(reading))
+        pressure = self._pressed(linear)
         return Answer(
             pressure,
             {
-                "displacement": lambda: fields[nodes:].reshape(3, nodes).T,
+                "displacement": lambda: self._moved(linear),
                 "pressure_std": lambda: self.pressure_std.copy(),
                 "contacts": lambda: self.contacts(pressure, self.noise, self.posterior),
                 "residual": lambda: spread_out(linear - self.explained @ linear, self.valid),
@@ -195,17 +209,15 @@ class LinearPlan:
         """Answer one reading (L,) of which some taxels are `valid`; None for most solvers."""
         if self.missing is None:
             return None
-        setting, nodes = self.setting, len(self.setting.grid)
         known, one = self.missing.prepared(valid[None]), np.zeros(1, dtype=np.int64)
         there = np.where(valid, reading, 0.0)
-        linear = setting.quantity.linearise(there, np.empty_like(there))
+        linear = self.setting.quantity.linearise(there, np.empty_like(there))
         filled = known.sets.filled(linear[None], one)[0]
-        fields = np.dot(self.operator, filled.astype(setting.precision)).astype(np.float64)
-        pressure = fields[:nodes]
+        pressure = self._pressed(filled)
         return Answer(
             pressure,
             {
-                "displacement": lambda: fields[nodes:].reshape(3, nodes).T,
+                "displacement": lambda: self._moved(filled),
                 "pressure_std": lambda: known.errors[0][0].std.copy(),
                 "contacts": lambda: self.contacts(pressure, *reversed(known.errors[0])),
                 "residual": lambda: spread_out((linear - self.explained @ filled)[valid], valid),

@@ -30,7 +30,7 @@ from skinfield.pipeline.intervals import Intervals
 from skinfield.pipeline.plan import Answer, LinearPlan, Plan, Results, Setting
 from skinfield.pipeline.support import support_of
 
-AFTER = 10_000  # ns: what a call does after the solver, at first
+AFTER, LONGEST = 10_000, 50_000  # ns: what a call does after the solver, at first and at most
 PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
 
 
@@ -231,20 +231,21 @@ class Reconstructor:
             iterations=answer.iterations,
         )
         now = time.perf_counter_ns()
-        self._after = min(max(now - answered, int(0.95 * self._after)), 2 * self._after)
+        self._after = min(max(now - answered, int(0.95 * self._after)), 2 * self._after, LONGEST)
         vars(estimate)["latency"] = (now - start) * 1e-9
         vars(estimate)["deadline_met"] = end is None or now <= end
         return estimate
 
     def _answer(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer | None:
         plan, whole = self._plan, bool(valid.all())
+        own = reading.copy()  # what is computed later is of this one; the caller may write over his
         if isinstance(plan, LinearPlan):
-            return plan.prompt(reading, end) if whole else plan.prompt_among(reading, valid)
+            return plan.prompt(own, end) if whole else plan.prompt_among(own, valid)
         if not isinstance(plan, FieldPlan):
             return None
         plan = plan if whole else self._plan_for(valid)
         assert isinstance(plan, FieldPlan)  # as that of all taxels is
-        return plan.prompt(reading if whole else reading[valid], end)
+        return plan.prompt(own if whole else own[valid], end)
 
     def calibrated(
         self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
