@@ -130,9 +130,10 @@ def test_gram_is_that_of_the_model() -> None:
     plan, gram = sheet.plan, sheet.plan.gram
     order = plan.placing.order
     taxels = len(sheet)
-    full = np.eye(taxels)
+    full = np.zeros((taxels, taxels))
     row = np.repeat(np.arange(taxels), np.diff(gram.start))
-    full[row, gram.other] = full[gram.other, row] = gram.value
+    np.add.at(full, (row, gram.other), gram.value)
+    full += full.T + np.eye(taxels)
     spread = dense.matrix @ np.linalg.inv(np.eye(taxels) - dense.model.matrix @ dense.matrix)
     exact = dense.model.matrix @ spread  # A Q A^T / noise², from the solver's own matrix
     exact = (exact + np.eye(taxels))[np.ix_(order, order)]

@@ -1,9 +1,11 @@
 """Contacts of a sheet, window by window, against the dense solver's on all cells at once."""
 
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
+from test_readme import ROOT, follow
 
 import skinfield as sf
 from skinfield.errors import Floats, InputError
@@ -137,3 +139,8 @@ def test_a_class_is_no_finder() -> None:
     sheet, _, _, readings = solved()
     with pytest.raises(InputError, match=r"ContactFinder\(\)"):
         sheet(readings).contacts(sf.ContactFinder)
+
+
+def test_the_page_on_sheets_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "sheet.md") == (1, 0)

@@ -18,7 +18,8 @@ class Gram:
     Attributes
     ----------
     start : (L + 1,) int array
-        Where each taxel's entries begin.
+        Where each taxel's entries begin; their number is a multiple of `GROUP`, the last are the
+        taxel itself with a value of 0.
     other : (N,) int32 array
         Earlier neighbour of each entry.
     value : (N,) array
@@ -42,17 +43,20 @@ def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
     from skinfield.inverse.sheet.gram_kernel import count_pairs, fill_pairs
 
     taxels, reach = len(placing.order), stamps.neighbours
-    start = np.empty(taxels + 1, dtype=np.int64)
-    count_pairs(placing.place, placing.strip, reach, start)
+    back = int(np.ceil(reach / placing.height - 1e-9))
+    count = np.empty(taxels, dtype=np.int64)
+    count_pairs(placing.place, placing.strip, reach, back, count)
+    room = -(-count // GROUP) * GROUP
     gram = Gram(
-        start,
-        np.empty(start[-1], dtype=np.int32),
-        np.empty(start[-1], dtype=precision),
+        np.append(0, np.cumsum(room)),
+        np.repeat(np.arange(taxels, dtype=np.int32), room),
+        np.zeros(room.sum(), dtype=precision),
         np.empty(taxels, dtype=precision),
     )
-    most = int(np.diff(placing.strip).max())
+    ends = placing.strip[
+        np.minimum(np.arange(len(placing.strip)) + back + 1, len(placing.strip) - 1)
+    ]
     read, spread = parts_of(stamps.read, precision), parts_of(stamps.spread, precision)
-    ring = np.empty((2, most, read[4], read[5]), dtype=precision)
     fill_pairs(
         placing.place,
         placing.cell,
@@ -61,7 +65,9 @@ def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
         reach,
         read,
         spread,
-        ring,
+        np.empty(back + 1, dtype=np.int64),
+        np.empty(count.max(), dtype=np.int64),
+        np.empty((int((ends - placing.strip).max()), read[4], read[5]), dtype=precision),
         gram.start,
         gram.other,
         gram.value,

@@ -32,28 +32,42 @@ def nearest(place: Array, strip: Array, height: float, out: Array) -> None:
 
 
 @njit(cache=True, nogil=True)
-def count_pairs(place: Array, strip: Array, reach: float, start: Array) -> None:
-    """Write where each taxel's earlier neighbours begin, (L + 1,); strips are `reach` high."""
-    start[0] = 0
+def earlier(
+    place: Array, strip: Array, row: int, taxel: int, reach: float, first: Array, found: Array
+) -> int:
+    """Write the taxels before one of strip `row` that are within reach; returns their number.
+
+    They are in that strip and in the len(first) - 1 before it; `first` holds where in each of
+    these the search begins, which never goes back from one taxel of a strip to the next. Those
+    that do not fit into `found` are counted only.
+    """
+    x, y = place[taxel]
+    count = 0
+    for back in range(min(len(first) - 1, row), -1, -1):
+        end = taxel if back == 0 else strip[row - back + 1]
+        at = first[back]
+        while at < end and place[at, 0] < x - reach:
+            at += 1
+        first[back] = at
+        for other in range(at, end):
+            if place[other, 0] > x + reach:
+                break
+            if (place[other, 0] - x) ** 2 + (place[other, 1] - y) ** 2 <= reach * reach:
+                if count < len(found):
+                    found[count] = other
+                count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def count_pairs(place: Array, strip: Array, reach: float, back: int, count: Array) -> None:
+    """Write how many earlier neighbours each taxel has, (L,), in its strip and `back` before."""
+    first, none = np.empty(back + 1, np.int64), np.empty(0, np.int64)
     for row in range(len(strip) - 1):
-        first = strip[max(row - 1, 0)]
-        own = strip[row]
+        for step in range(min(back, row) + 1):
+            first[step] = strip[row - step]
         for taxel in range(strip[row], strip[row + 1]):
-            x, y = place[taxel]
-            while first < strip[row] and place[first, 0] < x - reach:
-                first += 1
-            while own < taxel and place[own, 0] < x - reach:
-                own += 1
-            count = 0
-            for other in range(first, strip[row]):
-                if place[other, 0] > x + reach:
-                    break
-                apart = (place[other, 0] - x) ** 2 + (place[other, 1] - y) ** 2
-                count += apart <= reach * reach
-            for other in range(own, taxel):
-                apart = (place[other, 0] - x) ** 2 + (place[other, 1] - y) ** 2
-                count += apart <= reach * reach
-            start[taxel + 1] = start[taxel] + count
+            count[taxel] = earlier(place, strip, row, taxel, reach, first, none)
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)
@@ -77,6 +91,8 @@ def fill_pairs(
     reach: float,
     read: Parts,
     spread: Parts,
+    first: Array,
+    found: Array,
     ring: Array,
     start: Array,
     other_of: Array,
@@ -85,49 +101,32 @@ def fill_pairs(
 ) -> None:
     """Write what each taxel reads of itself, (L,), and of its earlier neighbours.
 
-    `read` and `spread` are what a taxel reads and the pressure that its reading makes, `ring` the
-    stamps of two strips, (2, most taxels, rows, width).
+    `read` and `spread` are what a taxel reads and the pressure that its reading makes; `first` and
+    `found` are room for `earlier`, and `ring` (N, rows, width) for the last stamps, as many as all
+    strips of a search hold.
     """
     ra, rd, rx, ry, rrows, rwidth = read
     sa, sd, sx, sy, srows, swidth = spread
     mine = np.empty((srows, swidth), ring.dtype)
     shift = (srows - rrows) // 2  # of the corners of one taxel's stamps
     for row in range(len(strip) - 1):
-        before = strip[max(row - 1, 0)]
-        near = strip[row]
-        here, above = ring[row % 2], ring[(row + 1) % 2]
+        for step in range(min(len(first) - 1, row) + 1):
+            first[step] = strip[row - step]
         for taxel in range(strip[row], strip[row + 1]):
             mine[:] = 0.0
             add_stamp(1.0, sa, sd, sx, sy, srows, swidth, offset, taxel, 0, swidth, mine.ravel())
-            here[taxel - strip[row]] = 0.0
-            to = here[taxel - strip[row]].ravel()
-            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, rwidth, to)
-            own[taxel] = overlap(mine, here[taxel - strip[row]], shift, shift)
-            x, y = place[taxel]
-            while before < strip[row] and place[before, 0] < x - reach:
-                before += 1
-            while near < taxel and place[near, 0] < x - reach:
-                near += 1
-            entry = start[taxel]
-            for beside in range(before, strip[row]):
-                if place[beside, 0] > x + reach:
-                    break
-                apart = (place[beside, 0] - x) ** 2 + (place[beside, 1] - y) ** 2
-                if apart <= reach * reach:
-                    down = cell[beside, 1] - cell[taxel, 1] + shift
-                    across = cell[beside, 0] - cell[taxel, 0] + shift
-                    stamp = above[beside - strip[row - 1]]
-                    other_of[entry] = beside
-                    value[entry] = overlap(mine, stamp, down, across)
-                    entry += 1
-            for beside in range(near, taxel):
-                apart = (place[beside, 0] - x) ** 2 + (place[beside, 1] - y) ** 2
-                if apart <= reach * reach:
-                    down = cell[beside, 1] - cell[taxel, 1] + shift
-                    across = cell[beside, 0] - cell[taxel, 0] + shift
-                    other_of[entry] = beside
-                    value[entry] = overlap(mine, here[beside - strip[row]], down, across)
-                    entry += 1
+            here = ring[taxel % len(ring)]
+            here[:] = 0.0
+            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, rwidth, here.ravel())
+            own[taxel] = overlap(mine, here, shift, shift)
+            count = earlier(place, strip, row, taxel, reach, first, found)
+            for index in range(count):
+                beside = found[index]
+                down = cell[beside, 1] - cell[taxel, 1] + shift
+                across = cell[beside, 0] - cell[taxel, 0] + shift
+                entry = start[taxel] + index
+                other_of[entry] = beside
+                value[entry] = overlap(mine, ring[beside % len(ring)], down, across)
 
 
 @njit(cache=True, nogil=True)

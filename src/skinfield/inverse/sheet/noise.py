@@ -87,7 +87,7 @@ class SheetNoise:
         plan = self.plan
         far = plan.stamps.spread.reach + AROUND * plan.stamps.neighbours
         place = plan.placing.place
-        strip, height = plan.placing.strip, plan.stamps.neighbours
+        strip, height = plan.placing.strip, plan.placing.height
         first = max(int((low[1] - far) // height), 0)
         last = min(max(int((high[1] + far) // height) + 1, first), len(strip) - 1)
         near = np.arange(strip[min(first, len(strip) - 1)], strip[last])

@@ -49,11 +49,14 @@ class Placing:
         In cells from the lattice's origin, in that order.
     strip : (N + 1,) int array
         Where each strip begins.
+    height : float
+        Of a strip, in cells.
     """
 
     order: Ints
     place: Floats
     strip: Ints
+    height: float
 
     @classmethod
     def of(cls, place: Floats, height: float) -> "Placing":
@@ -63,7 +66,7 @@ class Placing:
         order = np.argsort(row * width + place[:, 0])  # x is below width: a strip after another
         strip = np.zeros(int(row.max()) + 2, dtype=np.int64)
         np.cumsum(np.bincount(row), out=strip[1:])
-        return cls(order, place[order], strip)
+        return cls(order, place[order], strip, height)
 
     @property
     def cell(self) -> NDArray[np.int32]:
@@ -81,10 +84,10 @@ class Placing:
         return np.asarray(row * columns + column)
 
 
-def nearest_distance(place: Placing, height: float) -> float:
-    """Median distance of a taxel to the nearest other, in cells; `height` where none is so near."""
+def nearest_distance(placing: Placing) -> float:
+    """Median distance of a taxel to the nearest other, in cells; a strip's height at most."""
     from skinfield.inverse.sheet.gram_kernel import nearest
 
-    out = np.empty(len(place.order))
-    nearest(place.place, place.strip, height, out)
+    out = np.empty(len(placing.order))
+    nearest(placing.place, placing.strip, placing.height, out)
     return float(np.median(out))

@@ -16,6 +16,7 @@ from skinfield.observation import Quantity
 
 LARGEST = 1 << 30  # cells
 EXPECTED = 2000  # cells per taxel, more than which is a slip of units or a taxel gone astray
+STRIPS = 3  # per reach: low ones give all taxels about as many earlier neighbours as later ones
 LOCAL = 12.0  # cells among which a taxel's nearest neighbour is looked for
 
 
@@ -67,7 +68,8 @@ class SheetPlan:
         spread = stamps.spread
         after = max(stamp.width - stamp.reach for stamp in (spread, stamps.read))
         self.lattice = Lattice.around(low, high, pitch, spread.reach, after)
-        self.placing = Placing.of((places - self.lattice.origin) / pitch, stamps.neighbours)
+        height = stamps.neighbours / STRIPS
+        self.placing = Placing.of((places - self.lattice.origin) / pitch, height)
         self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)
         self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
@@ -100,7 +102,7 @@ def _length_scale(solver: object, places: Floats, pitch: float) -> float:
         )
     if solver.length_scale is not None:
         return float(solver.length_scale)
-    return PITCHES * pitch * nearest_distance(Placing.of(places, LOCAL), LOCAL)
+    return PITCHES * pitch * nearest_distance(Placing.of(places, LOCAL))
 
 
 def _check_extent(taxels: int, cells: Floats) -> None:
