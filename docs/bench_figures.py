@@ -35,15 +35,18 @@ NONE = "–"
 def costs(bench: Bench) -> str:
     """Markdown: a row per method, a column per grid."""
     nodes = list(dict.fromkeys(row.nodes for row in bench.grids))
-    lines = [f"| ms or µs per reading | {' | '.join(f'{n} × {n}' for n in nodes)} |"]
+    lines = [f"| time per reading | {' | '.join(f'{n} × {n}' for n in nodes)} |"]
     lines.append("| --- |" + " --- |" * len(nodes))
     for name in dict.fromkeys(row.name for row in bench.grids):
         found = [row.seconds for row in bench.grids if row.name == name]
-        cells = (f"{in_words(each['mean'])} ± {in_words(each['std'])}" for each in found)
+        cells = (
+            f"{in_words(each['p50'])} ({in_words(each['mean'])} ± {in_words(each['std'])})"
+            for each in found
+        )
         lines.append(f"| {name} | {' | '.join(cells)} |")
     gains = (f"{prepared_gain(bench.grids, n):,.0f}" for n in nodes)
     lines.append(f"| {PAPER} over {PREPARED}, medians | {' | '.join(gains)} |")
-    said = f"Mean ± standard deviation. {machine_line(bench)}."
+    said = f"Median (mean ± standard deviation). {machine_line(bench)}."
     return "\n".join([*lines, "", said])
 
 

@@ -32,7 +32,7 @@ def picture(bench: Bench) -> "Figure":
     """Draw Figure 9 anew, and error to the converged answer against time."""
     left = View(
         "What a reading costs",
-        "mean ± standard deviation, as in the paper's Figure 9; one core",
+        "median; bars: mean ± standard deviation, as in the paper's Figure 9",
         tuple(_costs(bench)),
         x="nodes",
         y="time per reading",
@@ -87,10 +87,12 @@ def _costs(bench: Bench) -> list[Curve]:
     for name, method, kind in COSTS:
         rows = [row for row in bench.grids if row.name == name]
         nodes = np.array([float(row.nodes) for row in rows])
-        mean, std = (np.array([row.seconds[key] for row in rows]) for key in ("mean", "std"))
+        middle, mean, std = (
+            np.array([row.seconds[key] for row in rows]) for key in ("p50", "mean", "std")
+        )
         low = np.maximum(mean - std, [row.seconds["min"] for row in rows])
-        ends = (low, mean + std) if name == PAPER else (None, None)
-        curves.append(Curve(method, nodes, mean, kind, *ends))
+        ends = (np.minimum(low, middle), np.maximum(mean + std, middle))
+        curves.append(Curve(method, nodes, middle, kind, *(ends if name == PAPER else ())))
     stated = [nodes for nodes in PAPER_REST_MS if any(row.nodes == nodes for row in bench.grids)]
     rest = np.array([1e-3 * PAPER_REST_MS[nodes] for nodes in stated])
     return [*curves, Curve(THE_PAPER, np.array(stated, dtype=float), rest, "hollow")]

@@ -1,0 +1,78 @@
+"""`skinfield bench` from end to end, in its quickest form."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from test_readme import follow
+
+from skinfield.cli.bench_tables import in_words
+from skinfield.cli.main import main
+from skinfield.experiments.bench.settings import SMOKE
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def invoke(*words: str):
+    return CliRunner().invoke(main, ["bench", *words])
+
+
+def test_the_page_runs_from_top_to_bottom_and_leaves_numbers_and_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "bench.md") == (1, 1)  # skinfield bench --size smoke
+    folder = tmp_path / "bench"
+    assert {file.name for file in folder.iterdir()} == {
+        "bench.json",
+        "bench.png",
+        "bench-truth.png",
+    }
+    assert all(file.stat().st_size > 10_000 for file in folder.glob("*.png"))
+    found = json.loads((folder / "bench.json").read_text(encoding="utf-8"))
+    check(found)
+
+
+def check(found: dict) -> None:
+    names = {row["name"] for row in found["grids"]}
+    assert {"paper", "paper, inversion alone", "paper's inverse, prepared"} <= names
+    assert {"NonNegative to 1e-2, warm", "NonNegative to 1e-4, cold", "ContactFit"} <= names
+    assert {row["nodes"] for row in found["grids"]} == set(SMOKE.grids)
+    for row in found["grids"]:
+        times = row["seconds_us"]
+        assert 0 < times["min"] <= times["p50"] <= times["p99"] <= times["max"]
+        assert row["certified"] in (None, 1.0), row["name"]
+    points = {(p["solver"], p["start"], p["deadline_us"]): p for p in found["points"]}
+    ladder = [*(round(1e6 * deadline) for deadline in SMOKE.deadlines), None]
+    for solver in ("NonNegative", "ContactFit"):
+        for start in ("warm", "cold"):
+            assert all((solver, start, deadline) in points for deadline in ladder)
+            last = points[solver, start, None]
+            assert last["error"] < 1e-3  # without a deadline it converges
+            assert last["met"] is None
+    assert points["GaussianField", "warm", None]["error"] == 0.0
+    assert points["paper", "cold", None]["error"] == 0.0
+    fit = points["ContactFit", "warm", None]
+    assert fit["missed"] == 0.0
+    assert fit["place_median_mm"] < 2.0
+    assert {call["solver"] for call in found["calls"]} == {
+        "GaussianField",
+        "NonNegative",
+        "ContactFit",
+    }
+    assert found["machine"]["cores"] >= 1
+    assert found["company"]["own"] > 0.0
+
+
+def test_a_folder_that_is_a_file_is_said_before_anything_is_measured(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    result = invoke("-o", str(file / "below"))
+    assert result.exit_code == 2
+    assert "cannot be made" in result.output
+
+
+def test_times_in_words() -> None:
+    said = [in_words(value) for value in (0.0, 2.34e-6, 20e-6, 1.5e-3, 9.9996e-4, 0.73, 1.25)]
+    assert said == ["0 µs", "2.34 µs", "20.0 µs", "1.50 ms", "1.00 ms", "730 ms", "1.25 s"]
