@@ -35,7 +35,7 @@ the gain is a guess and forces are true up to one factor, which 'skinfield calib
 What was assumed, skipped or left out is said in notes.
 
 A recording may be longer than memory. -o run.skinfield keeps its readings and what reconstructs
-them, some hundred times less than the fields, which are computed when they are looked at: in Python
+them, far less than the fields, which are computed when they are looked at: in Python
 with skinfield.open_results, here with --slice. Contacts are found where a table or a summary asks
 for them; without, the reading of the highest summed pressure is shown. Long work is done by as many
 processes as there are cores. Solvers that start from the reading before (nonnegative, contact) do
@@ -61,7 +61,12 @@ so within runs of 64 readings and begin anew at each: the answers do not depend 
 @click.option("--summary", "summary_path", help="Summary of the run: .json.")
 @click.option("--plot", help="Figure of the reading with the highest load: .png, .pdf or .svg.")
 @click.option("--reading", type=int, help="Draw and list this reading (from 0) instead.")
-@click.option("--slice", "part", metavar="FROM:TO", help="Of the readings, from 0, TO left out.")
+@click.option(
+    "--slice",
+    "part",
+    metavar="FROM:TO",
+    help="Readings to work on, from 0, TO left out; .skinfield keeps all.",
+)
 @click.option(
     "--processes",
     type=click.IntRange(1, 1024),

@@ -97,7 +97,9 @@ def take_in(
         unit = spool.like.unit
         name = OF_UNIT[unit] if options["quantity"] == "auto" else options["quantity"]
         quantity = QUANTITIES[name]()
-        found = survey(spool.blocks, patch, layer, quantity, how)
+        with progress() as bar:
+            bar.add_task("looking for rest and faults", total=None)
+            found = survey(spool.blocks, patch, layer, quantity, how)
         recipe = Recipe(
             patch,
             layer,
