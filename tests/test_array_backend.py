@@ -16,7 +16,7 @@ import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.pipeline import array_backend, device_product, device_search
 from skinfield.pipeline.array_backend import ArrayBackend
-from skinfield.pipeline.batch import BulkProduct
+from skinfield.pipeline.batch import FEWEST, BulkProduct
 from skinfield.pipeline.device_non_negative import BulkNonNegative
 from skinfield.pipeline.device_product import DeviceProduct, chunk_of
 
@@ -153,7 +153,7 @@ def test_chunks_fit_the_free_memory() -> None:
         chunk_of(small, 251)
     object.__setattr__(small, "free", None)
     assert chunk_of(small, 1024) == device_product.CHUNK_BYTES // 1024
-    assert chunk_of(ArrayBackend.numpy(), 1 << 40) == device_product.HOST_CHUNK
+    assert chunk_of(ArrayBackend.numpy(), 1 << 40) == FEWEST
 
 
 def test_a_chunk_travels_while_the_next_is_computed() -> None:

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import InputError, check_count, check_shape
 from skinfield.pipeline.array_backend import ArrayBackend
+from skinfield.pipeline.batch import readings_per_product
 
-HOST_CHUNK = 512  # readings per product on the host: the outputs stay in cache
 CHUNK_BYTES = 1 << 26  # of a chunk's outputs on a device: copies longer than its calls
 FREE_SHARE = 0.5  # of the device's free memory that a chunk may take
 SLOTS = 2  # one chunk travels while the next is computed
@@ -115,7 +115,7 @@ class DeviceProduct:
 def chunk_of(backend: ArrayBackend, bytes_each: int) -> int:
     """Readings per chunk, of which each takes some bytes of the device."""
     if backend.is_host:
-        return HOST_CHUNK
+        return readings_per_product(bytes_each)
     free = backend.free_bytes()
     room = CHUNK_BYTES if free is None else min(CHUNK_BYTES, int(FREE_SHARE * free / SLOTS))
     if room < bytes_each:
