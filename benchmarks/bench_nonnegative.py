@@ -112,7 +112,7 @@ def certified(
     chained = shortest(warm, operator.reset, len(rows), laps)[1:]
     found = {"warm": chained, "gap": gaps.max(), "steps": steps[1:].mean()}
     alone = np.full(len(rows), np.inf)
-    for _ in range(max(laps // 2, 2)):
+    for _ in range(laps):
         for index in range(len(rows)):
             operator.reset()
             start = time.perf_counter_ns()
@@ -200,7 +200,7 @@ def _rows(
     exact = by_nnls(seen, penalty, white) if prior == "white" and len(penalty) < 2000 else np.nan
     for gap in GAPS:
         row = certified(replace(solver, tolerance=gap), model, chain, laps)
-        fista, steps = by_fista(seen, penalty, few, gap, 2 if gap > 1e-4 else 1)
+        fista, steps = by_fista(seen, penalty, few, gap, 3)
         yield {
             "gap": gap,
             "proved": row["gap"],

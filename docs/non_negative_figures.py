@@ -1,13 +1,14 @@
 """Make the picture of the page on the non-negative field, and print the numbers that it quotes.
 
   python docs/non_negative_figures.py            docs/images/non-negative.png and the tables
-  python docs/non_negative_figures.py --time     how long a reading takes, by processor time
+  python docs/non_negative_figures.py --picture  the picture alone
+
+How long it takes is in benchmarks/bench_nonnegative.py.
 
 The presses are those of `skinfield.experiments.cases.standard`, solved on cells of 0.25 mm and
 carried to places that no setting was chosen by.
 """
 
-import time
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -18,7 +19,7 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.experiments.cases.case import Case, quantity_by_name
+from skinfield.experiments.cases.case import Case
 from skinfield.experiments.cases.standard import AROUND, KINDS
 from skinfield.experiments.scoring.validation import Entrant
 from skinfield.figures import save
@@ -149,56 +150,10 @@ def picture() -> None:
         save(figure, IMAGES / "non-negative.png")
 
 
-def timing() -> None:
-    """Print milliseconds per reading: from nothing, from the reading before, and idle."""
-    click.echo("quantity shape nodes: cold median [95 %], warm median [95 %], idle; steps; free")
-    for quantity in ("stress", "capacitance"):
-        for nodes in (20, 40):
-            for shape in ("bar", "ring"):
-                case = Case.from_press(shape, solved(shape), PATCH, quantity, SHOWN[shape])
-                _time(case, quantity, shape, nodes)
-
-
-def _time(case: Case, quantity: str, shape: str, nodes: int) -> None:
-    model = sf.Reconstructor(
-        PATCH,
-        case.layer,
-        sf.Grid.square(PATCH, nodes=nodes),
-        quantity=quantity_by_name(quantity),
-        noise_std=case.noise_std,
-    ).model
-    operators = {kind: sf.NonNegative().prepare(model) for kind in ("cold", "warm", "idle")}
-    taken: dict[str, list[float]] = {kind: [] for kind in operators}
-    out, pressed, steps, rng = np.empty(len(model.grid)), 0, [], np.random.default_rng(1)
-    for index in range(41):
-        noise = rng.normal(size=len(PATCH)) * model.noise_std
-        for kind, operator in operators.items():
-            reading = noise if kind == "idle" else case.readings + noise
-            linear = quantity_by_name(quantity).linearise(reading, np.empty_like(reading))
-            if kind == "cold":
-                operator.reset()
-            start = time.thread_time_ns()
-            operator.apply(linear, out)
-            if index:  # the first one is run in
-                taken[kind].append((time.thread_time_ns() - start) * 1e-6)
-            if kind == "cold":
-                steps.append(operator.iterations)
-                pressed = int(np.count_nonzero(out))
-    cold, warm, idle = (np.quantile(taken[kind], [0.5, 0.95]) for kind in ("cold", "warm", "idle"))
-    click.echo(
-        f"  {quantity} {shape} {nodes}: {cold[0]:.2f} [{cold[1]:.2f}], {warm[0]:.2f} "
-        f"[{warm[1]:.2f}], {idle[0]:.3f} ms; {np.median(steps):g} steps; {pressed} nodes pressed"
-    )
-
-
 @click.command()
-@click.option("--time", "timed", is_flag=True, help="Only the times.")
 @click.option("--picture", "drawn", is_flag=True, help="Only the picture.")
-def main(timed: bool, drawn: bool) -> None:
-    """Make picture and tables, or the times."""
-    if timed:
-        timing()
-        return
+def main(drawn: bool) -> None:
+    """Make picture and tables."""
     IMAGES.mkdir(exist_ok=True)
     picture()
     if not drawn:

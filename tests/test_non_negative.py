@@ -133,6 +133,15 @@ def test_through_a_reconstructor_taxels_may_be_missing() -> None:
     whole = rec(readings)
     readings[0] = np.nan
     part = rec(np.stack([readings, np.where(np.isnan(readings), np.nan, 0.0)]), deadline=1.0)
+    assert whole.gap <= 1e-4
+    assert whole.deadline_met
+    assert whole.iterations > 0
+    assert (part.gap <= 1e-4).all()
+    assert part.gap[1] == 0.0  # idle
+    rushed = rec(readings, deadline=1e-9)
+    assert not rushed.deadline_met
+    assert 0.0 <= rushed.gap <= 1.0
+    assert rushed.pressure.min() >= 0.0
     assert whole.pressure.max() > 0
     assert np.isfinite(part.pressure).all()
     assert part.pressure.min() == 0.0
@@ -144,10 +153,15 @@ def test_the_page_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert follow(ROOT / "docs" / "non-negative.md") == (1, 0)
-    said = capsys.readouterr().out
-    assert said.endswith("N of 2 N, least pressure 0 Pa\n")
-    assert 1.0 < float(said.split()[0]) < 2.4
+    assert follow(ROOT / "docs" / "non-negative.md") == (2, 0)
+    pressure, proof = capsys.readouterr().out.splitlines()
+    assert pressure.endswith("N of 2 N, least pressure 0 Pa")
+    assert 1.0 < float(pressure.split()[0]) < 2.4
+    gap, steps, met, took = proof.split(", ")
+    assert 0.0 <= float(gap.split()[1]) <= 1.0
+    assert steps.endswith(" steps")
+    assert met in ("in time", "late")
+    assert took.endswith(" µs")
 
 
 def test_settings_are_checked() -> None:

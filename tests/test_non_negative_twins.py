@@ -149,6 +149,31 @@ def test_taxels_are_left_out_as_if_they_were_not_there(
             assert_proved(part, left, readings[valid], pressure, 1e-5)
 
 
+@pytest.mark.parametrize("large", [False, True])
+def test_taxels_are_left_out_in_place_as_by_a_new_operator(
+    large: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if large:
+        monkeypatch.setattr(non_negative_problem, "LARGE", 0)
+    model = small_model(24, 7, BOTH[1])
+    whole = NonNegative().prepare(model)
+    part = whole.without(np.ones(len(model.taxels), dtype=bool))
+    rng = np.random.default_rng(10)
+    reading = pressed(model, rng)
+    untouched = solved(whole, reading)
+    for missing in (3, 0, 20, 1):
+        valid = np.ones(len(reading), dtype=bool)
+        valid[rng.choice(len(reading), missing, replace=False)] = False
+        readings = np.where(valid, pressed(model, rng), np.nan)
+        part.leave_out(whole, valid)
+        assert np.isnan(part.gap)
+        expected = whole.without(valid)
+        assert solve(part, readings) == pytest.approx(solve(expected, readings), rel=1e-5, abs=1e-2)
+        assert part.gap == pytest.approx(expected.gap, abs=1e-5)
+        assert part.idle == expected.idle
+    assert np.array_equal(solved(whole, reading), untouched)
+
+
 def test_a_start_says_nothing_of_taxels_that_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(non_negative_problem, "LARGE", 0)  # by stamps, which still hold them
     model = small_model(24, 7)
