@@ -7,6 +7,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from test_readme import follow
 
 import skinfield as sf
 
@@ -64,6 +65,14 @@ def test_other_ways_have_the_same_rows(bench: ModuleType) -> None:
 
 
 def test_ten_types_of_taxels(bench: ModuleType) -> None:
-    skin, layers = bench.types()
+    skin, layers = bench.ten_types()
     assert sum(map(len, skin)) == 10_000
     assert len({(layers[p.name].thickness, round(p.pitch, 6)) for p in skin}) == 10
+
+
+def test_the_page_of_whole_robots_runs(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert follow(ROOT / "docs" / "whole-robot.md") == (1, 0)
+    assert capsys.readouterr().out == "5 non-negative\n"

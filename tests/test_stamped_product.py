@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.engine.atlas import Atlas
 from skinfield.engine.products import DenseProduct
-from skinfield.engine.stamped_product import PROOF, StampedProduct, product_of, slack_of
+from skinfield.engine.stamped_product import PROOF, StampedProduct, product_of
 from skinfield.errors import Floats
 from skinfield.inverse import GaussianField
+from skinfield.inverse.stamps import Stamps
 from skinfield.layout import Grid, Patch
 from skinfield.observation import Capacitance, ObservationModel
 
@@ -34,7 +36,7 @@ def test_all_patches_of_a_kind_at_once(count: int) -> None:
     out = np.full((count, 1600), np.nan, np.float32)
     product.apply(readings, out)
     error = np.abs(out - readings @ matrix.T).max(axis=1)
-    allowed = product.slack * np.linalg.norm(readings, axis=1)
+    allowed = product.stamps.dropped.max() * np.linalg.norm(readings, axis=1)
     assert (error <= allowed + 1e-5 * np.abs(out).max()).all()
     assert (error > 0.01 * allowed).all()  # the bound is not idle
     assert product.shape == (1600, 72)
@@ -64,13 +66,12 @@ def test_what_is_small_or_full_stays_whole() -> None:
     matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 10)
     product = product_of(matrix, grid)
     assert isinstance(product, DenseProduct)
-    assert slack_of(product) == 0.0
     wide = sf.Grid.square(sf.layouts.hexagon72(), nodes=40)
     assert isinstance(product_of(np.ones((1600, 72)), wide), DenseProduct)
     assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), StampedProduct)
 
 
-def test_an_idle_test_with_slack_is_as_strict_as_the_whole_one() -> None:
+def test_an_idle_test_by_tiles_is_proven_and_hardly_stricter() -> None:
     """Never idle by the tiles where the whole matrix says that something stands out."""
     patch, quantity = sf.layouts.hexagon72(), Capacitance()
     grid = Grid.square(patch, nodes=40)
@@ -79,13 +80,11 @@ def test_an_idle_test_with_slack_is_as_strict_as_the_whole_one() -> None:
     )
     rows = (model.matrix / model.noise_std[:, None]).T
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)
-    product = StampedProduct.of(rows, grid, PROOF)
-    assert slack_of(product) * np.sqrt(72) < 0.02
+    stamps = Stamps.of(rows, grid, PROOF)
+    assert stamps.dropped.max() * np.sqrt(72) < 0.02
     white = np.random.default_rng(1).normal(size=(2000, 72)).astype(np.float32)
-    scores = np.empty((2000, 1600), np.float32)
-    product.apply(white, scores)
-    highest, truly = scores.max(axis=1), (white @ rows.T).max(axis=1)
+    truly, idle = (white @ rows.T).max(axis=1), np.zeros(2000, np.bool_)
     for threshold in (2.5, 3.0, 3.5):
-        idle = highest + slack_of(product) * np.linalg.norm(white, axis=1) <= threshold
+        Atlas.of([stamps], [2000], [threshold]).find_idle(white.ravel(), idle)
         assert (truly[idle] <= threshold).all()
-        assert idle.sum() > 0.95 * (truly <= threshold).sum()  # and it proves most of them
+        assert idle.sum() > 0.95 * (truly <= threshold).sum()

@@ -5,41 +5,32 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from skinfield.engine.products import DenseProduct, SharedProduct, Singles
+from skinfield.engine.products import DenseProduct, Singles
 from skinfield.errors import Floats
 from skinfield.inverse.stamps import Stamps
 from skinfield.layout import Grid
 
 CUT = 1e-3  # of each taxel's effect on the field: for answers
-PROOF = 1e-4  # of each taxel's part in the idle test: its slack is then about 0.01 deviations
+PROOF = 1e-4  # of each taxel's part in an idle test: its bound is then about 0.01 deviations
 SMALL = 20_000  # entries below which calls cost more than numbers
 
 
 @dataclass(frozen=True, eq=False)
 class StampedProduct:
-    r"""Tiles of cells that each taxel matters for: see `Stamps`.
-
-    On a part of an iCub, 250 to 680 taxels on 40 x 40 cells, that is about a fifth of the entries
-    of a linear answer at `CUT`, and a tenth of those of an idle test at `PROOF`.
+    """Tiles of cells that each taxel matters for: see `Stamps`.
 
     Attributes
     ----------
     stamps : Stamps
-        In float32.
-    slack : float
-        How far an output may be from that of the whole matrix, as part of the readings' norm:
-        :math:`|y_k - (M x)_k| \le \mathrm{slack} \, |x|_2` for all k. An idle test whose outputs
-        stay so far below their threshold is proven for the whole matrix.
+        In float32. Their `dropped` bounds how far an answer may be off.
     """
 
     stamps: Stamps
-    slack: float
 
     @classmethod
     def of(cls, matrix: Floats | NDArray[Any], grid: Grid, cut: float = CUT) -> "StampedProduct":
         """Of a matrix (K, L) whose rows are the cells of a grid; `cut` as of `Stamps.of`."""
-        stamps = Stamps.of(matrix, grid, cut)
-        return cls(stamps, float(stamps.dropped.max()))
+        return cls(Stamps.of(matrix, grid, cut))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -74,8 +65,3 @@ def product_of(
         if stamped.stamps.pays:
             return stamped
     return DenseProduct.of(matrix)
-
-
-def slack_of(product: SharedProduct) -> float:
-    """By how much of the readings' norm an output may differ from that of the whole matrix."""
-    return product.slack if isinstance(product, StampedProduct) else 0.0
