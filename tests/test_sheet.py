@@ -161,17 +161,23 @@ def test_stamps_and_prediction_are_transposes() -> None:
     assert np.vdot(out, field) == pytest.approx(value @ sheet.predict(field), rel=1e-12)
 
 
-@pytest.mark.parametrize("pitch", [1.1e-3, 1.5e-3, 2.1e-3, 2.9e-3])
 @pytest.mark.parametrize("length", [0.5e-3, 1.5e-3, 4e-3])
-def test_all_stamps_lie_on_the_lattice(pitch: float, length: float) -> None:
+def test_all_stamps_lie_on_the_lattice(length: float) -> None:
     solver = sf.GaussianField(length_scale=length)
-    sheet = sf.Sheet(PLACES[:40], LAYER, pitch=pitch, solver=solver, cut=5e-3)
-    columns = sheet.shape[1]
-    for stamp in (sheet.plan.stamps.read, sheet.plan.stamps.spread):
-        corner = sheet.plan.placing.corner(stamp.reach, columns)
-        assert corner.min() >= 0
-        assert (corner % columns + stamp.width).max() <= columns
-        assert (corner // columns + 2 * stamp.reach).max() <= sheet.shape[0]
+    rng = np.random.default_rng(0)
+    for index in range(60):
+        places = PLACES[: 1 + index % 7] + rng.uniform(-1.0, 1.0, 2)
+        if index % 2:
+            places = np.round(places / 1.5e-3) * 1.5e-3  # where rounding decides on the cell
+        sheet = sf.Sheet(places, LAYER, pitch=1.5e-3, solver=solver, cut=5e-3)
+        columns = sheet.shape[1]
+        for stamp in (sheet.plan.stamps.read, sheet.plan.stamps.spread):
+            column, row = (sheet.plan.placing.cell - (stamp.reach - 1)).T
+            corner = sheet.plan.placing.corner(stamp.reach, columns)
+            assert (corner == row * columns + column).all()
+            assert min(column.min(), row.min()) >= 0
+            assert (column + stamp.width).max() <= columns
+            assert (row + 2 * stamp.reach).max() <= sheet.shape[0]
 
 
 def test_it_is_linear() -> None:
@@ -213,7 +219,7 @@ def test_a_press_beyond_the_corner_is_found_there() -> None:
     pressed = 2e4 * np.exp(-np.square(dense.model.grid.plane - corner).sum(axis=1) / 9e-3**2)
     exact = dense.matrix @ (dense.model.matrix @ pressed)
     assert off(sheet(dense.model.matrix @ pressed).pressure, exact) < 5e-4
-    assert sheet.origin[0] < PLACES[:, 0].min() - (sheet.plan.stamps.spread.reach - 2) * sheet.pitch
+    assert sheet.origin[0] < PLACES[:, 0].min() - (sheet.plan.stamps.spread.reach - 1) * sheet.pitch
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4])
@@ -256,6 +262,15 @@ def test_a_deadline_stops_it() -> None:
     assert not late.deadline_met
     assert late.iterations == 0
     assert late.relative_residual == pytest.approx(1.0)
+
+
+def test_a_new_sheet_knows_what_a_reading_takes() -> None:
+    sheet = sf.Sheet(PLACES, LAYER)
+    readings = usual_pair()[1].readings
+    prompt = sheet(readings, deadline=60.0)
+    assert prompt.deadline_met
+    sheet.reset()
+    assert prompt.iterations == sheet(readings).iterations, "it began from nothing"
 
 
 def test_noise_of_each_taxel_counts() -> None:

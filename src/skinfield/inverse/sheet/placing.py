@@ -30,11 +30,12 @@ class Lattice:
         """Cells over the rectangle low .. high (2,) m and what stamps reach beyond.
 
         Stamps begin `before` - 1 cells before that of a taxel; their last column is `after` cells
-        behind it.
+        behind it. The outermost taxels stand half a cell away from where that would not hold, as
+        nothing is checked when stamps are written.
         """
         columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
-        shape = (rows + 2 * before, columns + before + after)
-        return cls(shape, pitch, low - (before - 1) * pitch)
+        shape = (rows + 2 * before + 1, columns + before + after + 1)
+        return cls(shape, pitch, low - (before - 0.5) * pitch)
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,6 +116,7 @@ class Sheet:
         self._weights = np.zeros(len(places), dtype=precision)
         self._spread = parts_of(self.plan.stamps.spread, precision)
         self._read = parts_of(self.plan.stamps.read, precision)
+        self._rehearse()
 
     def __len__(self) -> int:
         return len(self.noise_std)
@@ -173,15 +174,20 @@ class Sheet:
         `deadline_ns` is a time of `time.perf_counter_ns`; iterations stop early enough to write
         the pressure by then, as far as the times of the readings before tell.
         """
-        from skinfield.inverse.sheet.kernels import add_stamps, give_out
-
         check_shape("readings", readings, (len(self),), "one per taxel")
         check_shape("out", out, self.shape, "one per cell, sheet.shape")
         check_like("readings", readings, self.precision)
         check_like("out", out, self.precision)
+        self._apply(readings, out, self.most_iterations, deadline_ns)
+
+    def _apply(
+        self, readings: NDArray[Any], out: NDArray[Any], most: int, deadline_ns: int | None
+    ) -> None:
+        from skinfield.inverse.sheet.kernels import add_stamps, give_out
+
         plan, conjugate = self.plan, self._conjugate
         last = None if deadline_ns is None else deadline_ns - self._stamping_ns
-        conjugate.solve(readings, self.tolerance, self.most_iterations, last)
+        conjugate.solve(readings, self.tolerance, most, last)
         begin = time.perf_counter_ns()
         give_out(conjugate.answer, plan.gain, self._weights)
         columns = self.shape[1]
@@ -189,6 +195,14 @@ class Sheet:
         end = time.perf_counter_ns()
         self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
         self._deadline_met = deadline_ns is None or end <= deadline_ns
+
+    def _rehearse(self) -> None:
+        """Load the machine code and learn what a step and the stamps take."""
+        some, out = self.noise_std.astype(self.precision), np.empty(self.shape, self.precision)
+        for _ in range(2):  # from nothing, then from the reading before
+            self._conjugate.step_ns = self._stamping_ns = 0
+            self._apply(some, out, 1, None)
+        self.reset()
 
     def __call__(self, readings: ArrayLike, *, deadline: float | None = None) -> SheetEstimate:
         """Reconstruct one reading (L,) in the quantity's unit; NaN leaves a taxel out.
