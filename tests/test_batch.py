@@ -44,7 +44,7 @@ def test_outputs_are_those_of_an_estimate(linear) -> None:
 
 
 def test_outputs_on_a_curved_patch_go_along_its_normals() -> None:
-    curved = sf.layouts.cylinder(radius=30e-3)
+    curved = sf.layouts.cylinder(radius=30e-3, length=15e-3, arc_angle=1.0)
     reconstructor = sf.Reconstructor(
         curved, grid=sf.Grid.square(curved, nodes=6), quantity=sf.Gap(), solver=sf.Tikhonov()
     )

@@ -14,7 +14,7 @@ GRID = sf.Grid.square(PATCH, nodes=8)
 RNG = np.random.default_rng(3)
 SOLVERS = {
     "gaussian": sf.GaussianField(), "tikhonov": sf.Tikhonov(), "pseudo": sf.PseudoInverse(),
-    "inverse": sf.Inverse(), "nonnegative": sf.NonNegative(),
+    "nonnegative": sf.NonNegative(),
 }  # fmt: skip
 
 

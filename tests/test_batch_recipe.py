@@ -39,7 +39,11 @@ def test_settings_come_back_equal(solver) -> None:
         np.testing.assert_array_equal(other.grid.positions, GRID.positions)
 
 
-@pytest.mark.parametrize("patch", [PATCH, sf.layouts.cylinder(radius=25e-3)], ids=["flat", "round"])
+@pytest.mark.parametrize(
+    "patch",
+    [PATCH, sf.layouts.cylinder(radius=25e-3, length=15e-3, arc_angle=1.0)],
+    ids=["flat", "round"],
+)
 def test_the_reconstructor_is_the_same_to_the_last_bit(patch) -> None:
     grid = sf.Grid.square(patch, nodes=7)
     first = sf.Reconstructor(patch, grid=grid, solver=sf.Tikhonov())
