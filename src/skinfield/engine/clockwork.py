@@ -19,6 +19,9 @@ NS = 1e-9
 KINDS = len(Step)
 
 
+Logged = tuple[int, int, int, int, int, int, float]
+
+
 class Done(NamedTuple):
     """One step that was taken.
 
@@ -77,7 +80,8 @@ class Clockwork:
         Part of the energy that each rung leaves unresolved.
     end : int, ns
         When the cycle must be over.
-    log : list of Done
+    log : list of tuples
+        Of the steps of this cycle; see `Done`.
     """
 
     groups: Sequence[Group]
@@ -87,7 +91,7 @@ class Clockwork:
     costs: Floats = field(init=False)
     unresolved: Floats = field(init=False)
     end: int = field(init=False, default=0)
-    log: list[Done] = field(init=False, default_factory=list)
+    log: list[Logged] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
         counts = [group.count for group in self.groups]
@@ -164,18 +168,16 @@ class Clockwork:
     def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.which(step, group, rung)
-        self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
+        self.log.append((step, group, patch, rung, start, end, self.model.predict(which)))
         seconds = (end - start) * NS
         self.model.observe(which, seconds)
         return seconds
 
-    def searched(
-        self, step: int, patch: int, rung: int, start: int, end: int, to_the_end: bool
-    ) -> None:
+    def searched(self, patch: int, rung: int, start: int, end: int, to_the_end: bool) -> None:
         """As `done`, of a search that came to its end or was cut short."""
-        group = self.places[patch][0].index
+        group, step = self.places[patch][0].index, int(self.state.kind[patch])
         which = (group * KINDS + step) * self.rungs + rung
-        self.log.append(Done(step, group, patch, rung, start, end, self.model.predict(which)))
+        self.log.append((step, group, patch, rung, start, end, self.model.predict(which)))
         (self.model.observe if to_the_end else self.model.at_least)(which, (end - start) * NS)
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:

@@ -167,8 +167,8 @@ class Engine:
             first=(first - start) * NS,
             started=start,
             overrun=spent > budget,
-            steps=tuple(work.log),
             names=self._ordered,
+            _log=tuple(work.log),
             _snapshot=snapshot,
         )
         return Estimates(self, self.cycle, report, stamp_ns)

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from skinfield.engine.clockwork import Clockwork, Done
+from skinfield.engine.clockwork import Clockwork, Done, Logged
 from skinfield.engine.state import Answer, Step
 from skinfield.errors import Floats, InputError, Ints
 
@@ -67,8 +68,6 @@ class CycleReport:
         Of the engine's clock.
     overrun : bool
         Whether more than the budget was spent.
-    steps : tuple of Done
-        In the order in which they were taken.
     names : tuple of str
         Of the patches, as `Done.patch` counts them.
     """
@@ -78,9 +77,14 @@ class CycleReport:
     first: float
     started: int
     overrun: bool
-    steps: tuple[Done, ...]
     names: tuple[str, ...]
+    _log: tuple[Logged, ...]
     _snapshot: "Snapshot"
+
+    @cached_property
+    def steps(self) -> tuple[Done, ...]:
+        """All steps; those of one plan's searches in the order in which they were taken."""
+        return tuple(Done(*each) for each in self._log)
 
     def __getitem__(self, name: str) -> PatchReport:
         if name not in self.names:

@@ -9,6 +9,7 @@ from skinfield.errors import Ints
 
 FIRST = 0.25  # of the time, for the first proof
 ROUNDS = 6  # of planning in a cycle, at most
+Found = tuple[int, int, float, float, bool, int, float, int, int]  # what a search came to
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
 ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
 
@@ -121,7 +122,7 @@ def serve(work: Clockwork, hot: Ints) -> None:
         return
     rungs = target[chosen]
     costs = work.costs[state.group[chosen], state.kind[chosen], rungs]
-    committed = float(costs.sum())
+    committed, found = float(costs.sum()), []
     for patch, rung, cost in zip(chosen.tolist(), rungs.tolist(), costs.tolist(), strict=True):
         committed -= cost
         allowance = work.left - committed  # what is planned for the others is theirs
@@ -129,7 +130,9 @@ def serve(work: Clockwork, hot: Ints) -> None:
             rung, cost = cheaper(work, patch, rung, allowance)
             if cost > allowance:
                 continue
-        search(work, patch, rung, cost, allowance)
+        found.append(search(work, patch, rung, cost, allowance))
+    if found:
+        take_in(work, found)
 
 
 def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[int, float]:
@@ -141,28 +144,42 @@ def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[i
     return rung, float(costs[rung])
 
 
-def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float) -> None:
+def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float) -> Found:
     """Search one patch on a rung from where its last search ended, on whichever rung that was."""
-    state, start = work.state, work.clock()
+    start = work.clock()
     group, place = work.places[patch]
-    valid = work.valid_rows[patch] if state.invalid[patch] else None
+    valid = None
+    if not work.intake.all_valid and work.state.invalid[patch]:
+        valid = work.valid_rows[patch]
     operator = group.search_of(rung, place, valid)
     deadline = start + int(allowance / NS)
     operator.apply(work.linear_rows[patch], group.rows_of_feasible[rung][place], deadline)
-    end = work.clock()
-    gap = operator.gap
+    end, gap = work.clock(), operator.gap
     settled = gap <= operator.problem.tolerance or (deadline - end) * NS > ENDED * allowance
     if valid is not None:
         group.remember(place, operator)
-    unresolved = float(state.energy[patch] * work.unresolved[group.index, rung])
-    excess = unresolved if settled else unresolved + operator.objective * gap
-    if state.at[patch] < 0 or excess <= state.excess[patch]:
-        state.answer[patch] = FEASIBLE
-        state.rung[patch] = state.at[patch] = rung
-        state.gap[patch], state.excess[patch] = gap, excess
-        state.settled[patch] = settled
-    state.iterations[patch] += operator.iterations
-    state.predicted[patch] += cost
-    state.spent[patch] += (end - start) * NS
-    work.searched(int(state.kind[patch]), patch, rung, start, end, settled)
+    missing = 0.0 if settled else operator.objective * gap
+    return patch, rung, gap, missing, settled, operator.iterations, cost, start, end
+
+
+def take_in(work: Clockwork, found: list[Found]) -> None:
+    """Learn from searches, each of another patch, and keep their answers where they are better."""
+    state = work.state
+    for one, on, _, _, settled, _, _, start, end in found:
+        work.searched(one, on, start, end, settled)
+    patches, rungs, gaps, missing, settled_ones, iterations, costs, starts, ends = zip(
+        *found, strict=True
+    )
+    patch, rung = np.array(patches), np.array(rungs)
+    excess = state.energy[patch] * work.unresolved[state.group[patch], rung] + missing
+    state.iterations[patch] += iterations
+    state.predicted[patch] += costs
+    state.spent[patch] += np.subtract(ends, starts) * NS
     state.kind[patch] = WARM
+    better = (state.at[patch] < 0) | (excess <= state.excess[patch])
+    kept = patch[better]
+    state.answer[kept] = FEASIBLE
+    state.rung[kept] = state.at[kept] = rung[better]
+    state.gap[kept] = np.array(gaps)[better]
+    state.excess[kept] = excess[better]
+    state.settled[kept] = np.array(settled_ones)[better]
