@@ -55,7 +55,7 @@ def _lap(work: Clockwork, group: Group, step: int, rung: int, action: Callable[[
     work.model.start(work.which(step, group.index, rung), np.array(laps[1:]))
 
 
-def _searches(work: Clockwork, group: Group, rung: int, rng: np.random.Generator) -> None:
+def _searches(work: Clockwork, group: Group, rung: int, rng: "np.random.Generator") -> None:
     """Time searches of rehearsed touches: of a new contact, and of the same a moment later."""
     search, out = group.searches[rung][0], group.feasible[rung][0]
     cold: list[float] = []
@@ -74,7 +74,7 @@ def _searches(work: Clockwork, group: Group, rung: int, rng: np.random.Generator
     work.model.start(work.which(WARM, group.index, rung), np.array(warm[1:]))
 
 
-def rehearsed(group: Group, rung: int, rng: np.random.Generator) -> Floats:
+def rehearsed(group: Group, rung: int, rng: "np.random.Generator") -> Floats:
     """Readings (L,) of a round touch at a random taxel, without noise."""
     step = group.rungs.steps[rung]
     model = step.model
