@@ -167,6 +167,7 @@ class NonNegativeOperator:
         self._memory.counts[:] = 0
         self._memory.dual[:] = 0.0
         self._memory.measures[:2] = np.nan
+        self._memory.measures[5] = 0.0
 
     def twin(self) -> "NonNegativeOperator":
         """Share all that is prepared, with a memory of its own: for a patch of equal geometry."""

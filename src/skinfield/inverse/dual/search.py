@@ -20,6 +20,7 @@ from skinfield.inverse.dual.values import (
     SPREAD_PACE,
     STEP_PACE,
     STEPS,
+    UNSOLVED,
     dual_values,
     half_square,
     list_near,
@@ -34,6 +35,7 @@ PASSES = 12  # over all nodes, at most
 SPARE_NS = 2000  # for the way back to the caller
 WELL = 0.2  # of what was left before a step: if more is left after it, its system was too old
 FEW = 64  # active nodes whose system is made anew as quickly as an old one needs a step more
+POOR = 0.1  # of the objective: an answer so far from its dual value is no safe start
 LARGEST = 1e30  # of half the squared readings, beyond which single precision overflows
 
 
@@ -76,6 +78,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         best, plain = primal(problem, memory, best)
         left = half_square(memory.ascent)
         solved = left <= max(local, problem.rounding) * plain
+        measures[UNSOLVED] = left / plain
         active = kernel.take_active(memory.listed, counts[COUNT], memory.slack, memory.active)
         work = step_work(len(memory.target), counts[COUNT], active)
         proof, ending = time_to_prove(problem, memory), start + time_to_end(problem, memory)
@@ -109,7 +112,8 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
 @njit(cache=True, nogil=True)
 def begin(problem: Problem, memory: Memory) -> bool:
     """Choose where to start; False if the patch is idle, which is proved here."""
-    if memory.counts[GIVEN] == 0 and stands_out(problem, memory):
+    kept = memory.counts[GIVEN] == 0 and stands_out(problem, memory)
+    if kept and (memory.measures[UNSOLVED] < POOR or still_best(problem, memory)):
         return True
     every, norms = memory.every, problem.norms
     see_all(problem, memory, memory.target, problem.threshold)
@@ -162,6 +166,37 @@ def stands_out(problem: Problem, memory: Memory) -> bool:
     for i in range(count):
         highest = max(highest, turn[i] - problem.threshold * problem.norms[memory.listed[i]])
     return highest > 0.0
+
+
+@njit(cache=True, nogil=True)
+def still_best(problem: Problem, memory: Memory) -> bool:
+    """Whether the dual of the reading before is better than the way from 0 to the readings.
+
+    As far as the nodes that were searched tell, whose product with the readings is in `turn`.
+    """
+    count, slack = memory.counts[COUNT], memory.slack
+    square = 2.0 * half_square(memory.target)
+    for i in range(count):
+        slack[i] = -problem.penalty[memory.listed[i]]
+    length = kernel.step_length(slack, memory.turn, count, square, square)
+    along = length * square - 0.5 * length * length * square
+    along -= excess(problem, memory, memory.turn, length)
+    kernel.project(problem.rows, memory.listed, count, memory.dual, slack)
+    product = 0.0
+    for taxel in range(len(memory.target)):
+        product += np.float64(memory.dual[taxel]) * memory.target[taxel]
+    before = product - half_square(memory.dual) - excess(problem, memory, slack, 1.0)
+    return before > along
+
+
+@njit(cache=True, nogil=True)
+def excess(problem: Problem, memory: Memory, seen: Floats, length: float) -> float:
+    """Half the squared amounts of the searched nodes, from `length` times what they see."""
+    total = 0.0
+    for i in range(memory.counts[COUNT]):
+        over = max(length * seen[i] - problem.penalty[memory.listed[i]], 0.0)
+        total += over * over
+    return 0.5 * total
 
 
 @njit(cache=True, nogil=True)

@@ -10,9 +10,10 @@ from skinfield.inverse.dual.clock import now_ns
 from skinfield.inverse.stamps_kernel import stamp_apply
 
 MARGIN = 0.5  # standard deviations below a node's own threshold at which it is searched
+UNITS = 8  # of a number's last place in `rounding`
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 IDLE, COUNT, STEPS, PRESSED, GIVEN, FACTORED = range(6)  # of `counts`
-GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE = range(5)  # of `measures`; ns per product
+GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE, UNSOLVED = range(6)  # of `measures`; ns
 
 
 @njit(cache=True, nogil=True)
@@ -113,17 +114,21 @@ def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
     start = now_ns(memory.room)
     every, penalty = memory.every, problem.penalty
     see_all(problem, memory, memory.dual, problem.least)
-    square, elsewhere = 0.0, 0.0
+    square, elsewhere, spread, pressed = 0.0, 0.0, 0.0, 0
     for node in range(len(every)):
         over = np.float64(max(every[node] - penalty[node], 0.0))
         if problem.allowed[node]:
             square += over * over
+            spread += over * problem.norms[node]
+            pressed += over > 0.0
         else:
             elsewhere += over * over
     own, product = half_square(memory.dual), 0.0
     for taxel in range(len(memory.target)):
         product += np.float64(memory.dual[taxel]) * memory.target[taxel]
     rounded = problem.rounding * np.sqrt(own * half_square(memory.target))
+    # and what the objective may be off, as readings are predicted by a sum over pressed nodes
+    rounded += problem.rounding / UNITS * np.sqrt(2.0 * own * pressed) * spread
     within = product - own - 0.5 * square - rounded
     taken = now_ns(memory.room) - start
     measures = memory.measures
