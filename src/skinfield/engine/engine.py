@@ -19,7 +19,7 @@ from skinfield.engine.linear_stages import answer_linearly, refine_linearly
 from skinfield.engine.measure import measure, rehearsed_cycle
 from skinfield.engine.report import CycleReport, Snapshot
 from skinfield.engine.search_stages import begin_search, spend
-from skinfield.errors import check_offers, check_positive
+from skinfield.errors import Ints, check_offers, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import NonNegative, Solver
 from skinfield.layout import Grid, Patch, Skin
@@ -136,10 +136,9 @@ class Engine:
         InputError
             For another number of taxels, or a name that no patch has.
         """
-        work = self._work
+        work, around = self._work, self._around
         start = work.clock()
         budget = self.budget if budget is None else self._checked(budget)
-        around = self._around
         reserve = sum(min(around.predict(k), MOST_KEPT * budget) for k in (RETURN, BEYOND))
         work.end = start + int((budget - reserve) / NS)
         work.begin(readings, valid)
@@ -151,6 +150,12 @@ class Engine:
             begin_search(work)
             first = work.clock()
             hot = spend(work)
+        report = self._close(hot, budget, start, first)
+        return Estimates(self, self.cycle, report, stamp_ns)
+
+    def _close(self, hot: Ints, budget: float, start: int, first: int) -> CycleReport:
+        """End a cycle: remember who was served, learn how long the end takes, and report."""
+        work, around = self._work, self._around
         before, left = work.clock(), work.left
         work.state.finish(hot)
         self.cycle += 1
@@ -161,7 +166,7 @@ class Engine:
         around.relax()
         work.model.relax()
         spent = (end - start) * NS
-        report = CycleReport(
+        return CycleReport(
             budget=budget,
             spent=spent,
             first=(first - start) * NS,
@@ -171,7 +176,6 @@ class Engine:
             _log=tuple(work.log),
             _snapshot=snapshot,
         )
-        return Estimates(self, self.cycle, report, stamp_ns)
 
     def estimate_of(self, name: str, stamp_ns: int, report: CycleReport) -> Estimate:
         """Estimate of one patch from the last cycle, whose report this is."""

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 
 Steps = NDArray[np.int64]
+UNKNOWN = -2  # in place of a rung: the patch's best upgrade is to be found anew
 
 
 @njit(cache=True, nogil=True)
@@ -30,6 +31,16 @@ def best_upgrade(
         if gain > 0.0 and more <= affordable and gain > ratio * more:
             best, ratio = rung, gain / more
     return best, ratio
+
+
+@njit(cache=True, nogil=True)
+def most_gaining(hot: Steps, rungs: Steps, ratios: Floats) -> int:
+    """Patch whose upgrade gains most per second; -1 where none fits."""
+    chosen, highest = -1, 0.0
+    for patch in hot:
+        if rungs[patch] >= 0 and ratios[patch] > highest:
+            chosen, highest = patch, ratios[patch]
+    return chosen
 
 
 @njit(cache=True, nogil=True)
@@ -84,24 +95,22 @@ def plan(
     """
     count = 0
     for patch in hot:
-        target[patch], rungs[patch], ratios[patch] = -1, -2, 0.0
+        target[patch], rungs[patch], ratios[patch] = -1, UNKNOWN, 0.0
     while True:
-        chosen, highest = -1, 0.0
         for patch in hot:
-            if rungs[patch] == -2:  # not known, or changed
-                its = group[patch]
+            if rungs[patch] == UNKNOWN:
+                its, row = group[patch], costs[group[patch], kind[patch]]
                 rungs[patch], ratios[patch] = best_upgrade(
                     target[patch],
                     at[patch],
                     excess[patch],
                     energy[patch],
-                    costs[its, kind[patch]],
+                    row,
                     unresolved[its],
                     left,
                 )
                 ratios[patch] *= 1.0 + age[patch]
-            if rungs[patch] >= 0 and ratios[patch] > highest:
-                chosen, highest = patch, ratios[patch]
+        chosen = most_gaining(hot, rungs, ratios)
         if chosen < 0:
             return count
         before, paid = target[chosen], costs[group[chosen], kind[chosen]]
@@ -112,4 +121,4 @@ def plan(
             if before < 0:
                 order[count] = chosen
                 count += 1
-        rungs[chosen] = -2
+        rungs[chosen] = UNKNOWN
