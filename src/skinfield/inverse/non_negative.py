@@ -58,8 +58,11 @@ class NonNegative:
     with s `shrinkage` and z* such that :math:`K (1 - \Phi(z_*))` is the false-alarm rate: on noise
     alone :math:`B_k^T b / |B_k|` is a standard normal number at each of the K nodes, so their
     largest exceeds z* at most at that rate (Boole's inequality). Readings that do not exceed it are
-    answered by p = 0. The bumps are scaled so that the prior's readings have, over the taxels,
-    `snr` times the noise's power: tr(B B') = L snr².
+    those of an idle patch: of these the problem is the one with s = 1, whose minimum is z = 0 if
+    and only if they do not exceed it, so that p = 0 is its exact answer, with a gap of 0. Once
+    something is felt, the whole threshold would take too much of its force, and s is `shrinkage`.
+    The bumps are scaled so that the prior's readings have, over the taxels, `snr` times the noise's
+    power: tr(B B') = L snr².
 
     It is solved in its dual, with an unknown r per taxel, however many nodes there are:
 

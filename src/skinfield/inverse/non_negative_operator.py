@@ -87,7 +87,7 @@ class NonNegativeOperator:
         Newton steps that the last reading took.
     gap : float, dimensionless
         The share of its objective by which the last answer may be above the minimum, at most: 0 to
-        1. It is proved, by a dual value.
+        1. It is proved, by a dual value; of an idle patch by its test, with the `penalty` of then.
     objective : float, dimensionless
         That of the last answer.
     deadline_met : bool
@@ -150,6 +150,16 @@ class NonNegativeOperator:
     def dual(self) -> NDArray[Any]:
         """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
         return self._memory.dual[: self.taxels]
+
+    @property
+    def penalty(self) -> NDArray[Any]:
+        """Penalty on the amount of each node in the last answer's problem, (K,).
+
+        That of the full threshold if the patch was idle, for which 0 is the minimum.
+        """
+        if self.idle:
+            return np.asarray(self.threshold * self.problem.norms)
+        return self.problem.penalty
 
     @property
     def threshold(self) -> float:

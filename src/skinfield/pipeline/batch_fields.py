@@ -52,7 +52,7 @@ class BulkFields:
         self.reconstructor = reconstructor
         self.outputs = checked_outputs(outputs)
         self.precision = precision
-        plan = reconstructor._plan
+        plan = reconstructor.plans.whole
         self._linear = plan if isinstance(plan, LinearPlan) else None
         row_bytes = self.width * np.dtype(precision).itemsize
         self.run = RUN if self._linear is None else readings_per_product(row_bytes)
@@ -195,7 +195,7 @@ class BulkFields:
         return quantity.linearise(readings, np.empty(readings.shape))
 
     def _plan(self, valid: NDArray[np.bool_]) -> LinearPlan:
-        plan = self._linear if valid.all() else self.reconstructor._plan_for(valid)
+        plan = self._linear if valid.all() else self.reconstructor.plans.of(valid)
         assert isinstance(plan, LinearPlan)
         return plan
 

@@ -18,6 +18,8 @@ from skinfield.layout import Grid
 from skinfield.observation import Deformation, ObservationModel, Quantity
 from skinfield.pipeline.missing import CHUNK, MissingTaxels
 
+MOST = 1e6  # s: a deadline that is as good as none
+
 
 @dataclass(frozen=True, eq=False)
 class Results:
@@ -265,7 +267,7 @@ def linear_plan(
 
 def until(deadline: float | None) -> int | None:
     """Time of `time.perf_counter_ns` at which a deadline in seconds from now ends."""
-    return None if deadline is None else time.perf_counter_ns() + int(deadline * 1e9)
+    return None if deadline is None else time.perf_counter_ns() + int(min(deadline, MOST) * 1e9)
 
 
 def spread_out(values: Floats, valid: NDArray[np.bool_]) -> Floats:

@@ -2,8 +2,7 @@
 
 import copy
 import time
-from collections import OrderedDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
-from skinfield.errors import Floats, InputError, Ints, check_positive
+from skinfield.errors import Floats, InputError, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import GaussianField, Solver
 from skinfield.layout import Grid, Patch
@@ -24,14 +23,12 @@ from skinfield.observation import (
     check_skin,
 )
 from skinfield.pipeline.arguments import check_parts, checked_readings
-from skinfield.pipeline.contact_plan import make_plan
-from skinfield.pipeline.field_plan import FieldPlan
 from skinfield.pipeline.intervals import Intervals
-from skinfield.pipeline.plan import Answer, LinearPlan, Plan, Results, Setting
+from skinfield.pipeline.plan import MOST, LinearPlan, Results, Setting
+from skinfield.pipeline.plans import Plans
 from skinfield.pipeline.support import support_of
 
 AFTER, LONGEST = 10_000, 50_000  # ns: what a call does after the solver, at first and at most
-PLANS_KEPT = 16  # sets of valid taxels whose matrices stay prepared
 
 
 class Reconstructor:
@@ -97,12 +94,11 @@ class Reconstructor:
         )
         self.deformation = Deformation(support, self.layer, self.mechanics)
         made = (self.model, self.deformation, nodes, self.grid, self.quantity, self.finder)
-        self._setting = Setting(*made, precision, model_errors=intervals is None)
+        setting = Setting(*made, precision, model_errors=intervals is None)
         self.intervals = intervals
         if intervals is not None:
             intervals.check(*self.kind)
-        self._plans: OrderedDict[bytes, Plan] = OrderedDict()
-        self._plan = self._plan_for(np.ones(len(patch), np.bool_))
+        self._plans = Plans(setting, self.solver)
         self._linear = np.empty(len(patch), precision)
         self._after = AFTER
         self._run_in()
@@ -110,12 +106,18 @@ class Reconstructor:
     @property
     def plan(self) -> LinearPlan:
         """What is prepared for all taxels, of a linear solver."""
-        if not isinstance(self._plan, LinearPlan):
+        whole = self._plans.whole
+        if not isinstance(whole, LinearPlan):
             raise InputError(
                 f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
                 "reconstructor with readings, or use a linear solver such as GaussianField()"
             )
-        return self._plan
+        return whole
+
+    @property
+    def plans(self) -> Plans:
+        """What is prepared, for all taxels and for those sets of them that came."""
+        return self._plans
 
     @property
     def operator(self) -> NDArray[Any]:
@@ -176,9 +178,7 @@ class Reconstructor:
             if prompt is not None:
                 return prompt
         out = Results.empty(len(table), len(self.patch), len(self.grid))
-        for pattern, rows in _patterns(mask, self._without_missing(table, mask, out)):
-            part = table[rows] if pattern.all() else table[np.ix_(rows, pattern)]
-            self._plan_for(pattern).solve(part, rows, out, deadline)
+        self._plans.solve(table, mask, out, deadline)
         nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]
         estimate = Estimate(
@@ -211,8 +211,8 @@ class Reconstructor:
 
         None where the plan computes all at once, as one that finds contacts does.
         """
-        end = None if deadline is None else start + int(deadline * 1e9)
-        answer = self._answer(reading, valid, None if end is None else end - self._after)
+        end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
+        answer = self._plans.prompt(reading, valid, None if end is None else end - self._after)
         if answer is None:
             return None
         answered = time.perf_counter_ns()
@@ -235,17 +235,6 @@ class Reconstructor:
         vars(estimate)["latency"] = (now - start) * 1e-9
         vars(estimate)["deadline_met"] = end is None or now <= end
         return estimate
-
-    def _answer(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer | None:
-        plan, whole = self._plan, bool(valid.all())
-        own = reading.copy()  # what is computed later is of this one; the caller may write over his
-        if isinstance(plan, LinearPlan):
-            return plan.prompt(own, end) if whole else plan.prompt_among(own, valid)
-        if not isinstance(plan, FieldPlan):
-            return None
-        plan = plan if whole else self._plan_for(valid)
-        assert isinstance(plan, FieldPlan)  # as that of all taxels is
-        return plan.prompt(own if whole else own[valid], end)
 
     def calibrated(
         self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
@@ -283,10 +272,7 @@ class Reconstructor:
             intervals.check(*self.kind)
         other = copy.copy(self)
         other.intervals = intervals
-        other._setting = replace(self._setting, model_errors=False)
-        plans = self._plans.items()
-        other._plan = self._plan.within(other._setting)
-        other._plans = OrderedDict((key, each.within(other._setting)) for key, each in plans)
+        other._plans = self._plans.within(replace(self._plans.setting, model_errors=False))
         return other
 
     @property
@@ -297,52 +283,10 @@ class Reconstructor:
 
     def reset(self) -> None:
         """Forget the readings before, from which some solvers start the next."""
-        for plan in self._plans.values():
-            plan.reset()
+        self._plans.reset()
 
     def _run_in(self) -> None:
         """Load what is compiled, so that the first reading is as fast as the next."""
         self(np.zeros(len(self.patch)))
         self.reset()
-        if isinstance(self._plan, (LinearPlan, FieldPlan)):
-            peak = np.zeros(len(self.grid))
-            peak[len(peak) // 2] = 1e3 * max(float(self._plan.noise.std.max()), 1.0)
-            self._plan.contacts(peak, self._plan.noise, self._plan.posterior)
-            self._setting.deformation(np.zeros(len(self.model.grid)))
-
-    def _without_missing(self, table: Floats, mask: NDArray[np.bool_], out: Results) -> Ints:
-        """Answer the readings that lack taxels, if the plan of all taxels can; rows that remain."""
-        whole, plan = mask.all(axis=1), self._plan
-        if whole.all() or not isinstance(plan, LinearPlan) or plan.missing is None:
-            return np.arange(len(mask))
-        rows = np.flatnonzero(~whole)
-        plan.missing.solve(plan, table[rows], mask[rows], rows, out)
-        return np.flatnonzero(whole)
-
-    def _plan_for(self, valid: NDArray[np.bool_]) -> Plan:
-        key = np.packbits(valid).tobytes()
-        if key not in self._plans:
-            if len(self._plans) >= PLANS_KEPT:
-                self._plans.popitem(last=False)
-            self._plans[key] = self._make_plan(valid)
-        self._plans.move_to_end(key)
-        return self._plans[key]
-
-    def _make_plan(self, valid: NDArray[np.bool_]) -> Plan:
-        if self._plans and isinstance(self._plan, FieldPlan):
-            shorter = self._plan.without(valid)
-            if shorter is not None:
-                return shorter
-        return make_plan(self._setting, self.solver, valid)
-
-
-def _patterns(
-    mask: NDArray[np.bool_], rows: Ints
-) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64]]]:
-    """Sets of taxels that are valid together in some rows, and the rows that have them."""
-    if len(rows) == 1 or mask[rows].all():
-        yield from [(mask[rows[0]], rows)] if len(rows) else []
-        return
-    patterns, which = np.unique(mask[rows], axis=0, return_inverse=True)
-    for index, pattern in enumerate(patterns):
-        yield pattern, rows[which.ravel() == index]
+        self._plans.run_in()
