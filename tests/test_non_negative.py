@@ -1,5 +1,6 @@
 """The non-negative field as a solver: its contract, idle patches, presses, settings, its page."""
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -194,3 +195,13 @@ def test_a_length_longer_than_the_grid_is_no_harm_but_there_is_an_end() -> None:
     assert found.min() >= 0.0
     with pytest.raises(InputError, match=r"length_scale is 500 mm on nodes .* expected at most"):
         NonNegative(length_scale=0.5).prepare(model)
+
+
+def test_the_clock_is_that_of_the_deadline() -> None:
+    from skinfield.inverse.dual.clock import now_ns
+
+    room = np.zeros(2, dtype=np.int64)
+    for _ in range(100):
+        before = time.perf_counter_ns()
+        inside = now_ns(room)
+        assert before <= inside <= time.perf_counter_ns()
