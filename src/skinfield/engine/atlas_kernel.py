@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from skinfield.errors import Ints
 from skinfield.inverse.stamps_kernel import TOGETHER, stamp_apply_many
 
+FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
+
 Ints32 = NDArray[np.int32]
 Numbers = NDArray[Any]
 
@@ -79,6 +81,24 @@ def idle_patches(
             for patch in range(now):
                 above = count_above(room[patch], lacking, given[start + patch], thresholds[kind])
                 idle[row + start + patch] = above == 0
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def idle_without(rows: Numbers, valid: NDArray[np.bool_], white: Numbers, threshold: float) -> bool:
+    """Whether no row (K, L or more) of the valid taxels alone sees more than the threshold.
+
+    `white` (L,) are readings in units of their noise; a row's length is that of its valid part.
+    """
+    zero = rows.dtype.type(0)
+    for node in range(len(rows)):
+        seen, square, row = zero, zero, rows[node]
+        for taxel in range(len(white)):
+            value = row[taxel] if valid[taxel] else zero
+            seen += value * white[taxel]
+            square += value * value
+        if not seen <= threshold * np.sqrt(square):
+            return False
+    return True
 
 
 @njit(cache=True, nogil=True)

@@ -148,9 +148,18 @@ class Clockwork:
         return (self.end - self.clock()) * NS
 
     def find_idle(self, rung: int) -> NDArray[np.bool_]:
-        """Which patches are idle on a rung, (P,): proven, 0 is the minimum there."""
+        """Patches on which nothing stands out of the noise on a rung, (P,); see `NonNegative`."""
         self.tests[rung].find_idle(self.intake.white, self._idle)
         return self._idle
+
+    def is_idle(self, patch: int, rung: int) -> bool:
+        """As `find_idle`, of one patch by its valid taxels alone."""
+        from skinfield.engine.atlas_kernel import idle_without
+
+        group, place = self.places[patch]
+        rows, valid = group.searches[rung][0].problem.rows, self.valid_rows[patch]
+        white = self.white[group.index][place]
+        return bool(idle_without(rows, valid, white, group.thresholds[rung]))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.engine.clockwork import NS, Clockwork
 from skinfield.engine.group import Group
-from skinfield.engine.state import COLD, PRODUCT, ROW, TEST, WARM
+from skinfield.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM
 from skinfield.errors import Floats
 
 LAPS = 9  # of each step; the first one, which loads what is compiled, does not count
@@ -30,6 +30,7 @@ def measure(work: Clockwork) -> None:
                 _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
             _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
             if group.searches:
+                _lap(work, group, MASKED, rung, partial(work.is_idle, group.first, rung))
                 _searches(work, group, rung, rng)
 
 

@@ -26,8 +26,10 @@ class PatchReport:
     ----------
     name : str
     answer : str
-        ``"idle"``: 0 is the minimum, proven; ``"linear"``: of a linear solver, or the clipped start
-        of an iterative one; ``"non-negative"``: searched, with its gap; ``"missing"``: no reading.
+        ``"idle"``: nothing stands out of the noise at the solver's false-alarm rate, so that 0 is
+        the exact minimum with the whole threshold as the penalty, see `NonNegative`; ``"linear"``:
+        of a linear solver, or the clipped start of an iterative one; ``"non-negative"``: searched,
+        with its gap; ``"missing"``: no reading.
     rung : int
         Nodes a side of the grid of the answer; 0 where there is none.
     gap : float
@@ -106,7 +108,7 @@ class CycleReport:
 
     @property
     def idle(self) -> tuple[str, ...]:
-        """Patches that are proven to be idle."""
+        """Patches on which nothing stands out of the noise, at the solver's false-alarm rate."""
         return self._named(Answer.IDLE)
 
     @property

@@ -4,28 +4,55 @@ import numpy as np
 
 from skinfield.engine.clockwork import NS, Clockwork
 from skinfield.engine.linear_stages import fill_missing
-from skinfield.engine.state import FEASIBLE, IDLE, LINEAR, PRODUCT, ROW, TEST, WARM
+from skinfield.engine.state import FEASIBLE, IDLE, LINEAR, MASKED, PRODUCT, ROW, TEST, WARM
 from skinfield.errors import Ints
 
 FIRST = 0.25  # of the time, for the first proof
 ROUNDS = 6  # of planning in a cycle, at most
 Found = tuple[int, int, float, float, bool, int, float, int, int]  # what a search came to
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
+PATIENCE = 20  # cycles after which a contact is served even if there is no time for it
+SELDOM = 10  # cycles, at least, between two such
 ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
 
 
 def test_all(work: Clockwork, rung: int) -> None:
-    """Prove on a rung which patches are idle; the others have a contact."""
+    """Test on a rung which patches are idle; the others have a contact."""
     state, start = work.state, work.clock()
     idle = work.find_idle(rung)
     still_open = work.intake.present & (state.answer <= IDLE)
     proven = still_open & idle
+    work.done(TEST, 0, -1, rung, start)
+    masked = np.flatnonzero(proven & (state.invalid > 0))
+    before = state.rung[masked]
     state.answer[still_open] = LINEAR
     state.answer[proven] = IDLE
     state.rung[proven] = rung
     state.gap[proven] = 0.0
     work.proven = rung
-    work.done(TEST, 0, -1, rung, start)
+    if len(masked):
+        test_masked(work, masked, before, rung)
+
+
+def test_masked(work: Clockwork, patches: Ints, before: Ints, rung: int) -> None:
+    """Test again patches that are idle by the lengths of whole rows, by those of valid taxels.
+
+    A valid part is shorter, so that the same readings stand out more. Where time is short the first
+    test is on the coarsest rung, and a finer one is left out: `before` is the rung of the last, or
+    -1.
+    """
+    state, waiting = work.state, len(patches)
+    for patch, last in zip(patches.tolist(), before.tolist(), strict=True):
+        group, on, start = work.places[patch][0], rung, work.clock()
+        if waiting * work.predict(MASKED, group.index, rung) > FIRST * work.left:
+            on = max(last, 0)
+        waiting -= 1
+        state.rung[patch] = on
+        if on == last:
+            continue
+        if not work.is_idle(patch, on):
+            state.answer[patch], state.rung[patch], state.gap[patch] = LINEAR, -1, np.nan
+        work.done(MASKED, group.index, patch, on, start)
 
 
 def start_linearly(work: Clockwork, fresh: Ints) -> None:
@@ -78,6 +105,7 @@ def spend(work: Clockwork) -> Ints:
     rungs as well, where what was too fine for the coarse proof shows.
     """
     hot = with_contact(work)
+    serve_longest_waiting(work, hot)
     for _ in range(ROUNDS):
         if len(hot):
             serve(work, hot)
@@ -91,6 +119,22 @@ def spend(work: Clockwork) -> Ints:
         hot = with_contact(work)
         start_linearly(work, np.setdiff1d(hot, before, assume_unique=True))
     return hot
+
+
+def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
+    """Search the contact that waited longest, if that is too long, whether there is time or not.
+
+    On the coarsest rung, and so seldom that most cycles stay within their budget.
+    """
+    state = work.state
+    if not len(hot) or state.unforced < SELDOM:
+        return
+    patch = int(hot[np.argmax(state.age[hot])])
+    if state.age[patch] < PATIENCE or patch in work.plan(hot, work.left)[0]:
+        return
+    cost = float(work.costs[state.group[patch], state.kind[patch], 0])
+    take_in(work, [search(work, patch, 0, cost, max(work.left, 2.0 * cost))])
+    state.unforced = 0
 
 
 def is_settled(work: Clockwork, hot: Ints) -> bool:

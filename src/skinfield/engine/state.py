@@ -13,7 +13,7 @@ class Answer(IntEnum):
     """How a patch was answered."""
 
     MISSING = 0  # no reading, or none that can be answered
-    IDLE = 1  # 0 is the minimum: proven on the rung that is told
+    IDLE = 1  # nothing stands out of the noise on the rung that is told: 0 is the answer
     LINEAR = 2  # of a linear solver; or, of an iterative one, its clipped start
     FEASIBLE = 3  # of an iterative solver, with its certificate
 
@@ -26,11 +26,12 @@ class Step(IntEnum):
     ROW = 2  # linear answer of one patch
     COLD = 3  # search of a patch that had no contact in the cycle before
     WARM = 4  # search of a patch that had
+    MASKED = 5  # idle test of one patch some of whose taxels are left out
 
 
 # as plain numbers: the members of an enumeration are slow to look up
 MISSING, IDLE, LINEAR, FEASIBLE = (int(each) for each in Answer)
-PRODUCT, TEST, ROW, COLD, WARM = (int(each) for each in Step)
+PRODUCT, TEST, ROW, COLD, WARM, MASKED = (int(each) for each in Step)
 
 
 @dataclass(eq=False)
@@ -53,6 +54,7 @@ class State:
     kind : step that the patch would take next
     invalid : taxels that were left out
     spent, predicted : s, of the steps for this patch alone
+    unforced : cycles since a patch was last served without the time for it (one number)
     """
 
     group: Ints
@@ -70,6 +72,7 @@ class State:
     invalid: Ints = field(init=False)
     spent: Floats = field(init=False)
     predicted: Floats = field(init=False)
+    unforced: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
         patches = len(self.group)
@@ -98,3 +101,4 @@ class State:
         self.age[hot] = waited
         self.was_hot[:] = False
         self.was_hot[hot] = True
+        self.unforced += 1
