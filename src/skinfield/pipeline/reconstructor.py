@@ -28,7 +28,8 @@ from skinfield.pipeline.plan import MOST, LinearPlan, Results, Setting
 from skinfield.pipeline.plans import Plans
 from skinfield.pipeline.support import support_of
 
-AFTER, LONGEST = 10_000, 50_000  # ns: what a call does after the solver, at first and at most
+AFTER, LEAST, LONGEST = 10_000, 2_000, 50_000  # ns: kept for what follows the solver; at first
+EARLIER, LATER = 0.998, 1.1  # changes of it: at rest one call of fifty is late
 
 
 class Reconstructor:
@@ -215,7 +216,6 @@ class Reconstructor:
         answer = self._plans.prompt(reading, valid, None if end is None else end - self._after)
         if answer is None:
             return None
-        answered = time.perf_counter_ns()
         pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
         rest["traction"] = lambda: -pressure[:, None] * self.grid.normals
         if learnt is not None:
@@ -231,9 +231,12 @@ class Reconstructor:
             iterations=answer.iterations,
         )
         now = time.perf_counter_ns()
-        self._after = min(max(now - answered, int(0.95 * self._after)), 2 * self._after, LONGEST)
         vars(estimate)["latency"] = (now - start) * 1e-9
         vars(estimate)["deadline_met"] = end is None or now <= end
+        if end is not None and answer.iterations > 0 and now > end - 3 * self._after:
+            # it was cut off, or nearly; without a step it could not have been any earlier
+            change = EARLIER if now <= end else LATER
+            self._after = int(min(max(change * self._after, LEAST), LONGEST))
         return estimate
 
     def calibrated(

@@ -62,14 +62,15 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
     """Leave the best amounts in `pressed` and `amounts`, and what they are worth in `measures`."""
     counts, measures = memory.counts, memory.measures
     counts[STEPS] = counts[PRESSED] = counts[IDLE] = 0
-    best, lower = half_square(memory.target), 0.0  # nothing pressed is an answer, too
+    best = half_square(memory.target)  # nothing pressed is an answer, too
     measures[GAP], measures[OBJECTIVE] = 0.0, best
     if not best < LARGEST:  # nor if it is not a number
         memory.dual[:] = 0.0
         counts[COUNT] = counts[GIVEN] = 0
         measures[GAP] = 1.0
         return
-    if not begin(problem, memory):
+    lower = begin(problem, memory)
+    if lower < 0.0:
         counts[IDLE] = 1
         return
     local, passes, before = LOCAL * problem.tolerance, 0, np.inf
@@ -110,12 +111,12 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def begin(problem: Problem, memory: Memory) -> bool:
-    """Choose where to start; False if the patch is idle, which is proved here."""
+def begin(problem: Problem, memory: Memory) -> float:
+    """Choose where to start; returns a dual value, or -1 if the patch is idle, which is proved."""
     kept = memory.counts[GIVEN] == 0 and stands_out(problem, memory)
     if kept and (memory.measures[UNSOLVED] < POOR or still_best(problem, memory)):
-        return True
-    every, norms = memory.every, problem.norms
+        return 0.0
+    every, norms, lower = memory.every, problem.norms, 0.0
     see_all(problem, memory, memory.target, problem.threshold)
     idle = True
     for node in range(len(every)):
@@ -125,12 +126,12 @@ def begin(problem: Problem, memory: Memory) -> bool:
     if idle:
         memory.dual[:] = memory.target
         memory.counts[COUNT] = memory.counts[GIVEN] = 0
-        return False
+        return -1.0
     if memory.counts[GIVEN] == 0 or not given_is_better(problem, memory):
-        start_along(problem, memory)
+        lower = start_along(problem, memory)
     memory.counts[GIVEN] = 0
     memory.counts[COUNT] = list_near(problem, memory)
-    return True
+    return lower
 
 
 @njit(cache=True, nogil=True)
@@ -144,8 +145,8 @@ def given_is_better(problem: Problem, memory: Memory) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def start_along(problem: Problem, memory: Memory) -> None:
-    """Start where the dual value is highest on the way from 0 to the readings themselves."""
+def start_along(problem: Problem, memory: Memory) -> float:
+    """Start where the dual value is highest on the way from 0 to the readings; returns it."""
     every, slack = memory.every, memory.slack
     square = 2.0 * half_square(memory.target)
     for node in range(len(every)):
@@ -153,8 +154,13 @@ def start_along(problem: Problem, memory: Memory) -> None:
     length = kernel.step_length(slack, every, len(every), square, square)
     for taxel in range(len(memory.target)):
         memory.dual[taxel] = length * memory.target[taxel]
+    total = 0.0
     for node in range(len(every)):
         every[node] *= length
+        over = np.float64(max(every[node] - problem.penalty[node], 0.0))
+        total += over * over
+    value = length * (1.0 - 0.5 * length - problem.rounding) * square
+    return max(value - 0.5 * total, 0.0)
 
 
 @njit(cache=True, nogil=True)

@@ -120,7 +120,7 @@ def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
         if problem.allowed[node]:
             square += over * over
             spread += over * problem.norms[node]
-            pressed += over > 0.0
+            pressed += 1 if over > 0.0 else 0
         else:
             elsewhere += over * over
     own, product = half_square(memory.dual), 0.0
