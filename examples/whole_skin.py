@@ -7,7 +7,7 @@ import numpy as np
 import skinfield as sf
 
 hexagon = sf.layouts.hexagon72()
-skin = sf.Skin([replace(hexagon, name=f"arm {i}") for i in range(20)])
+skin = sf.Skin(tuple(replace(hexagon, name=f"arm {i}") for i in range(20)))
 engine = sf.Engine(skin, sf.Layer(), budget=500e-6, noise_std=0.002)  # s, for all patches
 
 ball = sf.simulate.Sphere(radius=6e-3, position=(12e-3, -10e-3), force=1.5)  # m, N
