@@ -240,7 +240,7 @@ def test_missing_taxels_are_left_out(name: str, request: Any) -> None:
     alone = np.zeros(576)
     operator.apply(readings[valid] / (1 + readings[valid]), alone)  # type: ignore[union-attr]
     away = np.linalg.norm(estimate.pressure - alone) / np.linalg.norm(alone)
-    assert away < 0.1  # the prior's amplitude is that of all taxels, or of those left
+    assert away < 0.1  # the length of a prior follows from all taxels, or from those left
     assert np.linalg.norm(whole - alone) > 3 * np.linalg.norm(estimate.pressure - alone)
     assert np.isnan(estimate.residual).sum() == 2
     assert estimate.notes == ("2 taxels left out",)
@@ -269,3 +269,25 @@ def test_arguments_that_do_not_fit(linear: sf.Ladder) -> None:
         linear(np.zeros(len(PATCH)), deadline=0)
     with pytest.raises(InputError, match="margin is -1"):
         linear.focus_on_contact(margin=-1)
+
+
+@pytest.mark.parametrize(("low", "high"), [((np.nan, 0), (1, 1)), ((-1, -1), (np.inf, 1))])
+def test_a_window_without_a_place_is_refused(linear: sf.Ladder, low: Any, high: Any) -> None:
+    linear.focus((-5e-3, -5e-3), (5e-3, 5e-3), rung=12)
+    before = linear.grid
+    with pytest.raises(InputError, match=r"(low|high)\[0\] is (nan|inf), expected finite numbers"):
+        linear.focus(low, high)
+    with pytest.raises(InputError, match="holds no node"):
+        linear.focus((1.0, 1.0), (2.0, 2.0))
+    assert linear.grid.shape == before.shape, "it still looks where it did"
+    assert linear.rung == 12
+    linear.focus((-1e300, -1e300), (1e300, 1e300), rung=12)
+    assert linear.grid.shape == (12, 12)
+
+
+@pytest.mark.parametrize("deadline", [1e10, 1e300])
+@pytest.mark.parametrize("name", ["linear", "searching"])
+def test_a_deadline_beyond_reason_is_none(name: str, deadline: float, request: Any) -> None:
+    ladder: sf.Ladder = request.getfixturevalue(name)
+    ladder.rung = 6
+    assert ladder(touched(), deadline=deadline).deadline_met

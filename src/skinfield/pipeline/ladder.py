@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,14 +15,12 @@ from skinfield.layout import Grid, Patch
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Quantity, check_skin
 from skinfield.pipeline.arguments import checked_readings
-from skinfield.pipeline.ladder_estimate import (
-    Rest,
-    beliefs_in,
-)
+from skinfield.pipeline.ladder_estimate import Linear, Rest, rest_of_search
 from skinfield.pipeline.ladder_focus import Window, box_of_contact
-from skinfield.pipeline.ladder_missing import MissingTaxels
-from skinfield.pipeline.ladder_rungs import prepare_rungs
+from skinfield.pipeline.ladder_missing import ValidSets
+from skinfield.pipeline.ladder_rungs import Rung, prepare_rungs
 from skinfield.pipeline.ladder_walk import Walk, offered
+from skinfield.pipeline.plan import MOST
 
 EDGE = 0.2  # of the highest pressure: where a contact that is looked at ends
 
@@ -91,7 +89,7 @@ class Ladder:
         self._operator = self._step.operator
         self._walk = Walk()
         self._linear = np.zeros(len(patch))
-        self._missing = MissingTaxels(self.prepared.weights)
+        self._sets = ValidSets(self.prepared, self.solver)
         self._last: tuple[Grid, Floats] | None = None
 
     @property
@@ -104,11 +102,15 @@ class Ladder:
 
     @rung.setter
     def rung(self, nodes: int) -> None:
+        self._step = self._at(nodes)
+        self._operator = self._step.operator
+        self._window = self._rows = None
+
+    def _at(self, nodes: int) -> Rung:
         step = self._steps.get(nodes)
         if step is None:
             raise InputError(f"rung is {nodes!r}, expected one of {self.rungs}")
-        self._step, self._operator = step, step.operator
-        self._window = self._rows = None
+        return step
 
     @property
     def grid(self) -> Grid:
@@ -134,9 +136,10 @@ class Ladder:
         pressure in the window; but outside of it, only as many cells as the rung before had are
         candidates. The gap is that to all cells of the fine grid: it tells what that may have cost.
         """
-        before = self._step.nodes
-        self.rung = self.rungs[-1] if rung is None else rung
-        self._window = window = Window.between(self._step.grid, low, high)
+        before, step = self._step.nodes, self._at(self.rungs[-1] if rung is None else rung)
+        window = Window.between(step.grid, low, high)  # of a wrong one nothing is changed
+        self.rung = step.nodes
+        self._window = window
         if self._operator is None:
             self._rows = np.ascontiguousarray(self._step.matrix[window.nodes])
             return
@@ -215,10 +218,10 @@ class Ladder:
         good = mask[0]
         known = np.where(good, table[0], 0.0)
         linear = np.array(self.quantity.linearise(known, np.empty_like(known)))
-        end = None if deadline is None else start + int(deadline * 1e9)
-        pressure, filled = self._answer(linear, good, end)
+        end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
+        rest = self._answer(linear, good, end)
+        self._last = rest.grid, rest.pressure
         now = time.perf_counter_ns()
-        rest = self._rest(pressure, np.where(good, linear, np.nan), filled, good)
         notes = () if good.all() else (f"{int((~good).sum())} taxels left out",)
         return rest.estimate(
             latency=(now - start) * 1e-9,
@@ -237,45 +240,17 @@ class Ladder:
             if reset is not None:
                 reset()
 
-    def _answer(
-        self, linear: Floats, valid: NDArray[np.bool_], end: int | None
-    ) -> tuple[Floats, Floats]:
-        """Pressure, and linearised readings with what was expected of missing ones."""
-        out = np.empty(len(self.grid))
-        if self._operator is None:
-            if not valid.all():
-                self._missing.fill(linear, valid)
-            np.dot(self._step.matrix if self._rows is None else self._rows, linear, out=out)
-        else:
-            operator = self._operator
-            if not valid.all():
-                operator = offered(operator, "without")(valid)
-            self._walk.apply(operator, linear, out, end)
-        self._last = self.grid, out
-        return out, linear
-
-    def _rest(
-        self, pressure: Floats, readings: Floats, filled: Floats, valid: NDArray[np.bool_]
-    ) -> Rest:
-        step, window = self._step, self._window if self._rows is not None else None
-
-        def predicted() -> Floats:
-            if step.model is None:
-                return np.asarray(self.prepared.explained @ filled)
-            return np.asarray(step.model.matrix @ pressure)
-
-        def moved() -> Floats:
-            if window is None:
-                return step.deformation(pressure)
-            return step.deformation(step.matrix @ filled)[window.nodes]
-
-        return Rest(
-            grid=self.grid,
-            pressure=pressure,
-            readings=readings,
-            valid=valid,
-            predicted=predicted,
-            moved=moved,
-            beliefs=partial(beliefs_in, step, window),
-            finder=self.finder,
-        )
+    def _answer(self, linear: Floats, valid: NDArray[np.bool_], end: int | None) -> Rest:
+        """Pressure of linearised readings, 0 where they are not valid, and what follows from it."""
+        step, operator = self._step, self._operator
+        if operator is None:
+            known = None if valid.all() else self._sets.of(valid)
+            window = None if self._rows is None else self._window
+            answered = Linear(self.prepared, step, window, self._rows, known)
+            return answered.rest(linear, valid, self.finder)
+        if not valid.all():
+            operator = offered(operator, "without")(valid)
+            step = replace(step, operator=operator)
+        out = np.empty(len(step.grid))
+        self._walk.apply(operator, linear, out, end)
+        return rest_of_search(step, out, linear, valid, self.finder)

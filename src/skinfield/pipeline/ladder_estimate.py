@@ -12,7 +12,8 @@ from skinfield.errors import Floats
 from skinfield.fields import Contact, Estimate, ModelError, PressureError, PressureNoise
 from skinfield.layout import Grid
 from skinfield.pipeline.ladder_focus import Window
-from skinfield.pipeline.ladder_rungs import Rung
+from skinfield.pipeline.ladder_missing import ValidTaxels
+from skinfield.pipeline.ladder_rungs import Rung, Rungs
 
 FOLLOWING = ("traction", "displacement", "pressure_std", "contacts", "residual")
 
@@ -108,4 +109,68 @@ class Rest:
             pressure=self.pressure,
             valid=self.valid,
             **known,
+        )
+
+
+def rest_of_search(
+    step: Rung, pressure: Floats, linear: Floats, valid: NDArray[np.bool_], finder: ContactFinder
+) -> Rest:
+    """Of a search on a rung, whose operator is the one that searched."""
+    model = step.model
+    assert model is not None  # it was searched with
+    return Rest(
+        grid=step.grid,
+        pressure=pressure,
+        readings=linear,
+        valid=valid,
+        predicted=lambda: np.asarray(model.matrix @ pressure),
+        moved=lambda: step.deformation(pressure),
+        beliefs=lambda: beliefs_in(step, None),
+        finder=finder,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """The linear answer of a rung, whole or in a window.
+
+    Attributes
+    ----------
+    rungs : Rungs
+    step : Rung
+        One of them.
+    window : Window or None
+    rows : (N, L) array or None
+        Of the rung's matrix, in the window.
+    known : ValidTaxels or None
+        What is prepared without the taxels that are missing, if any are.
+    """
+
+    rungs: Rungs
+    step: Rung
+    window: Window | None
+    rows: Floats | None
+    known: ValidTaxels | None
+
+    def rest(self, linear: Floats, valid: NDArray[np.bool_], finder: ContactFinder) -> Rest:
+        """Pressure of linearised readings, 0 where not valid, and what follows from it."""
+        step, window, known, rows = self.step, self.window, self.known, self.rows
+        matrix, explained, filled = step.matrix, self.rungs.explained, linear
+        if known is not None:
+            filled, matrix, explained = known.readings(linear), known.matrix(step), known.explained
+            rows = None if window is None else matrix[window.nodes]
+
+        def moved() -> Floats:
+            whole = step.deformation(matrix @ filled)
+            return whole if window is None else whole[window.nodes]
+
+        return Rest(
+            grid=step.grid if window is None else window.grid,
+            pressure=np.asarray((matrix if rows is None else rows) @ filled),
+            readings=linear,
+            valid=valid,
+            predicted=lambda: np.asarray(explained @ filled),
+            moved=moved,
+            beliefs=lambda: beliefs_in(step if known is None else known.on(step), window),
+            finder=finder,
         )

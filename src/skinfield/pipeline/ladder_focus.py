@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, Ints, as_floats, check_shape
+from skinfield.errors import Floats, InputError, Ints, as_floats, check_finite, check_shape
 from skinfield.layout import Grid
 
 
@@ -32,13 +32,14 @@ class Window:
         Raises
         ------
         InputError
-            If the rectangle holds no node.
+            If a corner is no place, or the rectangle holds no node.
         """
         corners = []
         for name, values in (("low", low), ("high", high)):
             corner = as_floats(name, values)
             check_shape(name, corner, (2,), "x and y in the patch's plane, in metres")
-            corners.append((corner - fine.origin) / fine.pitch)
+            check_finite(name, corner, "a corner of what to look at, in metres")
+            corners.append(np.clip((corner - fine.origin) / fine.pitch, -1.0, max(fine.shape)))
         first = np.maximum(np.ceil(corners[0] - 1e-9), 0).astype(int)
         last = np.minimum(np.floor(corners[1] + 1e-9), np.array(fine.shape[::-1]) - 1).astype(int)
         if (last < first).any():

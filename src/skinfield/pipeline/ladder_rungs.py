@@ -75,6 +75,10 @@ class Rungs:
     explained : (L, L) array
         From linearised readings to what the linear answer predicts of them, on any rung.
     noise_std : (L,) array, unit of the reading
+    start : InverseOperator
+        The linear answer on the finest rung.
+    model : ObservationModel
+        On the finest rung.
     linear : bool
         Whether the linear answer is the solver's own.
     bayesian : bool
@@ -84,6 +88,8 @@ class Rungs:
     steps: tuple[Rung, ...]
     explained: Floats
     noise_std: Floats
+    start: InverseOperator
+    model: ObservationModel
     linear: bool
     bayesian: bool
 
@@ -136,7 +142,7 @@ def prepare_rungs(
     start = top if isinstance(top, InverseOperator) else linear_start(solver).prepare(finest)
     steps = []
     for nodes, grid in zip(sides, grids, strict=True):
-        step = _linear_rung(nodes, Deformation(grid, layer, mechanics), start, finest)
+        step = linear_rung(nodes, Deformation(grid, layer, mechanics), start, finest)
         if not linear:
             model = finest
             if grid is not grids[-1]:
@@ -147,6 +153,8 @@ def prepare_rungs(
         steps=tuple(steps),
         explained=finest.matrix @ start.matrix,
         noise_std=finest.noise_std,
+        start=start,
+        model=finest,
         linear=linear,
         bayesian=start.posterior is not None,
     )
@@ -191,9 +199,10 @@ def _prepared(solver: Solver, model: ObservationModel) -> InverseOperator | Fiel
     return operator
 
 
-def _linear_rung(
+def linear_rung(
     nodes: int, deformation: Deformation, finest: InverseOperator, model: ObservationModel
 ) -> Rung:
+    """Derive a resolution's linear answer from the finest one's, prepared for a model."""
     grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
     error: PressurePosterior | RestrictedPosterior | None = posterior
     if grid.shape != model.grid.shape:
