@@ -10,16 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.engine.cost import CostModel
 from skinfield.engine.group import Group
 from skinfield.engine.intake import Intake, Readings
-from skinfield.engine.state import PRODUCT, TEST, State, Step
+from skinfield.engine.state import FEASIBLE, PRODUCT, TEST, WARM, State, Step
 from skinfield.engine.whole_skin import idle_tests, linear_answers
 from skinfield.errors import Floats, Ints
 
 GUESS = 20e-6  # s: of every step, until it is measured
 NS = 1e-9
+TYPICAL = 0.6  # quantile of a step's time that is about its mean, as few are much slower
+AFTER = 2e-6  # s: what is done about a search after it, until it is measured
 KINDS = len(Step)
 
 
-Logged = tuple[int, int, int, int, int, int, float]
+Logged = tuple[int, int, int, int, int, int, float] | tuple[Ints, Floats]
 
 
 class Done(NamedTuple):
@@ -80,8 +82,10 @@ class Clockwork:
         Part of the energy that each rung leaves unresolved.
     end : int, ns
         When the cycle must be over.
+    planned : as `costs`
+        Of searches as the last plan took them to be.
     log : list of tuples
-        Of the steps of this cycle; see `Done`.
+        Of the steps of this cycle, see `Done`; of searches their kinds, and what they came to.
     """
 
     groups: Sequence[Group]
@@ -99,6 +103,9 @@ class Clockwork:
         self.state = State(np.repeat(np.arange(len(counts)), counts))
         self.costs = np.full((len(counts), len(Step), rungs), GUESS)
         self.model = CostModel(self.costs.reshape(-1))
+        self.typical = CostModel(self.model.steps.copy(), quantile=TYPICAL)
+        self.after = CostModel(np.array([AFTER]))
+        self.planned = self.costs.copy()
         self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
         self.rungs = rungs
         self.linear = self.groups[0].rungs.linear
@@ -174,26 +181,56 @@ class Clockwork:
         """Time that a step will hardly exceed, s."""
         return self.model.predict(self.which(step, group, rung))
 
+    def start(self, which: int, laps: Floats) -> None:
+        """Start predictions of a step from measured laps, s."""
+        self.model.start(which, laps)
+        self.typical.start(which, laps)
+
     def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.which(step, group, rung)
         self.log.append((step, group, patch, rung, start, end, self.model.predict(which)))
         seconds = (end - start) * NS
         self.model.observe(which, seconds)
+        self.typical.observe(which, seconds)
         return seconds
 
-    def searched(self, patch: int, rung: int, start: int, end: int, to_the_end: bool) -> None:
-        """As `done`, of a search that came to its end or was cut short."""
-        group, step = self.places[patch][0].index, int(self.state.kind[patch])
-        which = (group * KINDS + step) * self.rungs + rung
-        self.log.append((step, group, patch, rung, start, end, self.model.predict(which)))
-        (self.model.observe if to_the_end else self.model.at_least)(which, (end - start) * NS)
-
-    def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
-        """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`."""
-        from skinfield.engine.spending_kernel import plan
+    def searched(self, found: Floats) -> None:
+        """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns."""
+        from skinfield.engine.learning_kernel import learn_times, take_answers
 
         state = self.state
+        kinds = state.kind[found[:, 0].astype(np.int64)]
+        for model in (self.typical, self.model):
+            times = model.steps.reshape(self.costs.shape)
+            learn_times(found, state.group, state.kind, times, *model.moves)
+        take_answers(
+            found,
+            state.group,
+            state.energy,
+            self.unresolved,
+            state.excess,
+            (state.at, state.rung, state.answer, state.kind, state.iterations),
+            (state.gap, state.spent, state.predicted),
+            state.settled,
+            (FEASIBLE, WARM),
+        )
+        self.log.append((kinds, found))
+
+    def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
+        """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`.
+
+        Times are those of `planned`: of N searches together a high quantile is nearer to what is
+        typical than that of one, by a square root of N, as they are slow independently.
+        """
+        from skinfield.engine.spending_kernel import plan
+
+        state, typical = self.state, self.typical.steps.reshape(self.costs.shape)
+        np.subtract(self.costs, typical, out=self.planned)
+        self.planned *= 1.0 / max(len(hot), 1) ** 0.5
+        self.planned += typical
+        if not self.linear:
+            self.planned += self.after.predict(0)
         count = plan(
             hot,
             state.kind,
@@ -202,7 +239,7 @@ class Clockwork:
             state.excess,
             state.energy,
             state.age,
-            self.costs,
+            self.planned,
             self.unresolved,
             left,
             self._target,

@@ -50,6 +50,11 @@ class CostModel:
         self._up = float(np.exp(self.pace * self.quantile))
         self._down = float(np.exp(-self.pace * (1.0 - self.quantile)))
 
+    @property
+    def moves(self) -> tuple[float, float, float]:
+        """Factors of a prediction that was too low or too high, and the least one, s."""
+        return self._up, self._down, LEAST
+
     def predict(self, step: int) -> float:
         """Time that a step of this kind will hardly exceed, s."""
         return float(self.steps[step])

@@ -165,6 +165,7 @@ class Engine:
         around.observe(BEYOND, max(-left, 0.0))
         around.relax()
         work.model.relax()
+        work.typical.relax()
         spent = (end - start) * NS
         return CycleReport(
             budget=budget,

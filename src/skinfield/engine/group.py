@@ -38,6 +38,8 @@ class Group:
         Linear answers.
     thresholds : R floats
         Of idle tests; none where linear.
+    tolerances : R floats
+        Gaps at which searches end by themselves.
     searches : R lists of P SearchOperator
     feasible : R arrays (P, K), Pa
         Their answers.
@@ -56,6 +58,7 @@ class Group:
     products: list[SharedProduct] = field(init=False)
     fields: list[Singles] = field(init=False)
     thresholds: list[float] = field(init=False)
+    tolerances: list[float] = field(init=False)
     searches: list[list[SearchOperator]] = field(init=False)
     feasible: list[Floats] = field(init=False)
     rows_of_feasible: list[list[Floats]] = field(init=False)
@@ -65,7 +68,7 @@ class Group:
         steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
         self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
         self.fields = [np.zeros((count, len(step.grid)), np.float32) for step in steps]
-        self.thresholds, self.searches, self.feasible = [], [], []
+        self.thresholds, self.tolerances, self.searches, self.feasible = [], [], [], []
         for step in steps:
             if step.operator is None:
                 continue
@@ -75,6 +78,7 @@ class Group:
                     "tell its gap, expected an operator such as that of NonNegative()"
                 )
             self.thresholds.append(step.operator.problem.threshold)
+            self.tolerances.append(step.operator.problem.tolerance)
             twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
             self.searches.append(twins)
             self.feasible.append(np.zeros((count, len(step.grid))))

@@ -53,7 +53,7 @@ def _lap(work: Clockwork, group: Group, step: int, rung: int, action: Callable[[
         start = work.clock()
         action()
         laps.append((work.clock() - start) * NS)
-    work.model.start(work.which(step, group.index, rung), np.array(laps[1:]))
+    work.start(work.which(step, group.index, rung), np.array(laps[1:]))
 
 
 def _searches(work: Clockwork, group: Group, rung: int, rng: "np.random.Generator") -> None:
@@ -71,8 +71,8 @@ def _searches(work: Clockwork, group: Group, rung: int, rng: "np.random.Generato
             laps.append((work.clock() - start) * NS)
     search.reset()
     out[:] = 0.0
-    work.model.start(work.which(COLD, group.index, rung), np.array(cold[1:]))
-    work.model.start(work.which(WARM, group.index, rung), np.array(warm[1:]))
+    work.start(work.which(COLD, group.index, rung), np.array(cold[1:]))
+    work.start(work.which(WARM, group.index, rung), np.array(warm[1:]))
 
 
 def rehearsed(group: Group, rung: int, rng: "np.random.Generator") -> Floats:

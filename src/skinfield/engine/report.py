@@ -86,7 +86,7 @@ class CycleReport:
     @cached_property
     def steps(self) -> tuple[Done, ...]:
         """All steps; those of one plan's searches in the order in which they were taken."""
-        return tuple(Done(*each) for each in self._log)
+        return tuple(done for each in self._log for done in steps_of(each, self._snapshot.group))
 
     def __getitem__(self, name: str) -> PatchReport:
         if name not in self.names:
@@ -124,6 +124,18 @@ class CycleReport:
     def _named(self, answer: Answer) -> tuple[str, ...]:
         there = np.flatnonzero(self._snapshot.answer == answer)
         return tuple(self.names[place] for place in there)
+
+
+def steps_of(logged: Logged, groups: Ints) -> Iterator[Done]:
+    """One step, or those of a plan's searches."""
+    if len(logged) == 7:
+        yield Done(*logged)
+        return
+    kinds, found = logged
+    for kind, row in zip(kinds.tolist(), found.tolist(), strict=True):
+        patch, rung, predicted, start, end = (row[i] for i in (0, 1, -3, -2, -1))
+        group = int(groups[int(patch)])
+        yield Done(kind, group, int(patch), int(rung), int(start), int(end), predicted)
 
 
 @dataclass(frozen=True, eq=False)

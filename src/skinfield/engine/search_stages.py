@@ -4,12 +4,12 @@ import numpy as np
 
 from skinfield.engine.clockwork import NS, Clockwork
 from skinfield.engine.linear_stages import fill_missing
-from skinfield.engine.state import FEASIBLE, IDLE, LINEAR, MASKED, PRODUCT, ROW, TEST, WARM
+from skinfield.engine.state import IDLE, LINEAR, MASKED, PRODUCT, ROW, TEST
 from skinfield.errors import Ints
 
 FIRST = 0.25  # of the time, for the first proof
 ROUNDS = 6  # of planning in a cycle, at most
-Found = tuple[int, int, float, float, bool, int, float, int, int]  # what a search came to
+Found = tuple[int, int, float, float, bool, int, float, float, int, int]  # as `learning_kernel`
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
 PATIENCE = 20  # cycles after which a contact is served even if there is no time for it
 SELDOM = 10  # cycles, at least, between two such
@@ -107,13 +107,14 @@ def spend(work: Clockwork) -> Ints:
     hot = with_contact(work)
     serve_longest_waiting(work, hot)
     for _ in range(ROUNDS):
-        if len(hot):
-            serve(work, hot)
-        finer = finest_proof(work) if is_settled(work, hot) else work.proven
-        if finer == work.proven:
-            if is_settled(work, hot) or not can_go_on(work, hot):
+        served = serve(work, hot) if len(hot) else 0
+        if not is_settled(work, hot):
+            if not served:
                 break
             continue
+        finer = finest_proof(work)
+        if finer == work.proven:
+            break
         test_all(work, finer)
         before = hot
         hot = with_contact(work)
@@ -133,7 +134,9 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
     if state.age[patch] < PATIENCE or patch in work.plan(hot, work.left)[0]:
         return
     cost = float(work.costs[state.group[patch], state.kind[patch], 0])
-    take_in(work, [search(work, patch, 0, cost, max(work.left, 2.0 * cost))])
+    now = work.clock()
+    allowance = max((work.end - now) * NS, 2.0 * cost)
+    take_in(work, [search(work, patch, 0, cost, allowance, now)])
     state.unforced = 0
 
 
@@ -141,12 +144,6 @@ def is_settled(work: Clockwork, hot: Ints) -> bool:
     """Whether all contacts are solved on the finest rung."""
     state = work.state
     return bool((state.settled[hot] & (state.at[hot] == work.rungs - 1)).all())
-
-
-def can_go_on(work: Clockwork, hot: Ints) -> bool:
-    """Whether the time that is left pays another step."""
-    chosen, _ = work.plan(hot, work.left)
-    return len(chosen) > 0
 
 
 def finest_proof(work: Clockwork) -> int:
@@ -158,72 +155,55 @@ def finest_proof(work: Clockwork) -> int:
     return work.proven
 
 
-def serve(work: Clockwork, hot: Ints) -> None:
-    """Search the patches that a plan chooses, each within what the others leave it."""
-    state = work.state
-    chosen, target = work.plan(hot, work.left)
-    if not len(chosen):
-        return
+def serve(work: Clockwork, hot: Ints) -> int:
+    """Search the patches that a plan chooses, each within what the others leave it; how many."""
+    state, found, now = work.state, [], work.clock()
+    chosen, target = work.plan(hot, (work.end - now) * NS)
     rungs = target[chosen]
-    costs = work.costs[state.group[chosen], state.kind[chosen], rungs]
-    committed, found = float(costs.sum()), []
+    costs = work.planned[state.group[chosen], state.kind[chosen], rungs]
+    committed = float(costs.sum())
     for patch, rung, cost in zip(chosen.tolist(), rungs.tolist(), costs.tolist(), strict=True):
         committed -= cost
-        allowance = work.left - committed  # what is planned for the others is theirs
+        allowance = (work.end - now) * NS - committed  # what is planned for the others is theirs
         if cost > allowance:
             rung, cost = cheaper(work, patch, rung, allowance)
             if cost > allowance:
                 continue
-        found.append(search(work, patch, rung, cost, allowance))
+        found.append(search(work, patch, rung, cost, allowance, now))
+        now = found[-1][-1]  # what a search takes begins where the one before ended
     if found:
         take_in(work, found)
+    return len(found)
 
 
 def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[int, float]:
     """Rung that fits, from the one that was planned downwards, and its cost."""
     state = work.state
-    costs = work.costs[state.group[patch], state.kind[patch]]
+    costs = work.planned[state.group[patch], state.kind[patch]]
     while costs[rung] > allowance and rung > max(state.at[patch], 0):
         rung -= 1
     return rung, float(costs[rung])
 
 
-def search(work: Clockwork, patch: int, rung: int, cost: float, allowance: float) -> Found:
+def search(
+    work: Clockwork, patch: int, rung: int, cost: float, allowance: float, start: int
+) -> Found:
     """Search one patch on a rung from where its last search ended, on whichever rung that was."""
-    start = work.clock()
     group, place = work.places[patch]
-    valid = None
-    if not work.intake.all_valid and work.state.invalid[patch]:
-        valid = work.valid_rows[patch]
-    operator = group.search_of(rung, place, valid)
+    masked = not work.intake.all_valid and bool(work.state.invalid[patch])
+    operator = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
     deadline = start + int(allowance / NS)
     operator.apply(work.linear_rows[patch], group.rows_of_feasible[rung][place], deadline)
     end, gap = work.clock(), operator.gap
-    settled = gap <= operator.problem.tolerance or (deadline - end) * NS > ENDED * allowance
-    if valid is not None:
+    settled = gap <= group.tolerances[rung] or (deadline - end) * NS > ENDED * allowance
+    if masked:
         group.remember(place, operator)
     missing = 0.0 if settled else operator.objective * gap
-    return patch, rung, gap, missing, settled, operator.iterations, cost, start, end
+    return patch, rung, gap, missing, settled, operator.iterations, cost, 0.0, start, end
 
 
 def take_in(work: Clockwork, found: list[Found]) -> None:
     """Learn from searches, each of another patch, and keep their answers where they are better."""
-    state = work.state
-    for one, on, _, _, settled, _, _, start, end in found:
-        work.searched(one, on, start, end, settled)
-    patches, rungs, gaps, missing, settled_ones, iterations, costs, starts, ends = zip(
-        *found, strict=True
-    )
-    patch, rung = np.array(patches), np.array(rungs)
-    excess = state.energy[patch] * work.unresolved[state.group[patch], rung] + missing
-    state.iterations[patch] += iterations
-    state.predicted[patch] += costs
-    state.spent[patch] += np.subtract(ends, starts) * NS
-    state.kind[patch] = WARM
-    better = (state.at[patch] < 0) | (excess <= state.excess[patch])
-    kept = patch[better]
-    state.answer[kept] = FEASIBLE
-    state.rung[kept] = state.at[kept] = rung[better]
-    state.gap[kept] = np.array(gaps)[better]
-    state.excess[kept] = excess[better]
-    state.settled[kept] = np.array(settled_ones)[better]
+    start = work.clock()
+    work.searched(np.array(found))
+    work.after.observe(0, (work.clock() - start) * NS / len(found))
