@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats
 from skinfield.observation import ObservationModel
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
@@ -99,32 +99,6 @@ def test_a_late_cut_brings_it_nearer() -> None:
     assert fine[0].plan.stamps.read.bound < 1e-4 < usual[0].plan.stamps.read.bound < 1e-3
 
 
-def test_stamps_are_the_kernel_at_any_offset() -> None:
-    stamp = fine_pair()[0].plan.stamps.read
-    rng = np.random.default_rng(0)
-    offset = rng.uniform(size=(40, 2))
-    cell = np.arange(1 - stamp.reach, stamp.reach + 1)
-    x, y = (
-        cell[None, None, :] - offset[:, 0, None, None],
-        cell[None, :, None] - offset[:, 1, None, None],
-    )
-    places = np.stack(np.broadcast_arrays(x, y), axis=-1) * 1.5e-3
-    kernel = sf.BondedLayer().base_stress(LAYER, places.reshape(-1, 2), 1.5e-3, PAD)
-    error = np.abs(stamp.at(offset).ravel() - kernel).max() / kernel.max()
-    assert error <= 1.05 * stamp.bound, "the stated bound does not hold"
-    assert stamp.bound < 1e-4
-
-
-def test_what_is_cut_off_is_stated() -> None:
-    stamp = usual_pair()[0].plan.stamps.read
-    far = stamp.reach + np.linspace(0.0, 10.0, 200)
-    on_axis = np.column_stack([far, 0 * far]) * 1.5e-3
-    peak = sf.BondedLayer().base_stress(LAYER, np.zeros((1, 2)), 1.5e-3, PAD)[0]
-    beyond = np.abs(sf.BondedLayer().base_stress(LAYER, on_axis, 1.5e-3, PAD)).max() / peak
-    assert beyond == pytest.approx(stamp.dropped, rel=0.05)
-    assert stamp.dropped < 1e-3
-
-
 def test_gram_is_that_of_the_model() -> None:
     sheet, dense = fine_pair()
     plan, gram = sheet.plan, sheet.plan.gram
@@ -146,38 +120,6 @@ def test_prediction_is_the_models() -> None:
     field = np.random.default_rng(1).normal(size=sheet.shape)
     exact = dense.model.matrix @ field.ravel()
     assert off(sheet.predict(field), exact) < 1e-3
-
-
-def test_stamps_and_prediction_are_transposes() -> None:
-    sheet = sf.Sheet(PLACES, LAYER, solver=sf.Tikhonov(), precision=np.float64)
-    from skinfield.inverse.sheet.gram import parts_of
-    from skinfield.inverse.sheet.kernels import add_stamps
-
-    rng = np.random.default_rng(2)
-    field, value = rng.normal(size=sheet.shape), rng.normal(size=len(sheet))
-    out, plan = np.empty(field.size), sheet.plan
-    parts = parts_of(plan.stamps.spread, np.float64)
-    add_stamps(value[plan.placing.order], plan.corner, plan.offset, parts, sheet.shape[1], out)
-    assert np.vdot(out, field) == pytest.approx(value @ sheet.predict(field), rel=1e-12)
-
-
-@pytest.mark.parametrize("length", [0.5e-3, 1.5e-3, 4e-3])
-def test_all_stamps_lie_on_the_lattice(length: float) -> None:
-    solver = sf.GaussianField(length_scale=length)
-    rng = np.random.default_rng(0)
-    for index in range(60):
-        places = PLACES[: 1 + index % 7] + rng.uniform(-1.0, 1.0, 2)
-        if index % 2:
-            places = np.round(places / 1.5e-3) * 1.5e-3  # where rounding decides on the cell
-        sheet = sf.Sheet(places, LAYER, pitch=1.5e-3, solver=solver, cut=5e-3)
-        columns = sheet.shape[1]
-        for stamp in (sheet.plan.stamps.read, sheet.plan.stamps.spread):
-            column, row = (sheet.plan.placing.cell - (stamp.reach - 1)).T
-            corner = sheet.plan.placing.corner(stamp.reach, columns)
-            assert (corner == row * columns + column).all()
-            assert min(column.min(), row.min()) >= 0
-            assert (column + stamp.width).max() <= columns
-            assert (row + 2 * stamp.reach).max() <= sheet.shape[0]
 
 
 def test_it_is_linear() -> None:
@@ -324,13 +266,6 @@ def test_force_of_a_press() -> None:
     assert sheet(dense.readings).normal_force == pytest.approx(exact, rel=5e-4)
 
 
-def test_lonely_and_coincident_taxels() -> None:
-    places = np.array([[0.0, 0.0], [0.0, 0.0], [40e-3, 0.0]])
-    sheet = sf.Sheet(places, LAYER, solver=sf.Tikhonov(), tolerance=1e-6, noise_std=100.0)
-    dense = dense_of(sheet, sf.Tikhonov(), places)
-    assert off(sheet(dense.readings).pressure, dense.pressure) < 5e-3
-
-
 def test_one_taxel() -> None:
     sheet = sf.Sheet([[0.01, 0.02]], LAYER)
     estimate = sheet([500.0])
@@ -339,43 +274,8 @@ def test_one_taxel() -> None:
     assert np.abs(peak - [0.01, 0.02]).max() <= sheet.pitch
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"positions": np.zeros((0, 2))}, "no taxel"),
-        ({"positions": np.zeros((5, 3))}, r"shape \(5, 3\)"),
-        ({"positions": [[0.0, np.nan]]}, "positions"),
-        ({"positions": PLACES * 1e3}, "metres"),
-        ({"pitch": 0.0}, "pitch"),
-        ({"noise_std": -1.0}, r"noise_std\[0\]"),
-        ({"noise_std": np.ones(3)}, "one per taxel"),
-        ({"solver": sf.PseudoInverse()}, "GaussianField"),
-        ({"layer": 2e-3}, "Layer"),
-        ({"quantity": sf.Gap}, "object"),
-        ({"mechanics": "bonded"}, "BondedLayer"),
-        ({"cut": 0.5}, "cut"),
-        ({"tolerance": 0.0}, "tolerance"),
-        ({"most_iterations": 0}, "most_iterations"),
-        ({"precision": np.int32}, "precision"),
-        ({"pitch": 0.2e-3}, "larger cells"),
-        ({"solver": sf.GaussianField(length_scale=12e-3)}, "length_scale"),
-        ({"quantity": sf.Gap(pad_averaged=False), "mechanics": sf.HalfSpace()}, "edges"),
-    ],
-    ids=lambda value: value if isinstance(value, str) else next(iter(value)),
-)
-def test_what_cannot_be_used_is_refused(arguments: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        sf.Sheet(**{"positions": PLACES, "layer": LAYER, **arguments})
-
-
-def test_wrong_readings_are_refused() -> None:
-    sheet = usual_pair()[0]
-    with pytest.raises(InputError, match="one per taxel"):
-        sheet(np.zeros(3))
-    with pytest.raises(InputError, match=r"readings\[7\] is inf"):
-        sheet(np.where(np.arange(len(sheet)) == 7, np.inf, 0.0))
-    out = np.empty(sheet.shape, dtype=np.float32)
-    with pytest.raises(InputError, match="float64"):
-        sheet.apply(np.zeros(len(sheet)), out)
-    with pytest.raises(InputError, match=r"sheet\.shape"):
-        sheet.apply(np.zeros(len(sheet), dtype=np.float32), out[1:])
+def test_lonely_and_coincident_taxels() -> None:
+    places = np.array([[0.0, 0.0], [0.0, 0.0], [40e-3, 0.0]])
+    sheet = sf.Sheet(places, LAYER, solver=sf.Tikhonov(), tolerance=1e-6, noise_std=100.0)
+    dense = dense_of(sheet, sf.Tikhonov(), places)
+    assert off(sheet(dense.readings).pressure, dense.pressure) < 5e-3

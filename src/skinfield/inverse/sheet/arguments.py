@@ -12,13 +12,15 @@ from skinfield.errors import (
     check_count,
     check_finite,
     check_offers,
-    check_positive,
     check_range,
     check_shape,
     check_type,
 )
 from skinfield.mechanics import Layer
 from skinfield.observation.arguments import LAYER
+
+NOISE = 1e-20, 1e12  # in any unit of a reading
+LARGEST = 1e12  # deviations of the noise: their squares add up in single precision
 
 
 def check_physics(layer: object, mechanics: object, quantity: object) -> None:
@@ -57,8 +59,8 @@ def checked_noise(noise_std: ArrayLike, taxels: int) -> Floats:
     if noise.ndim == 0:
         noise = np.full(taxels, float(noise))
     check_shape("noise_std", noise, (taxels,), "one number, or one per taxel")
-    for index in np.flatnonzero(~(np.isfinite(noise) & (noise > 0.0)))[:1]:
-        check_positive(f"noise_std[{index}]", float(noise[index]), "no reading is exact")
+    for index in np.flatnonzero(~((noise >= NOISE[0]) & (noise <= NOISE[1])))[:1]:
+        check_range(f"noise_std[{index}]", float(noise[index]), *NOISE, "no reading is exact")
     return noise
 
 
@@ -71,11 +73,15 @@ def check_like(name: str, array: NDArray[Any], precision: type[Any]) -> None:
         )
 
 
-def check_not_infinite(readings: Floats) -> None:
-    """Raise InputError for an infinite reading; NaN stands for none."""
-    bad = np.flatnonzero(np.isinf(readings))
-    if len(bad):
+def check_readings(readings: Floats, noise_std: Floats, lowest: float) -> None:
+    """Raise InputError for a reading that no skin gives; NaN stands for none."""
+    for index in np.flatnonzero(np.abs(readings) > LARGEST * noise_std)[:1]:
         raise InputError(
-            f"readings[{bad[0]}] is {readings[bad[0]]}, expected a finite number, or NaN for a "
-            "taxel that did not answer"
+            f"readings[{index}] is {readings[index]}, expected at most {LARGEST:g} times its "
+            f"noise_std of {noise_std[index]:g}, or NaN for a taxel that did not answer"
+        )
+    for index in np.flatnonzero(readings <= lowest)[:1]:
+        raise InputError(
+            f"readings[{index}] is {readings[index]}, expected above {lowest:g}: no skin reads "
+            "that; mark such taxels with NaN, and check the gain"
         )

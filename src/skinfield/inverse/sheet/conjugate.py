@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Ints
+from skinfield.errors import InputError, Ints
 from skinfield.inverse.sheet.gram import Gram
 
 FORGET = 16  # steps in which a slow one is forgotten
+LARGEST = 1e34  # square of the whitened readings: products of single precision end at 3e38
 
 
 @dataclass
@@ -81,6 +82,11 @@ class Conjugate:
             self._moved,
         )
         whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
+        if not whole < LARGEST:
+            raise InputError(
+                f"readings are {np.sqrt(whole):g} deviations of their noise, expected finite ones "
+                f"below {np.sqrt(LARGEST):g}: mark taxels that did not answer with NaN"
+            )
         square = self._begin(whole)
         self.iterations, self.stopped = 0, False
         enough = tolerance**2 * whole

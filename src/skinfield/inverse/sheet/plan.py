@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError, check_positive, check_range
+from skinfield.errors import Floats, InputError, check_range
 from skinfield.inverse.gaussian_field import PITCHES, GaussianField
 from skinfield.inverse.sheet.gram import gram_of
 from skinfield.inverse.sheet.placing import Lattice, Placing, nearest_distance
 from skinfield.inverse.sheet.response import WIDEST
-from skinfield.inverse.sheet.stamps import Stamps
+from skinfield.inverse.sheet.stamps import Stamp, Stamps
 from skinfield.inverse.tikhonov import Tikhonov
 from skinfield.mechanics import Layer, Mechanics
 from skinfield.observation import Quantity
@@ -57,7 +57,7 @@ class SheetPlan:
         cut: float,
         precision: type[np.floating[Any]],
     ) -> None:
-        check_positive("pitch", pitch, "the side of a cell, in metres")
+        check_range("pitch", pitch, 1e-6, 1.0, "the side of a cell, in metres")
         check_range("cut", cut, 1e-6, 0.1, "a share of a response's peak")
         low, high = places.min(axis=0), places.max(axis=0)
         _check_extent(len(places), (high - low) / pitch)
@@ -66,10 +66,14 @@ class SheetPlan:
             mechanics, layer, quantity, pitch, pad_diameter, cut, self.length_scale / pitch
         )
         spread = stamps.spread
-        after = max(stamp.width - stamp.reach for stamp in (spread, stamps.read))
-        self.lattice = Lattice.around(low, high, pitch, spread.reach, after)
+        both = (spread, stamps.read)
+        before = max(stamp.reach for stamp in both)
+        after = max(stamp.width - stamp.reach for stamp in both)
+        self.lattice = Lattice.around(low, high, pitch, before, after)
         height = stamps.neighbours / STRIPS
         self.placing = Placing.of((places - self.lattice.origin) / pitch, height)
+        for stamp in both:
+            _check_inside(self.lattice, self.placing, stamp)
         self.gram = gram_of(self.placing, stamps, precision)
         self.offset = self.placing.offset.astype(precision)
         self.corner = self.placing.corner(spread.reach, self.lattice.shape[1])
@@ -103,6 +107,21 @@ def _length_scale(solver: object, places: Floats, pitch: float) -> float:
     if solver.length_scale is not None:
         return float(solver.length_scale)
     return PITCHES * pitch * nearest_distance(Placing.of(places, LOCAL))
+
+
+def _check_inside(lattice: Lattice, placing: Placing, stamp: Stamp) -> None:
+    """Raise InputError unless a stamp of every taxel lies on the lattice.
+
+    Compiled code writes stamps unchecked. A cell is farther than rounding from where this fails,
+    unless the taxels stand so far from the origin that their coordinates cannot tell cells apart.
+    """
+    first = placing.cell.astype(np.int64) - (stamp.reach - 1)
+    end = first.max(axis=0) + np.array([stamp.width, 2 * stamp.reach])
+    if first.min() < 0 or (end > lattice.shape[::-1]).any():
+        raise InputError(
+            f"positions lie at about {lattice.origin.tolist()} m, where rounding moves them by "
+            f"cells of {lattice.pitch:g} m: expected metres from an origin on or near the sheet"
+        )
 
 
 def _check_extent(taxels: int, cells: Floats) -> None:

@@ -11,8 +11,8 @@ from skinfield.errors import Floats, as_floats, check_positive, check_shape
 from skinfield.inverse.gaussian_field import GaussianField
 from skinfield.inverse.sheet.arguments import (
     check_like,
-    check_not_infinite,
     check_physics,
+    check_readings,
     check_settings,
     checked_noise,
     checked_places,
@@ -26,6 +26,8 @@ from skinfield.inverse.sheet.search import highest_std
 from skinfield.inverse.tikhonov import Tikhonov
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import BaseStress, Quantity
+
+MOST = 1e6  # s: a deadline that is as good as none
 
 
 class Sheet:
@@ -214,10 +216,10 @@ class Sheet:
             check_positive("deadline", deadline, "seconds from the call")
         given = as_floats("readings", readings)
         check_shape("readings", given, (len(self),), "one per taxel, in the order of positions")
-        check_not_infinite(given)
+        check_readings(given, self.noise_std, self.quantity.lowest)
         linear = self.quantity.linearise(given, np.empty_like(given))
         pressure = np.empty(self.shape, dtype=self.precision)
-        until = None if deadline is None else int((begin + deadline) * 1e9)
+        until = None if deadline is None else int((begin + min(deadline, MOST)) * 1e9)
         self.apply(linear.astype(self.precision), pressure, until)
         latency = time.perf_counter() - begin
         weights = np.empty_like(self._weights)
