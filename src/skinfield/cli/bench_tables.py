@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from skinfield.experiments.bench.grids import INVERSION, PAPER, PAPER_REST_MS
@@ -68,9 +69,8 @@ def _anytime(bench: "Bench") -> Table:
     table = _table(
         f"two moving fingers, {bench.nodes} x {bench.nodes} nodes, {bench.readings} readings: "
         "error to the converged pressure and to the truth, medians",
-        ("solver", "start"),
-        ("deadline", "p50", "p99", "late p99", "in time", "error", "gap"),
-        ("force", "place", "missed"),
+        ("solver",),
+        ("deadline", "p50", "error", "gap", "force", "place", "missed"),
     )
     for point in bench.points:
         table.add_row(*_point(point), end_section=point.deadline is None)
@@ -79,13 +79,9 @@ def _anytime(bench: "Bench") -> Table:
 
 def _point(point: "Point") -> tuple[str, ...]:
     return (
-        point.solver,
-        point.start,
+        f"{point.solver}, {point.start}",
         NONE if point.deadline is None else in_words(point.deadline),
         _of(point.seconds, "p50"),
-        _of(point.seconds, "p99"),
-        _of(point.late, "p99"),
-        _share(point.met),
         _share(None if point.errors is None else point.errors["p50"]),
         NONE if point.gap is None else f"{point.gap['p50']:.0e}",
         _share(None if point.force is None else point.force["p50"]),
@@ -119,11 +115,11 @@ def _call(call: "Call") -> tuple[str, ...]:
 
 
 def _table(title: str, words: Sequence[str], *numbers: Sequence[str]) -> Table:
-    table = Table(title=title, title_justify="left")
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1))
     for column in words:
-        table.add_column(column)
+        table.add_column(column, no_wrap=True)
     for column in (each for part in numbers for each in part):
-        table.add_column(column, justify="right")
+        table.add_column(column, justify="right", no_wrap=True)
     return table
 
 

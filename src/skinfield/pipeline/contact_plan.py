@@ -1,7 +1,7 @@
 """A patch whose solver finds contacts by itself; and which plan a solver needs."""
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from skinfield.fields import Contact
 from skinfield.inverse import ContactOperator, Fit, InverseOperator, Solver
 from skinfield.pipeline.field_plan import FieldPlan
 from skinfield.pipeline.plan import Plan, Results, Setting, linear_plan, until
+from skinfield.pipeline.reserve import Reserve
 
 LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
 
@@ -36,17 +37,18 @@ class ContactPlan:
     operator: ContactOperator
     valid: NDArray[np.bool_]
     extended: FieldPlan | None
+    reserve: Reserve = field(default_factory=lambda: Reserve(300_000, most=2_000_000))
 
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
         """See `Plan.solve`."""
         for row, reading in zip(rows, readings, strict=True):
-            end = until(deadline)
-            fit = self.operator.fit(reading, end)
+            start, end = time.perf_counter_ns(), until(deadline)
+            fit = self.operator.fit(reading, self.reserve.before(end))
             late = end is not None and time.perf_counter_ns() >= end
             left = None if end is None else (end - time.perf_counter_ns()) * 1e-9
             if fit.explained or late or not self._answered(reading, fit, row, out, left):
                 self._write(reading, fit, row, out)
-            out.in_time[row] = end is None or time.perf_counter_ns() <= end
+            out.in_time[row] = self.reserve.learn(start, end)
             out.notes.extend(note for note in fit.notes if note not in out.notes)
 
     def _write(self, reading: Floats, fit: Fit, row: int, out: Results) -> None:

@@ -26,10 +26,8 @@ from skinfield.pipeline.arguments import check_parts, checked_readings
 from skinfield.pipeline.intervals import Intervals
 from skinfield.pipeline.plan import MOST, LinearPlan, Results, Setting
 from skinfield.pipeline.plans import Plans
+from skinfield.pipeline.reserve import Reserve
 from skinfield.pipeline.support import support_of
-
-AFTER, LEAST, LONGEST = 10_000, 2_000, 50_000  # ns: kept for what follows the solver; at first
-EARLIER, LATER = 0.998, 1.1  # changes of it: at rest one call of fifty is late
 
 
 class Reconstructor:
@@ -101,7 +99,7 @@ class Reconstructor:
             intervals.check(*self.kind)
         self._plans = Plans(setting, self.solver)
         self._linear = np.empty(len(patch), precision)
-        self._after = AFTER
+        self._reserve = Reserve()
         self._run_in()
 
     @property
@@ -213,7 +211,7 @@ class Reconstructor:
         None where the plan computes all at once, as one that finds contacts does.
         """
         end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
-        answer = self._plans.prompt(reading, valid, None if end is None else end - self._after)
+        answer = self._plans.prompt(reading, valid, self._reserve.before(end))
         if answer is None:
             return None
         pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
@@ -230,13 +228,14 @@ class Reconstructor:
             gap=answer.gap,
             iterations=answer.iterations,
         )
-        now = time.perf_counter_ns()
-        vars(estimate)["latency"] = (now - start) * 1e-9
-        vars(estimate)["deadline_met"] = end is None or now <= end
-        if end is not None and answer.iterations > 0 and now > end - 3 * self._after:
-            # it was cut off, or nearly; without a step it could not have been any earlier
-            change = EARLIER if now <= end else LATER
-            self._after = int(min(max(change * self._after, LEAST), LONGEST))
+        acted = answer.iterations > 0  # without a step it could not have been any earlier
+        vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
+        in_time = (
+            self._reserve.learn(start, end)
+            if acted
+            else end is None or time.perf_counter_ns() <= end
+        )
+        vars(estimate)["deadline_met"] = in_time
         return estimate
 
     def calibrated(
