@@ -100,7 +100,8 @@ def reconstruct(recording: str, layout: str | None, patch: str | None, **options
         run = _run(path, results, sinks, options)
         shown = results.estimate(run.shown)
         sinks.close()
-        report(results, run, shown, {**options, "skipped": skipped})
+        said = {key: value for key, value in options.items() if key in KEPT or not ready}
+        report(results, run, shown, {**said, "skipped": skipped})
 
 
 def _beside(options: dict[str, Any]) -> TemporaryDirectory[str]:
