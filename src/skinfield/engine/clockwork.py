@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.engine.cost import CostModel
 from skinfield.engine.group import Group
 from skinfield.engine.intake import Intake, Readings
-from skinfield.engine.state import FEASIBLE, PRODUCT, TEST, WARM, State, Step
+from skinfield.engine.state import PRODUCT, TEST, State, Step
 from skinfield.engine.whole_skin import idle_tests, linear_answers
 from skinfield.errors import Floats, Ints
 
@@ -101,9 +101,11 @@ class Clockwork:
         counts = [group.count for group in self.groups]
         rungs = len(self.groups[0].rungs.steps)
         self.state = State(np.repeat(np.arange(len(counts)), counts))
-        self.costs = np.full((len(counts), len(Step), rungs), GUESS)
+        self._times = np.full((2, len(counts), len(Step), rungs), GUESS)
+        self.costs, self._typical = self._times
         self.model = CostModel(self.costs.reshape(-1))
-        self.typical = CostModel(self.model.steps.copy(), quantile=TYPICAL)
+        self.typical = CostModel(self._typical.reshape(-1), quantile=TYPICAL)
+        self._moves = np.array([self.model.moves, self.typical.moves])
         self.after = CostModel(np.array([AFTER]))
         self.planned = self.costs.copy()
         self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
@@ -197,23 +199,19 @@ class Clockwork:
 
     def searched(self, found: Floats) -> None:
         """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns."""
-        from skinfield.engine.learning_kernel import learn_times, take_answers
+        from skinfield.engine.learning_kernel import take_in
 
         state = self.state
         kinds = state.kind[found[:, 0].astype(np.int64)]
-        for model in (self.typical, self.model):
-            times = model.steps.reshape(self.costs.shape)
-            learn_times(found, state.group, state.kind, times, *model.moves)
-        take_answers(
+        take_in(
             found,
             state.group,
-            state.energy,
-            self.unresolved,
-            state.excess,
-            (state.at, state.rung, state.answer, state.kind, state.iterations),
-            (state.gap, state.spent, state.predicted),
+            state.integers,
+            state.numbers,
             state.settled,
-            (FEASIBLE, WARM),
+            self.unresolved,
+            self._times,
+            self._moves,
         )
         self.log.append((kinds, found))
 
@@ -225,10 +223,10 @@ class Clockwork:
         """
         from skinfield.engine.spending_kernel import plan
 
-        state, typical = self.state, self.typical.steps.reshape(self.costs.shape)
-        np.subtract(self.costs, typical, out=self.planned)
+        state = self.state
+        np.subtract(self.costs, self._typical, out=self.planned)
         self.planned *= 1.0 / max(len(hot), 1) ** 0.5
-        self.planned += typical
+        self.planned += self._typical
         if not self.linear:
             self.planned += self.after.predict(0)
         count = plan(

@@ -6,7 +6,7 @@ import numpy as np
 
 from skinfield.errors import Floats, check_range
 
-FORGET = 0.998  # of a prediction above its start, per cycle
+FORGET = 0.99  # of a prediction above its start, per cycle
 LEAST = 1e-7  # s: the clock's own step
 
 

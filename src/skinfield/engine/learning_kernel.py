@@ -4,64 +4,74 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from skinfield.engine.state import FEASIBLE, WARM
 from skinfield.errors import Floats, Ints
 
 PATCH, RUNG, GAP, MISSING, SETTLED, STEPS, COST, PREDICTED, START, END = range(10)  # of `found`
+ANSWER, ON, AT, ITERATIONS, KIND = range(5)  # of `State.integers`
+ITS_GAP, EXCESS, ENERGY, SPENT, EXPECTED = range(5)  # of `State.numbers`
+UP, DOWN, LEAST = range(3)  # of `CostModel.moves`
 NS = 1e-9
 
 
 @njit(cache=True, nogil=True)
-def followed(step: float, seconds: float, up: float, down: float, least: float) -> float:
-    """Prediction after a step that took `seconds`; see `CostModel.observe`."""
-    return max(step * (up if seconds > step else down), least)
-
-
-@njit(cache=True, nogil=True)
-def learn_times(
-    found: Floats, group: Ints, kind: Ints, steps: Floats, up: float, down: float, least: float
-) -> None:
-    """Correct `steps` (G, kinds, R), s, by searches; those cut short tell if they took longer.
-
-    What was predicted before is written into `found`.
-    """
-    for row in range(len(found)):
-        patch, rung = int(found[row, PATCH]), int(found[row, RUNG])
-        its, seconds = steps[group[patch], kind[patch]], NS * (found[row, END] - found[row, START])
-        before = its[rung]
-        found[row, PREDICTED] = before
-        if found[row, SETTLED] > 0.0:
-            its[rung] = followed(before, seconds, up, down, least)
-        elif seconds >= before:
-            its[rung] = before * up
-
-
-@njit(cache=True, nogil=True)
-def take_answers(
+def take_in(
     found: Floats,
     group: Ints,
-    energy: Floats,
-    unresolved: Floats,
-    excess: Floats,
-    numbers: tuple[Ints, Ints, Ints, Ints, Ints],
-    seconds: tuple[Floats, Floats, Floats],
+    integers: Ints,
+    numbers: Floats,
     settled: NDArray[np.bool_],
-    words: tuple[int, int],
+    unresolved: Floats,
+    times: NDArray[np.float64],
+    moves: Floats,
 ) -> None:
-    """Keep the answers of searches where they are better than what the patches have.
+    """Learn from searches, and keep their answers where they are better than what there is.
 
-    `numbers` are at, rung, answer, kind and iterations of `State`, `seconds` its gap, spent and
-    predicted, `words` the answer and the kind that such a patch has from now on.
+    Parameters
+    ----------
+    found : (N, 10) array
+        Receives in `PREDICTED` what was predicted by the first of the two models.
+    group, integers, numbers, settled
+        Of `State`.
+    unresolved : (G, R) array
+    times : (2, G, kinds, R) array, s
+        Predictions of two cost models, which are corrected; of a search that was cut short only
+        upwards.
+    moves : (2, 3) array
+        Of both models.
     """
-    at, rung, answer, kind, iterations = numbers
-    gap, spent, predicted = seconds
-    for row in range(len(found)):
-        patch, on = int(found[row, PATCH]), int(found[row, RUNG])
-        error = energy[patch] * unresolved[group[patch], on] + found[row, MISSING]
-        iterations[patch] += int(found[row, STEPS])
-        predicted[patch] += found[row, COST]
-        spent[patch] += NS * (found[row, END] - found[row, START])
-        kind[patch] = words[1]
-        if at[patch] < 0 or error <= excess[patch]:
-            answer[patch], rung[patch], at[patch] = words[0], on, on
-            gap[patch], excess[patch] = found[row, GAP], error
-            settled[patch] = found[row, SETTLED] > 0.0
+    for row in found:
+        patch, rung, seconds = int(row[PATCH]), int(row[RUNG]), NS * (row[END] - row[START])
+        its = times[:, group[patch], integers[KIND, patch], rung]
+        row[PREDICTED] = its[0]
+        for model in range(2):
+            slower = seconds > its[model]
+            if slower or row[SETTLED] > 0.0:
+                its[model] *= moves[model, UP if slower else DOWN]
+                its[model] = max(its[model], moves[model, LEAST])
+        keep(patch, rung, seconds, row, group, integers, numbers, settled, unresolved)
+
+
+@njit(cache=True, nogil=True)
+def keep(
+    patch: int,
+    rung: int,
+    seconds: float,
+    row: Floats,
+    group: Ints,
+    integers: Ints,
+    numbers: Floats,
+    settled: NDArray[np.bool_],
+    unresolved: Floats,
+) -> None:
+    """Keep what one search found, if it is better, and what it took."""
+    integers[ITERATIONS, patch] += int(row[STEPS])
+    integers[KIND, patch] = WARM
+    numbers[SPENT, patch] += seconds
+    numbers[EXPECTED, patch] += row[COST]
+    error = numbers[ENERGY, patch] * unresolved[group[patch], rung] + row[MISSING]
+    if integers[AT, patch] < 0 or error <= numbers[EXCESS, patch]:
+        integers[ANSWER, patch] = FEASIBLE
+        integers[ON, patch] = integers[AT, patch] = rung
+        numbers[ITS_GAP, patch], numbers[EXCESS, patch] = row[GAP], error
+        settled[patch] = row[SETTLED] > 0.0

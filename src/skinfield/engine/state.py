@@ -41,6 +41,7 @@ class State:
     Attributes
     ----------
     group : which kind the patch is of
+    integers, numbers : (5, P) arrays, of which the others are rows; see `learning_kernel`
     answer : of `Answer`
     rung : of the answer; -1 where there is none
     gap : relative, of the answer
@@ -58,6 +59,8 @@ class State:
     """
 
     group: Ints
+    integers: Ints = field(init=False)
+    numbers: Floats = field(init=False)
     answer: Ints = field(init=False)
     rung: Ints = field(init=False)
     gap: Floats = field(init=False)
@@ -76,20 +79,21 @@ class State:
 
     def __post_init__(self) -> None:
         patches = len(self.group)
-        self.answer, self.iterations, self.age, self.kind, self.invalid = np.zeros(
-            (5, patches), dtype=np.int64
-        )
-        self.rung, self.at = np.full((2, patches), -1, dtype=np.int64)
-        self.gap, self.excess, self.energy, self.spent, self.predicted = np.zeros((5, patches))
+        self.integers = np.zeros((5, patches), dtype=np.int64)
+        self.answer, self.rung, self.at, self.iterations, self.kind = self.integers
+        self.numbers = np.zeros((5, patches))
+        self.gap, self.excess, self.energy, self.spent, self.predicted = self.numbers
+        self.age, self.invalid = np.zeros((2, patches), dtype=np.int64)
+        self.rung[:] = self.at[:] = -1
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
 
     def begin(self) -> None:
         """Forget the answers of the cycle before."""
         self.answer[:] = MISSING
         self.rung[:] = self.at[:] = -1
+        self.iterations[:] = 0
+        self.numbers[:] = 0.0
         self.gap[:] = np.nan
-        for array in (self.excess, self.energy, self.iterations, self.spent, self.predicted):
-            array[:] = 0
         self.settled[:] = False
         np.copyto(self.kind, np.where(self.was_hot, WARM, COLD))
 
