@@ -5,46 +5,25 @@ from typing import Any
 
 import numpy as np
 import pytest
+from engine_scenes import (
+    CUT,
+    ENOUGH,
+    LAYER,
+    MOVED,
+    NOISE,
+    RUNGS,
+    SKIN,
+    TRIANGLE,
+    apart,
+    engine_of,
+    readings_of,
+    touched,
+)
 
 import skinfield as sf
 from skinfield.engine import Engine, MissingPatch
 from skinfield.errors import Floats, InputError
-from skinfield.layout import generators
 from skinfield.observation import ObservationModel
-
-NOISE = 0.002
-ENOUGH = 10.0  # s
-LAYER = sf.Layer()
-HEXAGON, TRIANGLE = generators.hexagon72(), generators.icub_triangle()
-MOVED = replace(TRIANGLE, positions=np.add(TRIANGLE.positions, [0.1, -0.2, 0.0]), name="moved")
-SKIN = sf.Skin((TRIANGLE, HEXAGON, MOVED, replace(HEXAGON, name="other")))
-BALL = sf.simulate.press(LAYER, [sf.simulate.Sphere(radius=6e-3, force=2.0)], cell=0.6e-3)
-CUT = 3e-3  # what a stamped product may leave out of a linear answer
-RUNGS = (8, 16, 32)
-
-
-def touched(patch: sf.Patch, seed: int) -> Floats:
-    """Readings of a press whose truth is solved on a grid of its own, with noise."""
-    rng = np.random.default_rng(seed)
-    taxel = patch.plane[rng.integers(len(patch))]
-    at = np.column_stack([patch.plane - taxel, np.zeros(len(patch))])
-    clean = BALL.readings(at[:, :2], patch.pad_diameter, "capacitance")
-    return np.asarray(clean + rng.normal(0.0, NOISE, len(patch)))
-
-
-def readings_of(skin: sf.Skin, hot: tuple[str, ...], seed: int = 0) -> dict[str, Floats]:
-    rng = np.random.default_rng(seed + 1000)
-    return {
-        patch.name: touched(patch, seed + i)
-        if patch.name in hot
-        else rng.normal(0.0, NOISE, len(patch))
-        for i, patch in enumerate(skin)
-    }
-
-
-def engine_of(solver: Any, skin: sf.Skin | sf.Patch = SKIN, **options: Any) -> Engine:
-    given = {"budget": ENOUGH, "rungs": RUNGS, "noise_std": NOISE, **options}
-    return Engine(skin, LAYER, solver=solver, **given)
 
 
 @pytest.fixture(scope="module")
@@ -55,10 +34,6 @@ def linear() -> Engine:
 @pytest.fixture(scope="module")
 def searching() -> Engine:
     return engine_of(sf.NonNegative())
-
-
-def apart(a: Floats, b: Floats) -> float:
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
 
 
 def test_linear_answers_are_those_of_reconstructors(linear: Engine) -> None:
@@ -181,70 +156,6 @@ def test_estimates_outlast_the_next_cycle_only_if_kept(linear: Engine) -> None:
         first["moved"]
 
 
-def subset_answer(patch: sf.Patch, readings: Floats, valid: Any) -> Floats:
-    """Posterior mean from the valid taxels, its prior that of all: written out."""
-    grid = sf.Grid.square(patch, RUNGS[-1])
-    model = ObservationModel.of(
-        patch, LAYER, grid, sf.BondedLayer(), sf.Capacitance(), np.full(len(patch), NOISE)
-    )
-    prior = sf.GaussianField().prepare(model).posterior
-    assert prior is not None
-    row, column = np.divmod(np.arange(len(grid)), grid.shape[1])
-    covariance = prior.prior[abs(row[:, None] - row), abs(column[:, None] - column)]
-    seen = model.matrix[valid]
-    strain = readings[valid] / (1.0 + readings[valid])
-    expected = seen @ covariance @ seen.T + NOISE**2 * np.eye(valid.sum())
-    return np.asarray(covariance @ seen.T @ np.linalg.solve(expected, strain))
-
-
-@pytest.mark.parametrize("ranks", [[0], [1, 2, 10, 40], list(range(0, 72, 2))])
-def test_missing_taxels_are_left_out_of_a_linear_answer_exactly(
-    linear: Engine, ranks: list[int]
-) -> None:
-    readings = readings_of(SKIN, ("other",), seed=4)
-    missing = np.argsort(-readings["other"])[ranks]
-    whole = linear(readings)["other"].pressure.copy()
-    valid = np.ones(72, np.bool_)
-    valid[missing] = False
-    expected = subset_answer(SKIN["other"], readings["other"], valid)
-    readings["other"][missing] = np.nan
-    estimate = linear(readings)["other"]
-    assert apart(estimate.pressure, expected) < CUT < apart(whole, expected)
-    assert np.isnan(estimate.residual[missing]).all()
-    assert not estimate.valid[missing].any()
-    assert np.isfinite(estimate.residual[valid]).all()
-    assert any("left out" in note for note in estimate.notes)
-    readings["other"][missing] = 0.7  # whatever a taxel says that is not to be used
-    by_mask = linear(readings, valid={"other": valid})
-    np.testing.assert_allclose(by_mask["other"].pressure, estimate.pressure)
-    assert by_mask.report["other"].invalid == len(missing)
-
-
-def test_missing_taxels_are_left_out_of_a_search(searching: Engine) -> None:
-    readings = readings_of(SKIN, ("other", "hexagon72"), seed=5)
-    group = searching.groups[1]
-    operator: Any = group.searches[-1][0]
-    for missing in ([5, 6], [40], [5, 6]):  # one search serves both patches, whatever is missing
-        searching.reset()
-        valid = np.ones(72, np.bool_)
-        valid[missing] = False
-        given = {name: values.copy() for name, values in readings.items()}
-        given["other"][missing] = np.nan
-        given["hexagon72"][[1, 2]] = -np.inf  # no skin reads that
-        estimates = searching(given)
-        assert estimates.report["hexagon72"].invalid == 2
-        alone = operator.without(valid)
-        expected = np.zeros(len(estimates["other"].grid))
-        alone.apply(np.where(valid, given["other"] / (1 + given["other"]), 0.0), expected, None)
-        assert apart(estimates["other"].pressure, expected) < 0.02
-        assert estimates["other"].gap <= 1e-4
-        reduced: Any = group.search_of(2, 0, valid)
-        for name in ("rows", "vectors", "whitening"):
-            ours, theirs = getattr(reduced._packed, name), getattr(alone._packed, name)
-            np.testing.assert_allclose(ours, theirs, rtol=1e-6)
-        assert estimates["hexagon72"].pressure.any()
-
-
 def test_one_patch_is_a_skin(searching: Engine) -> None:
     engine = engine_of(sf.NonNegative(), TRIANGLE)
     estimate = engine({TRIANGLE.name: touched(TRIANGLE, 0)})[TRIANGLE.name]
@@ -306,12 +217,3 @@ def test_readings_that_do_not_fit(linear: Engine) -> None:
     with pytest.raises(InputError, match="expected numbers"):
         linear(good | {"other": ["x"] * 72})
     assert not linear(good).report.missing
-
-
-def test_missing_taxels_of_a_solver_without_a_prior_are_told() -> None:
-    engine = engine_of(sf.PseudoInverse(), TRIANGLE)
-    readings = touched(TRIANGLE, 1)
-    readings[3] = np.nan
-    report = engine([readings]).report
-    assert report.missing == (TRIANGLE.name,)
-    assert "1 taxels did not answer, and this solver cannot" in report[TRIANGLE.name].skipped

@@ -1,108 +1,16 @@
-"""How an engine spends its budget: planning, predictions and promises, by a clock that is told."""
+"""How an engine spends its budget: planning and promises, by a clock that is told."""
 
 import itertools
-from dataclasses import dataclass, field, replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from engine_clock import PATCH, engine_of, readings_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import skinfield as sf
-from skinfield.engine.cost import CostModel
 from skinfield.engine.spending_kernel import plan
 from skinfield.engine.state import Step
-from skinfield.layout import generators
-
-NOISE = 0.002
-PATCH = generators.icub_triangle()
-
-
-class Clock:
-    """Time that passes when something says so, and a little whenever one looks."""
-
-    def __init__(self, look: int = 100) -> None:
-        self.now, self.look = 0, look
-
-    def __call__(self) -> int:
-        self.now += self.look
-        return self.now
-
-
-@dataclass(frozen=True)
-class Told:
-    """Solver whose search takes the time that it is told, and gains nothing before that."""
-
-    clock: Clock
-    seconds: dict[int, float]
-    slower: dict[str, float] = field(default_factory=lambda: {"factor": 1.0})
-
-    def prepare(self, model: Any) -> "ToldOperator":
-        linear = sf.GaussianField().prepare(model)
-        rows = (model.matrix / model.noise_std[:, None]).T
-        norms = np.linalg.norm(rows, axis=1)
-        problem = SimpleNamespace(
-            rows=rows,
-            norms=norms,
-            whitening=1.0 / model.noise_std,
-            threshold=5.0,
-            tolerance=1e-3,
-        )
-        return ToldOperator(self, model.grid.shape[0], problem, linear)
-
-
-class ToldOperator:
-    def __init__(self, told: Told, nodes: int, problem: Any, linear: Any) -> None:
-        self.told, self.nodes, self.problem, self.linear = told, nodes, problem, linear
-        self.gap, self.objective, self.iterations = 1.0, 1.0, 0
-        self.dual = np.zeros(len(problem.whitening))
-        self.started: list[float] = []
-        self.pressure_std, self.posterior = linear.pressure_std, linear.posterior
-        self.model_error = linear.model_error
-        self.noise = sf.fields.PressureNoise(linear.matrix * NOISE)
-
-    def apply(self, readings: Any, out: Any, deadline_ns: int | None = None) -> None:
-        clock = self.told.clock
-        needed = round(1e9 * self.told.seconds[self.nodes] * self.told.slower["factor"])
-        in_time = deadline_ns is None or clock.now + needed <= deadline_ns
-        clock.now = clock.now + needed if in_time else max(clock.now, int(deadline_ns or 0))
-        self.gap, self.iterations = (1e-4, 3) if in_time else (0.5, 1)
-        out[:] = 1.0
-        self.dual[:] = readings
-
-    def start_from(self, dual: Any) -> None:
-        self.started.append(float(dual[0]))
-
-    def twin(self) -> "ToldOperator":
-        return ToldOperator(self.told, self.nodes, self.problem, self.linear)
-
-    def without(self, valid: Any) -> "ToldOperator":
-        arrays = {name: np.array(value) for name, value in vars(self.problem).items()}
-        return ToldOperator(self.told, self.nodes, SimpleNamespace(**arrays), self.linear)
-
-    def leave_out(self, whole: Any, valid: Any) -> None: ...
-
-    def reset(self) -> None:
-        self.dual[:] = 0.0
-
-
-COSTS = {4: 20e-6, 8: 60e-6, 16: 200e-6}
-
-
-def engine_of(patches: int, budget: float, costs: dict[int, float] = COSTS) -> sf.Engine:
-    clock = Clock()
-    skin = sf.Skin(tuple(replace(PATCH, name=f"p{i}") for i in range(patches)))
-    solver = Told(clock, costs)
-    rungs = tuple(costs)
-    return sf.Engine(skin, budget=budget, rungs=rungs, solver=solver, noise_std=NOISE, clock=clock)
-
-
-def readings_of(engine: sf.Engine, hot: set[int], strength: float = 40.0) -> dict[str, Any]:
-    touch = np.zeros(len(PATCH))
-    touch[0] = strength * NOISE
-    return {name: touch * (i in hot) for i, name in enumerate(engine.names)}
 
 
 @given(
@@ -276,31 +184,20 @@ def test_a_finer_rung_goes_on_from_the_coarser_ones_dual() -> None:
     )
 
 
-def test_the_cost_model_follows_a_high_quantile() -> None:
-    rng = np.random.default_rng(0)
-    model = CostModel(np.array([1e-3]), quantile=0.9, pace=0.05)
-    laps = 50e-6 * rng.lognormal(sigma=0.4, size=6000)
-    predicted = []
-    for lap in laps:
-        predicted.append(model.predict(0))
-        model.observe(0, lap)
-    inside = np.mean(laps[1000:] <= np.array(predicted)[1000:])
-    assert 0.87 < inside < 0.93
-    exact = 50e-6 * np.exp(0.4 * 1.2816)
-    assert np.median(predicted[1000:]) == pytest.approx(exact, rel=0.06)
-
-
-def test_one_interrupted_step_moves_the_prediction_little() -> None:
-    model = CostModel(np.array([50e-6]))
-    model.observe(0, 10.0)
-    assert 50e-6 < model.predict(0) < 56e-6
-    model.at_least(0, 40e-6)  # cut before what was predicted: nothing is learnt
-    assert model.predict(0) > 50e-6
-    for _ in range(200):
-        model.relax()
-    assert model.predict(0) == pytest.approx(50e-6)
-
-
-def test_a_cost_model_refuses_what_is_no_quantile() -> None:
-    with pytest.raises(sf.errors.InputError, match=r"quantile is 1\.5, expected"):
-        CostModel(np.ones(2), quantile=1.5)
+@pytest.mark.parametrize("budget", [1e-6, 15e-6])
+def test_a_contact_is_served_in_the_end_though_there_is_no_time_for_it(budget: float) -> None:
+    engine = engine_of(3, budget)
+    served, overruns = [], 0
+    for _ in range(80):
+        report = engine(readings_of(engine, {0, 2})).report
+        its = [each for each in report if each.answer == "non-negative"]
+        assert all(each.rung == 4 and each.gap == 1e-4 for each in its)
+        assert report.overrun == (report.spent > budget)
+        assert report.overrun or not its
+        served.append(len(its))
+        overruns += report.overrun
+    first = np.flatnonzero(served)
+    assert first[0] == 20  # cycles of waiting
+    assert set(np.diff(first)) <= {10, 11}  # and no two sooner
+    assert max(served) == 1
+    assert overruns == (80 if budget < 2e-6 else sum(served))
