@@ -101,3 +101,20 @@ def test_a_deadline_beyond_reason_is_none(deadline: float) -> None:
     late = sheet(dense.readings, deadline=deadline)
     assert late.deadline_met
     assert late.iterations == free.iterations
+
+
+def test_taxels_too_dense_for_the_cut_are_told() -> None:
+    """Cut late, the matrix is positive definite; cut early, it has eigenvalues below 0."""
+    places = np.random.default_rng(0).uniform(-20e-3, 0, (60, 2)) * [1.0, 0.0]
+    fine = sf.Sheet(places, LAYER, solver=sf.Tikhonov(snr=30.0), cut=1e-4)
+    fine(fine.noise_std).contacts(sf.ContactFinder())
+    coarse = sf.Sheet(places, LAYER, solver=sf.Tikhonov(snr=30.0), cut=2e-2)
+    with pytest.raises(InputError, match="positions are so dense"):
+        coarse(np.random.default_rng(1).normal(size=60)).contacts(sf.ContactFinder())
+
+
+def test_contacts_of_taxels_in_one_place() -> None:
+    sheet = sf.Sheet(np.full((150, 2), 3e-3), LAYER, solver=sf.Tikhonov())
+    readings = sheet.noise_std * (50.0 + np.random.default_rng(0).normal(size=150))
+    (contact,) = sheet(readings).contacts(sf.ContactFinder())
+    assert np.abs(contact.position[:2] - 3e-3).max() < 0.2e-3

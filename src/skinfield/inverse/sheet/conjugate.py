@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError, Ints
-from skinfield.inverse.sheet.gram import Gram
+from skinfield.inverse.sheet.gram import TOO_DENSE, Gram
 
 FORGET = 16  # steps in which a slow one is forgotten
 LARGEST = 1e34  # square of the whitened readings: products of single precision end at 3e38
@@ -97,6 +97,8 @@ class Conjugate:
                 self.stopped = True
                 break
             curved = self._multiply(way, moved)
+            if not curved > 0.0:
+                raise InputError(TOO_DENSE)
             before, square = square, descend(square / curved, way, moved, valid, answer, residual)
             turn(square / before, residual, way, moved)
             self.iterations += 1

@@ -10,6 +10,12 @@ from skinfield.errors import Ints
 from skinfield.inverse.sheet.placing import Placing
 from skinfield.inverse.sheet.stamps import GROUP, Stamp, Stamps
 
+TOO_DENSE = (
+    "positions are so dense that what is cut off their responses outweighs the noise, and no "
+    "pressure is the best: expected taxels some cells apart; use a smaller cut, such as 1e-4, or a "
+    "Reconstructor"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class Gram:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.inverse.sheet.gram import TOO_DENSE
 from skinfield.inverse.sheet.plan import SheetPlan
 from skinfield.inverse.sheet.windows import TILE
 
@@ -68,14 +69,11 @@ class SheetNoise:
 
     def _tile(self, corner: Ints, shape: tuple[int, int]) -> Floats:
         """Deviation of the cells of one tile."""
-        from scipy.linalg import solve
-
         near = self._near(corner, corner + np.array(shape[::-1]) - 1)
         if not len(near):
             return np.zeros(shape)
         matrix = self._matrix(near).toarray()
-        factor = solve(matrix, self._stamps(corner, shape, near), assume_a="pos", overwrite_b=True)
-        factor *= self._per_std(near)[:, None]
+        factor = _solved(matrix, self._stamps(corner, shape, near)) * self._per_std(near)[:, None]
         return np.asarray(np.sqrt(np.square(factor).sum(axis=0)).reshape(shape))
 
     def _per_std(self, near: Ints) -> Floats:
@@ -129,3 +127,12 @@ class SheetNoise:
         field = np.zeros((height, width))
         np.add.at(field, (place[:, 1] - low[1], place[:, 0] - low[0]), weight)
         return np.asarray(self._stamps(low, field.shape, near) @ field.ravel())
+
+
+def _solved(matrix: Floats, sides: Floats) -> Floats:
+    from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+    try:
+        return np.asarray(cho_solve(cho_factor(matrix, overwrite_a=True), sides, overwrite_b=True))
+    except LinAlgError:
+        raise InputError(TOO_DENSE) from None
