@@ -242,3 +242,33 @@ def test_ctrl_c_leaves_nothing(kept: Path, tmp_path: Path) -> None:
     assert (running.returncode == 1 and not list(tmp_path.iterdir())) or (
         running.returncode == 0  # it was quicker
     )
+
+
+def test_fields_by_a_device(kept: Path, tmp_path: Path) -> None:
+    for name, words in (("here", ()), ("there", ("--device", "numpy"))):
+        code, said = run("reconstruct", kept, "--fields", tmp_path / f"{name}.npz", *words)
+        assert code == 0, said
+    with np.load(tmp_path / "here.npz") as here, np.load(tmp_path / "there.npz") as there:
+        assert sorted(here) == sorted(there)
+        scale = np.abs(here["pressure"]).max()
+        assert np.abs(here["pressure"] - there["pressure"]).max() < 3e-6 * scale
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--device", "nowhere"), "device is 'nowhere'"),
+        (("--device", "numpy", "--processes", 2), "--processes is 2 beside --device numpy"),
+    ],
+)
+def test_a_device_that_cannot_be_used(kept: Path, words: tuple[object, ...], message: str) -> None:
+    code, said = run("reconstruct", kept, *words)
+    assert code != 0
+    assert message in said
+
+
+def test_a_device_for_a_solver_that_searches(recording: Path) -> None:
+    words = ("--solver", "nonnegative", "--device", "numpy", "--slice", "0:5")
+    code, said = run("reconstruct", recording, *LAYOUT, *words)
+    assert code != 0
+    assert "the solver is not linear" in said

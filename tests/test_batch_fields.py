@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.errors import InputError
 from skinfield.pipeline import batch, batch_fields, batch_results
+from skinfield.pipeline.array_backend import ArrayBackend
 from skinfield.pipeline.batch_fields import BulkFields
 from skinfield.pipeline.batch_recipe import Recipe
 from skinfield.pipeline.batch_results import LazyResults
@@ -50,6 +52,31 @@ def close(found, expected) -> None:
     assert found.shape == expected.shape
     scale = np.abs(expected).max()
     assert np.abs(found - expected).max() < 3e-6 * scale
+
+
+@pytest.mark.parametrize("lack", ["nothing", "one", "any"])
+@pytest.mark.parametrize("solver", ["gaussian", "pseudo"])
+@pytest.mark.parametrize("library", ["numpy", "array_api_strict"])
+def test_another_device_gives_the_same(library: str, solver: str, lack: str) -> None:
+    backend = ArrayBackend(pytest.importorskip(library, reason="of the extra test"))
+    rec = sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS[solver])
+    readings = pressed(37)
+    if lack == "one":
+        readings[:, 31] = np.nan
+    elif lack == "any":
+        readings[RNG.random(readings.shape) < 0.03] = np.nan
+    names = ("pressure", "displacement")
+    found, expected = (BulkFields(rec, names, backend=on)(readings) for on in (backend, None))
+    for name in names:
+        close(found[name], expected[name])
+    force = BulkFields(rec, "pressure", backend=backend).normal_force(readings)
+    close(force, BulkFields(rec, "pressure").normal_force(readings))
+
+
+def test_a_device_is_for_products_alone() -> None:
+    rec = sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS["nonnegative"])
+    with pytest.raises(InputError, match=r"solver is NonNegative\(\), expected a linear one"):
+        BulkFields(rec, backend=ArrayBackend.numpy())
 
 
 @pytest.mark.parametrize("lack", ["nothing", "one", "any"])
@@ -118,7 +145,7 @@ def test_lazy_results_are_those_of_the_reconstructor(reconstructor, held) -> Non
         for index in (-1, slice(30, 4, -7), [20, 3, 3], (slice(5, 30), 17), np.arange(37) % 9 == 0):
             np.testing.assert_array_equal(lazy[index], np.asarray(lazy)[index])
     force = np.concatenate([np.atleast_1d(e.normal_force) for e in whole])
-    np.testing.assert_allclose(results.normal_force[:], force, rtol=1e-5, atol=1e-5)
+    close(results.normal_force[:], force)
     contacts = [each for e in whole for each in e.contacts]
     assert len(results.contacts) == 37
     for found, expected in zip(results.contacts, contacts, strict=True):

@@ -20,7 +20,7 @@ from skinfield.pipeline.batch_results import LazyResults
 
 ENDING = ".skinfield"
 KEPT = ("recording", "output", "fields_path", "summary_path", "plot", "reading", "part",
-        "processes")  # options that mean something for results that are there already  # fmt: skip
+        "processes", "device")  # options that mean something for results as well  # fmt: skip
 
 
 @click.command(
@@ -72,6 +72,11 @@ so within runs of 64 readings and begin anew at each: the answers do not depend 
     type=click.IntRange(1, 1024),
     help="How many work at once. Default one, and all cores where it takes long.",
 )
+@click.option(
+    "--device",
+    help="Where the products of a linear solver are computed: numpy, or cuda, cuda:1, mps or cpu "
+    "of PyTorch (pip install 'skinfield[gpu]'). Default this process and others.",
+)
 @model_options(grid=20)
 @conditioning_options
 def reconstruct(recording: str, layout: str | None, patch: str | None, **options: Any) -> None:
@@ -80,6 +85,8 @@ def reconstruct(recording: str, layout: str | None, patch: str | None, **options
 
     if options["plot"]:
         check_name(options["plot"])
+    if options["device"]:
+        _check_device(options["device"], options["processes"])
     with ExitStack() as files:
         sinks = Sinks.of(options, files)
         ready = recording.rstrip("/").lower().endswith(ENDING) and Path(recording).is_dir()
@@ -179,10 +186,15 @@ def _run(path: Path, results: LazyResults, sinks: Sinks, options: dict[str, Any]
         raise InputError(
             f"--reading is {reading}, expected {run.readings.start} to {run.readings.stop - 1}"
         )
+    if options["device"] and not results.is_linear:
+        raise InputError(
+            f"--device is {options['device']} and the solver is not linear, expected no device, or "
+            "one of the solvers whose answer is a product, such as gaussian"
+        )
     contacts = bool(sinks.tables or options["summary_path"])
     only_kept = sinks.results is not None and not results.is_linear  # its fields come later
     if contacts or sinks.fields is not None or (reading is None and not only_kept):
-        _over_all(path, results, sinks, run, contacts, options["processes"])
+        _over_all(path, results, sinks, run, contacts, options)
     else:
         _survey(results, run)
     run.shown = run.shown if reading is None else reading
@@ -190,17 +202,35 @@ def _run(path: Path, results: LazyResults, sinks: Sinks, options: dict[str, Any]
 
 
 def _over_all(
-    path: Path, results: LazyResults, sinks: Sinks, run: Run, contacts: bool, processes: int | None
+    path: Path,
+    results: LazyResults,
+    sinks: Sinks,
+    run: Run,
+    contacts: bool,
+    options: dict[str, Any],
 ) -> None:
     from skinfield.cli.reconstruct_work import Task, parts
 
-    task = Task(path, contacts, sinks.fields is not None)
+    task = Task(path, contacts, sinks.fields is not None, options["device"])
+    processes = 1 if options["device"] else options["processes"]
     with readings_progress() as bar:
         line = bar.add_task("reconstructing", total=len(run.readings))
         for part in parts(task, results, run.readings, processes):
             sinks.write(part, results)
             run.add(part)
             bar.update(line, advance=len(part.load))
+
+
+def _check_device(device: str, processes: int | None) -> None:
+    """Raise InputError for a device that is not there, or that many would have to share."""
+    from skinfield.pipeline.array_backend import ArrayBackend
+
+    ArrayBackend.on(device)
+    if processes not in (None, 1):
+        raise InputError(
+            f"--processes is {processes} beside --device {device}, expected none or 1: a device's "
+            "memory and time are taken by one process"
+        )
 
 
 def _survey(results: LazyResults, run: Run) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from skinfield.campaign import in_order
 from skinfield.errors import Floats, Ints
 from skinfield.fields import Estimate
+from skinfield.pipeline.array_backend import ArrayBackend
 from skinfield.pipeline.batch_fields import RUN, BulkFields
 from skinfield.pipeline.batch_results import LazyResults
 from skinfield.sinks.contact_rows import Row, rows_from_estimate
@@ -35,11 +36,14 @@ class Task:
         Of the results that hold the readings.
     contacts, fields : bool
         Whether contacts are found, and fields kept: the pressure's sum is always taken.
+    device : str, optional
+        Of the products, see `ArrayBackend.on`; default the host.
     """
 
     path: Path
     contacts: bool
     fields: bool
+    device: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +91,9 @@ class Worker:
     def bulk(self) -> BulkFields:
         """Prepared when the first piece comes."""
         names = ("pressure", "displacement") if self.task.fields else ("pressure",)
-        return BulkFields(self.results.reconstructor, names)
+        device = self.task.device
+        backend = None if device is None else ArrayBackend.on(device)
+        return BulkFields(self.results.reconstructor, names, backend=backend)
 
     def __call__(self, piece: tuple[int, int]) -> Part:
         """Readings first to last."""

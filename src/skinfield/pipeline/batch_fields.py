@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, check_shape
+from skinfield.errors import Floats, InputError, check_shape
 from skinfield.fields import Contact, Estimate
+from skinfield.pipeline.array_backend import ArrayBackend
 from skinfield.pipeline.batch import (
     OUTPUTS,
     BulkProduct,
@@ -16,6 +17,7 @@ from skinfield.pipeline.batch import (
     readings_per_product,
     rows_of,
 )
+from skinfield.pipeline.device_product import DeviceProduct, chunk_of
 from skinfield.pipeline.plan import LinearPlan
 from skinfield.pipeline.reconstructor import Reconstructor
 
@@ -34,6 +36,8 @@ class BulkFields:
         Of `OUTPUTS`: what to compute of each reading.
     precision : numpy.float32 or numpy.float64
         Of the answers.
+    backend : ArrayBackend, optional
+        Device of a linear solver's products. Default the host, where contacts are always found.
 
     Attributes
     ----------
@@ -48,6 +52,7 @@ class BulkFields:
         reconstructor: Reconstructor,
         outputs: Iterable[str] = ("pressure", "indentation"),
         precision: type[np.floating[Any]] = np.float32,
+        backend: ArrayBackend | None = None,
     ) -> None:
         self.reconstructor = reconstructor
         self.outputs = checked_outputs(outputs)
@@ -56,7 +61,16 @@ class BulkFields:
         self._linear = plan if isinstance(plan, LinearPlan) else None
         row_bytes = self.width * np.dtype(precision).itemsize
         self.run = RUN if self._linear is None else readings_per_product(row_bytes)
-        self._products: OrderedDict[bytes, BulkProduct] = OrderedDict()
+        self._backend = backend
+        if backend is not None:
+            if self._linear is None:
+                raise InputError(
+                    f"solver is {type(reconstructor.solver).__name__}(), expected a linear one "
+                    f"such as GaussianField() for products on {backend.name}: leave the device out"
+                )
+            taxels = len(reconstructor.patch) * np.dtype(precision).itemsize
+            self.run = chunk_of(backend, row_bytes + taxels)
+        self._products: OrderedDict[bytes, BulkProduct | DeviceProduct] = OrderedDict()
         self._sets: OrderedDict[bytes, Any] = OrderedDict()
 
     @property
@@ -199,12 +213,17 @@ class BulkFields:
         assert isinstance(plan, LinearPlan)
         return plan
 
-    def _product(self, valid: NDArray[np.bool_]) -> BulkProduct:
+    def _product(self, valid: NDArray[np.bool_]) -> BulkProduct | DeviceProduct:
         key = np.packbits(valid).tobytes()
         if key not in self._products:
             rows = rows_of(self._plan(valid).operator, self.reconstructor.grid, self.outputs)
             _let_go(self._products)
-            self._products[key] = BulkProduct(rows, self.precision, self.run)
+            backend = self._backend
+            self._products[key] = (
+                BulkProduct(rows, self.precision, self.run)
+                if backend is None
+                else DeviceProduct(rows, backend, self.precision, self.run)
+            )
         self._products.move_to_end(key)
         return self._products[key]
 
