@@ -93,9 +93,9 @@ def draw_cycle(axes: Any, row: int, report: CycleReport) -> None:
 def summary(report: CycleReport) -> str:
     """What a cycle came to, in words."""
     found = Counter(f"{each.answer} on {each.rung}" for each in report if each.answer != "idle")
-    proven = {each.rung for each in report if each.answer == "idle"}
+    tested = {each.rung for each in report if each.answer == "idle"}
     words = [f"{count} {what}" for what, count in sorted(found.items())]
-    return ", ".join([*words, f"others idle, proven on {max(proven)}"])
+    return ", ".join([*words, f"others idle, tested on {max(tested)}"])
 
 
 def draw_cycles(axes: Any, chosen: list[CycleReport]) -> None:

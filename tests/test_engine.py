@@ -90,7 +90,7 @@ def test_searched_answers_are_those_of_reconstructors(searching: Engine) -> None
     assert not quiet.pressure.any()
     assert quiet.gap == 0.0
     assert quiet.contacts == ()
-    assert quiet.grid.shape == (RUNGS[-1],) * 2  # idleness is proven where time is left
+    assert quiet.grid.shape == (RUNGS[-1],) * 2  # the finest test, as time is left
 
 
 def test_idle_patches_are_told_at_the_stated_rate(searching: Engine) -> None:

@@ -74,7 +74,7 @@ class Clockwork:
         Idle tests of all patches; none where linear.
     answers : R pairs of Atlas and array
         Linear answers of all patches, where they are the answer; none on grids below 4 nodes.
-    proven : int
+    tested : int
         Rung of the last idle test.
     costs : (G, kinds of steps, R) array, s
         Of a step for all patches in the first row, the others 0.
@@ -113,7 +113,7 @@ class Clockwork:
         self.linear = self.groups[0].rungs.linear
         self.tests = idle_tests(self.groups)
         self.answers = linear_answers(self.groups) if self.linear else []
-        self.proven = 0
+        self.tested = 0
         self._idle = np.zeros(len(self.state.group), np.bool_)
         self.costs[1:, TEST] = 0.0
         if self.answers:

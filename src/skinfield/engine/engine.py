@@ -35,9 +35,10 @@ KEPT = 4096  # grids of patches that were asked for
 class Engine:
     """All patches of a skin, reading after reading, within one budget of time.
 
-    Each cycle every patch first gets the proof that it is idle, or a coarse linear answer. What is
-    left of the budget goes to the contacts, as iterations and as resolution, wherever they gain
-    most for their time; times are predicted, and no step is begun that would not fit.
+    Each cycle every patch first gets an idle test, and a coarse linear answer if it is touched.
+    What is left of the budget goes to the contacts, as iterations and as resolution, wherever they
+    gain most for their time. Times are predicted, and no step is begun that would not fit, but for
+    a contact that waited too long.
 
     Parameters
     ----------

@@ -207,7 +207,7 @@ class Snapshot:
             return self.why_missing.get(place, "no reading")
         step = Step(self.kind[place])
         if answer == Answer.IDLE:
-            step, following, what = Step.TEST, rung + 1, "proof on rung"
+            step, following, what = Step.TEST, rung + 1, "idle test on rung"
         elif self.linear:
             step, following, what = Step.ROW, rung + 1, "rung"
         else:

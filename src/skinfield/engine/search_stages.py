@@ -1,4 +1,4 @@
-"""Steps of a cycle whose answers are searched: proofs of idleness first, then contacts."""
+"""Steps of a cycle whose answers are searched: idle tests first, then contacts."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from skinfield.engine.linear_stages import fill_missing
 from skinfield.engine.state import IDLE, LINEAR, MASKED, PRODUCT, ROW, TEST
 from skinfield.errors import Ints
 
-FIRST = 0.25  # of the time, for the first proof
+FIRST = 0.25  # of the time, for the first idle test
 ROUNDS = 6  # of planning in a cycle, at most
 Found = tuple[int, int, float, float, bool, int, float, float, int, int]  # as `learning_kernel`
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
@@ -21,15 +21,15 @@ def test_all(work: Clockwork, rung: int) -> None:
     state, start = work.state, work.clock()
     idle = work.find_idle(rung)
     still_open = work.intake.present & (state.answer <= IDLE)
-    proven = still_open & idle
+    idle_now = still_open & idle
     work.done(TEST, 0, -1, rung, start)
-    masked = np.flatnonzero(proven & (state.invalid > 0))
+    masked = np.flatnonzero(idle_now & (state.invalid > 0))
     before = state.rung[masked]
     state.answer[still_open] = LINEAR
-    state.answer[proven] = IDLE
-    state.rung[proven] = rung
-    state.gap[proven] = 0.0
-    work.proven = rung
+    state.answer[idle_now] = IDLE
+    state.rung[idle_now] = rung
+    state.gap[idle_now] = 0.0
+    work.tested = rung
     if len(masked):
         test_masked(work, masked, before, rung)
 
@@ -87,13 +87,13 @@ def with_contact(work: Clockwork) -> Ints:
 
 
 def begin_search(work: Clockwork) -> None:
-    """First of all, for every patch: the proof that it is idle, or its coarse linear answer."""
-    test_all(work, first_proof(work))
+    """First of all, for every patch: an idle test, or its coarse linear answer."""
+    test_all(work, first_tested(work))
     start_linearly(work, with_contact(work))
 
 
-def first_proof(work: Clockwork) -> int:
-    """Finest rung whose proof takes little of the time: coarse cells overlook small touches."""
+def first_tested(work: Clockwork) -> int:
+    """Finest rung whose idle test takes little of the time: coarse cells overlook small touches."""
     affordable = np.flatnonzero(work.costs[0, TEST] <= FIRST * work.left)
     return int(affordable[-1]) if len(affordable) else 0
 
@@ -101,8 +101,8 @@ def first_proof(work: Clockwork) -> int:
 def spend(work: Clockwork) -> Ints:
     """Spend the time that is left where it gains most; returns the patches with a contact.
 
-    Contacts first. When all of them are settled on the finest rung, idleness is proven on finer
-    rungs as well, where what was too fine for the coarse proof shows.
+    Contacts first. When all of them are settled on the finest rung, the idle test is made on
+    finer rungs as well, where what was too fine for the coarse one shows.
     """
     hot = with_contact(work)
     serve_longest_waiting(work, hot)
@@ -112,8 +112,8 @@ def spend(work: Clockwork) -> Ints:
             if not served:
                 break
             continue
-        finer = finest_proof(work)
-        if finer == work.proven:
+        finer = finest_testable(work)
+        if finer == work.tested:
             break
         test_all(work, finer)
         before = hot
@@ -146,13 +146,13 @@ def is_settled(work: Clockwork, hot: Ints) -> bool:
     return bool((state.settled[hot] & (state.at[hot] == work.rungs - 1)).all())
 
 
-def finest_proof(work: Clockwork) -> int:
-    """Finest rung on which there is time to prove idleness; the last one if there is none."""
+def finest_testable(work: Clockwork) -> int:
+    """Finest rung on which there is time for an idle test; the last one if there is none."""
     left = work.left
-    for rung in range(work.rungs - 1, work.proven, -1):
+    for rung in range(work.rungs - 1, work.tested, -1):
         if work.costs[0, TEST, rung] <= left:
             return rung
-    return work.proven
+    return work.tested
 
 
 def serve(work: Clockwork, hot: Ints) -> int:
