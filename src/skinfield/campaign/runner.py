@@ -13,7 +13,7 @@ from pathlib import Path
 
 from skinfield.campaign.outcome import Outcome, check_folder, failure_file, stored
 from skinfield.campaign.task import Task
-from skinfield.campaign.worker import begin, execute
+from skinfield.campaign.worker import begin, execute, held_back
 from skinfield.errors import InputError
 
 THREADS = (
@@ -160,11 +160,15 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Processes that are started meanwhile have one thread for each of the numerical libraries."""
+    """Processes that are started meanwhile have one thread for each of the numerical libraries.
+
+    Nor does Ctrl-C reach them before they are ready for it; here it waits until they are started.
+    """
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
-        yield
+        with held_back():
+            yield
     finally:
         for name, value in before.items():
             if value is None:

@@ -15,6 +15,24 @@ from skinfield.campaign.task import Task
 def begin() -> None:
     """Let a process that waits for tasks sleep through Ctrl-C: only tasks are interrupted."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # see `held_back`
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Ctrl-C comes at the end; processes that are started meanwhile hear it after `begin` only.
+
+    While one imports what it needs it could but print a traceback.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # not on every system
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
