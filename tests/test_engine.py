@@ -158,7 +158,7 @@ def test_estimates_outlast_the_next_cycle_only_if_kept(linear: Engine) -> None:
 
 def test_one_patch_is_a_skin(searching: Engine) -> None:
     engine = engine_of(sf.NonNegative(), TRIANGLE)
-    estimate = engine({TRIANGLE.name: touched(TRIANGLE, 0)})[TRIANGLE.name]
+    estimate = engine({TRIANGLE.name: touched(TRIANGLE, 0)}, budget=1e300)[TRIANGLE.name]
     assert len(estimate.contacts) == 1
 
 

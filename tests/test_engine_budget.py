@@ -201,3 +201,9 @@ def test_a_contact_is_served_in_the_end_though_there_is_no_time_for_it(budget: f
     assert set(np.diff(first)) <= {10, 11}  # and no two sooner
     assert max(served) == 1
     assert overruns == (80 if budget < 2e-6 else sum(served))
+
+
+def test_a_budget_beyond_reason_is_enough() -> None:
+    report = ENGINE(readings_of(ENGINE, {1}), budget=1e300).report
+    assert report["p1"].rung == 16
+    assert not report.overrun

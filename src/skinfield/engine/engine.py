@@ -29,6 +29,7 @@ from skinfield.pipeline.ladder_rungs import prepare_rungs
 
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
 MOST_KEPT = 0.1  # of the budget, for each of these
+ENDLESS = 1e6  # s: no cycle takes longer, and its end fits into 64 bits of ns
 KEPT = 4096  # grids of patches that were asked for
 
 
@@ -141,7 +142,7 @@ class Engine:
         start = work.clock()
         budget = self.budget if budget is None else self._checked(budget)
         reserve = sum(min(around.predict(k), MOST_KEPT * budget) for k in (RETURN, BEYOND))
-        work.end = start + int((budget - reserve) / NS)
+        work.end = start + int((min(budget, ENDLESS) - reserve) / NS)
         work.begin(readings, valid)
         if work.linear:
             answer_linearly(work)

@@ -11,7 +11,7 @@ from skinfield.inverse.stamps import Stamps
 from skinfield.layout import Grid
 
 CUT = 1e-3  # of each taxel's effect on the field: for answers
-TESTED = 1e-4  # of each taxel's part in an idle test: its bound is then about 0.01 deviations
+PROOF = 1e-4  # of each taxel's part in an idle test: its bound is then about 0.01 deviations
 SMALL = 20_000  # entries below which calls cost more than numbers
 
 

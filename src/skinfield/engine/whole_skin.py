@@ -10,7 +10,7 @@ from skinfield.engine.atlas import Atlas
 from skinfield.engine.group import Group
 from skinfield.engine.products import Singles
 from skinfield.engine.searching import idle_test_of
-from skinfield.engine.stamped_product import CUT, TESTED
+from skinfield.engine.stamped_product import CUT, PROOF
 from skinfield.inverse.stamps import SIDE, Stamps
 
 
@@ -23,7 +23,7 @@ def idle_tests(groups: Sequence[Group]) -> list[Atlas]:
             operator = group.rungs.steps[rung].operator
             assert operator is not None  # a group has searches of such alone
             matrix = idle_test_of(group.searches[rung][0], len(group.kind.noise_std))
-            stamps.append(_stamps(matrix, group.rungs.steps[rung].grid.shape, TESTED))
+            stamps.append(_stamps(matrix, group.rungs.steps[rung].grid.shape, PROOF))
             thresholds.append(group.thresholds[rung])
         tests.append(Atlas.of(stamps, counts, thresholds))
     return tests
