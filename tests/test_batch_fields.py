@@ -177,7 +177,11 @@ def test_one_estimate_and_blocks(reconstructor, held) -> None:
     assert [where.stop - where.start for where, _ in blocks] == [10, 10, 10, 7]
     together = np.concatenate([fields["pressure"] for _, fields in blocks])
     np.testing.assert_array_equal(together, results.pressure[:])
-    with pytest.raises(sf.errors.InputError, match="reading is 37, expected 0 to 36"):
+    with pytest.raises(
+        InputError, match=r"reading is 1\.5, expected a whole number from -37 to 36"
+    ):
+        results.estimate(1.5)
+    with pytest.raises(InputError, match="reading is 37, expected a whole number from -37 to 36"):
         results.estimate(37)
 
 

@@ -266,3 +266,11 @@ def test_what_is_no_result_is_refused(tmp_path: Path, name: str) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(FileError):
         open_results(tmp_path / name)
+
+
+def test_times_beyond_what_a_file_holds_are_refused(tmp_path: Path) -> None:
+    rec = sf.Reconstructor(PATCH, grid=GRID)
+    stamps = np.array([0, 2**63], dtype=np.uint64)
+    with pytest.raises(InputError, match=r"stamp_ns reaches 9223372036854775808, expected"):
+        save_results(tmp_path / "a.skinfield", rec, READINGS[:2], stamp_ns=stamps)
+    assert not list(tmp_path.iterdir())

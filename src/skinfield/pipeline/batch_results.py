@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, check_choice
+from skinfield.errors import Floats, check_choice, check_count
 from skinfield.fields import Contact, Estimate
 from skinfield.layout import Grid, Patch
 from skinfield.pipeline.batch import CHUNK
@@ -175,8 +175,7 @@ class LazyResults:
         InputError
             If there is no such reading.
         """
-        if not -len(self) <= reading < len(self):
-            raise InputError(f"reading is {reading}, expected 0 to {len(self) - 1}")
+        check_count("reading", reading, -len(self), len(self) - 1, "one of those that are kept")
         at = reading % len(self)
         self.reconstructor.reset()
         return self.reconstructor(

@@ -217,6 +217,8 @@ def save_results(
     check_shape("stamp_ns", stamps, (len(table),), "one per reading")
     if stamps.dtype.kind not in "iu":
         raise InputError(f"stamp_ns holds {stamps.dtype}, expected whole nanoseconds")
+    if int(stamps.max()) > np.iinfo(np.int64).max:
+        raise InputError(f"stamp_ns reaches {stamps.max()}, expected nanoseconds below 2**63")
     extent = Extent()
     extent.add(table)
     noise = None if exact else float(np.min(reconstructor.model.noise_std))
