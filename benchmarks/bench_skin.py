@@ -271,7 +271,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     choices = ("hexagons", "icub", "types")
     parser.add_argument("--only", nargs="+", choices=choices, default=choices)
-    parser.add_argument("--readings", type=int, default=300, help="of each chain")
+    parser.add_argument("--readings", type=int, default=200, help="of each chain")
     parser.add_argument("--seconds", type=float, default=5.0, help="of each loop at 100 Hz")
     parser.add_argument("--json", help="file for the numbers")
     options = parser.parse_args()
