@@ -222,7 +222,7 @@ class Reconstructor:
         estimate = Estimate.later(
             rest,
             grid=self.grid,
-            pressure=pressure,
+            pressure=pressure.copy(),  # what is computed later is of what was found
             valid=valid,
             stamp_ns=stamps.ravel()[0],
             gap=answer.gap,

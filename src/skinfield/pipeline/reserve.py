@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 EARLIER, LATER = 0.998, 1.1  # changes of it: at rest one call of fifty is late
 NEAR = 3  # times the reserve: an answer that is earlier by more tells nothing of lateness
+PAUSE = 20_000  # ns late: the machine did something else, which no reserve prevents
 
 
 @dataclass
@@ -34,7 +35,8 @@ class Reserve:
         if end is None:
             return True
         now = time.perf_counter_ns()
-        if end - self.kept > start and now > end - NEAR * self.kept:
+        told = -NEAR * self.kept < now - end < max(PAUSE, 2 * self.kept)
+        if told and end - self.kept > start:
             change = EARLIER if now <= end else LATER
             self.kept = int(min(max(change * self.kept, self.least), self.most))
         return now <= end

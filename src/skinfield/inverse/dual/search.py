@@ -31,7 +31,8 @@ from skinfield.inverse.dual.values import (
 
 LOCAL = 0.25  # of the tolerance, to which the searched nodes are solved before all are seen
 STRICTER = 0.1  # of that, wherever it did not do
-PASSES = 12  # over all nodes, at most
+PASSES = 24  # over all nodes, at most
+PATIENCE = 10  # steps on the searched nodes, after which all are seen: some may be missing
 SPARE_NS = 2000  # for the way back to the caller
 WELL = 0.2  # of what was left before a step: if more is left after it, its system was too old
 FEW = 64  # active nodes whose system is made anew as quickly as an old one needs a step more
@@ -73,7 +74,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
     if lower < 0.0:
         counts[IDLE] = 1
         return
-    local, passes, before = LOCAL * problem.tolerance, 0, np.inf
+    local, passes, before, due = LOCAL * problem.tolerance, 0, np.inf, PATIENCE
     while True:
         start = now_ns(memory.room)
         best, plain = primal(problem, memory, best)
@@ -87,7 +88,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         reserved = proof if counts[STEPS] > 0 else 0.0  # a first step goes before its proof
         until = ending + reserved + measures[STEP_PACE] * work
         late = deadline > 0 and until > deadline
-        if not (solved or late) and counts[STEPS] < problem.most:
+        if not (solved or late) and counts[STEPS] < min(due, problem.most):
             newton(problem, memory, active, active < FEW or left > WELL * before)
             before = left
             counts[STEPS] += 1
@@ -104,7 +105,8 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         enough = best - within <= problem.tolerance * best
         if enough or late or counts[STEPS] >= problem.most or passes >= PASSES:
             break
-        local *= STRICTER
+        local *= STRICTER if solved else 1.0
+        due = counts[STEPS] + PATIENCE
         counts[COUNT] = list_near(problem, memory)
     measures[GAP] = min(max((best - lower) / best, 0.0), 1.0)
     measures[OBJECTIVE] = best
