@@ -76,7 +76,7 @@ class Packed(NamedTuple):
         Of `Memory`, by taxel, then by node, then `lower`.
     indices : int64 array
         Likewise.
-    measures : (8,) array
+    measures : (12,) array
     """
 
     rows: Floats
@@ -110,7 +110,7 @@ def packed(problem: Problem, room: tuple[Floats, Ints, Floats]) -> Packed:
 def room_for(nodes: int, width: int, kind: np.dtype[Any]) -> tuple[Floats, Ints, Floats]:
     """Numbers, indices and measures of one patch; pages that are never written are never taken."""
     numbers = np.zeros(BY_TAXEL * width + BY_NODE * nodes + width * width, dtype=kind)
-    return numbers, np.zeros(LISTS * nodes + COUNTS + ROOM, dtype=np.int64), np.zeros(8)
+    return numbers, np.zeros(LISTS * nodes + COUNTS + ROOM, dtype=np.int64), np.zeros(12)
 
 
 def memory_in(nodes: int, width: int, room: tuple[Floats, Ints, Floats]) -> Memory:

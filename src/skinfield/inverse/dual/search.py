@@ -10,7 +10,6 @@ from skinfield.inverse.dual.clock import now_ns
 from skinfield.inverse.dual.values import (
     COUNT,
     FACTORED,
-    FASTER,
     GAP,
     GIVEN,
     IDLE,
@@ -23,13 +22,14 @@ from skinfield.inverse.dual.values import (
     UNSOLVED,
     dual_values,
     half_square,
+    learn_pace,
     list_near,
-    measured,
     primal,
+    relax_pace,
     see_all,
 )
 
-LOCAL = 0.25  # of the tolerance, to which the searched nodes are solved before all are seen
+LOCAL = 0.5  # of the tolerance, to which the searched nodes are solved before all are seen
 STRICTER = 0.1  # of that, wherever it did not do
 PASSES = 24  # over all nodes, at most
 PATIENCE = 10  # steps on the searched nodes, after which all are seen: some may be missing
@@ -55,7 +55,7 @@ def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
     shape = (problem.height, problem.width)
     kernel.spread_bumps(memory.pressed, memory.amounts, counts[PRESSED], problem.bump, shape, out)
     work = len(out) + counts[PRESSED] * problem.bump.size
-    measures[SPREAD_PACE] = measured(measures[SPREAD_PACE], now_ns(memory.room) - start, work)
+    learn_pace(measures, SPREAD_PACE, now_ns(memory.room) - start, work)
 
 
 @njit(cache=True, nogil=True)
@@ -93,12 +93,12 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
             before = left
             counts[STEPS] += 1
             taken = now_ns(memory.room) - start
-            measures[STEP_PACE] = measured(measures[STEP_PACE], taken, work)
+            learn_pace(measures, STEP_PACE, taken, work)
             continue
         if late and not solved:  # else one slow step would keep all later ones from being tried
-            measures[STEP_PACE] *= FASTER
+            relax_pace(measures, STEP_PACE)
         if not provable:
-            measures[PASS_PACE] *= FASTER
+            relax_pace(measures, PASS_PACE)
             break
         proved, within = dual_values(problem, memory)
         lower, passes = max(lower, proved), passes + 1

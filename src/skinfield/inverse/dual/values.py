@@ -12,8 +12,10 @@ from skinfield.inverse.stamps_kernel import stamp_apply
 MARGIN = 0.5  # standard deviations below a node's own threshold at which it is searched
 UNITS = 8  # of a number's last place in `rounding`
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
+SMOOTH, SAFE = 0.1, 1.3  # of the mean of a pace, and times that is never gone below
 IDLE, COUNT, STEPS, PRESSED, GIVEN, FACTORED = range(6)  # of `counts`
 GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE, UNSOLVED = range(6)  # of `measures`; ns
+TYPICAL = 6  # and on: what paces come to in the mean
 
 
 @njit(cache=True, nogil=True)
@@ -131,13 +133,22 @@ def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
     rounded += problem.rounding / UNITS * np.sqrt(2.0 * own * pressed) * spread
     within = product - own - 0.5 * square - rounded
     taken = now_ns(memory.room) - start
-    measures = memory.measures
-    measures[PASS_PACE] = measured(measures[PASS_PACE], taken, problem.rows.size)
+    learn_pace(memory.measures, PASS_PACE, taken, problem.rows.size)
     return within - 0.5 * elsewhere, within
 
 
 @njit(cache=True, nogil=True)
-def measured(pace: float, taken: int, work: float) -> float:
-    """Pace after another measurement."""
-    last = taken / work
-    return last if pace == 0.0 else min(max(last, FASTER * pace), SLOWER * pace)
+def learn_pace(measures: Floats, which: int, taken: int, work: float) -> None:
+    """Take in another measurement of a pace: near the slowest, and in the mean without pauses."""
+    last, mean = taken / work, TYPICAL + which - STEP_PACE
+    if measures[which] == 0.0:
+        measures[which] = measures[mean] = last
+    measures[which] = min(max(last, FASTER * measures[which]), SLOWER * measures[which])
+    measures[mean] += SMOOTH * (min(last, 2.0 * measures[mean]) - measures[mean])
+
+
+@njit(cache=True, nogil=True)
+def relax_pace(measures: Floats, which: int) -> None:
+    """Let a pace come down to the mean, where it kept something from being tried."""
+    mean = TYPICAL + which - STEP_PACE
+    measures[which] = max(FASTER * measures[which], SAFE * measures[mean])
