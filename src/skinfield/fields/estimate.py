@@ -46,7 +46,9 @@ class Estimate:
         Of the reading, where it was given; else 0.
     gap : float or (T,) array, dimensionless
         Share of its objective by which the answer may be above the minimum, at most, which is
-        proved: 0 where the answer is a closed form, NaN where nothing is proved.
+        proved: 0 where the answer is a closed form, NaN where nothing is proved. An idle patch is
+        answered by the exact minimum of its problem, with the whole detection threshold as penalty
+        (`NonNegative`): 0.
     iterations : int or (T,) array
         Steps that an iterative solver took.
     deadline_met : bool or (T,) array

@@ -35,6 +35,7 @@ class Backing:
     ----------
     solver : Linear
     model : ObservationModel
+        Of all taxels.
     whole : Backing, optional
         That of all taxels, if some are left out.
     valid : (L,) bool array, optional
@@ -49,17 +50,24 @@ class Backing:
     @cached_property
     def operator(self) -> InverseOperator:
         """Prepared when it is first asked for: the search itself does not need it."""
-        if self.whole is not None and self.valid is not None:
-            gaussian = self.whole.operator.gaussian
-            if gaussian is not None:  # a low-rank update, some milliseconds
-                sets = gaussian.sets(self.valid[None])
-                posterior = sets.posterior(0)
-                return InverseOperator(sets.matrix(0), posterior.std, posterior)
-        return self.solver.prepare(self.model)
+        if self.whole is None or self.valid is None:
+            return self.solver.prepare(self.model)
+        gaussian = self.whole.operator.gaussian
+        if gaussian is None:
+            return self.solver.prepare(self.model.subset(self.valid))
+        sets = gaussian.sets(self.valid[None])  # a low-rank update, some milliseconds
+        posterior = sets.posterior(0)
+        return InverseOperator(sets.matrix(0), posterior.std, posterior)
+
+    @property
+    def noise(self) -> PressureNoise:
+        """How the readings' noise moves this field."""
+        std = self.model.noise_std if self.valid is None else self.model.noise_std[self.valid]
+        return PressureNoise(self.operator.matrix * std)
 
     def without(self, valid: NDArray[np.bool_]) -> "Backing":
         """Of the valid taxels, by a mask (L,)."""
-        return Backing(self.solver, self.model.subset(valid), self, valid)
+        return Backing(self.solver, self.model, self, valid)
 
 
 @dataclass(eq=False)
@@ -123,8 +131,7 @@ class NonNegativeOperator:
     @property
     def noise(self) -> PressureNoise:
         """How noise moves the linear field: a stand-in by which contacts are told."""
-        model = self.backing.model
-        return PressureNoise(self.backing.operator.matrix * model.noise_std)
+        return self.backing.noise
 
     @property
     def gap(self) -> float:

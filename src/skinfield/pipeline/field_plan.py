@@ -23,7 +23,7 @@ class FieldPlan:
     ----------
     setting : Setting
     model : ObservationModel
-        Of the valid taxels, L' of L.
+        Of the valid taxels, L' of L; of all where `whole`.
     operator : FieldOperator
     valid : (L,) bool array
     whole : bool
@@ -46,6 +46,10 @@ class FieldPlan:
         """By which they are said to be sure."""
         whole = self.operator.posterior
         return None if whole is None else whole.on(self.setting.nodes)
+
+    @cached_property
+    def _matrix(self) -> Floats:
+        return self.model.matrix[self.valid] if self.whole else self.model.matrix
 
     def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
         """See `Plan.solve`."""
@@ -74,7 +78,7 @@ class FieldPlan:
                 "displacement": lambda: setting.deformation(found)[setting.nodes],
                 "pressure_std": lambda: operator.pressure_std[setting.nodes],
                 "contacts": lambda: self.contacts(pressure, self.noise, self.posterior),
-                "residual": lambda: spread_out(linear - self.model.matrix @ found, self.valid),
+                "residual": lambda: spread_out(linear - self._matrix @ found, self.valid),
             },
             getattr(operator, "gap", float("nan")),
             getattr(operator, "iterations", 0),
@@ -102,5 +106,4 @@ class FieldPlan:
         leave_out = getattr(self.operator, "without", None)
         if leave_out is None or not self.valid.all():
             return None
-        model = self.setting.model.subset(valid)
-        return FieldPlan(self.setting, model, leave_out(valid), valid, whole=True)
+        return FieldPlan(self.setting, self.setting.model, leave_out(valid), valid, whole=True)
