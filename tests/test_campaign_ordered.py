@@ -82,9 +82,11 @@ def test_ctrl_c_ends_all_processes(tmp_path) -> None:
     )
     (tmp_path / "main.py").write_text(
         textwrap.dedent("""
+        import signal
         from skinfield.campaign.ordered import in_order
         from slow import make
         if __name__ == "__main__":
+            signal.signal(signal.SIGINT, signal.default_int_handler)  # a job may begin without
             try:
                 for answer in in_order(make, (), range(10000), 2):
                     print(answer, flush=True)
