@@ -11,7 +11,7 @@ from skinfield.engine.products import SharedProduct, Singles
 from skinfield.engine.searching import ReducedSearch, SearchOperator, is_search
 from skinfield.engine.stamped_product import product_of
 from skinfield.errors import Floats, InputError
-from skinfield.pipeline.ladder_missing import MissingTaxels
+from skinfield.pipeline.ladder_missing import FilledReadings
 from skinfield.pipeline.ladder_rungs import Rungs
 
 SHARED = object()  # in place of the search that a patch used last: its dual was copied
@@ -47,7 +47,7 @@ class Group:
         Each patch's part of them.
     duals : (P, L) array
         Where the last search of each patch ended, if it left taxels out.
-    filler : MissingTaxels
+    filler : FilledReadings
         Of whitened readings.
     """
 
@@ -85,7 +85,7 @@ class Group:
         self.rows_of_feasible = [list(fields) for fields in self.feasible]
         self.duals = np.zeros((count, len(noise)))
         self._last: list[Any] = [None] * count
-        self.filler = MissingTaxels(self.rungs.weights * np.outer(noise, noise))
+        self.filler = FilledReadings(self.rungs.weights * np.outer(noise, noise))
         self._reduced = [ReducedSearch(twins[0], len(noise)) for twins in self.searches]
 
     @property

@@ -50,10 +50,6 @@ class PressureNoise:
         """Number of cells that feel any noise."""
         return int(np.count_nonzero(self.std))
 
-    def std_of_sum(self, cells: NDArray[np.int64]) -> float:
-        """Standard deviation of the sum over some cells, Pa: cells share the readings' noise."""
-        return float(np.linalg.norm(self.factor[cells].sum(axis=0)))
-
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         check_cells(cells, weights, len(self.factor))

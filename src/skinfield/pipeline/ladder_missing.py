@@ -16,7 +16,7 @@ SETS = 16  # of valid taxels whose matrices stay at hand
 Map = tuple[Ints, Ints, Floats]
 
 
-class MissingTaxels:
+class FilledReadings:
     r"""Readings in place of missing ones, with which the linear answer is that of the valid taxels.
 
     Parameters
