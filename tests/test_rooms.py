@@ -11,14 +11,14 @@ import skinfield
 
 FLOORS = [  # top floor first; rooms of one floor never import each other
     {"cli"},
-    {"experiments", "config"},
+    {"experiments", "config", "live", "virtual"},
     {"sources", "sinks", "figures", "testing", "fem", "campaign"},  # the edge
     {"engine"},
     {"pipeline", "resolution", "detection"},
-    {"inverse", "simulate", "calibrate", "contacts"},
-    {"observation", "conditioning"},
+    {"inverse", "simulate", "calibrate", "contacts", "protocols"},
+    {"observation", "conditioning", "acquisition"},
     {"mechanics", "fields"},
-    {"layout", "reading"},
+    {"layout", "reading", "ring", "realtime"},
     {"errors"},
 ]
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
@@ -37,6 +37,12 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "array_api_compat": {"pipeline"},  # batches on a GPU
     "trimesh": {"sources"},
     "PIL": {"sources"},
+    "can": {"sources"},
+    "serial": {"sources"},
+    "mcap": {"sinks", "sources"},
+    "zstandard": {"sinks", "sources"},
+    "h5py": {"sinks"},
+    "rosbags": {"sinks"},
     "jinja2": {"experiments"},
     "pytest": {"testing"},  # the contracts are tests
 }

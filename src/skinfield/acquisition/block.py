@@ -1,0 +1,160 @@
+"""Blocks: what sources deliver, what is recorded, and what a replay feeds in again.
+
+A block is one run of channels that were read together: half a triangle of iCub, a burst of CySkin,
+a whole patch. It is the unit in which nothing is lost: every reading that arrives becomes blocks,
+blocks are logged as they come, and the counts that a cycle works on are what all blocks before it
+left behind. A live cycle and its replay apply the same bytes by the same code.
+
+Layout, little-endian, each block a multiple of 8 bytes:
+
+====== ===== ==========================================================================
+offset bytes what
+====== ===== ==========================================================================
+0      8     stamp, ns since the epoch (int64): when the host took the reading in
+8      4     first channel (uint32)
+12     2     channels (uint16)
+14     1     `Kind`
+15     1     `Status` bits, of all these channels
+16     ...   payload, see `Kind`; zeros up to a multiple of 8 bytes
+====== ===== ==========================================================================
+
+Channels are counted over all ports of all sources, in the order in which they were given.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+from struct import unpack_from
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import InputError
+
+HEADER = 16  # bytes
+WORD = 8  # bytes, of which every block is a multiple
+LONGEST = 65535  # channels in one block
+
+Words = NDArray[np.int64]
+Octets = NDArray[np.uint8]
+
+
+class Kind(IntEnum):
+    """What a block's payload is."""
+
+    BYTES = 1  # counts, uint8 each
+    SHORTS = 2  # counts, uint16 each
+    FLOATS = 3  # numbers in the port's unit, float32 each; NaN where a taxel did not answer
+    STATUS = 4  # no counts: the status bits, and payload uint8 per 8 channels: out of range
+    SOURCE = 5  # a source went down or came up; channel: its index; payload int64: 1 up, 0 down
+    LOST = 6  # messages known to be lost; channel: the source's index; payload int64: how many
+    TARE = 7  # the baseline was taken anew from here on; no payload
+
+
+class Status(IntFlag):
+    """What a source says of channels beside their counts."""
+
+    OK = 0
+    NO_ACK = 1  # a converter did not answer: the board's own flag
+    NOT_CONNECTED = 2  # nothing is plugged in: the counts mean nothing
+    OUT_OF_RANGE = 4  # further beyond a clamp than its byte can tell
+    INVALID = 8  # must not be used, for another reason
+
+
+UNUSABLE = int(Status.NOT_CONNECTED | Status.INVALID)
+WIDTH = {Kind.BYTES: 1, Kind.SHORTS: 2, Kind.FLOATS: 4}  # bytes per channel
+DTYPE: dict[Kind, np.dtype[Any]] = {
+    Kind.BYTES: np.dtype("<u1"),
+    Kind.SHORTS: np.dtype("<u2"),
+    Kind.FLOATS: np.dtype("<f4"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One block, read back.
+
+    Attributes
+    ----------
+    stamp_ns : int, ns
+    channel, count : int
+        First channel and how many.
+    kind : Kind
+    status : Status
+    payload : array
+        (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST.
+    """
+
+    stamp_ns: int
+    channel: int
+    count: int
+    kind: Kind
+    status: Status
+    payload: NDArray[np.generic]
+
+
+def payload_bytes(kind: int, count: int) -> int:
+    """Bytes of a block's payload, without the zeros that fill it up.
+
+    Raises
+    ------
+    InputError
+        If `kind` is none of `Kind`.
+    """
+    if kind in WIDTH:
+        return WIDTH[Kind(kind)] * count
+    if kind == Kind.STATUS:
+        return (count + 7) // 8
+    if kind in (Kind.SOURCE, Kind.LOST):
+        return 8
+    if kind == Kind.TARE:
+        return 0
+    raise InputError(
+        f"kind of a block is {kind}, expected one of {', '.join(str(int(each)) for each in Kind)}: "
+        "the bytes are damaged, or of a newer version"
+    )
+
+
+def block_bytes(kind: int, count: int) -> int:
+    """Bytes of a whole block."""
+    return HEADER + -(-payload_bytes(kind, count) // WORD) * WORD
+
+
+def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
+    """Read blocks one after the other; for tools, not for the loop.
+
+    Raises
+    ------
+    InputError
+        If the bytes end within a block, or a kind is unknown: what was yielded before is good.
+    """
+    view, at = np.frombuffer(data, np.uint8), 0
+    while at < len(view):
+        if len(view) - at < HEADER:
+            raise InputError(
+                f"blocks end after {len(view) - at} bytes of a header at byte {at}, expected "
+                f"{HEADER}: the data was cut"
+            )
+        stamp, channel, count, kind, status = unpack_from("<qIHBB", view, at)
+        size = block_bytes(kind, count)
+        if len(view) - at < size:
+            raise InputError(
+                f"blocks end after {len(view) - at} bytes of the block at byte {at}, expected "
+                f"{size}: the data was cut"
+            )
+        yield Block(
+            stamp,
+            channel,
+            count,
+            Kind(kind),
+            Status(status),
+            _payload(view, at + HEADER, Kind(kind), count),
+        )
+        at += size
+
+
+def _payload(view: Octets, at: int, kind: Kind, count: int) -> NDArray[np.generic]:
+    other = np.dtype(np.uint8 if kind == Kind.STATUS else "<i8")
+    payload: NDArray[Any] = view[at : at + payload_bytes(kind, count)]
+    return payload.view(DTYPE.get(kind, other))
