@@ -136,7 +136,7 @@ def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
                 f"blocks end after {len(view) - at} bytes of a header at byte {at}, expected "
                 f"{HEADER}: the data was cut"
             )
-        stamp, channel, count, kind, status = unpack_from("<qIHBB", view, at)
+        stamp, channel, count, kind, status = unpack_from("<qIHBB", view.data, at)
         size = block_bytes(kind, count)
         if len(view) - at < size:
             raise InputError(
