@@ -34,6 +34,7 @@ from skinfield.errors import InputError
 
 HEADER = 16  # bytes
 WORD = 8  # bytes, of which every block is a multiple
+CALIBRATED = 4  # numbers per taxel of a calibration
 LONGEST = 65535  # channels in one block
 
 Words = NDArray[np.int64]
@@ -49,7 +50,8 @@ class Kind(IntEnum):
     STATUS = 4  # no counts: the status bits, and payload uint8 per 8 channels: out of range
     SOURCE = 5  # a source went down or came up; channel: its index; payload int64: 1 up, 0 down
     LOST = 6  # messages known to be lost; channel: the source's index; payload int64: how many
-    TARE = 7  # the baseline was taken anew from here on; no payload
+    CALIBRATION = 7  # taken anew, in force from the end of these blocks on; channel: first taxel of
+    # the skin; payload float64 each of baseline, gain, noise_std, alive (0 or 1), taxel by taxel
 
 
 class Status(IntFlag):
@@ -83,7 +85,8 @@ class Block:
     kind : Kind
     status : Status
     payload : array
-        (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST.
+        (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST;
+        (4 count,) float64 of CALIBRATION.
     """
 
     stamp_ns: int
@@ -108,8 +111,8 @@ def payload_bytes(kind: int, count: int) -> int:
         return (count + 7) // 8
     if kind in (Kind.SOURCE, Kind.LOST):
         return 8
-    if kind == Kind.TARE:
-        return 0
+    if kind == Kind.CALIBRATION:
+        return 8 * CALIBRATED * count
     raise InputError(
         f"kind of a block is {kind}, expected one of {', '.join(str(int(each)) for each in Kind)}: "
         "the bytes are damaged, or of a newer version"
@@ -155,6 +158,6 @@ def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
 
 
 def _payload(view: Octets, at: int, kind: Kind, count: int) -> NDArray[np.generic]:
-    other = np.dtype(np.uint8 if kind == Kind.STATUS else "<i8")
+    other = {Kind.STATUS: np.dtype("<u1"), Kind.CALIBRATION: np.dtype("<f8")}
     payload: NDArray[Any] = view[at : at + payload_bytes(kind, count)]
-    return payload.view(DTYPE.get(kind, other))
+    return payload.view((DTYPE | other).get(kind, np.dtype("<i8")))

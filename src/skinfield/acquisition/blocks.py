@@ -145,6 +145,8 @@ class Channels:
         0 where nothing came yet.
     status : (C,) uint8 array
         Bits of `Status`.
+    fresh : (C,) uint8 array
+        1 where counts came; whoever uses them sets it back to 0.
     """
 
     def __init__(self, count: int) -> None:
@@ -152,6 +154,7 @@ class Channels:
         self.counts: Floats = np.full(count, np.nan)
         self.stamp_ns: Ints = np.zeros(count, np.int64)
         self.status: Octets = np.zeros(count, np.uint8)
+        self.fresh: Octets = np.zeros(count, np.uint8)
 
     def __len__(self) -> int:
         return len(self.counts)
@@ -176,6 +179,7 @@ class Channels:
             self.counts,
             self.stamp_ns,
             self.status,
+            self.fresh,
         )
         if applied < 0:
             raise InputError(

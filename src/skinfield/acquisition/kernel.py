@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.acquisition.block import Octets, Words
 from skinfield.errors import Floats, Ints
 
-BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST, TARE = 1, 2, 3, 4, 5, 6, 7  # as `Kind`
+BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST, CALIBRATION = 1, 2, 3, 4, 5, 6, 7  # as `Kind`
 OUT_OF_RANGE = 4  # as `Status`
 HEADER_WORDS = 2
 FULL = -1
@@ -30,8 +30,8 @@ def payload_words(kind: int, count: int) -> int:
         return (((count + 7) >> 3) + 7) >> 3
     if kind in (SOURCE, LOST):
         return 1
-    if kind == TARE:
-        return 0
+    if kind == CALIBRATION:
+        return 4 * count
     return -1
 
 
@@ -131,6 +131,7 @@ def apply_blocks(
     counts: Floats,
     stamps: Ints,
     status: Octets,
+    fresh: Octets,
 ) -> int:
     """Apply the blocks in `words[start:stop]`: the newest counts, stamps and status per channel.
 
@@ -145,6 +146,8 @@ def apply_blocks(
     stamps : (C,) int64 array, ns
     status : (C,) uint8 array
         Of `Status`.
+    fresh : (C,) uint8 array
+        Set to 1 where a block brings counts.
 
     Returns
     -------
@@ -186,6 +189,7 @@ def take(
     counts: Floats,
     stamps: Ints,
     status: Octets,
+    fresh: Octets,
 ) -> None:
     """Apply one block of counts or of status, whose bounds were checked."""
     stamp, payload = words[at], at + HEADER_WORDS
@@ -202,5 +206,6 @@ def take(
         else:
             counts[first + i] = np.float64(singles[2 * payload + i])
         stamps[first + i] = stamp
+        fresh[first + i] = 1
         if bits:
             status[first + i] = bits
