@@ -66,10 +66,14 @@ class Status(IntFlag):
 
 UNUSABLE = int(Status.NOT_CONNECTED | Status.INVALID)
 WIDTH = {Kind.BYTES: 1, Kind.SHORTS: 2, Kind.FLOATS: 4}  # bytes per channel
-DTYPE: dict[Kind, np.dtype[Any]] = {
+PAYLOAD: dict[Kind, np.dtype[Any]] = {
     Kind.BYTES: np.dtype("<u1"),
     Kind.SHORTS: np.dtype("<u2"),
     Kind.FLOATS: np.dtype("<f4"),
+    Kind.STATUS: np.dtype("<u1"),
+    Kind.SOURCE: np.dtype("<i8"),
+    Kind.LOST: np.dtype("<i8"),
+    Kind.CALIBRATION: np.dtype("<f8"),
 }
 
 
@@ -158,6 +162,5 @@ def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
 
 
 def _payload(view: Octets, at: int, kind: Kind, count: int) -> NDArray[np.generic]:
-    other = {Kind.STATUS: np.dtype("<u1"), Kind.CALIBRATION: np.dtype("<f8")}
     payload: NDArray[Any] = view[at : at + payload_bytes(kind, count)]
-    return payload.view((DTYPE | other).get(kind, np.dtype("<i8")))
+    return payload.view(PAYLOAD[kind])

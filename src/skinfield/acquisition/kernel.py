@@ -168,7 +168,19 @@ def apply_blocks(
             if first + count > channels:
                 return -at - 1
             take(
-                words, octets, shorts, singles, at, first, count, kind, bits, counts, stamps, status
+                words,
+                octets,
+                shorts,
+                singles,
+                at,
+                first,
+                count,
+                kind,
+                bits,
+                counts,
+                stamps,
+                status,
+                fresh,
             )
         applied += 1
         at += HEADER_WORDS + size
