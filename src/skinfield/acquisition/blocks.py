@@ -167,6 +167,32 @@ class Channels:
         InputError
             At the first that is no block, or has channels beyond the last; those before it are in.
         """
+        applied = self._applied(blocks, start)
+        if applied < 0:
+            raise InputError(
+                f"byte {(-applied - 1) * WORD} of {len(blocks.data)} begins no block for "
+                f"{len(self)} channels: the data is damaged, or of another skin"
+            )
+        return applied
+
+    def apply_good(self, blocks: Blocks) -> int:
+        """Take in the blocks up to the first that is none, and drop it and the rest.
+
+        For the loop, where a faulty driver must not end the cycle.
+
+        Returns
+        -------
+        int
+            Words that were dropped.
+        """
+        applied = self._applied(blocks, 0)
+        if applied >= 0:
+            return 0
+        dropped = int(blocks.end[0]) - (-applied - 1)
+        blocks.end[0] = -applied - 1
+        return dropped
+
+    def _applied(self, blocks: Blocks, start: int) -> int:
         from skinfield.acquisition.kernel import apply_blocks
 
         applied = apply_blocks(
@@ -181,9 +207,4 @@ class Channels:
             self.status,
             self.fresh,
         )
-        if applied < 0:
-            raise InputError(
-                f"byte {(-applied - 1) * WORD} of {len(blocks.data)} begins no block for "
-                f"{len(self)} channels: the data is damaged, or of another skin"
-            )
         return int(applied)

@@ -1,0 +1,190 @@
+"""Baseline and noise of all taxels, from the first readings of an untouched skin."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.acquisition import Channels
+from skinfield.conditioning import Calibration
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.layout import Patch
+from skinfield.live.binding import Binding
+from skinfield.live.settings import LiveSettings
+from skinfield.observation import BaseStress, Capacitance, Gap
+from skinfield.pipeline.conditioned import Conditioning
+from skinfield.pipeline.survey import survey
+from skinfield.reading import Recording
+
+LEAST = 32  # readings that make a baseline
+MOST = 2000  # that are kept
+SHARE = 0.9  # of the channels that ever answered: so many new ones make a further reading
+SLOWEST = 0.2  # s after which whatever came is taken for a reading
+PATIENCE = 10.0  # times the asked time, after which fewer readings must do
+USUAL = 5.0  # times the longest usual interval of a taxel: its reading is then too old
+YOUNGEST = 0.05  # s, at which no reading is too old
+
+
+@dataclass(frozen=True, eq=False)
+class Tared:
+    """What a tare found, for the taxels of all patches in the skin's order.
+
+    Attributes
+    ----------
+    calibration : (L, 4) array
+        Baseline and gain (counts, counts per unit of ΔC/C₀), noise_std (counts), alive (0 or 1);
+        of readings that are no counts: 0, 1, the noise in their unit, and alive.
+    noise_std : (L,) array
+        In the quantity's unit.
+    stale_ns : int, ns
+        Age at which a reading is too old.
+    notes : tuple of str
+        What was assumed and found, in sentences.
+    """
+
+    calibration: Floats
+    noise_std: Floats
+    stale_ns: int
+    notes: tuple[str, ...]
+
+
+class Tare:
+    """Collects readings until they make a baseline.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+    binding : Binding
+    """
+
+    def __init__(self, settings: LiveSettings, binding: Binding) -> None:
+        self._settings, self._binding = settings, binding
+        self._rows: Floats = np.full((MOST, len(binding.channel)), np.nan)
+        self._stamps: Ints = np.zeros(MOST, np.int64)
+        self._seen = np.zeros(binding.channels, np.bool_)
+        self._ever = np.zeros(binding.channels, np.bool_)
+        self._began = self._last = self._filled = 0
+
+    def take(self, channels: Channels, now_ns: int) -> bool:
+        """Take what is new; whether there is enough."""
+        settings, fresh = self._settings, channels.fresh.astype(np.bool_)
+        channels.fresh[:] = 0
+        self._seen |= fresh
+        self._ever |= fresh
+        if not self._ever.any():
+            return False
+        self._began = self._began or now_ns
+        self._last = self._last or now_ns
+        whole = self._seen.sum() >= SHARE * self._ever.sum()
+        if (whole or now_ns - self._last > SLOWEST * 1e9) and self._seen.any():
+            row = np.where(self._seen, channels.counts, np.nan)[self._binding.channel]
+            place = self._filled % MOST
+            self._rows[place], self._stamps[place] = row, now_ns
+            self._filled += 1
+            self._seen[:] = False
+            self._last = now_ns
+        seconds = (now_ns - self._began) * 1e-9
+        if seconds < settings.tare_seconds:
+            return False
+        return self._filled >= LEAST or seconds > PATIENCE * settings.tare_seconds
+
+    def finish(self) -> Tared:
+        """Baseline, noise and the age at which a reading is too old.
+
+        Raises
+        ------
+        InputError
+            If nothing came, or the counts are none that are known.
+        """
+        settings, binding = self._settings, self._binding
+        order = np.argsort(self._stamps[: min(self._filled, MOST)], kind="stable")
+        rows, stamps = self._rows[order], self._stamps[order]
+        if not len(rows):
+            raise InputError("no reading came while the baseline was taken, expected some")
+        table, noise = np.zeros((len(binding.channel), 4)), np.zeros(len(binding.channel))
+        notes: list[str] = []
+        for place, patch in enumerate(settings.skin):
+            its = slice(int(binding.starts[place]), int(binding.starts[place + 1]))
+            recording = Recording(stamps, rows[:, its], unit=binding.unit, source=patch.name)
+            table[its], noise[its], said = _tared(patch, recording, settings)
+            notes += [f"{patch.name}: {note}" for note in said]
+        return Tared(table, noise, self._stale_ns(stamps), tuple(notes))
+
+    def _stale_ns(self, stamps: Ints) -> int:
+        if self._settings.stale_after is not None:
+            return int(self._settings.stale_after * 1e9)
+        usual = float(np.percentile(np.diff(stamps), 95)) if len(stamps) > 1 else 1e9
+        return int(max(USUAL * usual, YOUNGEST * 1e9))
+
+
+def _tared(
+    patch: Patch, recording: Recording, settings: LiveSettings
+) -> tuple[Floats, Floats, tuple[str, ...]]:
+    """Calibration (L, 4) and noise (L,) of one patch, and notes."""
+    table = np.zeros((len(patch), 4))
+    table[:, 1] = 1.0
+    answered = ~np.isnan(recording.counts).all(axis=0)
+    if not answered.any():
+        table[:, 2] = 1.0
+        noise = np.full(len(patch), settings.quantity.typical_noise)
+        return table, noise, ("no taxel answered while the baseline was taken: all are left out",)
+    how = Conditioning(
+        board=settings.board, gain=settings.gain, calibration=settings.calibration.get(patch.name)
+    )
+    found = survey(lambda: iter([recording]), patch, settings.layer, settings.quantity, how)
+    known = found.conditioner.calibration
+    if known is None:
+        table[:, 2], table[:, 3] = found.noise_std, answered
+        return table, found.noise_std, found.notes
+    columns = np.column_stack([known.baseline, known.gain, known.noise_std, known.alive])
+    table[known.alive] = columns[known.alive]
+    return table, found.noise_std, found.notes
+
+
+def calibrations_of(skin: Mapping[str, Patch] | list[Patch], table: Floats) -> list[Calibration]:
+    """Calibrations of the patches, in the skin's order, from the (L, 4) table of a tare."""
+    patches = list(skin.values()) if isinstance(skin, Mapping) else list(skin)
+    made, start = [], 0
+    for patch in patches:
+        rows = table[start : start + len(patch)]
+        made.append(
+            Calibration(
+                rows[:, 0],
+                rows[:, 1],
+                np.where(rows[:, 3] > 0, rows[:, 2], np.nan),
+                rows[:, 3] > 0,
+                patch.uid,
+                patch_name=patch.name,
+                basis="taken while the live skin started",
+            )
+        )
+        start += len(patch)
+    return made
+
+
+def quantity_scale(settings: LiveSettings, unit: str) -> tuple[int, float]:
+    """How the condition kernel makes the quantity of ΔC/C₀, or of readings in their own unit.
+
+    Raises
+    ------
+    InputError
+        If the readings are of another quantity.
+    """
+    from skinfield.live.condition_kernel import CHANGE, STRAIN
+
+    quantity = settings.quantity
+    if unit in ("count", "dC/C0"):
+        if isinstance(quantity, Capacitance):
+            return CHANGE, 1.0
+        if isinstance(quantity, Gap):
+            return STRAIN, 1.0
+        if isinstance(quantity, BaseStress):
+            return STRAIN, settings.layer.young_modulus
+    elif (unit == "Pa" and isinstance(quantity, BaseStress)) or (
+        unit == "1" and isinstance(quantity, Gap)
+    ):
+        return CHANGE, 1.0
+    raise InputError(
+        f"quantity is {type(quantity).__name__}(), readings are in {unit!r}: expected "
+        "Capacitance(), Gap() or BaseStress() for counts, or the quantity of the readings' own unit"
+    )
