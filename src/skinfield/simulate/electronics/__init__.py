@@ -1,5 +1,6 @@
 """Emulated electronics: from the change of each taxel's capacitance to counts in time."""
 
+from skinfield.conditioning.firmware import firmware_drift as firmware_drift
 from skinfield.simulate.electronics.array import TaxelArray as TaxelArray
 from skinfield.simulate.electronics.board import Board as Board
 from skinfield.simulate.electronics.board import ConverterBoard as ConverterBoard
@@ -19,5 +20,4 @@ from skinfield.simulate.electronics.recording import by_channel as by_channel
 from skinfield.simulate.electronics.recording import recording as recording
 from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
 from skinfield.simulate.electronics.thermal_pads import ThermalPads as ThermalPads
-from skinfield.simulate.electronics.thermal_pads import firmware_drift as firmware_drift
 from skinfield.simulate.electronics.wiring import CrossTalk as CrossTalk

@@ -3,40 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_range
+from skinfield.conditioning.firmware import GAINS, PAD, UNUSED, firmware_drift
+from skinfield.errors import Floats, InputError, check_range
 from skinfield.simulate.electronics.wiring import INPUTS, Wiring
-
-GAINS = (70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77)
-"""Of the firmware, skin type 0, per channel of a triangle: 128ths of the drift of its pad."""
-PAD, UNUSED = 6, 10
-"""Channels of the pad that the firmware goes by, and of the one that it does not."""
-
-
-def firmware_drift(
-    pad_difference: ArrayLike, gains: ArrayLike = GAINS, *, negated_first: bool = False
-) -> Floats:
-    """What the firmware takes off a taxel for the warmth of its pad, converter counts; bit-exact.
-
-    ± ((|T - T_b| >> 2) · gain) >> 5, with the sign of T - T_b.
-
-    Parameters
-    ----------
-    pad_difference : array, converter counts
-        T - T_b of the pad, whole numbers.
-    gains : array of int
-        Broadcast against it.
-    negated_first : bool
-        Shift the negated product, as the mtb4 boards do, instead of negating the shifted one, as
-        the mtb3 boards do: rounds negative drifts the other way.
-    """
-    pad = as_floats("pad_difference", pad_difference)
-    product = np.floor(np.abs(pad) / 4.0) * np.asarray(gains)
-    sign = np.where(pad < 0, -1.0, 1.0)
-    if negated_first:
-        return np.asarray(np.floor(sign * product / 32.0))
-    return np.asarray(sign * np.floor(product / 32.0))
 
 
 @dataclass(frozen=True, kw_only=True)
