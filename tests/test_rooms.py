@@ -41,6 +41,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "serial": {"sources"},
     "mcap": {"sinks", "sources"},
     "zstandard": {"sinks", "sources"},
+    "lz4": {"sinks", "sources"},  # comes with mcap
     "h5py": {"sinks"},
     "rosbags": {"sinks"},
     "jinja2": {"experiments"},

@@ -1,0 +1,76 @@
+"""What the channels' schemas say: text to read for our own layouts, JSON Schema for the rest."""
+
+import json
+
+from skinfield.acquisition.block import __doc__ as _BLOCKS
+from skinfield.acquisition.recorded import __doc__ as _RECORDED
+
+TEXT = "x-text"  # encoding of a schema that is prose
+BLOCKS_ENCODING = "x-skinfield-blocks"
+CYCLE_ENCODING = "x-skinfield-cycle"
+_CYCLE = """\
+One cycle of the engine, little-endian:
+
+offset bytes what
+0      2     version of this layout (uint16), 1
+2      2     bytes of this head (uint16), 96
+4      4     flags (uint32): 1 key, 2 late, 4 overrun, 8 first of a new engine process
+8      8     number (int64)
+16     8     due_ns (int64), monotonic clock
+24     8     wake_ns
+32     8     acquired_ns
+40     8     done_ns
+48     8     wall_ns, since the epoch
+56     8     position in the ring's log up to which blocks were applied (int64, bytes)
+64     4     rows of the script (uint32)
+68     4     columns of the script
+72     4     contacts
+76     4     bytes of a contact
+80     4     patches
+84     4     bytes of a patch
+88     8     0
+96           script (int64, row by row), contacts, patches
+
+The fields of a contact and of a patch are in the channel's metadata as JSON.
+"""
+
+
+def _object(title: str, **properties: object) -> bytes:
+    schema = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": title,
+        "type": "object",
+        "properties": properties,
+    }
+    return json.dumps(schema).encode()
+
+
+_QUANTILES = {
+    "type": "object",
+    "properties": {key: {"type": "number"} for key in ("p50", "p99", "p999", "max")},
+}
+BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}".encode())
+CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
+TIMING_SCHEMA = (
+    "skinfield.Timing",
+    "jsonschema",
+    _object(
+        "skinfield.Timing",
+        wall_ns={"type": "integer"},
+        cycles={"type": "integer"},
+        late={"type": "integer"},
+        wake_us=_QUANTILES,
+        latency_us=_QUANTILES,
+        counters={"type": "object"},
+    ),
+)
+EVENT_SCHEMA = (
+    "skinfield.Event",
+    "jsonschema",
+    _object(
+        "skinfield.Event",
+        wall_ns={"type": "integer"},
+        kind={"type": "string"},
+        text={"type": "string"},
+    ),
+)

@@ -1,0 +1,238 @@
+"""Recordings of a live skin: one MCAP file that holds all that a replay needs."""
+
+import json
+import math
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from skinfield.acquisition.recorded import (
+    BLOCKS,
+    CYCLES,
+    EVENTS,
+    POSITION,
+    PROFILE,
+    TIMING,
+    CycleLayout,
+    Enclosed,
+)
+from skinfield.errors import FileError, InputError, check_count
+from skinfield.sinks.mcap.compression import Bytes, Compression, Zstd
+from skinfield.sinks.mcap.container import Container
+from skinfield.sinks.mcap.output import FileOutput, Output
+from skinfield.sinks.mcap.schemas import (
+    BLOCKS_ENCODING,
+    BLOCKS_SCHEMA,
+    CYCLE_ENCODING,
+    CYCLE_SCHEMA,
+    EVENT_SCHEMA,
+    TIMING_SCHEMA,
+)
+
+
+@dataclass(frozen=True)
+class RecordingSettings:
+    """How a recording is written.
+
+    Parameters
+    ----------
+    compression : Compression
+    chunk_bytes : int
+        A chunk is closed when it has as many; 256 kB to 1 MB are usual.
+    overwrite : bool
+        Whether a file of this name may be replaced.
+    """
+
+    compression: Compression = field(default_factory=Zstd)
+    chunk_bytes: int = 1 << 19
+    overwrite: bool = False
+
+    def __post_init__(self) -> None:
+        check_count("chunk_bytes", self.chunk_bytes, 1, 1 << 28, "what is compressed together")
+
+
+class RecordingWriter:
+    """Writes a recording; what was flushed survives the end of the process.
+
+    Parameters
+    ----------
+    path : str or Path
+        Written to from the beginning under this name, so that a crash leaves a file to recover.
+    enclosed : iterable of Enclosed
+        Layout, calibrations, configuration.
+    layout : CycleLayout
+        Of the cycles' rows.
+    settings : RecordingSettings
+    output : Output, optional
+        Instead of a file of this path.
+
+    Raises
+    ------
+    InputError
+        If there is a file of this name already and `overwrite` is not set.
+    FileError
+        If it cannot be made.
+
+    Attributes
+    ----------
+    path : Path
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        enclosed: Iterable[Enclosed] = (),
+        *,
+        layout: CycleLayout,
+        settings: RecordingSettings | None = None,
+        output: Output | None = None,
+    ) -> None:
+        self.path = Path(path)
+        self.layout = layout
+        settings = settings or RecordingSettings()
+        self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
+        self.container = Container(
+            self._output,
+            settings.compression,
+            settings.chunk_bytes,
+            PROFILE,
+            f"skinfield {version('skinfield')}",
+        )
+        add = self.container.add_channel
+        self._blocks = add(BLOCKS, BLOCKS_ENCODING, BLOCKS_SCHEMA)
+        self._cycles = add(CYCLES, CYCLE_ENCODING, CYCLE_SCHEMA, self.layout.metadata())
+        self._timing = add(TIMING, "json", TIMING_SCHEMA)
+        self._events = add(EVENTS, "json", EVENT_SCHEMA)
+        for each in enclosed:
+            self.container.add_attachment(each.name, each.media_type, each.data, time.time_ns())
+        self.open = True
+        self._numbers = dict.fromkeys((self._blocks, self._cycles, self._timing, self._events), 0)
+        self.flush()
+
+    @property
+    def bytes_written(self) -> int:
+        """Of the file so far."""
+        return self._output.end
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that are not in the file yet."""
+        return self.container.waiting
+
+    def write_blocks(self, time_ns: int, position: int, data: Bytes) -> None:
+        """Add bytes of the ring's log.
+
+        Parameters
+        ----------
+        time_ns : int, ns
+            When they were taken from the log, since the epoch.
+        position : int, bytes
+            Of the first of them in the log.
+        data : bytes
+            Whole blocks.
+
+        Raises
+        ------
+        FileError
+            If a chunk could not be written. Nothing is lost: it waits, see `flush`.
+        """
+        self._add(self._blocks, time_ns, POSITION.pack(position), data)
+
+    def write_cycle(self, time_ns: int, record: Bytes) -> None:
+        """Add a cycle, as `CycleLayout.encode` makes it; raises as `write_blocks`."""
+        self._add(self._cycles, time_ns, record)
+
+    def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
+        """Add what was measured of the last second; raises as `write_blocks`."""
+        self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
+
+    def event(self, time_ns: int, kind: str, text: str, **values: Any) -> None:
+        """Add something that happened; raises as `write_blocks`.
+
+        Parameters
+        ----------
+        kind : str
+            Such as "source_down", for programs.
+        text : str
+            A sentence.
+        values : numbers and texts
+            More of it, as JSON can hold it.
+        """
+        told = {"wall_ns": time_ns, "kind": kind, "text": text, **values}
+        self._add(self._events, time_ns, _json(told))
+
+    def flush(self) -> None:
+        """Close the chunk and hand everything to the system: a `kill -9` cannot take it any more.
+
+        Raises
+        ------
+        FileError
+            If it could not be written, such as on a full disk. Nothing is lost: call it again.
+        """
+        try:
+            self.container.flush()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def sync(self) -> None:
+        """Have the system write everything to the disk: not even power loss can take it then."""
+        try:
+            self.container.sync()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def close(self) -> None:
+        """Finish the file.
+
+        Raises
+        ------
+        FileError
+            If its end could not be written: `skinfield recover` makes a whole file of it.
+        """
+        if not self.open:
+            return
+        self.open = False
+        try:
+            self.container.finish()
+        except OSError as error:
+            raise self._failure(error) from error
+        finally:
+            self._output.close()
+
+    def _add(self, channel: int, time_ns: int, *parts: Bytes) -> None:
+        if not self.open:
+            raise InputError(f"{self.path} is closed, expected an open recording")
+        number = self._numbers[channel]
+        self._numbers[channel] = number + 1
+        try:
+            self.container.add_message(channel, number, time_ns, *parts)
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def _failure(self, error: OSError) -> FileError:
+        return FileError(
+            f"{self.path} cannot be written: {error.strerror or error}; "
+            f"{self.waiting} bytes wait, {self.bytes_written} are in the file"
+        )
+
+
+def _json(value: Mapping[str, Any]) -> bytes:
+    return json.dumps(_plain(value), separators=(",", ":")).encode()
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold; null for a number that is not finite, as JSON has none."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if hasattr(value, "tolist"):  # NumPy's
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, str | int):
+        return value
+    raise InputError(f"{value!r} cannot be written as JSON, expected numbers and texts")

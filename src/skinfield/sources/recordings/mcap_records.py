@@ -1,0 +1,284 @@
+"""Records of an MCAP file, one by one, from whatever is left of it.
+
+mcap's own readers trust what they read: a cut message comes out short, a chunk is unpacked to
+whatever size its head claims. Here every length is checked against the file before it is believed,
+and every chunk against its checksum.
+"""
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import IntEnum
+from io import BytesIO
+from pathlib import Path
+from struct import Struct
+from typing import BinaryIO, NamedTuple
+
+from skinfield.errors import FileError
+
+MAGIC = b"\x89MCAP0\r\n"
+LARGEST = 1 << 28  # bytes of a record, or of a chunk's content: far more than is ever written
+HEAD = Struct("<BQ")
+CHUNK_HEAD = Struct("<QQQI")
+MESSAGE_HEAD = Struct("<HIQQ")
+
+
+class Op(IntEnum):
+    """Opcodes that are looked at; see MCAP's specification."""
+
+    HEADER = 1
+    FOOTER = 2
+    SCHEMA = 3
+    CHANNEL = 4
+    MESSAGE = 5
+    CHUNK = 6
+    MESSAGE_INDEX = 7
+    CHUNK_INDEX = 8
+    ATTACHMENT = 9
+    METADATA = 12
+    DATA_END = 15
+
+
+class Record(NamedTuple):
+    """Where a record stands: its first byte, its opcode, and the first byte behind it."""
+
+    start: int
+    opcode: int
+    end: int
+
+    @property
+    def length(self) -> int:
+        """Bytes without opcode and length."""
+        return self.end - self.start - HEAD.size
+
+
+class Message(NamedTuple):
+    """One message."""
+
+    channel: int
+    sequence: int
+    time_ns: int
+    data: bytes
+
+
+class Damage(NamedTuple):
+    """A place that cannot be read, and why."""
+
+    byte: int
+    why: str
+
+
+@dataclass
+class Frame:
+    """All records of a file, by their heads.
+
+    Attributes
+    ----------
+    size : int, bytes
+    records : list of Record
+    finished : bool
+        Whether the file ends as it should.
+    end : int, bytes
+        Of the last whole record of the data: what follows is cut, damaged, or the summary.
+    damage : Damage or None
+        Where the walk from head to head had to end.
+    """
+
+    size: int
+    records: list[Record] = field(default_factory=list)
+    finished: bool = False
+    end: int = len(MAGIC)
+    damage: Damage | None = None
+
+
+def open_file(path: Path) -> BinaryIO:
+    """Open an MCAP file; raises FileError if it cannot be read, or is none."""
+    try:
+        file = path.open("rb")
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise FileError(f"{path} cannot be read: {why}; expected a recording (.mcap)") from error
+    start = file.read(len(MAGIC))
+    if start != MAGIC:
+        file.close()
+        what = "is empty" if not start else f"begins with {start[:8]!r} at byte 0"
+        raise FileError(f"{path} {what}, expected {MAGIC!r}: it is no MCAP file")
+    return file
+
+
+def frame_of(file: BinaryIO) -> Frame:
+    """Walk from head to head; ends at the footer, at the end, or where a length cannot be."""
+    size = file.seek(0, 2)
+    frame, at = Frame(size), len(MAGIC)
+    while at < size:
+        file.seek(at)
+        head = file.read(HEAD.size)
+        if len(head) < HEAD.size:
+            frame.damage = Damage(at, f"{len(head)} bytes of a record's head, the file is cut")
+            break
+        opcode, length = HEAD.unpack(head)
+        end = at + HEAD.size + length
+        if opcode == 0 or length > LARGEST:
+            frame.damage = Damage(at, f"no record begins here (opcode {opcode}, {length} bytes)")
+            break
+        if end > size:
+            kind = Op(opcode).name.lower() if opcode in set(Op) else f"record of kind {opcode}"
+            frame.damage = Damage(
+                at, f"{size - at} of {end - at} bytes of a {kind}, the file is cut"
+            )
+            break
+        frame.records.append(Record(at, opcode, end))
+        at = end
+        if opcode == Op.FOOTER:
+            break
+    _conclude(file, frame)
+    return frame
+
+
+def _conclude(file: BinaryIO, frame: Frame) -> None:
+    """Find the end of the data and whether the file was finished."""
+    kinds = [record.opcode for record in frame.records]
+    data = kinds.index(Op.DATA_END) if Op.DATA_END in kinds else len(kinds)
+    if Op.FOOTER in kinds and kinds[-1] != Op.FOOTER:
+        data = min(data, kinds.index(Op.FOOTER))
+    frame.end = frame.records[data - 1].end if data else len(MAGIC)
+    if kinds and kinds[-1] == Op.FOOTER and data < len(kinds):
+        last = frame.records[-1].end
+        file.seek(last)
+        frame.finished = file.read(len(MAGIC) + 1) == MAGIC
+        if not frame.finished:
+            frame.damage = Damage(last, "the file does not end behind its footer as MCAP does")
+    frame.records = frame.records[:data]
+
+
+def body_of(file: BinaryIO, record: Record) -> bytes:
+    """Bytes of a record; raises OSError."""
+    file.seek(record.start + HEAD.size)
+    return file.read(record.length)
+
+
+class Damaged(ValueError):
+    """A record whose content cannot be: its own checksum or lengths say so."""
+
+
+def chunk_content(body: bytes) -> bytes:
+    """Unpacked content of a chunk; raises Damaged."""
+    if len(body) < CHUNK_HEAD.size + 4:
+        raise Damaged(f"a chunk of {len(body)} bytes")
+    _, _, size, crc = CHUNK_HEAD.unpack_from(body)
+    name, at = _text(body, CHUNK_HEAD.size)
+    if len(body) < at + 8:
+        raise Damaged("a chunk without content")
+    length, at = int.from_bytes(body[at : at + 8], "little"), at + 8
+    if at + length != len(body):
+        raise Damaged(f"a chunk that claims {length} bytes of {len(body) - at}")
+    if size > LARGEST:
+        raise Damaged(f"a chunk that claims {size} bytes unpacked")
+    content = _unpacked(name, body[at:], size)
+    if len(content) != size:
+        raise Damaged(f"a chunk that unpacks to {len(content)} of {size} bytes")
+    if crc and zlib.crc32(content) != crc:
+        raise Damaged("a chunk whose checksum is wrong")
+    return content
+
+
+def _unpacked(name: str, data: bytes, size: int) -> bytes:
+    try:
+        if name == "zstd":
+            import zstandard
+
+            stated = zstandard.frame_content_size(data)
+            if stated > size:
+                raise Damaged(f"a chunk that would unpack to {stated} of {size} bytes")
+            return bytes(zstandard.ZstdDecompressor().decompress(data, max_output_size=size or 1))
+        if name == "lz4":
+            import lz4.frame
+
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1))
+    except Damaged:
+        raise
+    except Exception as error:  # zstandard and lz4 each have errors of their own
+        raise Damaged(f"a chunk that {name} cannot unpack ({str(error)[:80]})") from error
+    if name:
+        raise Damaged(f"a chunk that is compressed by {name[:20]!r}, which is not known")
+    return data
+
+
+def inner_records(content: bytes) -> Iterator[tuple[int, int, int]]:
+    """Opcode, first and last byte of each record within a chunk; raises Damaged at a wrong one."""
+    at = 0
+    while at < len(content):
+        if len(content) - at < HEAD.size:
+            raise Damaged(f"a chunk that ends within a head, at its byte {at}")
+        opcode, length = HEAD.unpack_from(content, at)
+        start, at = at + HEAD.size, at + HEAD.size + length
+        if at > len(content):
+            raise Damaged(f"a chunk that ends within a record, at its byte {start}")
+        yield opcode, start, at
+
+
+def message_of(data: bytes, start: int, end: int) -> Message:
+    """Message of a record's body; raises Damaged."""
+    if end - start < MESSAGE_HEAD.size:
+        raise Damaged(f"a message of {end - start} bytes")
+    channel, sequence, time_ns, _ = MESSAGE_HEAD.unpack_from(data, start)
+    return Message(channel, sequence, time_ns, data[start + MESSAGE_HEAD.size : end])
+
+
+class Channel(NamedTuple):
+    """What a channel states of itself."""
+
+    number: int
+    schema: int
+    topic: str
+    encoding: str
+    metadata: dict[str, str]
+
+
+def channel_of(body: bytes) -> Channel:
+    """Channel of a record's body; raises Damaged."""
+    from mcap.data_stream import ReadDataStream
+    from mcap.records import Channel as Read
+
+    try:
+        found = Read.read(ReadDataStream(BytesIO(body)))
+    except Exception as error:  # struct's, Unicode's and mcap's own
+        raise Damaged(f"a channel that cannot be read ({type(error).__name__})") from error
+    return Channel(
+        found.id, found.schema_id, found.topic, found.message_encoding, dict(found.metadata)
+    )
+
+
+class Attached(NamedTuple):
+    """An attachment: name, media type, content."""
+
+    name: str
+    media_type: str
+    data: bytes
+
+
+def attachment_of(body: bytes) -> Attached:
+    """Attachment of a record's body; raises Damaged."""
+    name, at = _text(body, 16)
+    kind, at = _text(body, at)
+    length = int.from_bytes(body[at : at + 8], "little")
+    end = at + 8 + length
+    if end + 4 != len(body):
+        raise Damaged(f"an attachment that claims {length} bytes of {len(body) - at - 12}")
+    crc = int.from_bytes(body[end:], "little")
+    if crc and zlib.crc32(body[:end]) != crc:
+        raise Damaged(f"an attachment {name[:40]!r} whose checksum is wrong")
+    return Attached(name, kind, body[at + 8 : end])
+
+
+def _text(body: bytes, at: int) -> tuple[str, int]:
+    """Text behind its length, and the byte behind it."""
+    if at + 4 > len(body):
+        raise Damaged("a record that ends within a text")
+    end = at + 4 + int.from_bytes(body[at : at + 4], "little")
+    if end > len(body):
+        raise Damaged("a record that ends within a text")
+    try:
+        return body[at + 4 : end].decode(), end
+    except UnicodeDecodeError as error:
+        raise Damaged("a text that is not UTF-8") from error
