@@ -184,7 +184,7 @@ class CycleLayout:
             )
         numbers: tuple[int, ...] = CYCLE_HEAD.unpack_from(data)
         version, head, flags = numbers[:3]
-        times: Any = numbers[3:10]
+        times = numbers[3:10]
         rows, columns, contacts, contact_bytes, patches, patch_bytes, _ = numbers[10:]
         if version != VERSION:
             raise InputError(
@@ -207,7 +207,20 @@ class CycleLayout:
         at += sizes[0]
         contact_rows = np.frombuffer(data, self.contact, contacts, at)
         patch_rows = np.frombuffer(data, self.patch, patches, at + sizes[1])
-        return Cycle(times[0], CycleFlag(flags), *times[1:], script, contact_rows, patch_rows)
+        number, due, wake, acquired, done, wall, position = times
+        return Cycle(
+            number,
+            CycleFlag(flags),
+            due,
+            wake,
+            acquired,
+            done,
+            wall,
+            position,
+            script,
+            contact_rows,
+            patch_rows,
+        )
 
     def metadata(self) -> dict[str, str]:
         """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
