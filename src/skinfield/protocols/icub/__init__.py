@@ -1,7 +1,21 @@
 """The skin of iCub and ergoCub on CAN, and inside the Ethernet of their boards."""
 
+from skinfield.protocols.icub.board import BoardState as BoardState
+from skinfield.protocols.icub.board import TriangleState as TriangleState
+from skinfield.protocols.icub.commands import Command as Command
+from skinfield.protocols.icub.commands import Message as Message
+from skinfield.protocols.icub.commands import SetBoard as SetBoard
+from skinfield.protocols.icub.commands import SetOldBoard as SetOldBoard
+from skinfield.protocols.icub.commands import SetOldSkin as SetOldSkin
+from skinfield.protocols.icub.commands import SetTriangles as SetTriangles
+from skinfield.protocols.icub.commands import Transmit as Transmit
+from skinfield.protocols.icub.commands import addressed_board as addressed_board
+from skinfield.protocols.icub.commands import command_from as command_from
+from skinfield.protocols.icub.commands import host_message as host_message
 from skinfield.protocols.icub.decoder import ICubDecoder as ICubDecoder
 from skinfield.protocols.icub.decoder import port_of as port_of
+from skinfield.protocols.icub.ems import array_of_messages as array_of_messages
+from skinfield.protocols.icub.ems import messages_of_array as messages_of_array
 from skinfield.protocols.icub.encoder import ICubEncoder as ICubEncoder
 from skinfield.protocols.icub.encoder import gains_of as gains_of
 from skinfield.protocols.icub.encoder import triangle_payloads as triangle_payloads

@@ -27,6 +27,7 @@ def encode_messages(
     gains: Ints,
     pad: Ints,
     negated_first: Bools,
+    raw_test: Bools,
     identifiers: NDArray[np.uint32],
     ids: NDArray[np.uint32],
     lengths: Octets,
@@ -46,6 +47,8 @@ def encode_messages(
         Of the correction of drift, 128ths.
     negated_first : (T,) bool array
         True where a negative drift is shifted after its sign was taken.
+    raw_test : (T,) bool array
+        True where the low octets of `raw` are sent as they are.
     identifiers : (T,) uint32 array
         Of the messages.
     ids, lengths, data, stamps : arrays
@@ -57,9 +60,12 @@ def encode_messages(
             continue
         if row + 2 > len(ids):
             return -1
-        encode_triangle(
-            raw[t], base[t], no_load[t], shift[t], gains[t], pad[t], negated_first[t], data, row
-        )
+        if raw_test[t]:
+            encode_raw(raw[t], data, row)
+        else:
+            encode_triangle(
+                raw[t], base[t], no_load[t], shift[t], gains[t], pad[t], negated_first[t], data, row
+            )
         for part in range(2):
             ids[row + part] = identifiers[t]
             lengths[row + part] = 8
@@ -108,3 +114,15 @@ def encode_triangle(
         errors = NOT_CONNECTED
     data[row + 1, 6] = (beyond >> 4) & 0xFF
     data[row + 1, 7] = ((beyond & 15) << 4) | errors
+
+
+@njit(cache=True, nogil=True)
+def encode_raw(raw: Shorts, data: Octets, row: int) -> None:
+    """Write a triangle's low octets into rows `row` and `row` + 1, without diagnostics."""
+    data[row, 0], data[row + 1, 0] = HEAD, TAIL
+    for i in range(12):
+        if i < 7:
+            data[row, 1 + i] = raw[i] & 0xFF
+        else:
+            data[row + 1, i - 6] = raw[i] & 0xFF
+    data[row + 1, 6] = data[row + 1, 7] = 0

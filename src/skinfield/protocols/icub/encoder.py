@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.acquisition import CanMessages
 from skinfield.conditioning.firmware import GAINS, GAINS_V2, PAD
 from skinfield.errors import InputError, Ints, check_count, check_shape
+from skinfield.protocols.icub.board import BoardState
 from skinfield.protocols.icub.numbers import (
     TAXELS,
     Firmware,
@@ -18,12 +19,15 @@ from skinfield.protocols.icub.numbers import (
 )
 
 PALM_PAD = 11
+LAST_FINGERTIP = 4  # triangles 0 to 4 of an ergoCub's hand are its fingertips
 NO_GAINS = (0,) * TAXELS
 Shorts = NDArray[np.uint16]
 
 
-def gains_of(kind: SkinType) -> tuple[int, ...]:
-    """Gains of the correction of drift, 128ths, per channel of a triangle."""
+def gains_of(kind: SkinType, triangle: int = 0) -> tuple[int, ...]:
+    """Gains of the correction of drift, 128ths, per channel of a triangle of the board."""
+    if kind == SkinType.ERGO_HAND:
+        return GAINS_V2 if triangle > LAST_FINGERTIP else NO_GAINS
     known = {SkinType.COMPENSATED: GAINS, SkinType.COMPENSATED_V2: GAINS_V2}
     return known.get(kind, NO_GAINS)
 
@@ -74,6 +78,7 @@ class ICubEncoder:
         self._shift: Ints = np.zeros(count, np.int64)
         self._gains: Ints = np.zeros((count, TAXELS), np.int64)
         self._pad: Ints = np.zeros(count, np.int64)
+        self._raw_test: NDArray[np.bool_] = np.zeros(count, np.bool_)
         self._ids: NDArray[np.uint32] = np.zeros(count, np.uint32)
         self._negated_first: NDArray[np.bool_] = np.full(count, firmware == Firmware.MTB4)
         for row in range(count):
@@ -98,7 +103,7 @@ class ICubEncoder:
         Raises
         ------
         InputError
-            If `no_load` is no byte, `shift` is not 0 to 15, or `kind` has no emulation.
+            If `no_load` is no byte, `shift` is not 0 to 15, or `kind` is unknown.
         """
         check_count("row", row, 0, len(self) - 1, "index into triangles")
         check_count("no_load", no_load, 0, 255, "the byte of an unloaded taxel, 240 on most robots")
@@ -107,8 +112,24 @@ class ICubEncoder:
         board, triangle = self.triangles[row]
         self._ids[row] = message_id(message_class, board, triangle)
         self._no_load[row], self._shift[row] = no_load, shift
-        self._gains[row] = gains_of(kind)
+        self._gains[row] = gains_of(kind, triangle)
+        self._raw_test[row] = kind == SkinType.RAW_TEST
         self._pad[row] = PALM_PAD if kind == SkinType.PALM else PAD
+
+    def follow(self, board: int, state: BoardState) -> None:
+        """Set the triangles of a board as its state says, and which of them it sends."""
+        for row, (its_board, triangle) in enumerate(self.triangles):
+            if its_board == board:
+                settings = state.triangles[triangle]
+                self.configure(
+                    row,
+                    message_class=state.message_class,
+                    no_load=state.no_load,
+                    shift=settings.shift,
+                    kind=state.kind,
+                )
+                self._negated_first[row] = state.firmware == Firmware.MTB4
+                self.sends[row] = state.sending and settings.enabled
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:
         """Write head and tail of each triangle that sends from row `first` on.
@@ -135,6 +156,7 @@ class ICubEncoder:
             self._gains,
             self._pad,
             self._negated_first,
+            self._raw_test,
             self._ids,
             messages.ids,
             messages.lengths,

@@ -37,6 +37,8 @@ class SkinType(IntEnum):
     COMPENSATED = 0  # by pad 6, gains of the first generation
     PALM = 1  # palm and fingertips: by pad 11, all gains 0
     UNCOMPENSATED = 2
+    ERGO_HAND = 3  # hand of ergoCub: triangles 0 to 4 as PALM, the others as COMPENSATED_V2
+    RAW_TEST = 7  # the low octet of what the converter reads, nothing else
     COMPENSATED_V2 = 8  # by pad 6, gains of the second generation
 
 
@@ -61,13 +63,10 @@ def skin_type(value: int) -> SkinType:
     Raises
     ------
     InputError
-        For numbers whose arithmetic is not publicly known, as those of a hand of its own (3) and
-        of raw tests (7).
+        If there is none of that number.
     """
     try:
         return SkinType(value)
     except ValueError:
         known = ", ".join(f"{int(each)} ({each.name.lower()})" for each in SkinType)
-        raise InputError(
-            f"skin type is {value!r}, expected one of {known}: others have no emulation"
-        ) from None
+        raise InputError(f"skin type is {value!r}, expected one of {known}") from None
