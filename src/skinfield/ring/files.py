@@ -1,0 +1,171 @@
+"""Where rings lie, and who writes them.
+
+A ring is a file ``skinfield.NAME`` in memory. Its writer holds a lock on it (flock) from before the
+file has that name until it ends, whichever way it ends: so it is certain whether a ring has a
+writer, and two can never write the same one. Locks are kept by the kernel; readers take none.
+"""
+
+import fcntl
+import mmap
+import os
+import re
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, InputError
+
+SHARED = Path("/dev/shm")
+PREFIX = "skinfield."
+_NEW = "skinfield-new."  # of files that are being made
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+_PATIENCE = 0.5  # s, for those who only look whether there is a lock
+
+
+def folder_of(folder: Path | None) -> Path:
+    """Where rings lie: in memory where the system has a folder for that."""
+    return folder or (SHARED if SHARED.is_dir() else Path(tempfile.gettempdir()))
+
+
+def path_of(name: str, folder: Path | None) -> Path:
+    """Path of a ring.
+
+    Raises
+    ------
+    InputError
+        If `name` cannot be part of a file's name.
+    """
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise InputError(
+            f"name of a ring is {name!r}, expected letters, digits, '_', '-' and '.', at most 64"
+        )
+    return folder_of(folder) / f"{PREFIX}{name}"
+
+
+def open_ring(path: Path, write: bool) -> int:
+    """Descriptor of a ring's file.
+
+    Raises
+    ------
+    FileError
+        If there is none, or it may not be opened.
+    """
+    flags = (os.O_RDWR if write else os.O_RDONLY) | os.O_CLOEXEC | os.O_NOFOLLOW
+    try:
+        return os.open(path, flags)
+    except FileNotFoundError:
+        raise FileError(
+            f"{path} is not there, expected a ring: is its engine running (skinfield status)?"
+        ) from None
+    except OSError as error:
+        raise FileError(
+            f"{path} cannot be opened: {error.strerror}, expected a ring of this user"
+        ) from error
+
+
+def lock(descriptor: int, patience: float = _PATIENCE) -> bool:
+    """Take the writer's lock; whether that was possible."""
+    end = time.monotonic() + patience
+    while True:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:  # a writer, or somebody who looks for one this very moment
+            if time.monotonic() >= end:
+                return False
+            time.sleep(0.002)
+        else:
+            return True
+
+
+def unlock(descriptor: int) -> None:
+    """Give the writer's lock back, even where arrays still keep the file mapped."""
+    fcntl.flock(descriptor, fcntl.LOCK_UN)
+
+
+def locked(descriptor: int) -> bool:
+    """Whether a living process writes the file."""
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    fcntl.flock(descriptor, fcntl.LOCK_UN)
+    return False
+
+
+def same(descriptor: int, path: Path) -> bool:
+    """Whether the file that is open still has that name."""
+    ours = os.fstat(descriptor)
+    try:
+        found = path.stat(follow_symlinks=False)
+    except FileNotFoundError:
+        return False
+    return (ours.st_dev, ours.st_ino) == (found.st_dev, found.st_ino)
+
+
+def new_file(path: Path) -> tuple[int, Path]:
+    """Open and lock a file that becomes a ring when it is renamed; one process at a time.
+
+    Raises
+    ------
+    FileError
+        If it cannot be made.
+    InputError
+        If another process is making the same ring.
+    """
+    new = path.with_name(path.name.replace(PREFIX, _NEW, 1))
+    end = time.monotonic() + 4 * _PATIENCE
+    while time.monotonic() < end:
+        try:
+            flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
+            descriptor = os.open(new, flags, 0o600)
+        except OSError as error:
+            raise FileError(f"{new} cannot be made: {error.strerror}") from error
+        if lock(descriptor) and same(descriptor, new):
+            os.fchmod(descriptor, 0o600)
+            return descriptor, new
+        os.close(descriptor)  # another has just renamed it
+    raise InputError(f"{path} is being made by another process, expected one at a time")
+
+
+def reserve(descriptor: int, size: int, path: Path) -> None:
+    """Make the file empty and so large, with its memory taken: writing it cannot fail later.
+
+    Raises
+    ------
+    FileError
+        If there is not so much memory.
+    """
+    try:
+        os.ftruncate(descriptor, 0)
+        os.ftruncate(descriptor, size)
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        raise FileError(
+            f"{path} needs {size} bytes, and {path.parent} has no room: {error.strerror}; "
+            "make the log or the slots smaller"
+        ) from error
+
+
+def mapped(descriptor: int, path: Path, write: bool) -> mmap.mmap:
+    """Map the whole file; without `write` nothing in this process can change it.
+
+    Raises
+    ------
+    FileError
+        If it is empty or cannot be mapped.
+    """
+    flags = mmap.MAP_SHARED | (getattr(mmap, "MAP_POPULATE", 0) if write else 0)
+    protection = mmap.PROT_READ | (mmap.PROT_WRITE if write else 0)
+    try:
+        return mmap.mmap(descriptor, 0, flags, protection)
+    except (OSError, ValueError) as error:
+        raise FileError(f"{path} cannot be mapped into memory: {error}") from error
+
+
+def octets_of(memory: mmap.mmap) -> NDArray[np.uint8]:
+    """All bytes of a file."""
+    return np.frombuffer(memory, np.uint8)

@@ -1,0 +1,299 @@
+"""The readers' side of a ring: nothing here can disturb the writer."""
+
+import contextlib
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, InputError, check_count
+from skinfield.ring import files, layout, system
+from skinfield.ring.fields import LINE, Field, Placed
+from skinfield.ring.layout import Layout, State
+from skinfield.ring.log import LogReader
+
+_TRIES = 64  # to copy the newest slot before the writer comes round
+_LONGEST = 0.5  # s in one system call
+_WORD = 0xFFFFFFFFFFFFFFFF
+
+
+class Slot:
+    """A copy of a slot; `RingReader.slot` makes one that can be filled again and again.
+
+    Attributes
+    ----------
+    number : int
+        0 as long as it is empty.
+    generation : int
+        Of the writer that made it.
+    log_end : int, bytes
+        Of the log when the slot was complete: what was appended before is at lower positions.
+    arrays : dict of str to array
+        By the fields' names; ``slot["name"]`` is short for them.
+    """
+
+    def __init__(self, fields: tuple[Placed, ...], size: int) -> None:
+        self.number = self.generation = self.log_end = 0
+        room = np.zeros(size + LINE, np.uint8)
+        start = -room.ctypes.data % LINE
+        self.octets: NDArray[np.uint8] = room[start : start + size]
+        self.arrays: dict[str, NDArray[Any]] = {
+            placed.field.name: placed.view(self.octets, 0) for placed in fields
+        }
+        self._words = self.octets.data.cast("Q")
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.arrays[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrays)
+
+    def took(self, number: int) -> None:
+        """Note what `octets` now are a whole copy of."""
+        self.number = number
+        self.log_end = self._words[layout.SLOT_LOG_END]
+        self.generation = self._words[layout.SLOT_GENERATION]
+
+
+class RingReader:
+    """Reads a ring that another process writes, or the same one.
+
+    The file is mapped for reading only. A reader stays good when the writer dies and another goes
+    on with the ring; `replaced` says whether the name now belongs to another file.
+
+    Parameters
+    ----------
+    name : str
+    folder : Path, optional
+        As for `Ring.create`.
+
+    Raises
+    ------
+    FileError
+        If there is no such ring, it may not be read, or it is damaged.
+
+    Attributes
+    ----------
+    name : str
+    path : Path
+    description : dict
+        As the writer gave it.
+    slot_fields, status_fields : tuples of Field
+    slots : int
+    log_bytes : int
+    """
+
+    def __init__(self, name: str, *, folder: Path | None = None) -> None:
+        self.name, self.path = name, files.path_of(name, folder)
+        self._descriptor = files.open_ring(self.path, write=False)
+        try:
+            self._memory = files.mapped(self._descriptor, self.path, write=False)
+            plan = Layout.read(memoryview(self._memory), str(self.path))
+            self.description: dict[str, Any] = plan.described(str(self.path))
+        except BaseException:
+            os.close(self._descriptor)
+            raise
+        self._layout, self.slots, self.log_bytes = plan, plan.slots, plan.log_bytes
+        self.slot_fields: tuple[Field, ...] = tuple(each.field for each in plan.slot_fields)
+        self.status_fields: tuple[Field, ...] = tuple(each.field for each in plan.status_fields)
+        self._fence = system.fence()
+        octets = files.octets_of(self._memory)
+        self._words = memoryview(self._memory)[: len(octets) // 8 * 8].cast("Q")
+        self._signal = system.signal(octets.ctypes.data + 8 * layout.FUTEX)
+        starts = [plan.slots_offset + i * plan.slot_bytes for i in range(plan.slots)]
+        self._slots = [octets[start : start + plan.slot_bytes] for start in starts]
+        self._status: dict[str, NDArray[Any]] = {
+            placed.field.name: placed.view(self._memory, plan.status_offset)
+            for placed in plan.status_fields
+        }
+
+    @property
+    def number(self) -> int:
+        """Of the newest slot, 0 before the first."""
+        return self._words[layout.HEAD]
+
+    @property
+    def pid(self) -> int:
+        """Process of the writer, or of the last one."""
+        return self._words[layout.WRITER] & 0xFFFFFFFF
+
+    @property
+    def state(self) -> State:
+        """What the writer last said that it was doing."""
+        number = self._words[layout.WRITER] >> 32
+        try:
+            return State(number)
+        except ValueError:
+            raise FileError(f"state of {self.path} is {number}, expected one of State") from None
+
+    @property
+    def heartbeat_ns(self) -> int:
+        """When the writer last was at work, ns of `time.monotonic_ns`."""
+        return self._words[layout.HEARTBEAT]
+
+    @property
+    def generation(self) -> int:
+        """1 for the first writer, one more for each that went on."""
+        return self._words[layout.GENERATION] & 0xFFFFFFFF
+
+    @property
+    def log_end(self) -> int:
+        """Bytes ever appended to the log."""
+        return self._words[layout.LOG_END]
+
+    @property
+    def alive(self) -> bool:
+        """Whether the writer's process lives, whatever it last said."""
+        return files.locked(self._descriptor)
+
+    @property
+    def status(self) -> dict[str, NDArray[Any]]:
+        """A copy of the status; each 64-bit word is whole, but not all are of one moment."""
+        return {name: array.copy() for name, array in self._status.items()}
+
+    def replaced(self) -> bool:
+        """Whether the file no longer has the ring's name: make a new reader then."""
+        return not files.same(self._descriptor, self.path)
+
+    def slot(self) -> Slot:
+        """Make an empty slot, for `latest` and `get` to fill."""
+        return Slot(self._layout.slot_fields, self._layout.slot_bytes)
+
+    def latest(self, into: Slot | None = None) -> Slot | None:
+        """Copy the newest slot.
+
+        Parameters
+        ----------
+        into : Slot, optional
+            Of `slot`, filled and returned; otherwise a new one.
+
+        Returns
+        -------
+        Slot or None
+            None before the first.
+
+        Raises
+        ------
+        FileError
+            If the file is damaged.
+        InputError
+            If the writer overtook every attempt: it needs more slots.
+        """
+        into = into or self.slot()
+        for _ in range(_TRIES):
+            number = self.number
+            if not number:
+                return None
+            if self._copy(number, into):
+                return into
+            if self._fence:
+                self._fence()
+            if self.number == number:  # complete, if the file is good
+                raise FileError(f"{self.path} is damaged: its newest slot {number} is not complete")
+        raise InputError(
+            f"{self.path} has {self.slots} slots, and the writer came round {_TRIES} times while "
+            "one was copied, expected more slots or a slower writer"
+        )
+
+    def get(self, number: int, into: Slot | None = None) -> Slot | None:
+        """Copy a certain slot; None if it does not exist yet, or not any more."""
+        into = into or self.slot()
+        head = self.number
+        if not max(0, head - self.slots) < number <= head:
+            return None
+        return into if self._copy(number, into) else None
+
+    def _copy(self, number: int, into: Slot) -> bool:
+        """Copy a slot, if it was whole before and after."""
+        index, fence, whole = number % self.slots, self._fence, 2 * number + 2 & _WORD
+        lock = (self._layout.slots_offset + index * self._layout.slot_bytes) // 8
+        if self._words[lock] != whole:
+            return False
+        if fence:
+            fence()
+        np.copyto(into.octets, self._slots[index])
+        if fence:
+            fence()
+        if self._words[lock] != whole:
+            into.number = 0
+            return False
+        into.took(number)
+        return True
+
+    def wait(self, after: int, timeout: float) -> int:
+        """Wait for a slot that is newer than `after`, or for the writer's state to change.
+
+        Parameters
+        ----------
+        after : int
+            Number of the last slot that was seen; 0 for none.
+        timeout : float, s
+            May be infinite.
+
+        Returns
+        -------
+        int
+            Number of the newest slot, which is not above `after` if there was none in time.
+        """
+        if not timeout >= 0:
+            raise InputError(f"timeout is {timeout!r}, expected a number of seconds, 0 or more")
+        end = time.monotonic() + timeout
+        words, writer = self._words, self._words[layout.WRITER]
+        while True:
+            seen = words[layout.FUTEX]
+            if self._fence:
+                self._fence()
+            number = words[layout.HEAD]
+            left = end - time.monotonic()
+            if number > after or left <= 0 or words[layout.WRITER] != writer:
+                return number
+            self._signal.wait(seen & 0xFFFFFFFF, min(left, _LONGEST))
+
+    def log_reader(self, position: int | None = None) -> LogReader:
+        """Read the log from now on, or from a position.
+
+        Parameters
+        ----------
+        position : int, bytes, optional
+            An end of a batch: the `log_end` of a slot, or 0 for all that is still there (what is
+            not counts as lost).
+        """
+        end = self.log_end
+        if position is not None:
+            check_count("position", position, 0, end, "bytes, where a batch ended")
+        start, size = self._layout.log_offset, self._layout.log_bytes
+        log = memoryview(self._memory)[start : start + size]
+        return LogReader(
+            self._words,
+            log,
+            self._layout.mark_shift,
+            self._fence,
+            end if position is None else position,
+        )
+
+    def close(self) -> None:
+        """Unmap the file; log readers of it end too."""
+        if self._descriptor < 0:
+            return
+        os.close(self._descriptor)
+        self._descriptor = -1
+        self._slots, self._status = [], {}
+        self._words.release()
+        with contextlib.suppress(BufferError):  # a log reader still holds it
+            self._memory.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
