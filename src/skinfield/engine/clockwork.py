@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.engine.cost import CostModel
 from skinfield.engine.group import Group
 from skinfield.engine.intake import Intake, Readings
+from skinfield.engine.script import Script
 from skinfield.engine.state import PRODUCT, TEST, State, Step
 from skinfield.engine.whole_skin import idle_tests, linear_answers
 from skinfield.errors import Floats, Ints
@@ -19,6 +20,7 @@ NS = 1e-9
 TYPICAL = 0.6  # quantile of a step's time that is about its mean, as few are much slower
 AFTER = 2e-6  # s: what is done about a search after it, until it is measured
 KINDS = len(Step)
+ROUNDS = 6  # of planning in a cycle, at most
 
 
 Logged = tuple[int, int, int, int, int, int, float] | tuple[Ints, Floats]
@@ -86,6 +88,8 @@ class Clockwork:
         Of searches as the last plan took them to be.
     log : list of tuples
         Of the steps of this cycle, see `Done`; of searches their kinds, and what they came to.
+    script : Script
+        What of this cycle depended on time.
     """
 
     groups: Sequence[Group]
@@ -128,15 +132,28 @@ class Clockwork:
         self.valid_rows = [intake.valid[each] for each in rows]
         self.places = [(group, place) for group in self.groups for place in range(group.count)]
         patches = len(rows)
+        self.script = Script((rungs + ROUNDS) * (patches + 1) + 1)
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios = np.zeros(patches)
 
     def begin(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle."""
-        state, intake = self.state, self.intake
         self.log.clear()
-        state.begin()
-        intake.take(readings, valid)
+        self.script.count = 0
+        self.state.begin()
+        self.intake.take(readings, valid)
+        self._count_invalid()
+
+    def begin_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
+        """Take the readings (N,) of a cycle, patch by patch in the skin's order."""
+        self.log.clear()
+        self.script.count = 0
+        self.state.begin()
+        self.intake.take_flat(readings, valid)
+        self._count_invalid()
+
+    def _count_invalid(self) -> None:
+        state, intake = self.state, self.intake
         if not intake.all_valid:
             np.add.reduceat(~intake.valid, intake.starts[:-1], out=state.invalid)
             intake.present &= state.invalid < intake.sizes
@@ -147,7 +164,8 @@ class Clockwork:
 
     def reset(self) -> None:
         """Forget the readings before; what steps take stays known."""
-        self.state = State(self.state.group)
+        self.state.reset()
+        self.script.count = 0
         for group in self.groups:
             group.reset()
 

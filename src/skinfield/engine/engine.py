@@ -5,27 +5,28 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
+from skinfield.engine.again import done_again, told_by
 from skinfield.engine.answers import estimate_of, grid_on
-from skinfield.engine.clockwork import NS, Clockwork
+from skinfield.engine.clockwork import NS
 from skinfield.engine.cost import CostModel
 from skinfield.engine.estimates import Estimates
-from skinfield.engine.group import Group
-from skinfield.engine.intake import Intake, Readings
-from skinfield.engine.interning import check_names, kinds_of, one_skin
-from skinfield.engine.linear_stages import answer_linearly, refine_linearly
+from skinfield.engine.intake import Readings
+from skinfield.engine.interning import check_names, one_skin
+from skinfield.engine.linear_stages import answer_linearly, finest_for_all, refine_linearly
+from skinfield.engine.making import clockwork_of, groups_of
 from skinfield.engine.measure import measure, rehearsed_cycle
 from skinfield.engine.report import CycleReport, Snapshot
+from skinfield.engine.results import Results
 from skinfield.engine.search_stages import begin_search, spend
-from skinfield.errors import Ints, check_offers, check_positive
+from skinfield.errors import Floats, Ints, check_offers, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import NonNegative, Solver
 from skinfield.layout import Grid, Patch, Skin
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
-from skinfield.observation import Capacitance, Quantity, check_skin
-from skinfield.pipeline.ladder_rungs import prepare_rungs
+from skinfield.observation import Capacitance, Quantity
 
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
 MOST_KEPT = 0.1  # of the budget, for each of these
@@ -101,9 +102,14 @@ class Engine:
                 check_names(name, given, self.skin)
         self.names = tuple(patch.name for patch in self.skin)
         self.cycle = 0
-        self.groups = self._groups(layer, noise_std)
-        self._work = self._clockwork(clock)
+        self.groups = groups_of(
+            self.skin, layer, noise_std, self.rungs, self.mechanics, self.quantity, self.solver
+        )
+        self._work = clockwork_of(self.groups, self.skin, self.quantity, clock)
+        self._ordered = tuple(self._work.intake.names)
         self._around = CostModel(np.array([20e-6, 5e-6]))
+        self.results = Results(self._work, [self._ordered.index(name) for name in self.names])
+        self.spent = self.first = 0.0
         self._grid_of = lru_cache(KEPT)(self._new_grid)
         self._run_in()
 
@@ -138,47 +144,134 @@ class Engine:
         InputError
             For another number of taxels, or a name that no patch has.
         """
+        start = self._begin(budget)
+        self._work.begin(readings, valid)
+        hot, first = self._answer()
+        return Estimates(self, self.cycle + 1, self._close(hot, start, first), stamp_ns)
+
+    def run(
+        self,
+        readings: Floats,
+        valid: NDArray[np.bool_] | None = None,
+        *,
+        budget: float | None = None,
+        script: ArrayLike | None = None,
+    ) -> None:
+        """Answer one cycle into `results` alone: for loops that allocate nothing.
+
+        Parameters
+        ----------
+        readings : (N,) float64 array
+            Of all taxels, patch by patch in the skin's order. NaN, and numbers that no skin reads,
+            mark taxels that did not answer; a patch without any other is missing.
+        valid : (N,) bool array, optional
+            False for further taxels to leave out.
+        budget : float, s, optional
+        script : (S, 5) int64 array, optional
+            Of a cycle that is to be done again, see `again`; the budget then plays no part.
+
+        Raises
+        ------
+        InputError
+            For arrays of another shape or type, and as `again`.
+        """
+        start = self._begin(budget)
+        told = None if script is None else told_by(script, self._work)
+        self._work.begin_flat(readings, valid)
+        hot, first = self._answer() if told is None else (done_again(self._work, told), start)
+        self._finish(hot, start, first)
+
+    def again(
+        self,
+        readings: Readings,
+        *,
+        valid: Mapping[str, ArrayLike] | None = None,
+        stamp_ns: int = 0,
+        script: ArrayLike,
+    ) -> Estimates:
+        """Answer one cycle as an engine did before, whatever time it takes now.
+
+        From a `reset` on, cycle by cycle, the answers are the same bit for bit: on this machine, or
+        one with a processor of the same kind, and with the same libraries.
+
+        Parameters
+        ----------
+        readings, valid, stamp_ns
+            As they were then.
+        script : (S, 5) int64 array
+            What `script` was after that cycle.
+
+        Returns
+        -------
+        Estimates
+
+        Raises
+        ------
+        InputError
+            For a script that no such engine writes, or of a search that ends otherwise.
+        """
+        start = self._begin(None)
+        told = told_by(script, self._work)
+        self._work.begin(readings, valid)
+        hot = done_again(self._work, told)
+        return Estimates(self, self.cycle + 1, self._close(hot, start, start), stamp_ns)
+
+    @property
+    def script(self) -> Ints:
+        """What of the last cycle depended on time, (S, 5): a view, see `again` and `Script`."""
+        return self._work.script.rows
+
+    def _begin(self, budget: float | None) -> int:
+        """Set the end of a cycle; returns its start, ns."""
         work, around = self._work, self._around
         start = work.clock()
-        budget = self.budget if budget is None else self._checked(budget)
+        self._granted = budget = self.budget if budget is None else self._checked(budget)
         reserve = sum(min(around.predict(k), MOST_KEPT * budget) for k in (RETURN, BEYOND))
         work.end = start + int((min(budget, ENDLESS) - reserve) / NS)
-        work.begin(readings, valid)
+        return start
+
+    def _answer(self) -> tuple[Ints, int]:
+        """Patches with a contact, and when every patch had its first answer, ns."""
+        work = self._work
         if work.linear:
-            answer_linearly(work)
-            first = work.clock()
-            hot = refine_linearly(work)
+            answer_linearly(work, finest_for_all(work))
         else:
             begin_search(work)
-            first = work.clock()
-            hot = spend(work)
-        report = self._close(hot, budget, start, first)
-        return Estimates(self, self.cycle, report, stamp_ns)
+        first = work.clock()
+        return refine_linearly(work) if work.linear else spend(work), first
 
-    def _close(self, hot: Ints, budget: float, start: int, first: int) -> CycleReport:
-        """End a cycle: remember who was served, learn how long the end takes, and report."""
+    def _close(self, hot: Ints, start: int, first: int) -> CycleReport:
+        """End a cycle and report."""
+        work = self._work
+        snapshot = self._finish(hot, start, first, report=True)
+        assert snapshot is not None
+        return CycleReport(
+            budget=self._granted,
+            spent=self.spent,
+            first=(first - start) * NS,
+            started=start,
+            overrun=self.spent > self._granted,
+            names=self._ordered,
+            _log=tuple(work.log),
+            _snapshot=snapshot,
+        )
+
+    def _finish(self, hot: Ints, start: int, first: int, report: bool = False) -> Snapshot | None:
+        """Remember who was served, and learn how long the end of a cycle takes."""
         work, around = self._work, self._around
         before, left = work.clock(), work.left
         work.state.finish(hot)
         self.cycle += 1
-        snapshot = Snapshot.of(work, left, self.rungs)
+        self.results.update()
+        snapshot = Snapshot.of(work, left, self.rungs) if report else None
         end = work.clock()
         around.observe(RETURN, (end - before) * NS)
         around.observe(BEYOND, max(-left, 0.0))
         around.relax()
         work.model.relax()
         work.typical.relax()
-        spent = (end - start) * NS
-        return CycleReport(
-            budget=budget,
-            spent=spent,
-            first=(first - start) * NS,
-            started=start,
-            overrun=spent > budget,
-            names=self._ordered,
-            _log=tuple(work.log),
-            _snapshot=snapshot,
-        )
+        self.spent, self.first = (end - start) * NS, (first - start) * NS
+        return snapshot
 
     def estimate_of(self, name: str, stamp_ns: int, report: CycleReport) -> Estimate:
         """Estimate of one patch from the last cycle, whose report this is."""
@@ -192,39 +285,6 @@ class Engine:
     def _checked(self, budget: float) -> float:
         check_positive("budget", budget, "seconds for all patches of a cycle")
         return float(budget)
-
-    def _groups(
-        self,
-        layer: Layer | Mapping[str, Layer] | None,
-        noise_std: ArrayLike | Mapping[str, ArrayLike] | None,
-    ) -> list[Group]:
-        """Prepare each kind of patch once."""
-        typical = self.quantity.typical_noise
-        noise = typical if noise_std is None else noise_std
-        groups, first = [], 0
-        for index, kind in enumerate(kinds_of(self.skin, layer, noise, typical)):
-            patch = kind.patches[0]
-            check_skin(patch, kind.layer, self.mechanics, self.quantity)
-            rungs = prepare_rungs(
-                patch,
-                kind.layer,
-                self.rungs,
-                self.mechanics,
-                self.quantity,
-                self.solver,
-                kind.noise_std,
-            )
-            groups.append(Group(index, first, kind, rungs))
-            first += len(kind.patches)
-        return groups
-
-    def _clockwork(self, clock: Callable[[], int]) -> Clockwork:
-        patches = [patch for group in self.groups for patch in group.kind.patches]
-        self._ordered = tuple(patch.name for patch in patches)
-        noise = [np.tile(group.kind.noise_std, group.count) for group in self.groups]
-        order = [self.names.index(name) for name in self._ordered]
-        intake = Intake(patches, order, self.quantity, np.concatenate(noise))
-        return Clockwork(self.groups, intake, clock)
 
     def _new_grid(self, patch: int, rung: int) -> Grid:
         group = self.groups[self._work.state.group[patch]]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.engine.products import Singles
-from skinfield.errors import Floats, InputError, as_floats
+from skinfield.errors import Floats, InputError, Ints, as_floats
 from skinfield.layout import Patch
 from skinfield.observation import Quantity
 
@@ -60,6 +60,7 @@ class Intake:
         self.all_valid = True
         self._per_noise = 1.0 / noise_std
         self._nothing = [np.zeros(size) for size in self.sizes]
+        self._places = self._places_in_skin()
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle.
@@ -77,10 +78,45 @@ class Intake:
             sized = False
         if not sized:
             self._blame(rows)
-        self._check_numbers(valid)
+        self._check_numbers()
+        if valid is not None:
+            self._leave_out(valid)
+        self._clean()
+
+    def take_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
+        """Take the readings (N,) of all taxels, patch by patch in the skin's order.
+
+        Raises
+        ------
+        InputError
+            For another number of taxels, or type.
+        """
+        _check_flat("readings", readings, self.raw)
+        self.present[:] = True
+        np.take(readings, self._places, out=self.raw, mode="clip")
+        self._check_numbers()
+        if valid is not None:
+            _check_flat("valid", valid, self.valid)
+            np.take(valid, self._places, out=self._finite, mode="clip")
+            np.logical_and(self.valid, self._finite, out=self.valid)
+        self._clean()
+
+    def _clean(self) -> None:
+        """Put 0 for what is not valid, linearise, and divide by the noise."""
+        self.all_valid = bool(self.valid.all())
+        if not self.all_valid:
+            np.copyto(self.raw, 0.0, where=~self.valid)
         straight = self.quantity.linearise(self.raw, self._straight)
         np.copyto(self.linear, straight)
         np.multiply(self.linear, self._per_noise, out=self.white)
+
+    def _places_in_skin(self) -> Ints:
+        """Where each taxel stands among those of the skin, patch by patch in its order."""
+        sizes = np.zeros(len(self.order), dtype=np.int64)
+        sizes[self.order] = self.sizes
+        starts = np.concatenate([[0], np.cumsum(sizes)])[self.order]
+        ranges = [start + np.arange(n) for start, n in zip(starts, self.sizes, strict=True)]
+        return np.asarray(np.concatenate(ranges), dtype=np.int64)
 
     def rows_of(self, place: int) -> slice:
         """Taxels of a patch."""
@@ -129,15 +165,10 @@ class Intake:
                 )
         np.concatenate([as_floats("readings", row) for row in rows], out=self.raw)
 
-    def _check_numbers(self, valid: Mapping[str, ArrayLike] | None) -> None:
+    def _check_numbers(self) -> None:
         np.isfinite(self.raw, out=self._finite)
         np.greater(self.raw, self.quantity.lowest, out=self._possible)
         np.logical_and(self._finite, self._possible, out=self.valid)
-        if valid is not None:
-            self._leave_out(valid)
-        self.all_valid = bool(self.valid.all())
-        if not self.all_valid:
-            np.copyto(self.raw, 0.0, where=~self.valid)
 
     def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
         self._check_names(valid)
@@ -155,3 +186,11 @@ class Intake:
         """Rows (count, L) of patches of one size in an array (N,)."""
         low, high = self.starts[first], self.starts[first + count]
         return array[low:high].reshape(count, -1)
+
+
+def _check_flat(name: str, given: NDArray[Any], like: NDArray[Any]) -> None:
+    if given.shape != like.shape or given.dtype != like.dtype:
+        raise InputError(
+            f"{name} has shape {given.shape} of {given.dtype}, expected {like.shape} of "
+            f"{like.dtype}: one per taxel, patch by patch in the skin's order"
+        )

@@ -26,9 +26,10 @@ def finest_for_all(work: Clockwork) -> int:
     return int(fitting[-1]) if len(fitting) else 0
 
 
-def answer_linearly(work: Clockwork) -> None:
-    """Linear answers of all patches, as fine as all can be."""
-    state, rung = work.state, finest_for_all(work)
+def answer_linearly(work: Clockwork, rung: int) -> None:
+    """Linear answers of all patches on a rung."""
+    state = work.state
+    work.script.add(PRODUCT, -1, rung)
     for group in work.groups if not work.intake.all_valid else ():
         invalid = np.flatnonzero(state.invalid[group.rows])
         fill_missing(work, group, invalid[work.intake.present[group.rows][invalid]])
@@ -60,23 +61,35 @@ def touched(work: Clockwork) -> Ints:
     return np.flatnonzero((state.answer == LINEAR) & (state.energy > idle))
 
 
-def refine_linearly(work: Clockwork) -> Ints:
-    """Finer linear answers where something touches, as far as time goes; returns these patches."""
+def with_more_to_gain(work: Clockwork) -> Ints:
+    """Patches that are touched, unless all are answered on the finest rung."""
     state, top = work.state, work.rungs - 1
     if not (state.at[work.intake.present] < top).any():
         return np.flatnonzero(state.was_hot[:0])
-    hot = touched(work)
+    return touched(work)
+
+
+def refine_linearly(work: Clockwork) -> Ints:
+    """Finer linear answers where something touches, as far as time goes; returns these patches."""
+    state, hot = work.state, with_more_to_gain(work)
+    if not len(hot):
+        return hot
     state.kind[:] = ROW
     state.excess[:] = state.energy * work.unresolved[state.group, np.maximum(state.at, 0)]
     chosen, target = work.plan(hot, work.left)
     for patch in chosen.tolist():
-        rung, group = int(target[patch]), work.groups[state.group[patch]]
-        cost = work.predict(ROW, group.index, rung)
-        if cost > work.left:
-            continue
-        start = work.clock()
-        group.answer_one(rung, patch - group.first, work.white[group.index])
-        state.spent[patch] += work.done(ROW, group.index, patch, rung, start)
-        state.predicted[patch] += cost
-        state.rung[patch] = state.at[patch] = rung
+        rung = int(target[patch])
+        if work.predict(ROW, int(state.group[patch]), rung) <= work.left:
+            refine_one(work, patch, rung)
     return hot
+
+
+def refine_one(work: Clockwork, patch: int, rung: int) -> None:
+    """Linear answer of one patch on a finer rung."""
+    state, group = work.state, work.groups[work.state.group[patch]]
+    work.script.add(ROW, patch, rung)
+    state.predicted[patch] += work.predict(ROW, group.index, rung)
+    start = work.clock()
+    group.answer_one(rung, patch - group.first, work.white[group.index])
+    state.spent[patch] += work.done(ROW, group.index, patch, rung, start)
+    state.rung[patch] = state.at[patch] = rung

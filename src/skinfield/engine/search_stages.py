@@ -1,14 +1,16 @@
 """Steps of a cycle whose answers are searched: idle tests first, then contacts."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from skinfield.engine.clockwork import NS, Clockwork
+from skinfield.engine.clockwork import NS, ROUNDS, Clockwork
 from skinfield.engine.linear_stages import fill_missing
+from skinfield.engine.script import SEARCH
 from skinfield.engine.state import IDLE, LINEAR, MASKED, PRODUCT, ROW, TEST
-from skinfield.errors import Ints
+from skinfield.errors import InputError, Ints
 
 FIRST = 0.25  # of the time, for the first idle test
-ROUNDS = 6  # of planning in a cycle, at most
 Found = tuple[int, int, float, float, bool, int, float, float, int, int]  # as `learning_kernel`
 ENDED = 0.5  # of its time left: a search ended by itself, whatever gap rounding leaves it
 PATIENCE = 20  # cycles after which a contact is served even if there is no time for it
@@ -16,8 +18,12 @@ SELDOM = 10  # cycles, at least, between two such
 ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
 
 
-def test_all(work: Clockwork, rung: int) -> None:
-    """Test on a rung which patches are idle; the others have a contact."""
+def test_all(work: Clockwork, rung: int, told: Mapping[int, int] | None) -> None:
+    """Test on a rung which patches are idle; the others have a contact.
+
+    `told` are the rungs of masked patches that had another one, if this is done again.
+    """
+    work.script.add(TEST, -1, rung)
     state, start = work.state, work.clock()
     idle = work.find_idle(rung)
     still_open = work.intake.present & (state.answer <= IDLE)
@@ -31,10 +37,12 @@ def test_all(work: Clockwork, rung: int) -> None:
     state.gap[idle_now] = 0.0
     work.tested = rung
     if len(masked):
-        test_masked(work, masked, before, rung)
+        test_masked(work, masked, before, rung, told)
 
 
-def test_masked(work: Clockwork, patches: Ints, before: Ints, rung: int) -> None:
+def test_masked(
+    work: Clockwork, patches: Ints, before: Ints, rung: int, told: Mapping[int, int] | None
+) -> None:
     """Test again patches that are idle by the lengths of whole rows, by those of valid taxels.
 
     A valid part is shorter, so that the same readings stand out more. Where time is short the first
@@ -44,8 +52,12 @@ def test_masked(work: Clockwork, patches: Ints, before: Ints, rung: int) -> None
     state, waiting = work.state, len(patches)
     for patch, last in zip(patches.tolist(), before.tolist(), strict=True):
         group, on, start = work.places[patch][0], rung, work.clock()
-        if waiting * work.predict(MASKED, group.index, rung) > FIRST * work.left:
+        if told is not None:
+            on = told.get(patch, rung)
+        elif waiting * work.predict(MASKED, group.index, rung) > FIRST * work.left:
             on = max(last, 0)
+        if on != rung:
+            work.script.add(MASKED, patch, on)
         waiting -= 1
         state.rung[patch] = on
         if on == last:
@@ -88,7 +100,7 @@ def with_contact(work: Clockwork) -> Ints:
 
 def begin_search(work: Clockwork) -> None:
     """First of all, for every patch: an idle test, or its coarse linear answer."""
-    test_all(work, first_tested(work))
+    test_all(work, first_tested(work), None)
     start_linearly(work, with_contact(work))
 
 
@@ -115,10 +127,15 @@ def spend(work: Clockwork) -> Ints:
         finer = finest_testable(work)
         if finer == work.tested:
             break
-        test_all(work, finer)
-        before = hot
-        hot = with_contact(work)
-        start_linearly(work, np.setdiff1d(hot, before, assume_unique=True))
+        hot = tested_anew(work, finer, hot, None)
+    return hot
+
+
+def tested_anew(work: Clockwork, rung: int, before: Ints, told: Mapping[int, int] | None) -> Ints:
+    """Idle test on another rung; returns the patches with a contact, also those of `before`."""
+    test_all(work, rung, told)
+    hot = with_contact(work)
+    start_linearly(work, np.setdiff1d(hot, before, assume_unique=True))
     return hot
 
 
@@ -196,10 +213,43 @@ def search(
     operator.apply(work.linear_rows[patch], group.rows_of_feasible[rung][place], deadline)
     end, gap = work.clock(), operator.gap
     settled = gap <= group.tolerances[rung] or (deadline - end) * NS > ENDED * allowance
+    work.script.add(SEARCH, patch, rung, operator.ending, int(settled))
     if masked:
         group.remember(place, operator)
     missing = 0.0 if settled else operator.objective * gap
     return patch, rung, gap, missing, settled, operator.iterations, cost, 0.0, start, end
+
+
+def search_again(work: Clockwork, patch: int, rung: int, ending: int, settled: bool) -> Found:
+    """As a `search` that ended so, whatever time it takes now."""
+    group, place = work.places[patch]
+    masked = not work.intake.all_valid and bool(work.state.invalid[patch])
+    start = work.clock()
+    operator = group.search_of(rung, place, work.valid_rows[patch] if masked else None)
+    operator.again(work.linear_rows[patch], group.rows_of_feasible[rung][place], ending)
+    end = work.clock()
+    if operator.ending != ending:
+        raise InputError(
+            f"the search of {work.intake.names[patch]!r} on rung {rung} ends as {operator.ending}, "
+            f"where the script says {ending}, expected the readings and the engine that left the "
+            "script, from a reset on and with no cycle left out: reset() and begin at a key cycle"
+        )
+    work.script.add(SEARCH, patch, rung, ending, int(settled))
+    if masked:
+        group.remember(place, operator)
+    missing = 0.0 if settled else operator.objective * operator.gap
+    return (
+        patch,
+        rung,
+        operator.gap,
+        missing,
+        settled,
+        operator.iterations,
+        0.0,
+        0.0,
+        start,
+        end,
+    )
 
 
 def take_in(work: Clockwork, found: list[Found]) -> None:

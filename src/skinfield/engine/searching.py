@@ -5,10 +5,11 @@ from typing import Any, Protocol, Self, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.errors import Floats
 from skinfield.inverse import FieldOperator
 
-STATED = ("gap", "objective", "iterations", "dual")
-OFFERED = ("start_from", "twin", "reset", "without", "leave_out")
+STATED = ("gap", "objective", "iterations", "dual", "ending")
+OFFERED = ("again", "start_from", "twin", "reset", "without", "leave_out")
 
 
 class Whitened(Protocol):
@@ -45,6 +46,8 @@ class SearchOperator(FieldOperator, Protocol):
     iterations : int
     dual : (L,) array
         Where the last search ended; it means the same on every grid.
+    ending : int
+        0 or more: all of how the last search ended that depended on time.
     """
 
     @property
@@ -70,6 +73,18 @@ class SearchOperator(FieldOperator, Protocol):
     @property
     def dual(self) -> NDArray[Any]:
         """See above."""
+        ...
+
+    @property
+    def ending(self) -> int:
+        """See above."""
+        ...
+
+    def again(self, readings: Floats, out: Floats, ending: int) -> None:
+        """As `apply`, from the same memory, to the same `ending`: the same answer bit for bit.
+
+        No time plays a part; `ending` is another afterwards if the memory was another.
+        """
         ...
 
     def start_from(self, dual: NDArray[Any]) -> None:

@@ -87,6 +87,13 @@ class State:
         self.rung[:] = self.at[:] = -1
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
 
+    def reset(self) -> None:
+        """Forget the cycles before; the arrays stay where they are."""
+        self.was_hot[:] = False
+        self.age[:] = self.invalid[:] = 0
+        self.unforced = 0
+        self.begin()
+
     def begin(self) -> None:
         """Forget the answers of the cycle before."""
         self.answer[:] = MISSING

@@ -16,6 +16,7 @@ from skinfield.observation import ObservationModel
 if TYPE_CHECKING:
     from skinfield.inverse.dual.arrays import Problem
 
+BY_TIME = -1  # of the compiled search: it ends by itself, or where its time does
 LAPS = 6  # of the run in, after which the times of steps are known
 
 
@@ -154,6 +155,11 @@ class NonNegativeOperator:
         return int(self._memory.counts[2])
 
     @property
+    def ending(self) -> int:
+        """How the last search ended, for `again`: all of it that depended on time."""
+        return int(self._memory.counts[6])
+
+    @property
     def dual(self) -> NDArray[Any]:
         """Multipliers r of the last answer, (L,), in whitened units: the grid is not in them."""
         return self._memory.dual[: self.taxels]
@@ -236,8 +242,18 @@ class NonNegativeOperator:
         """
         self._readings[:] = readings
         limit = 0 if deadline_ns is None else max(deadline_ns, 1)
-        self._answer(self._packed, self._readings, out, limit)
+        self._answer(self._packed, self._readings, out, limit, BY_TIME)
         self.deadline_met = deadline_ns is None or time.perf_counter_ns() <= deadline_ns
+
+    def again(self, readings: Floats, out: Floats, ending: int) -> None:
+        """As `apply`, up to where a search had come that ended so: the same, bit for bit.
+
+        If this operator began where that one began, which is what `reset`, the readings since and
+        `start_from` make it. Where `ending` is another afterwards, it did not.
+        """
+        self._readings[:] = readings
+        self._answer(self._packed, self._readings, out, 0, max(ending, 0))
+        self.deadline_met = True
 
     def run_in(self) -> None:
         """Compile, and learn how long steps take, so that the first reading is in time."""

@@ -9,6 +9,7 @@ from skinfield.inverse.dual.arrays import Memory, Packed, Problem, unpacked
 from skinfield.inverse.dual.clock import now_ns
 from skinfield.inverse.dual.values import (
     COUNT,
+    ENDING,
     FACTORED,
     GAP,
     GIVEN,
@@ -37,12 +38,18 @@ SPARE_NS = 2000  # for the way back to the caller
 WELL = 0.2  # of what was left before a step: if more is left after it, its system was too old
 FEW = 64  # active nodes whose system is made anew as quickly as an old one needs a step more
 POOR = 0.1  # of the objective: an answer so far from its dual value is no safe start
+BY_TIME = -1  # in place of how another search of the same reading ended
+TURNS, LATE, UNPROVED = 4, 2, 1  # what an ending is the sum of; turns are counted
 LARGEST = 1e30  # of half the squared readings, beyond which single precision overflows
 
 
 @njit(cache=True, nogil=True)
-def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
-    """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none."""
+def answer(given: Packed, readings: Floats, out: Floats, deadline: int, told: int) -> None:
+    """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none.
+
+    Whatever depended on time is in `counts[ENDING]`: with that as `told` in place of `BY_TIME`,
+    from the same memory, the same is done again bit for bit, and time plays no part.
+    """
     problem, memory = unpacked(given)
     counts, measures = memory.counts, memory.measures
     for taxel in range(len(readings)):
@@ -50,7 +57,7 @@ def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
         memory.target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
         if weight == 0.0:  # left out: stamps still hold what such a taxel sees
             memory.dual[taxel] = 0.0
-    search(problem, memory, deadline)
+    search(problem, memory, deadline, told)
     start = now_ns(memory.room)
     shape = (problem.height, problem.width)
     kernel.spread_bumps(memory.pressed, memory.amounts, counts[PRESSED], problem.bump, shape, out)
@@ -59,10 +66,13 @@ def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def search(problem: Problem, memory: Memory, deadline: int) -> None:
-    """Leave the best amounts in `pressed` and `amounts`, and what they are worth in `measures`."""
+def search(problem: Problem, memory: Memory, deadline: int, told: int) -> None:
+    """Leave the best amounts in `pressed` and `amounts`, and what they are worth in `measures`.
+
+    Being late, or without time for a proof, ends it: so time decides in the last turn alone.
+    """
     counts, measures = memory.counts, memory.measures
-    counts[STEPS] = counts[PRESSED] = counts[IDLE] = 0
+    counts[STEPS] = counts[PRESSED] = counts[IDLE] = counts[ENDING] = turns = 0
     best = half_square(memory.target)  # nothing pressed is an answer, too
     measures[GAP], measures[OBJECTIVE] = 0.0, best
     if not best < LARGEST:  # nor if it is not a number
@@ -76,7 +86,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         return
     local, passes, before, due = LOCAL * problem.tolerance, 0, np.inf, PATIENCE
     while True:
-        start = now_ns(memory.room)
+        start, turns = now_ns(memory.room), turns + 1
         best, plain = primal(problem, memory, best)
         left = half_square(memory.ascent)
         solved = left <= max(local, problem.rounding) * plain
@@ -88,6 +98,10 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         reserved = proof if counts[STEPS] > 0 else 0.0  # a first step goes before its proof
         until = ending + reserved + measures[STEP_PACE] * work
         late = deadline > 0 and until > deadline
+        if told >= 0:
+            late = told // TURNS == turns and told & LATE > 0
+            provable = not (told // TURNS == turns and told & UNPROVED > 0)
+        counts[ENDING] = TURNS * turns + LATE * late + UNPROVED * (not provable)
         if not (solved or late) and counts[STEPS] < min(due, problem.most):
             newton(problem, memory, active, active < FEW or left > WELL * before)
             before = left

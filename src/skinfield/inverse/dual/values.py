@@ -13,7 +13,7 @@ MARGIN = 0.5  # standard deviations below a node's own threshold at which it is 
 UNITS = 8  # of a number's last place in `rounding`
 FASTER, SLOWER = 0.98, 1.3  # how far one measurement may move a pace: nearly the slowest counts
 SMOOTH, SAFE = 0.1, 1.6  # of the mean of a pace, and times that is never gone below
-IDLE, COUNT, STEPS, PRESSED, GIVEN, FACTORED = range(6)  # of `counts`
+IDLE, COUNT, STEPS, PRESSED, GIVEN, FACTORED, ENDING = range(7)  # of `counts`
 GAP, OBJECTIVE, STEP_PACE, PASS_PACE, SPREAD_PACE, UNSOLVED = range(6)  # of `measures`; ns
 TYPICAL = 6  # and on: what paces come to in the mean
 
