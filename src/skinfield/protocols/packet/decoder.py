@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.acquisition import Blocks
+from skinfield.acquisition import Blocks, Count
 from skinfield.acquisition.block import Octets
 from skinfield.errors import InputError, Ints, check_count
 from skinfield.protocols.packet.encode import HELLO, LONGEST_NAME, Hello
@@ -67,9 +67,10 @@ class DeviceState:
 class PacketDecoder:
     """Packets of some devices to blocks; nothing is allocated after the beginning.
 
-    It counts `RECEIVED`, `READINGS`, `LOST`, `MALFORMED`, `FOREIGN`, `DUPLICATED` and `SWAPPED`;
-    the others are its caller's, who knows of bytes and connections. Packets of other devices, and
-    commands, are received and foreign. What came twice becomes no blocks. A late packet becomes
+    Every packet is one of `RECEIVED` and `FOREIGN`: of another device, a command, or with channels
+    that the device has not; bytes that are no packet are `MALFORMED`. Of those received some may be
+    `DUPLICATED` or `SWAPPED`. `READINGS`, `LOST` and `BYTES` are counted too; the other counters are
+    the connection's. What came twice becomes no blocks. A late packet becomes
     blocks whose stamps are as much older as the device's clock says, at most a second.
 
     Parameters
@@ -135,13 +136,14 @@ class PacketDecoder:
             Packets; `NO_ROOM` (-1) if the blocks might not hold them: then nothing was taken, and
             the datagram is to be handed in again.
         """
-        before = int(counters[0])
+        before = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
         lengths, stamps = self._one
         lengths[0], stamps[0] = length, now_ns
         taken = self.decode_many(
             octets[np.newaxis], lengths, stamps, 0, 1, blocks, channel, counters
         )
-        return int(counters[0]) - before if taken else NO_ROOM
+        after = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
+        return after - before if taken else NO_ROOM
 
     def decode_many(
         self,
@@ -246,6 +248,7 @@ class PacketScanner:
 
         check_count("received", received, 0, len(self.octets) - self.used, "bytes put into `free`")
         own, used = self.decoder, self.used + received
+        counters[Count.BYTES] += received
         at, packets = decode_run(
             self.octets, 0, used, False, self._torn, blocks.words, blocks.octets, blocks.singles,
             blocks.end, channel, now_ns, own.slots, own.state, own.seen, own.marks, own.hellos,

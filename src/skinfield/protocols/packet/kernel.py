@@ -37,7 +37,7 @@ from skinfield.protocols.packet.tracking import (
 )
 
 HELLO, COMMANDS = 16, 32  # as `PacketKind`
-RECEIVED, READINGS, MALFORMED, FOREIGN = 0, 1, 4, 5  # as `Count`
+RECEIVED, READINGS, MALFORMED, FOREIGN, OCTETS = 0, 1, 4, 5, 10  # as `Count`
 STATUS_BITS = 0x0F  # that `Status` knows
 LAST_FLAG = 1  # as `PacketFlag`
 LATEST_NS = 1_000_000_000  # how far back a late packet's stamp is put at most
@@ -133,11 +133,11 @@ def take_packet(
     counters: Ints,
 ) -> None:
     """Take one whole packet, for whose blocks there is room."""
-    counters[RECEIVED] += 1
     kind, slot = int(octets[at + 3]), slots[u16(octets, at + 4)]
     if slot < 0 or kind >= COMMANDS:
         counters[FOREIGN] += 1
         return
+    counters[RECEIVED] += 1
     row, time = state[slot], u32(octets, at + 12)
     order = track(row, seen[slot], u32(octets, at + 8), time, kind == HELLO, counters)
     if order == TWICE:
@@ -157,6 +157,7 @@ def take_packet(
         return
     if first + count > row[CHANNELS]:
         counters[FOREIGN] += 1
+        counters[RECEIVED] -= 1
         return
     take_counts(octets, at, words, payloads, singles, end, stamp, channel, row, marks, counters)
 
@@ -264,6 +265,7 @@ def decode_datagrams(
         if 8 * (len(words) - end[0]) < 3 * length:
             return i
         torn[0] = 0
+        counters[OCTETS] += length
         decode_run(
             datagrams[i], 0, length, True, torn, words, payloads, singles, end, channel,
             stamps[i], slots, state, seen, marks, hellos, counters,
