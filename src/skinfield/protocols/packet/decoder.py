@@ -68,10 +68,10 @@ class PacketDecoder:
     """Packets of some devices to blocks; nothing is allocated after the beginning.
 
     Every packet is one of `RECEIVED` and `FOREIGN`: of another device, a command, or with channels
-    that the device has not; bytes that are no packet are `MALFORMED`. Of those received some may be
-    `DUPLICATED` or `SWAPPED`. `READINGS`, `LOST` and `BYTES` are counted too; the other counters are
-    the connection's. What came twice becomes no blocks. A late packet becomes
-    blocks whose stamps are as much older as the device's clock says, at most a second.
+    that the device has not. Bytes that are no packet are `MALFORMED`. Of those received some may be
+    `DUPLICATED` or `SWAPPED`. `READINGS`, `LOST` and `BYTES` are counted too; the other counters
+    are the connection's. What came twice becomes no blocks. A late packet becomes blocks whose
+    stamps are as much older as the device's clock says, at most a second.
 
     Parameters
     ----------
