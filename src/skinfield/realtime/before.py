@@ -41,7 +41,11 @@ class Before:
     def restore(self) -> None:
         """Go back; what cannot be taken back, such as the layout of the heap, stays."""
         if self.policy is not None and self.cpus is not None:
-            os.sched_setscheduler(0, self.policy, os.sched_param(self.priority))
+            usual = os.sched_param(self.priority)
+            try:
+                os.sched_setscheduler(0, self.policy, usual)
+            except PermissionError:  # only root may clear the flag
+                os.sched_setscheduler(0, self.policy | os.SCHED_RESET_ON_FORK, usual)
             os.sched_setaffinity(0, self.cpus)
         with suppress(OSError):
             system.call("munlockall")

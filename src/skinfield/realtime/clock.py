@@ -5,7 +5,7 @@ import time
 from typing import Protocol
 
 from skinfield.errors import check_count
-from skinfield.realtime.system import library
+from skinfield.realtime import system
 
 MONOTONIC, ABSOLUTE = 1, 1  # CLOCK_MONOTONIC and TIMER_ABSTIME of Linux
 SECOND = 1_000_000_000
@@ -30,7 +30,7 @@ class Sleeper:
     def __init__(self) -> None:
         self._until = _Time()
         self._address = ctypes.byref(self._until)
-        self._nanosleep = getattr(library(), "clock_nanosleep", None)
+        self._nanosleep = getattr(system.LIBRARY, "clock_nanosleep", None)
 
     def sleep_until(self, due_ns: int) -> None:
         """Return at once if that is past; signals are handled meanwhile and do not end it."""

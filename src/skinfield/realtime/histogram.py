@@ -122,16 +122,16 @@ def quantiles(counts: Counts, before: Counts | None = None) -> Quantiles | None:
     count = int(below[-1])
     if count == 0:
         return None
-    edges = [_edge(below, count, share, longest) for share in (0.5, 0.99, 0.999, 1.0)]
+    edges = [_edge(below, count, share, longest) for share in (500, 990, 999, 1000)]
     if before is None:
         edges[-1] = longest
     p50, p99, p999, longest_s = (NS * edge for edge in edges)
     return Quantiles(p50, p99, p999, longest_s, NS * total / count, count)
 
 
-def _edge(below: NDArray[np.int64], count: int, share: float, longest: int) -> int:
-    """Last ns of the bin in which the time stands that `share` of all do not exceed."""
-    rank = max(int(np.ceil(share * count)), 1)
+def _edge(below: NDArray[np.int64], count: int, share: int, longest: int) -> int:
+    """Last ns of the bin of the time that `share` thousandths of all times do not exceed."""
+    rank = -(-count * share // 1000)
     return min(int(LAST_NS[int(np.searchsorted(below, rank))]), longest)
 
 

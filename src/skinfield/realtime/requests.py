@@ -17,12 +17,6 @@ if TYPE_CHECKING:
 TRIM_THRESHOLD, MMAP_MAX = 128 * 1024, 65536  # defaults of the GNU C library
 CAP_IPC_LOCK = 14  # number of the capability, of linux/capability.h
 LATENCY = Path("/dev/cpu_dma_latency")
-REMEDY = (
-    "put `@realtime - rtprio 90` and `@realtime - memlock unlimited` into "
-    "/etc/security/limits.d/skinfield.conf, run `sudo groupadd -f realtime` and "
-    "`sudo usermod -aG realtime $USER`, and log in again; in a container add "
-    "`--cap-add SYS_NICE --cap-add IPC_LOCK`"
-)
 _awake: list[int] = []  # the descriptor that keeps processors awake for as long as it is open
 
 
@@ -70,11 +64,21 @@ def _schedule(wanted: "RealTime", found: Found) -> None:
         if priority < wanted.priority:
             found.refused.append(
                 f"priority {wanted.priority} not granted, {priority} is: the limit `rtprio` is "
-                f"{priority}; {REMEDY}"
+                f"{priority}; {_remedy('rtprio 90', 'SYS_NICE')}"
             )
         return
     reason = "no reason given" if error is None else error.strerror
-    found.refused.append(f"SCHED_FIFO not granted: {reason}; {REMEDY}")
+    found.refused.append(f"SCHED_FIFO not granted: {reason}; {_remedy('rtprio 90', 'SYS_NICE')}")
+
+
+def _remedy(limit: str, capability: str) -> str:
+    """How to get a limit, or the capability that stands for it."""
+    if hasattr(os, "geteuid") and os.geteuid() == 0:  # whom no limit binds
+        return f"root lacks CAP_{capability} here: start the container with --cap-add {capability}"
+    return (
+        f"put `@realtime - {limit}` into /etc/security/limits.d/skinfield.conf, join that group by "
+        "`sudo groupadd -f realtime` and `sudo usermod -aG realtime $USER`, and log in again"
+    )
 
 
 def _policy() -> str:
@@ -163,11 +167,13 @@ def _lock(wanted: "RealTime", found: Found) -> None:
     try:
         system.call("mlockall", system.MCL_CURRENT | (system.MCL_FUTURE if free else 0))
     except OSError as error:
-        found.refused.append(f"memory not locked: {error.strerror}; {REMEDY}")
+        remedy = _remedy("memlock unlimited", "IPC_LOCK")
+        found.refused.append(f"memory not locked: {error.strerror}; {remedy}")
         return
     found.granted["memory"] = "locked" if free else "locked so far"
     if not free:
-        found.refused.append(f"later memory not locked: the limit `memlock` is finite; {REMEDY}")
+        remedy = _remedy("memlock unlimited", "IPC_LOCK")
+        found.refused.append(f"later memory not locked: the limit `memlock` is finite; {remedy}")
 
 
 def _may_lock_all() -> bool:

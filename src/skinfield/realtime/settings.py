@@ -45,7 +45,8 @@ class RealTime:
         """Ask for everything, for this process and the thread that calls.
 
         Call it last, when everything is loaded, prepared and compiled: memory is locked and the
-        garbage collector frozen as they are then.
+        garbage collector frozen as they are then. Processes and threads that are started later are
+        not real-time themselves; they do inherit the processor.
         """
         from skinfield.realtime.requests import ask
         from skinfield.realtime.surroundings import disturbances, kernel

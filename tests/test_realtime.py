@@ -1,0 +1,307 @@
+"""What a process asks the system for, is given and is refused; checked against /proc."""
+
+import gc
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from skinfield.errors import InputError
+from skinfield.realtime import Granted, RealTime, requests, surroundings, system
+from skinfield.realtime.requests import cpus_of
+
+LINUX = sys.platform == "linux"
+ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
+FIFO = 1  # number of the policy, of linux/sched.h
+
+PRELUDE = """
+import gc, json, os, resource, threading
+from skinfield.realtime import RealTime, requests, surroundings
+"""
+REPORT = """
+granted = RealTime(priority={priority}).apply()
+stat = open("/proc/self/stat").read().rpartition(")")[2].split()
+status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+print(json.dumps(dict(
+    granted=granted.as_dict(), rt_priority=int(stat[37]), policy=int(stat[38]),
+    cpus=status["Cpus_allowed_list"].strip(), locked_kb=int(status["VmLck"].split()[0]),
+    gc=gc.isenabled(), frozen=gc.get_freeze_count(),
+)))
+"""
+NOBODY = """
+for name, limit in {limits}.items():
+    try:
+        resource.setrlimit(getattr(resource, name), (limit, limit))
+    except ValueError as error:  # root of some containers may not raise them
+        raise SystemExit(print(json.dumps(dict(impossible=str(error)))))
+os.setgroups([]); os.setgid(65534); os.setuid(65534)
+"""
+
+
+def child(*parts: str) -> dict:
+    ended = subprocess.run(
+        [sys.executable, "-c", "".join((PRELUDE, *parts))],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    return json.loads(ended.stdout)
+
+
+def nobody(priority: int = 80, **limits: int) -> dict:
+    if not (LINUX and ROOT):
+        pytest.skip("only root can become somebody without permissions")
+    found = child(NOBODY.format(limits=limits), REPORT.format(priority=priority))
+    if "impossible" in found:
+        pytest.skip(found["impossible"])
+    return found
+
+
+@pytest.mark.skipif(not LINUX, reason="asks Linux")
+def test_what_is_reported_is_what_the_system_says() -> None:
+    found = child(REPORT.format(priority=70))
+    granted = Granted.from_dict(found["granted"])
+    assert granted.real_time == (found["policy"] == FIFO)
+    assert granted.priority == found["rt_priority"]
+    assert granted.priority in (0, 70) or any("priority 70" in each for each in granted.refused)
+    assert granted.real_time or any("SCHED_FIFO not granted" in each for each in granted.refused)
+    assert str(granted.cpu) == found["cpus"]
+    assert (granted.memory == "not locked") == (found["locked_kb"] == 0)
+    assert granted.gc_frozen
+    assert not found["gc"]
+    assert found["frozen"] > 1000
+    assert Granted.from_dict(json.loads(json.dumps(granted.as_dict()))) == granted
+
+
+def test_without_permissions_each_refusal_is_said_with_its_remedy() -> None:
+    found = nobody(RLIMIT_RTPRIO=0, RLIMIT_MEMLOCK=8 << 20)
+    assert (found["policy"], found["rt_priority"], found["locked_kb"]) == (0, 0, 0)
+    granted = Granted.from_dict(found["granted"])
+    assert not granted.real_time
+    assert granted.scheduler == "SCHED_OTHER"
+    refused = {each.partition(":")[0]: each for each in granted.refused}
+    scheduling = refused["SCHED_FIFO not granted"]
+    assert "Operation not permitted" in scheduling
+    assert "`@realtime - rtprio 90`" in scheduling
+    assert "usermod -aG realtime" in scheduling
+    assert "`@realtime - memlock unlimited`" in refused["memory not locked"]
+    assert granted.gc_frozen  # which nobody has to permit
+    assert str(granted.cpu) == found["cpus"]
+    assert granted.sentences()[0].startswith("ordinary scheduling (SCHED_OTHER)")
+
+
+def test_a_limit_on_the_priority_gives_the_priority_it_permits() -> None:
+    found = nobody(RLIMIT_RTPRIO=30)
+    assert (found["policy"], found["rt_priority"]) == (FIFO, 30)
+    granted = Granted.from_dict(found["granted"])
+    assert granted.priority == 30
+    assert any("priority 80 not granted, 30 is" in each for each in granted.refused)
+
+
+def test_a_limit_on_locked_memory_locks_only_what_is_there() -> None:
+    found = nobody(RLIMIT_MEMLOCK=64 << 30)  # later allocations must not fail by it
+    assert found["granted"]["memory"] == "locked so far"
+    assert found["locked_kb"] > 1000
+    assert any("later memory not locked" in each for each in found["granted"]["refused"])
+
+
+def test_no_limit_on_locked_memory_locks_all() -> None:
+    found = nobody(RLIMIT_MEMLOCK=-1)
+    assert found["granted"]["memory"] == "locked"
+    assert not any("memory" in each.partition(":")[0] for each in found["granted"]["refused"])
+
+
+@pytest.mark.skipif(not LINUX, reason="asks Linux")
+def test_everything_comes_back_after_a_while_of_real_time() -> None:
+    found = child("""
+def now():
+    status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+    policy = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+    return [policy, os.sched_getparam(0).sched_priority, sorted(os.sched_getaffinity(0)),
+            status["VmLck"].strip(), gc.isenabled(), gc.get_freeze_count(),
+            open("/proc/self/timerslack_ns").read()]
+before = now()
+with RealTime().during():
+    inside = now()
+print(json.dumps(dict(before=before, inside=inside, after=now())))
+""")
+    assert found["before"] == found["after"]
+    assert found["inside"] != found["before"]
+
+
+@pytest.mark.skipif(not LINUX, reason="asks Linux")
+def test_a_processor_that_is_not_there_is_refused_and_said() -> None:
+    found = child("""
+before = sorted(os.sched_getaffinity(0))
+granted = RealTime(priority=0, cpu=4095, lock_memory=False, keep_awake=False).apply()
+print(json.dumps(dict(granted=granted.as_dict(), same=before == sorted(os.sched_getaffinity(0)))))
+""")
+    assert found["same"]
+    assert found["granted"]["cpu"] is None
+    assert "CPU 4095 not granted: Invalid argument" in found["granted"]["refused"][0]
+    assert found["granted"]["memory"] == "not locked"
+
+
+def test_another_system_grants_nothing_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(system, "LINUX", False)
+    monkeypatch.setattr(system, "LIBRARY", None)
+    monkeypatch.setattr(requests.sys, "platform", "darwin")
+    for name in ("sched_setscheduler", "sched_getscheduler", "sched_setaffinity"):
+        monkeypatch.delattr(os, name, raising=False)
+    granted = RealTime(freeze_gc=False).apply()
+    assert not granted.real_time
+    assert (granted.cpu, granted.memory, granted.timer_slack_ns) == (None, "not locked", None)
+    assert "this is darwin" in granted.refused[0]
+    assert len(granted.refused) == 1
+    assert gc.isenabled()
+    with RealTime(freeze_gc=False).during() as again:
+        assert again == granted
+
+
+class Libc:
+    """What would be asked of the system."""
+
+    def __init__(self, limits: dict[str, int]) -> None:
+        self.limits, self.asked = limits, []
+
+    def call(self, name: str, *arguments: int) -> int:
+        self.asked.append((name, arguments))
+        return 1
+
+    def schedule(self, _: int, policy: int, param: os.sched_param) -> None:
+        self.asked.append(("sched_setscheduler", (policy, param.sched_priority)))
+        if param.sched_priority > self.limits["RLIMIT_RTPRIO"]:
+            raise PermissionError(1, "Operation not permitted")
+
+
+@pytest.fixture
+def libc(monkeypatch: pytest.MonkeyPatch) -> Libc:
+    if not LINUX:
+        pytest.skip("asks Linux")
+    fake = Libc({"RLIMIT_RTPRIO": 30, "RLIMIT_MEMLOCK": 64 << 30})
+    monkeypatch.setattr(system, "call", fake.call)
+    monkeypatch.setattr(os, "sched_setscheduler", fake.schedule)
+    monkeypatch.setattr(requests, "_raise_limit", lambda name: (fake.limits[name],) * 2)
+    monkeypatch.setattr(requests, "capabilities", lambda: 0)
+    return fake
+
+
+def found_by(request, **settings) -> requests.Found:
+    found = requests.Found()
+    request(RealTime(**settings), found)
+    return found
+
+
+def test_the_priority_that_a_limit_permits_is_taken(libc: Libc) -> None:
+    found = found_by(requests._schedule, priority=80)
+    assert found.granted == {"scheduler": "SCHED_FIFO", "priority": 30}
+    assert "priority 80 not granted, 30 is" in found.refused[0]
+    tried = [arguments for name, arguments in libc.asked if name == "sched_setscheduler"]
+    assert tried == [(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, each) for each in (80, 30)]
+    libc.asked.clear()
+    assert found_by(requests._schedule, priority=20).refused == []
+    assert len(libc.asked) == 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "memory", "flags"), [(64 << 30, "locked so far", 1), (-1, "locked", 1 | 2)]
+)
+def test_memory_is_locked_as_far_as_its_limit_lets(
+    libc: Libc, limit: int, memory: str, flags: int
+) -> None:
+    libc.limits["RLIMIT_MEMLOCK"] = limit
+    found = found_by(requests._lock)
+    assert found.granted == {"memory": memory, "heap_kept": True}
+    assert ("mlockall", (flags,)) in libc.asked
+    assert [each.partition(":")[0] for each in found.refused] == (
+        [] if limit < 0 else ["later memory not locked"]
+    )
+
+
+def machine(monkeypatch: pytest.MonkeyPatch, files: dict[str, str]) -> None:
+    read = lambda path: files.get(str(path), "")
+    monkeypatch.setattr(surroundings, "read_text", read)
+    monkeypatch.setattr(requests, "read_text", read)
+    monkeypatch.setattr(system, "LINUX", True)
+
+
+def test_what_disturbs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    cpu = "/sys/devices/system/cpu"
+    machine(
+        monkeypatch,
+        {
+            "/proc/sys/kernel/sched_rt_runtime_us": "950000\n",
+            "/proc/sys/kernel/sched_rt_period_us": "1000000\n",
+            f"{cpu}/cpu3/cpufreq/scaling_governor": "powersave\n",
+            f"{cpu}/cpu3/topology/thread_siblings_list": "1,3\n",
+            "/proc/swaps": "Filename Type Size Used Priority\n/dev/sda2 partition 999 123 -2\n",
+            "/proc/cpuinfo": "flags : fpu vme hypervisor\n",
+        },
+    )
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    text = "\n".join(surroundings.disturbances(3))
+    for words in (
+        "has one CPU",
+        "950 of 1000 ms",
+        "governor of CPU 3 is powersave",
+        "shares its core with CPU 1",
+        "swap is in use",
+        "virtual machine",
+    ):
+        assert words in text
+
+
+def test_a_quiet_machine_has_nothing_to_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine(
+        monkeypatch,
+        {
+            "/proc/sys/kernel/sched_rt_runtime_us": "-1\n",
+            "/proc/sys/kernel/sched_rt_period_us": "1000000\n",
+            "/sys/devices/system/cpu/cpu3/cpufreq/scaling_governor": "performance\n",
+            "/sys/devices/system/cpu/cpu3/topology/thread_siblings_list": "3\n",
+            "/proc/swaps": "Filename Type Size Used Priority\n/dev/sda2 partition 999 0 -2\n",
+        },
+    )
+    monkeypatch.setattr(os, "cpu_count", lambda: 4)
+    monkeypatch.setattr(surroundings.threading, "active_count", lambda: 1)
+    assert surroundings.disturbances(3) == ()
+
+
+@pytest.mark.parametrize(
+    ("allowed", "isolated", "wanted"),
+    [
+        ({0, 1}, "2-3", {2, 3}),  # left out by the system alone
+        ({0, 3}, "2-3", {3}),  # somebody chose these
+        ({0, 1, 2, 3}, "", set()),
+    ],
+)
+def test_isolated_processors_are_taken_but_a_narrower_choice_is_kept(
+    monkeypatch: pytest.MonkeyPatch, allowed: set[int], isolated: str, wanted: set[int]
+) -> None:
+    machine(monkeypatch, {"/sys/devices/system/cpu/online": "0-3\n"})
+    assert requests._isolated_choices(allowed, cpus_of(isolated)) == wanted
+
+
+def test_lists_of_processors() -> None:
+    assert cpus_of("0-2,5\n") == {0, 1, 2, 5}
+    assert cpus_of("\n") == cpus_of("(null)") == cpus_of("1-x") == set()
+
+
+@pytest.mark.parametrize("wrong", [{"priority": 100}, {"priority": -1}, {"cpu": -1}])
+def test_settings_that_no_system_has_are_refused(wrong: dict) -> None:
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        RealTime(**wrong)
+
+
+def test_nothing_stays_open() -> None:
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("no /proc")
+    count = len(list(Path("/proc/self/fd").iterdir()))
+    with RealTime(priority=0, lock_memory=False, freeze_gc=False).during():
+        pass
+    assert len(list(Path("/proc/self/fd").iterdir())) == count
