@@ -12,6 +12,9 @@ from skinfield.protocols.icub.commands import Transmit as Transmit
 from skinfield.protocols.icub.commands import addressed_board as addressed_board
 from skinfield.protocols.icub.commands import command_from as command_from
 from skinfield.protocols.icub.commands import host_message as host_message
+from skinfield.protocols.icub.configuration import BoardSettings as BoardSettings
+from skinfield.protocols.icub.configuration import ICubConfiguration as ICubConfiguration
+from skinfield.protocols.icub.configuration import load_configuration as load_configuration
 from skinfield.protocols.icub.decoder import ICubDecoder as ICubDecoder
 from skinfield.protocols.icub.decoder import port_of as port_of
 from skinfield.protocols.icub.ems import array_of_messages as array_of_messages
@@ -28,3 +31,4 @@ from skinfield.protocols.icub.numbers import MessageClass as MessageClass
 from skinfield.protocols.icub.numbers import SkinType as SkinType
 from skinfield.protocols.icub.numbers import message_id as message_id
 from skinfield.protocols.icub.numbers import skin_type as skin_type
+from skinfield.protocols.icub.robot_wrapper import PortRun as PortRun
