@@ -52,10 +52,14 @@ class OpenChunk:
     def sealed(self, compression: Compression) -> "SealedChunk":
         """The chunk as bytes of the file."""
         packed = compression.pack(bytes(self.data))
+        return self.sealed_as(compression.name, bytes(packed))
+
+    def sealed_as(self, name: str, packed: bytes) -> "SealedChunk":
+        """The chunk as bytes of the file, where its content is compressed already."""
         chunk = octets(
             Chunk(
-                compression=compression.name,
-                data=bytes(packed),
+                compression=name,
+                data=packed,
                 message_start_time=self._first_ns,
                 message_end_time=self._last_ns,
                 uncompressed_crc=zlib.crc32(self.data),
@@ -65,7 +69,7 @@ class OpenChunk:
         index = ChunkIndex(
             chunk_length=len(chunk),
             chunk_start_offset=0,
-            compression=compression.name,
+            compression=name,
             compressed_size=len(packed),
             message_end_time=self._last_ns,
             message_index_length=0,

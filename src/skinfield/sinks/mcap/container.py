@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mcap.records import Attachment, Channel, Header, Schema
+from mcap.records import Attachment, Channel, Header, Metadata, Schema
 
 from skinfield.sinks.mcap.chunk import OpenChunk, SealedChunk
 from skinfield.sinks.mcap.compression import Bytes, Compression
@@ -57,7 +57,7 @@ class Container:
         self.summary = Summary()
         self._chunk = OpenChunk()
         self._ready: deque[Piece] = deque()
-        self._schemas = self._channels = 0
+        self._channels = 0
         self._crc = 0
         self._append(MAGIC + octets(Header(profile, library)), lambda _: None)
 
@@ -74,19 +74,32 @@ class Container:
         metadata: dict[str, str] | None = None,
     ) -> int:
         """Add a channel with its schema (name, encoding, text); its number."""
-        self._schemas += 1
         self._channels += 1
         name, kind, text = schema
-        one = Schema(self._schemas, text, kind, name)
-        other = Channel(self._channels, topic, encoding, metadata or {}, self._schemas)
-
-        def written(_: int) -> None:
-            self.summary.add_schema(one)
-            self.summary.add_channel(other)
-
-        self._seal()
-        self._append(octets(one) + octets(other), written)
+        self.put_schema(Schema(self._channels, text, kind, name))
+        self.put_channel(Channel(self._channels, topic, encoding, metadata or {}, self._channels))
         return self._channels
+
+    def put_schema(self, schema: Schema) -> None:
+        """Add a schema whose number is known."""
+        self._seal()
+        self._append(octets(schema), lambda _: self.summary.add_schema(schema))
+
+    def put_channel(self, channel: Channel) -> None:
+        """Add a channel whose number and schema are known."""
+        self._seal()
+        self._append(octets(channel), lambda _: self.summary.add_channel(channel))
+
+    def put_metadata(self, metadata: Metadata) -> None:
+        """Add a record of metadata."""
+        piece = octets(metadata)
+        self._seal()
+        self._append(piece, lambda start: self.summary.add_metadata(metadata, start, len(piece)))
+
+    def put_chunk(self, sealed: SealedChunk) -> None:
+        """Add a chunk that is compressed already."""
+        self._seal()
+        self._ready_chunk(sealed)
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Add a file."""
@@ -153,8 +166,10 @@ class Container:
             return
         sealed = self._chunk.sealed(self._compression)
         self._chunk = OpenChunk()
+        self._ready_chunk(sealed)
 
-        def written(start: int, sealed: SealedChunk = sealed) -> None:
+    def _ready_chunk(self, sealed: SealedChunk) -> None:
+        def written(start: int) -> None:
             self.summary.add_chunk(sealed.index_at(start), sealed.messages)
 
         self._ready.append(Piece(sealed.piece, written, sealed.messages))

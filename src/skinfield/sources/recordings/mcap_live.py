@@ -1,12 +1,12 @@
 """Recordings of a live skin, whole or cut: what they hold, message by message."""
 
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, BinaryIO, NamedTuple, Self
+from typing import Any, BinaryIO, NamedTuple, Self, TypeVar
 
 from skinfield.acquisition.recorded import (
     BLOCKS,
@@ -42,6 +42,9 @@ from skinfield.sources.recordings.mcap_records import (
     message_of,
     open_file,
 )
+
+
+T = TypeVar("T")
 
 
 class Logged(NamedTuple):
@@ -289,7 +292,7 @@ class LiveRecording:
             raise FileError(f"{self.path}: {name} is no object, expected one")
         return value
 
-    def _explained(self, read: Any, name: str) -> Any:
+    def _explained(self, read: Callable[[], T], name: str) -> T:
         try:
             return read()
         except InputError as error:

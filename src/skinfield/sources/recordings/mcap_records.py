@@ -12,7 +12,7 @@ from enum import IntEnum
 from io import BytesIO
 from pathlib import Path
 from struct import Struct
-from typing import BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 from skinfield.errors import FileError
 
@@ -76,6 +76,9 @@ class Frame:
     ----------
     size : int, bytes
     records : list of Record
+        Of the data.
+    tail : list of Record
+        Behind it.
     finished : bool
         Whether the file ends as it should.
     end : int, bytes
@@ -86,6 +89,7 @@ class Frame:
 
     size: int
     records: list[Record] = field(default_factory=list)
+    tail: list[Record] = field(default_factory=list)
     finished: bool = False
     end: int = len(MAGIC)
     damage: Damage | None = None
@@ -148,7 +152,7 @@ def _conclude(file: BinaryIO, frame: Frame) -> None:
         frame.finished = file.read(len(MAGIC) + 1) == MAGIC
         if not frame.finished:
             frame.damage = Damage(last, "the file does not end behind its footer as MCAP does")
-    frame.records = frame.records[:data]
+    frame.records, frame.tail = frame.records[:data], frame.records[data:]
 
 
 def body_of(file: BinaryIO, record: Record) -> bytes:
@@ -237,16 +241,48 @@ class Channel(NamedTuple):
 
 def channel_of(body: bytes) -> Channel:
     """Channel of a record's body; raises Damaged."""
-    from mcap.data_stream import ReadDataStream
-    from mcap.records import Channel as Read
-
-    try:
-        found = Read.read(ReadDataStream(BytesIO(body)))
-    except Exception as error:  # struct's, Unicode's and mcap's own
-        raise Damaged(f"a channel that cannot be read ({type(error).__name__})") from error
+    found = parsed(Op.CHANNEL, body)
     return Channel(
         found.id, found.schema_id, found.topic, found.message_encoding, dict(found.metadata)
     )
+
+
+def parsed(kind: Op, body: bytes) -> Any:
+    """One of mcap's records: header, footer, schema, channel, metadata; raises Damaged."""
+    from mcap import records
+    from mcap.data_stream import ReadDataStream
+
+    name = kind.name.lower()
+    try:
+        return getattr(records, name.capitalize()).read(ReadDataStream(BytesIO(body)))
+    except Exception as error:  # struct's, Unicode's and mcap's own
+        raise Damaged(f"a {name} that cannot be read ({type(error).__name__})") from error
+
+
+def right_end(file: BinaryIO, frame: Frame) -> Damage | None:
+    """Check a finished file's own checksums, of its data and of its summary; None if right."""
+    footer = frame.tail[-1]
+    try:
+        found = parsed(Op.FOOTER, body_of(file, footer))
+    except Damaged as error:
+        return Damage(footer.start, str(error))
+    summary = found.summary_start or footer.start
+    if found.summary_crc and found.summary_crc != _crc(file, summary, footer.end - 4):
+        return Damage(summary, "a summary whose checksum is wrong")
+    data_end = frame.tail[0]
+    stated = int.from_bytes(body_of(file, data_end)[:4], "little")
+    if data_end.opcode == Op.DATA_END and stated and stated != _crc(file, 0, data_end.start):
+        return Damage(0, "data whose checksum as a whole is wrong")
+    return None
+
+
+def _crc(file: BinaryIO, start: int, end: int) -> int:
+    """CRC-32 of bytes of the file."""
+    crc = 0
+    file.seek(start)
+    while start < end and (piece := file.read(min(end - start, 1 << 20))):
+        crc, start = zlib.crc32(piece, crc), start + len(piece)
+    return crc
 
 
 class Attached(NamedTuple):
