@@ -108,7 +108,7 @@ def _checked(name: str, field: Field) -> tuple[Field, int]:
             f"dtype of field {field.name} is {field.dtype!r}, expected little-endian numbers of up "
             "to 8 bytes, or bool"
         )
-    if len(shape) > DIMENSIONS or min(shape, default=0) < 0 or prod(shape) * 8 > _MOST:
+    if len(shape) > DIMENSIONS or min(shape, default=0) < 0 or not _small(shape):
         raise InputError(
             f"shape of field {field.name} is {shape}, expected up to {DIMENSIONS} lengths that "
             f"make less than {_MOST} bytes"
@@ -167,10 +167,15 @@ def _entry(data: memoryview, at: int, first: int, limit: int, where: str) -> Pla
     good = _NAME.fullmatch(text) and _DTYPE.fullmatch(kind) and dimensions <= DIMENSIONS
     if good:
         shape = tuple(lengths[:dimensions])
-        whole = int(kind[2]) * prod(shape) == size and max(shape, default=0) <= _MOST
+        whole = int(kind[2]) * prod(shape) == size and _small(shape)
         good = whole and first <= offset and offset + size <= limit and offset % 8 == 0
     if not good:
         raise FileError(
             f"{where} is damaged: its field at byte {at} has no name, type or place that can be"
         )
     return Placed(Field(text, kind, shape), offset, size)
+
+
+def _small(shape: tuple[int, ...]) -> bool:
+    """Whether NumPy can make such an array, even one of no elements."""
+    return prod(max(length, 1) for length in shape) * 8 <= _MOST

@@ -30,6 +30,13 @@ def folder_of(folder: Path | None) -> Path:
     return folder or (SHARED if SHARED.is_dir() else Path(tempfile.gettempdir()))
 
 
+def notes(path: Path) -> tuple[str, ...]:
+    """Say where a ring lies, if that is not memory."""
+    if path.parent == SHARED:
+        return ()
+    return (f"The ring is in {path.parent}, which may be on a disk.",)
+
+
 def path_of(name: str, folder: Path | None) -> Path:
     """Path of a ring.
 
@@ -80,9 +87,10 @@ def lock(descriptor: int, patience: float = _PATIENCE) -> bool:
             return True
 
 
-def unlock(descriptor: int) -> None:
-    """Give the writer's lock back, even where arrays still keep the file mapped."""
+def release(descriptor: int) -> None:
+    """Close a file and give its lock back, even where arrays still keep it mapped."""
     fcntl.flock(descriptor, fcntl.LOCK_UN)
+    os.close(descriptor)
 
 
 def locked(descriptor: int) -> bool:
@@ -105,29 +113,9 @@ def same(descriptor: int, path: Path) -> bool:
     return (ours.st_dev, ours.st_ino) == (found.st_dev, found.st_ino)
 
 
-def new_file(path: Path) -> tuple[int, Path]:
-    """Open and lock a file that becomes a ring when it is renamed; one process at a time.
-
-    Raises
-    ------
-    FileError
-        If it cannot be made.
-    InputError
-        If another process is making the same ring.
-    """
-    new = path.with_name(path.name.replace(PREFIX, _NEW, 1))
-    end = time.monotonic() + 4 * _PATIENCE
-    while time.monotonic() < end:
-        try:
-            flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
-            descriptor = os.open(new, flags, 0o600)
-        except OSError as error:
-            raise FileError(f"{new} cannot be made: {error.strerror}") from error
-        if lock(descriptor) and same(descriptor, new):
-            os.fchmod(descriptor, 0o600)
-            return descriptor, new
-        os.close(descriptor)  # another has just renamed it
-    raise InputError(f"{path} is being made by another process, expected one at a time")
+def unfinished(path: Path) -> Path:
+    """Name of a ring's file while it is made."""
+    return path.with_name(path.name.replace(PREFIX, _NEW, 1))
 
 
 def reserve(descriptor: int, size: int, path: Path) -> None:

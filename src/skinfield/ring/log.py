@@ -1,10 +1,72 @@
-"""Reading the log of a ring, each reader at its own pace."""
+"""The log of a ring: one appends, each reader takes at its own pace."""
 
-from skinfield.errors import check_count
-from skinfield.ring.layout import LOG_END, LOG_RESERVED, MARK, MARKS
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import InputError, check_count
+from skinfield.ring.header import LOG_END, LOG_RESERVED, MARK, MARKS
 from skinfield.ring.system import Fence
 
+Octets = NDArray[np.uint8]
 _TRIES = 8  # to copy before the writer comes round
+
+
+class Log:
+    """The writer's side; `Ring.log` appends to it.
+
+    Parameters
+    ----------
+    words : memoryview
+        The file as 64-bit words.
+    octets : (N,) uint8 array
+        The log itself.
+    shift : int
+        `Header.mark_shift`.
+    fence : callable, optional
+        Where the processor needs one.
+
+    Attributes
+    ----------
+    end : int, bytes
+        Ever appended.
+    """
+
+    def __init__(self, words: memoryview, octets: Octets, shift: int, fence: Fence | None) -> None:
+        self._words, self._octets, self._shift, self._fence = words, octets, shift, fence
+        self.end = int(words[LOG_END])
+        self._reserved = int(words[LOG_RESERVED])
+
+    def append(self, octets: Octets, count: int) -> int:
+        """Append a batch; returns `end`.
+
+        Raises
+        ------
+        InputError
+            If it has not so many bytes, or is longer than the log.
+        """
+        start, size = self.end, len(self._octets)
+        if not 0 <= count <= min(len(octets), size):
+            raise InputError(
+                f"count is {count}, expected 0 to {min(len(octets), size)} bytes: a batch must fit "
+                "into its array and into the log"
+            )
+        words, fence, end = self._words, self._fence, start + count
+        if end > self._reserved:  # not so after a writer died in the middle of a longer batch
+            words[LOG_RESERVED] = self._reserved = end
+        if fence:
+            fence()
+        at = start & (size - 1)
+        first = min(count, size - at)
+        self._octets[at : at + first] = octets[:first]
+        if first < count:
+            self._octets[: count - first] = octets[first:count]
+        if fence:
+            fence()
+        words[LOG_END] = self.end = end
+        segment = end >> self._shift
+        if segment != start >> self._shift:
+            words[MARK + segment % MARKS] = end
+        return end
 
 
 class LogReader:

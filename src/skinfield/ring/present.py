@@ -6,7 +6,7 @@ from pathlib import Path
 
 from skinfield.errors import FileError
 from skinfield.ring import files
-from skinfield.ring.layout import State
+from skinfield.ring.header import State
 from skinfield.ring.reader import RingReader
 
 

@@ -3,61 +3,23 @@
 import contextlib
 import os
 import time
-from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError, check_count
-from skinfield.ring import files, layout, system
-from skinfield.ring.fields import LINE, Field, Placed
-from skinfield.ring.layout import Layout, State
+from skinfield.ring import files, header, system
+from skinfield.ring.fields import Field
+from skinfield.ring.header import State
+from skinfield.ring.layout import Layout
 from skinfield.ring.log import LogReader
+from skinfield.ring.slot import Slot
 
 _TRIES = 64  # to copy the newest slot before the writer comes round
 _LONGEST = 0.5  # s in one system call
 _WORD = 0xFFFFFFFFFFFFFFFF
-
-
-class Slot:
-    """A copy of a slot; `RingReader.slot` makes one that can be filled again and again.
-
-    Attributes
-    ----------
-    number : int
-        0 as long as it is empty.
-    generation : int
-        Of the writer that made it.
-    log_end : int, bytes
-        Of the log when the slot was complete: what was appended before is at lower positions.
-    arrays : dict of str to array
-        By the fields' names; ``slot["name"]`` is short for them.
-    """
-
-    def __init__(self, fields: tuple[Placed, ...], size: int) -> None:
-        self.number = self.generation = self.log_end = 0
-        room = np.zeros(size + LINE, np.uint8)
-        start = -room.ctypes.data % LINE
-        self.octets: NDArray[np.uint8] = room[start : start + size]
-        self.arrays: dict[str, NDArray[Any]] = {
-            placed.field.name: placed.view(self.octets, 0) for placed in fields
-        }
-        self._words = self.octets.data.cast("Q")
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        return self.arrays[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.arrays)
-
-    def took(self, number: int) -> None:
-        """Note what `octets` now are a whole copy of."""
-        self.number = number
-        self.log_end = self._words[layout.SLOT_LOG_END]
-        self.generation = self._words[layout.SLOT_GENERATION]
 
 
 class RingReader:
@@ -98,34 +60,36 @@ class RingReader:
         except BaseException:
             os.close(self._descriptor)
             raise
-        self._layout, self.slots, self.log_bytes = plan, plan.slots, plan.log_bytes
+        self._layout, self._header = plan, plan.header
+        self.slots, self.log_bytes = plan.header.slots, plan.header.log_bytes
         self.slot_fields: tuple[Field, ...] = tuple(each.field for each in plan.slot_fields)
         self.status_fields: tuple[Field, ...] = tuple(each.field for each in plan.status_fields)
         self._fence = system.fence()
         octets = files.octets_of(self._memory)
         self._words = memoryview(self._memory)[: len(octets) // 8 * 8].cast("Q")
-        self._signal = system.signal(octets.ctypes.data + 8 * layout.FUTEX)
-        starts = [plan.slots_offset + i * plan.slot_bytes for i in range(plan.slots)]
-        self._slots = [octets[start : start + plan.slot_bytes] for start in starts]
+        self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
+        starts, size = plan.header.slot_starts, plan.header.slot_bytes
+        self._slots = [octets[start : start + size] for start in starts]
+        self._locks = [start // 8 for start in starts]
         self._status: dict[str, NDArray[Any]] = {
-            placed.field.name: placed.view(self._memory, plan.status_offset)
+            placed.field.name: placed.view(self._memory, plan.header.status_offset)
             for placed in plan.status_fields
         }
 
     @property
     def number(self) -> int:
         """Of the newest slot, 0 before the first."""
-        return self._words[layout.HEAD]
+        return self._words[header.HEAD]
 
     @property
     def pid(self) -> int:
         """Process of the writer, or of the last one."""
-        return self._words[layout.WRITER] & 0xFFFFFFFF
+        return self._words[header.WRITER] & 0xFFFFFFFF
 
     @property
     def state(self) -> State:
         """What the writer last said that it was doing."""
-        number = self._words[layout.WRITER] >> 32
+        number = self._words[header.WRITER] >> 32
         try:
             return State(number)
         except ValueError:
@@ -134,17 +98,17 @@ class RingReader:
     @property
     def heartbeat_ns(self) -> int:
         """When the writer last was at work, ns of `time.monotonic_ns`."""
-        return self._words[layout.HEARTBEAT]
+        return self._words[header.HEARTBEAT]
 
     @property
     def generation(self) -> int:
         """1 for the first writer, one more for each that went on."""
-        return self._words[layout.GENERATION] & 0xFFFFFFFF
+        return self._words[header.GENERATION] & 0xFFFFFFFF
 
     @property
     def log_end(self) -> int:
         """Bytes ever appended to the log."""
-        return self._words[layout.LOG_END]
+        return self._words[header.LOG_END]
 
     @property
     def alive(self) -> bool:
@@ -162,7 +126,7 @@ class RingReader:
 
     def slot(self) -> Slot:
         """Make an empty slot, for `latest` and `get` to fill."""
-        return Slot(self._layout.slot_fields, self._layout.slot_bytes)
+        return Slot(self._layout.slot_fields, self._header.slot_bytes)
 
     def latest(self, into: Slot | None = None) -> Slot | None:
         """Copy the newest slot.
@@ -211,7 +175,7 @@ class RingReader:
     def _copy(self, number: int, into: Slot) -> bool:
         """Copy a slot, if it was whole before and after."""
         index, fence, whole = number % self.slots, self._fence, 2 * number + 2 & _WORD
-        lock = (self._layout.slots_offset + index * self._layout.slot_bytes) // 8
+        lock = self._locks[index]
         if self._words[lock] != whole:
             return False
         if fence:
@@ -220,7 +184,7 @@ class RingReader:
         if fence:
             fence()
         if self._words[lock] != whole:
-            into.number = 0
+            into.took(0)
             return False
         into.took(number)
         return True
@@ -243,14 +207,14 @@ class RingReader:
         if not timeout >= 0:
             raise InputError(f"timeout is {timeout!r}, expected a number of seconds, 0 or more")
         end = time.monotonic() + timeout
-        words, writer = self._words, self._words[layout.WRITER]
+        words, writer = self._words, self._words[header.WRITER]
         while True:
-            seen = words[layout.FUTEX]
+            seen = words[header.FUTEX]
             if self._fence:
                 self._fence()
-            number = words[layout.HEAD]
+            number = words[header.HEAD]
             left = end - time.monotonic()
-            if number > after or left <= 0 or words[layout.WRITER] != writer:
+            if number > after or left <= 0 or words[header.WRITER] != writer:
                 return number
             self._signal.wait(seen & 0xFFFFFFFF, min(left, _LONGEST))
 
@@ -266,12 +230,12 @@ class RingReader:
         end = self.log_end
         if position is not None:
             check_count("position", position, 0, end, "bytes, where a batch ended")
-        start, size = self._layout.log_offset, self._layout.log_bytes
+        start, size = self._header.log_offset, self._header.log_bytes
         log = memoryview(self._memory)[start : start + size]
         return LogReader(
             self._words,
             log,
-            self._layout.mark_shift,
+            self._header.mark_shift,
             self._fence,
             end if position is None else position,
         )
@@ -290,10 +254,5 @@ class RingReader:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
