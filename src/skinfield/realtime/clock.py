@@ -54,14 +54,15 @@ class PeriodicClock:
 
     A cycle that lasts beyond the next due time is not made up for: the periods that it covered are
     skipped and counted, and the next cycle begins at the first multiple of the period after it.
-    Cycles so keep their places in time and never follow each other in a burst.
+    Cycles so keep their places in time and never follow each other in a burst. Due times are whole
+    multiples of the period, so that the loops of several processes keep their distances.
 
     Parameters
     ----------
     period_ns : int, ns
     first_ns : int, ns, optional
-        When the first cycle is due, by `time.monotonic_ns`; by default one period after `wait` is
-        first called.
+        When the first cycle is due, by `time.monotonic_ns`; by default at the first multiple of the
+        period after `wait` is first called.
 
     Attributes
     ----------
@@ -85,7 +86,8 @@ class PeriodicClock:
             When it was due and when it is, by `time.monotonic_ns`.
         """
         now = time.monotonic_ns()
-        due = (now if self._due is None else self._due) + self.period_ns
+        last = now - now % self.period_ns if self._due is None else self._due
+        due = last + self.period_ns
         behind = now - due
         if behind > 0:
             missed = -(-behind // self.period_ns)
