@@ -44,7 +44,7 @@ class PythonCanBus:
         self._one = CanMessages(1)
         self.up, self.fault = False, ""
         self.overflowed, self.malformed, self.errors, self.octets = 0, 0, 0, 0
-        self.reopen()
+        self._open()
 
     def _check_interface(self) -> None:
         known = sorted(self._can.VALID_INTERFACES)
@@ -56,26 +56,36 @@ class PythonCanBus:
 
     def reopen(self) -> bool:
         """Open it anew."""
+        try:
+            return self._open()
+        except InputError as error:
+            self.fault = str(error)
+            return False
+
+    def _open(self) -> bool:
         self._release()
-        given: dict[str, Any] = dict(self.settings.options)
+        name, given = self.settings.interface, dict(self.settings.options)
         if self.settings.channel:
             given["channel"] = self.settings.channel
         if self.settings.bitrate:
             given["bitrate"] = self.settings.bitrate
         try:
-            self._bus = self._can.Bus(
-                interface=self.settings.interface, ignore_config=True, **given
-            )
-        except (self._can.CanInterfaceNotImplementedError, TypeError, ValueError) as error:
-            raise InputError(
-                f"{self.settings.label} cannot be opened with {given}, expected settings that "
-                f"python-can understands, and its driver: {error}"
-            ) from error
+            self._bus = self._can.Bus(interface=name, ignore_config=True, **given)
+        except self._can.CanInterfaceNotImplementedError as error:
+            raise self._unusable(given, error) from error
         except (self._can.CanError, OSError) as error:
             self.fault = f"{self.settings.label}: {error}"
             return False
+        except Exception as error:  # drivers raise whatever they do not catch
+            raise self._unusable(given, error) from error
         self.up, self.fault = True, ""
         return True
+
+    def _unusable(self, given: dict[str, Any], error: Exception) -> InputError:
+        return InputError(
+            f"{self.settings.label} cannot be opened with {given}, expected settings that "
+            f"python-can understands, and the driver installed: {type(error).__name__}: {error}"
+        )
 
     def receive(self, into: CanMessages, first: int = 0) -> int:
         """Take in what has arrived."""
@@ -83,7 +93,7 @@ class PythonCanBus:
         while self._bus is not None and at < len(into):
             try:
                 message = self._bus.recv(0)
-            except (self._can.CanError, OSError) as error:
+            except Exception as error:  # drivers raise whatever they do not catch
                 self._broke(error)
                 break
             if message is None:
@@ -126,7 +136,7 @@ class PythonCanBus:
                 self._bus.send(self._message(messages, row), timeout=0)
             except self._can.CanTimeoutError:
                 return row - first
-            except (self._can.CanError, OSError) as error:
+            except Exception as error:
                 self._broke(error)
                 return row - first
         return count
@@ -151,7 +161,7 @@ class PythonCanBus:
         """Of the adapter, where it has one."""
         try:
             number = self._bus.fileno() if self._bus is not None else -1
-        except (NotImplementedError, self._can.CanError, OSError):
+        except Exception:  # not all have one
             number = -1
         return (number,) if number >= 0 else ()
 
@@ -160,7 +170,7 @@ class PythonCanBus:
         if bus is not None:
             try:
                 bus.shutdown()
-            except (self._can.CanError, OSError) as error:
+            except Exception as error:
                 self.fault = f"{self.settings.label}: {error}"
 
     def close(self) -> None:

@@ -1,0 +1,89 @@
+"""Buses of the tests, each at a place of its own: tests run beside each other."""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from skinfield.acquisition import CanMessages
+from skinfield.acquisition.can import EXTENDED, REMOTE
+from skinfield.sources.buses import Bus, BusSettings, open_bus
+
+PATIENCE = 30.0  # s, after which something is broken, however busy the machine
+
+
+def group() -> str:
+    """A multicast group that no other test has."""
+    return "239.74." + ".".join(str(1 + octet % 254) for octet in os.urandom(2))
+
+
+def free_port() -> int:
+    """A port that is free now."""
+    import socket
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.bind(("", 0))
+        return int(sock.getsockname()[1])
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    """Wait until it holds."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "it never came"
+        time.sleep(1e-3)
+
+
+def receive(bus: Bus, count: int, room: int = 256) -> list[tuple[int, bytes, int]]:
+    """Identifier, data and stamp of the next messages; patiently."""
+    messages, found = CanMessages(room), []
+
+    def all_there() -> bool:
+        for row in range(bus.receive(messages)):
+            length = 0 if messages.ids[row] & REMOTE else int(messages.lengths[row])
+            data = messages.data[row, :length].tobytes()
+            found.append((int(messages.ids[row]), data, int(messages.stamp_ns[row])))
+        return len(found) >= count
+
+    wait_for(all_there)
+    return found
+
+
+@contextmanager
+def opened(*settings: BusSettings) -> Iterator[list[Bus]]:
+    """Open buses, and close them at the end."""
+    buses = [open_bus(each) for each in settings]
+    try:
+        yield buses
+    finally:
+        for bus in buses:
+            bus.close()
+
+
+@contextmanager
+def pair() -> Iterator[tuple[Bus, Bus]]:
+    """A host and its board over plain UDP."""
+    host = open_bus(BusSettings("udp", port=0))
+    board = open_bus(BusSettings("udp", port=0, peer=f"127.0.0.1:{host.address[1]}"))
+    try:
+        yield host, board
+    finally:
+        host.close()
+        board.close()
+
+
+def drawn_messages(rng: np.random.Generator, count: int) -> CanMessages:
+    """Messages of all kinds."""
+    messages = CanMessages(count)
+    extended = rng.random(count) < 0.5
+    messages.ids[:] = np.where(
+        extended, rng.integers(0, 1 << 29, count) | EXTENDED, rng.integers(0, 1 << 11, count)
+    )
+    messages.ids[rng.random(count) < 0.1] |= np.uint32(REMOTE)
+    messages.lengths[:] = rng.integers(0, 9, count)
+    messages.data[:] = rng.integers(0, 256, (count, 8))
+    messages.data[np.arange(8) >= messages.lengths[:, None]] = 0
+    messages.stamp_ns[:] = rng.integers(0, 1 << 60, count)
+    return messages
