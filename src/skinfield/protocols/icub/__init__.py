@@ -31,4 +31,7 @@ from skinfield.protocols.icub.numbers import MessageClass as MessageClass
 from skinfield.protocols.icub.numbers import SkinType as SkinType
 from skinfield.protocols.icub.numbers import message_id as message_id
 from skinfield.protocols.icub.numbers import skin_type as skin_type
+from skinfield.protocols.icub.patches import boards_for as boards_for
+from skinfield.protocols.icub.patches import configuration_for as configuration_for
+from skinfield.protocols.icub.patches import kind_for as kind_for
 from skinfield.protocols.icub.robot_wrapper import PortRun as PortRun

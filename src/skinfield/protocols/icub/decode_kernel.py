@@ -36,9 +36,9 @@ def decode_messages(
     classes: int,
     window_ns: int,
     state: Octets,
-    last_ns: Ints,
     owed_ns: Ints,
     newest: Octets,
+    last_ns: Ints,
     words: Words,
     octets: Octets,
     end: Words,
@@ -57,10 +57,10 @@ def decode_messages(
         Bit c is set if messages of class c are readings.
     window_ns : int
         Within which a part that comes again or comes late belongs to the same reading.
-    state, last_ns, owed_ns : (256,) arrays
-        Per board and triangle: see the constants; when the last part came; since when one is owed.
-    newest : (512, 8) uint8 array
-        Last data of each triangle's two parts.
+    state, owed_ns : (256,) arrays
+        Per board and triangle: see the constants; since when a part is owed.
+    newest, last_ns : (512, 8) uint8 and (512,) int64 arrays
+        Last data of each triangle's two parts, and when they came.
     words, octets, end : arrays
         Of `Blocks`.
     channel : int
@@ -81,17 +81,15 @@ def decode_messages(
         counters[RECEIVED] += 1
         counters[OCTETS] += length
         triangle = identifier & 255
-        if take_note(
-            triangle,
-            HEAD_SEEN if head else TAIL_SEEN,
-            stamps[i],
-            window_ns,
-            same(data, i, newest, 2 * triangle + 1 - head, length),
-            state,
-            last_ns,
-            owed_ns,
-            counters,
-        ):
+        kept = 2 * triangle + 1 - head
+        equal = same(data, i, newest, kept, length)
+        age = stamps[i] - last_ns[kept]
+        if not equal or age > window_ns or (age == 0 and state[triangle] & PART != 2 - head):
+            last_ns[kept] = stamps[i]
+            part = HEAD_SEEN if head else TAIL_SEEN
+            take_note(triangle, part, stamps[i], window_ns, state, owed_ns, counters)
+        else:
+            counters[DUPLICATED] += 1
             continue
         at = channel + 192 * place + 12 * (triangle & 15)
         put_part(words, octets, end, stamps[i], at, head, length, data, i)
@@ -132,25 +130,19 @@ def take_note(
     part: int,
     stamp_ns: int,
     window_ns: int,
-    equal: bool,
     state: Octets,
-    last_ns: Ints,
     owed_ns: Ints,
     counters: Ints,
-) -> bool:
-    """Follow the order of a triangle's parts; whether this one is a copy of the last."""
+) -> None:
+    """Follow the order of a triangle's parts; count what is missing from it."""
     last, owed = state[triangle] & PART, state[triangle] & OWED
     other = HEAD_SEEN + TAIL_SEEN - part
     mine, others = part << 2, other << 2  # what is owed, of either kind
-    if last == part and equal and stamp_ns - last_ns[triangle] <= window_ns:
-        counters[DUPLICATED] += 1
-        return True
-    last_ns[triangle] = stamp_ns
-    if owed == mine and stamp_ns - owed_ns[triangle] <= window_ns and (last == part or part == 1):
+    in_time = stamp_ns - owed_ns[triangle] <= window_ns
+    if owed == mine and in_time and (last == part or part == HEAD_SEEN):
         counters[SWAPPED] += 1
         state[triangle] = last
-        return False
-    if last == part:  # one of the other kind is missing between them
+    elif last == part:  # one of the other kind is missing between them
         if owed:
             counters[LOST] += 1
         owed_ns[triangle] = stamp_ns
@@ -160,7 +152,6 @@ def take_note(
         state[triangle] = part
     else:
         state[triangle] = part | owed
-    return False
 
 
 @njit(cache=True, nogil=True)

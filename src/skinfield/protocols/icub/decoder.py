@@ -28,7 +28,7 @@ class ICubDecoder:
     classes : iterable of MessageClass
         That carry readings: configured boards send class 4, others class 3. Default both.
     period : float, s
-        Of the boards' readings. Within half of it a part that comes twice with the same data is a
+        Of the boards' readings. Within half of it a part that comes again with the same data is a
         copy, and a tail and a head that come in the wrong order are of one reading.
 
     Notes
@@ -36,10 +36,11 @@ class ICubDecoder:
     Every message counts as one of RECEIVED, MALFORMED and FOREIGN. FOREIGN are other boards, other
     classes, extended identifiers, and the debug messages with identifier 0x100.
 
-    A triangle sends head, tail, head, tail. Two heads in a row are one LOST tail, two tails one
-    LOST head; unless the same data came again within half a period, which is DUPLICATED and makes
-    no block, or the missing part came within half a period after, which is SWAPPED. A whole reading
-    that is missing leaves no trace here, other than the age of its channels.
+    A triangle sends head, tail, head, tail. A part that comes again with the same data within half
+    a period is DUPLICATED and makes no block. Two heads in a row are one LOST tail, two tails one
+    LOST head; unless the missing part comes within half a period after, which is SWAPPED. That a
+    part is missing shows by the next reading of its triangle. A whole reading that is missing
+    leaves no trace here, other than the age of its channels.
     """
 
     def __init__(
@@ -59,9 +60,9 @@ class ICubDecoder:
             if its_bus == bus:
                 self._positions[address] = place
         self._state = np.zeros(BOARDS * TRIANGLES, np.uint8)
-        self._last_ns: Ints = np.zeros(BOARDS * TRIANGLES, np.int64)
         self._owed_ns: Ints = np.zeros(BOARDS * TRIANGLES, np.int64)
         self._newest: Octets = np.zeros((2 * BOARDS * TRIANGLES, 8), np.uint8)
+        self._last_ns: Ints = np.zeros(2 * BOARDS * TRIANGLES, np.int64)
 
     @property
     def channels(self) -> int:
@@ -69,8 +70,9 @@ class ICubDecoder:
         return BOARD_CHANNELS * len(self.boards)
 
     def reset(self) -> None:
-        """Forget which parts came last, as after a break of the connection."""
+        """Forget what came last, as after a break of the connection."""
         self._state[:] = 0
+        self._newest[:] = 0
 
     def decode(
         self,
@@ -121,9 +123,9 @@ class ICubDecoder:
                 self._classes,
                 self._window_ns,
                 self._state,
-                self._last_ns,
                 self._owed_ns,
                 self._newest,
+                self._last_ns,
                 blocks.words,
                 blocks.octets,
                 blocks.end,
