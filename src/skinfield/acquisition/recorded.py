@@ -33,6 +33,7 @@ LAYOUT = "layout.npz"  # names of attachments
 CALIBRATION = "calibration/{patch}.npz"
 CONFIGURATION = "configuration.json"
 DESCRIPTION = "ring.json"
+TARE = "tare-{number}.npz"  # calibration (L, 4), noise_std (L,), stale_ns: as the engine took it
 POSITION = Struct("<q")  # before the blocks of a message
 CYCLE_HEAD = Struct("<HHI7q6IQ")
 MOST = 1 << 20  # rows of one kind in one cycle: whatever says more is damaged

@@ -106,9 +106,9 @@ class RecordingWriter:
         self._cycles = add(CYCLES, CYCLE_ENCODING, CYCLE_SCHEMA, self.layout.metadata())
         self._timing = add(TIMING, "json", TIMING_SCHEMA)
         self._events = add(EVENTS, "json", EVENT_SCHEMA)
-        for each in enclosed:
-            self.container.add_attachment(each.name, each.media_type, each.data, time.time_ns())
         self.open = True
+        for each in enclosed:
+            self.enclose(time.time_ns(), each)
         self._numbers = dict.fromkeys((self._blocks, self._cycles, self._timing, self._events), 0)
         self.flush()
 
@@ -148,6 +148,11 @@ class RecordingWriter:
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
         """Add what was measured of the last second; raises as `write_blocks`."""
         self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
+
+    def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
+        """Add a small file."""
+        add = self.container.add_attachment
+        add(enclosed.name, enclosed.media_type, enclosed.data, time_ns)
 
     def event(self, time_ns: int, kind: str, text: str, **values: Any) -> None:
         """Add something that happened; raises as `write_blocks`.

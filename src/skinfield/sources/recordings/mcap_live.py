@@ -43,7 +43,6 @@ from skinfield.sources.recordings.mcap_records import (
     open_file,
 )
 
-
 T = TypeVar("T")
 
 

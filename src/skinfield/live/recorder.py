@@ -1,0 +1,227 @@
+"""Records a running skin, from a process of its own: python -m skinfield.live.recorder.
+
+Two threads. One takes everything new out of the ring every few milliseconds: it reads shared memory
+and nothing else, so the engine never waits for it. The other writes: it may wait for the disk as
+long as the disk likes, as a bounded queue lies between them. What the queue cannot hold is dropped,
+counted, and told in the file, in the state beside the ring and to whoever listens.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from skinfield.errors import SkinfieldError
+from skinfield.live.recorder_disk import Disk
+from skinfield.live.recorder_drain import Drain
+from skinfield.live.recorder_queue import Queue, Told
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import RecorderState
+from skinfield.live.recorder_watch import Watch, enclosed_of, layout_of
+from skinfield.ring import RingReader
+from skinfield.sinks.mcap import RecordingWriter
+from skinfield.sinks.mcap.output import Output
+
+PAUSE = 0.005  # s between looks at the ring
+SECOND = 1.0  # s between looks at everything else
+NICE = -10  # of both threads, where it is permitted
+
+
+class Recorder:
+    """A recording that is going on.
+
+    Parameters
+    ----------
+    settings : RecorderSettings
+    say : function of a sentence
+        Told what goes wrong, and when it is well again.
+    output : Output, optional
+        Instead of a file.
+
+    Raises
+    ------
+    InputError
+        If there is no such ring, or the file is there already.
+    FileError
+        If it cannot be made.
+
+    Attributes
+    ----------
+    state : RecorderState
+        Made anew every second.
+    """
+
+    def __init__(
+        self,
+        settings: RecorderSettings,
+        say: Callable[[str], None] = lambda text: None,
+        output: Output | None = None,
+    ) -> None:
+        self.settings, self._say = settings, say
+        self._reader = RingReader(settings.name)
+        self._began, self._began_ns = time.monotonic(), time.time_ns()
+        layout = layout_of(self._reader)
+        enclosed = enclosed_of(self._reader)
+        self._writer = RecordingWriter(
+            settings.path, enclosed, layout=layout, settings=settings.file, output=output
+        )
+        self._queue = Queue(settings.queue_bytes)
+        sources = [str(each) for each in self._reader.description.get("sources", [])]
+        self._watch = Watch(self._reader, self._queue)
+        self._drain = Drain(self._reader, self._queue, layout, sources)
+        self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
+        self._said: dict[str, str] = {}
+        self._ended = ""
+        text = f"recording {settings.name} of process {self._reader.pid}"
+        self._queue.tell(Told(self._began_ns, "recording_started", text, {}))
+        self._disk.start()
+        self._next = self._began
+        self.state = self._state()
+
+    def run(self, stop: threading.Event, seconds: float | None = None) -> RecorderState:
+        """Record until `stop` is set, the time is over, or the ring is taken away."""
+        end = None if seconds is None else self._began + seconds
+        while not self._ended:
+            self.step()
+            if stop.wait(PAUSE):
+                self._ended = "it was told to stop"
+            elif end is not None and time.monotonic() >= end:
+                self._ended = "its time is over"
+        return self.close()
+
+    def step(self) -> None:
+        """Take what is new; once a second, look at all else and tell of it."""
+        self._drain.take()
+        if time.monotonic() < self._next:
+            return
+        self._next += SECOND
+        self._watch.look()
+        self.state = self._state()
+        self.state.write(self.settings.name)
+        self._say_changes()
+        if self._disk.crashed:
+            self._ended = "the thread that writes has failed"
+        elif self._reader.replaced():
+            self._ended = "the ring was taken away: the skin was stopped"
+
+    def close(self) -> RecorderState:
+        """Take what is left, finish the file, and tell how it went."""
+        self._drain.take()
+        self._watch.look()
+        text = f"the recording ends: {self._ended or 'closed'}"
+        self._queue.tell(Told(time.time_ns(), "recording_ended", text, self._totals()))
+        try:
+            self._disk.stop()
+        finally:
+            self._reader.close()
+        self._ended = self._ended or "closed"
+        self.state = self._state()
+        self.state.write(self.settings.name)
+        self._say_changes()
+        return self.state
+
+    def _totals(self) -> dict[str, object]:
+        drain, queue = self._drain, self._queue
+        return {
+            "bytes_read": drain.bytes_read,
+            "cycles": drain.cycles,
+            "overrun_bytes": drain.overrun_bytes,
+            "overrun_cycles": drain.overrun_cycles,
+            "dropped_bytes": queue.dropped_bytes,
+            "dropped_cycles": queue.dropped_cycles,
+        }
+
+    def _state(self) -> RecorderState:
+        disk, now, now_ns = self._disk.state, time.monotonic(), time.time_ns()
+        oldest = self._queue.oldest_ns
+        return RecorderState(
+            pid=os.getpid(),
+            path=str(self.settings.path),
+            began_ns=self._began_ns,
+            told_ns=now_ns,
+            seconds=now - self._began,
+            bytes_written=self._writer.bytes_written,
+            bytes_read=self._drain.bytes_read,
+            cycles=self._drain.cycles,
+            overrun_bytes=self._drain.overrun_bytes,
+            overrun_cycles=self._drain.overrun_cycles,
+            dropped_bytes=self._queue.dropped_bytes,
+            dropped_cycles=self._queue.dropped_cycles,
+            given_up=disk.lost,
+            queue_bytes=self._queue.waiting,
+            lag=(now_ns - oldest) * 1e-9 if oldest else 0.0,
+            since_flush=now - disk.last_flush,
+            since_sync=now - disk.last_sync,
+            longest=disk.longest,
+            failing=bool(disk.failing_since),
+            failure=disk.failure,
+            finished=disk.finished,
+            ended=self._ended,
+        )
+
+    def _say_changes(self) -> None:
+        """Say what is new since the last second."""
+        state = self.state
+        dropped = f"{state.dropped_bytes} bytes and {state.dropped_cycles} cycles"
+        overrun = f"{state.overrun_bytes} bytes and {state.overrun_cycles} cycles"
+        sentences = {
+            "dropped": f"the disk does not keep up: {dropped} dropped so far",
+            "overrun": f"the recorder does not keep up: {overrun} overwritten unread so far",
+            "failing": f"nothing can be written: {state.failure}",
+            "given_up": f"{state.given_up} messages could not be written at the end",
+        }
+        now = {
+            "dropped": bool(state.dropped_bytes or state.dropped_cycles),
+            "overrun": bool(state.overrun_bytes or state.overrun_cycles),
+            "failing": state.failing,
+            "given_up": bool(state.given_up),
+        }
+        for what, text in sentences.items():
+            if now[what] and self._said.get(what) != text:
+                self._said[what] = text
+                self._say(text)
+            elif what == "failing" and not now[what] and self._said.pop(what, ""):
+                self._say("the file can be written again")
+
+
+def gentle_priority() -> None:
+    """Come before ordinary work where that is permitted: the ring holds some 60 cycles only."""
+    try:
+        os.setpriority(os.PRIO_PROCESS, 0, NICE)
+    except (OSError, AttributeError):
+        return  # as everyone else, then
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"recorder: {text}\n")
+    sys.stderr.flush()
+
+
+def main() -> None:
+    """Record until SIGTERM or Ctrl-C."""
+    parser = argparse.ArgumentParser(prog="python -m skinfield.live.recorder")
+    parser.add_argument("name")
+    parser.add_argument("path", type=Path)
+    parser.add_argument("--seconds", type=float)
+    given = parser.parse_args()
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    gentle_priority()
+    try:
+        recorder = Recorder(
+            RecorderSettings(name=given.name, path=given.path),
+            _say,
+        )
+        state = recorder.run(stop, given.seconds)
+    except SkinfieldError as error:
+        raise SystemExit(f"recorder: {error}") from error
+    raise SystemExit(0 if state.finished and not state.given_up else 1)
+
+
+if __name__ == "__main__":
+    main()

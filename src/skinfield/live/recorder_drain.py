@@ -1,0 +1,113 @@
+"""Takes everything new out of a ring, and counts what it came too late for."""
+
+import time
+
+from skinfield.acquisition.block import Kind
+from skinfield.acquisition.recorded import CycleLayout
+from skinfield.live.recorder_kernel import told_in
+from skinfield.live.recorder_queue import Entry, Queue, Told
+from skinfield.live.slots import Slot
+from skinfield.ring import RingReader
+
+PIECE = 1 << 20  # bytes of the log in one message, about
+
+
+class Drain:
+    """Reads the log and the slots of a ring into a queue.
+
+    Parameters
+    ----------
+    reader : RingReader
+    queue : Queue
+    layout : CycleLayout
+    sources : sequence of str
+        Names of the sources, for what is told of them.
+
+    Attributes
+    ----------
+    bytes_read, cycles : int
+    overrun_bytes, overrun_cycles : int
+        That the ring had overwritten.
+    """
+
+    def __init__(
+        self, reader: RingReader, queue: Queue, layout: CycleLayout, sources: list[str]
+    ) -> None:
+        self._reader, self._queue, self._layout, self._sources = reader, queue, layout, sources
+        self._number = reader.number  # before the log's end is looked at: no cycle without blocks
+        beginning = 0 if self._number == 0 else None  # an engine that starts: all that is there
+        self._log = reader.log_reader(beginning)
+        self._slot = reader.slot()
+        self._cycle = Slot.of(self._slot.arrays)
+        self.generation = reader.generation
+        self.bytes_read = self.cycles = self.overrun_bytes = self.overrun_cycles = 0
+        queue.put(Entry(time.time_ns(), self._log.position, b""))
+        self._first = self._log.position
+
+    def take(self) -> None:
+        """Take all that is new."""
+        head = self._reader.number
+        self._take_log()
+        missing: list[int] = []
+        for number in range(self._number + 1, head + 1):
+            slot = self._reader.get(number, self._slot)
+            if slot is None:
+                missing.append(number)
+                continue
+            cycle = self._cycle.recorded(number)
+            if cycle.log_position >= self._first:
+                self._queue.put(Entry(cycle.wall_ns, -1, self._layout.encode(cycle)))
+                self.cycles += 1
+        self._number = max(head, self._number)
+        if missing:
+            self._tell_missing(missing)
+        if self._reader.generation != self.generation:
+            self._restarted()
+
+    def _take_log(self) -> None:
+        while True:
+            data, lost = self._log.read(PIECE)
+            now = time.time_ns()
+            if lost:
+                self.overrun_bytes += lost
+                text = f"the ring came round: {lost} bytes of readings were overwritten unread"
+                values: dict[str, object] = {"bytes": lost, "position": self._log.position}
+                self._queue.tell(Told(now, "log_overrun", text, values))
+            if not data:
+                return
+            self._queue.put(Entry(now, self._log.position - len(data), data))
+            self.bytes_read += len(data)
+            self._tell_sources(data)
+
+    def _tell_missing(self, missing: list[int]) -> None:
+        self.overrun_cycles += len(missing)
+        text = f"the ring came round: {len(missing)} cycles were overwritten unread"
+        values: dict[str, object] = {
+            "cycles": len(missing),
+            "first": missing[0],
+            "last": missing[-1],
+        }
+        self._queue.tell(Told(time.time_ns(), "cycle_overrun", text, values))
+
+    def _tell_sources(self, data: bytes) -> None:
+        for stamp, source, kind, number in told_in(data):
+            name = self._sources[source] if source < len(self._sources) else f"source {source}"
+            values: dict[str, object] = {"source": source}
+            if kind == Kind.LOST:
+                values["messages"] = number
+                told = Told(stamp, "messages_lost", f"{name}: {number} messages were lost", values)
+            elif number:
+                told = Told(stamp, "source_up", f"{name} is connected", values)
+            else:
+                told = Told(stamp, "source_down", f"{name} is gone", values)
+            self._queue.tell(told)
+
+    def _restarted(self) -> None:
+        before, self.generation = self.generation, self._reader.generation
+        text = f"the engine was started again: process {self._reader.pid} goes on with the ring"
+        values: dict[str, object] = {
+            "generation": self.generation,
+            "before": before,
+            "pid": self._reader.pid,
+        }
+        self._queue.tell(Told(time.time_ns(), "engine_restarted", text, values))

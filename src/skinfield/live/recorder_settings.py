@@ -1,0 +1,39 @@
+"""How a running skin is recorded."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from skinfield.errors import check_count, check_range
+from skinfield.sinks.mcap import RecordingSettings
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderSettings:
+    """Which skin, into which file, and how.
+
+    Parameters
+    ----------
+    name : str
+        Of the ring.
+    path : Path
+        Ends in .mcap by custom.
+    file : RecordingSettings
+    flush : float, s
+        After so long what was read is handed to the system, and survives a `kill -9`.
+    sync : float, s
+        After so long it is on the disk, and survives power loss.
+    queue_bytes : int
+        That may wait for the disk; what comes beyond is dropped and counted.
+    """
+
+    name: str
+    path: Path
+    file: RecordingSettings = field(default_factory=RecordingSettings)
+    flush: float = 0.15
+    sync: float = 1.5
+    queue_bytes: int = 1 << 26
+
+    def __post_init__(self) -> None:
+        check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
+        check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
+        check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")

@@ -1,0 +1,116 @@
+"""A ring as an engine writes it, with readings that are made up: for tests of recorders."""
+
+import sys
+import time
+
+import numpy as np
+
+from skinfield.acquisition import Blocks, Kind, Port
+from skinfield.acquisition.recorded import CycleFlag
+from skinfield.contacts.live import ROW
+from skinfield.layout import Patch, Skin
+from skinfield.live.recipe import Recipe
+from skinfield.live.ring_fields import description_of, status_fields
+from skinfield.live.settings import LiveSettings
+from skinfield.live.slots import PATCH, Head, Sizes, Slot
+from skinfield.ring import Ring, State
+
+
+class NoSource:
+    def open(self):
+        raise NotImplementedError
+
+
+def skin_of(taxels: int) -> Skin:
+    side = int(np.ceil(np.sqrt(taxels)))
+    where = np.array([(i % side, i // side) for i in range(taxels)], float) * 5e-3
+    return Skin((Patch(where, name="arm"),), name="test")
+
+
+class FakeEngine:
+    """Publishes a cycle whenever told: blocks of random counts, a contact, a script."""
+
+    def __init__(self, name: str, taxels: int = 24, slots: int = 64, log_bytes: int = 1 << 20):
+        self.skin = skin_of(taxels)
+        settings = LiveSettings(skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,))
+        ports = (Port("arm", taxels),)
+        recipe = Recipe.of(settings, ports)
+        sizes = Sizes(1, taxels, 16, 8, (4, 3))
+        self.fields = (sizes.fields(), status_fields(1, taxels))
+        self.sizes = (slots, log_bytes)
+        self.ring = Ring.create(
+            name, *self.fields, description_of(settings, recipe), slots, log_bytes
+        )
+        status = self.ring.status
+        status["calibration"][:] = (200.0, -100.0, 0.5, 1.0)
+        status["noise_std"][:] = 0.01
+        status["tares"][0] = 1
+        self.ring.set_state(State.RUNNING)
+        self.blocks = Blocks(1 << 16)
+        self.rng = np.random.default_rng(1)
+        self.taxels, self.number = taxels, 0
+        self.counts, self.written = [], []
+        self.keep = True
+        self.flags = 0
+
+    def reopen(self) -> None:
+        """As a new process after a crash."""
+        self.ring = Ring.reopen(self.ring.name, *self.fields, *self.sizes)
+        self.ring.set_state(State.RUNNING)
+
+    def cycle(self, kind: Kind = Kind.SHORTS, extra=lambda blocks, now: None) -> None:
+        now = time.time_ns()
+        self.blocks.clear()
+        counts = self.rng.integers(0, 256 if kind == Kind.BYTES else 65536, self.taxels)
+        self.blocks.put(now, 0, counts, kind)
+        extra(self.blocks, now)
+        data = self.blocks.data
+        self.ring.log(data)
+        slot = Slot.of(self.ring.begin())
+        mono = time.monotonic_ns()
+        slot.head[:] = 0
+        slot.head[Head.FLAGS] = CycleFlag.KEY if self.number % 10 == 0 else self.flags
+        slot.head[Head.DUE_NS : Head.WALL_NS] = mono + np.arange(4)
+        slot.head[Head.WALL_NS], slot.head[Head.LOG_POSITION] = now, self.ring.log_end
+        slot.head[Head.SCRIPT] = self.number % 4
+        slot.script[:] = self.number
+        slot.patches[:] = np.zeros(1, PATCH)
+        slot.patches["contacts"] = self.number % 3
+        slot.patches["force"] = self.number
+        slot.contacts[:] = np.zeros(8, ROW)
+        slot.contacts["track"] = self.number
+        self.ring.heartbeat(mono)
+        self.ring.status["totals"][0] += 1
+        self.number = self.ring.publish()
+        if self.keep:
+            self.counts.append(counts)
+            self.written.append(bytes(data))
+
+    def close(self) -> None:
+        self.ring.close()
+        self.ring.unlink()
+
+
+def main() -> None:
+    """Run at a rate: name, taxels, cycles per second, seconds, slots, bytes of the log."""
+    name, taxels, rate, seconds, slots, log = sys.argv[1:7]
+    engine = FakeEngine(name, int(taxels), int(slots), int(log))
+    engine.keep = False
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
+    sys.stdin.readline()
+    start, period = time.monotonic(), 1.0 / float(rate)
+    total = int(float(rate) * float(seconds))
+    for i in range(total):
+        engine.cycle()
+        left = start + (i + 1) * period - time.monotonic()
+        if left > 0:
+            time.sleep(left)
+    sys.stdout.write(f"{engine.number} {engine.ring.log_end}\n")
+    sys.stdout.flush()
+    sys.stdin.readline()
+    engine.close()
+
+
+if __name__ == "__main__":
+    main()
