@@ -1,0 +1,50 @@
+"""A virtual skin that another process has started: settings come as a line, words go back."""
+
+import gc
+import json
+import os
+import signal
+import sys
+from typing import Any
+
+from skinfield.errors import SkinfieldError
+from skinfield.virtual.settings import settings_from_json
+from skinfield.virtual.skin import VirtualSkin
+
+
+def main() -> int:
+    """Play until the process that started this one ends, or says so.
+
+    From stdin: one line of settings; its end means to stop. To stdout: one line when the skin is
+    there, ``{"ready": true, "channels": [...], "control": "..."}`` or false with the error, and
+    one at the end, ``{"counts": {...}}``.
+    """
+    try:
+        skin = VirtualSkin(settings_from_json(sys.stdin.readline()))
+    except SkinfieldError as error:
+        _say({"ready": False, "error": str(error)})
+        return 2
+    for name in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(name, lambda *_: skin.stop())
+    _say({"ready": True, "pid": os.getpid(), **skin.description()})
+    gc.collect()
+    gc.freeze()
+    try:
+        skin.run(watch=[sys.stdin.fileno()])
+    finally:
+        counts = skin.counts()
+        skin.close()
+        _say({"counts": counts})
+    return 0
+
+
+def _say(what: dict[str, Any]) -> None:
+    try:
+        sys.stdout.write(json.dumps(what) + "\n")
+        sys.stdout.flush()
+    except OSError:
+        os._exit(0)  # nobody is left to hear it
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,253 @@
+"""A virtual skin in a process of its own, and a handle on it."""
+
+import contextlib
+import json
+import select
+import socket
+import subprocess
+import sys
+import time
+from types import TracebackType
+from typing import Any
+
+from skinfield.errors import InputError
+from skinfield.virtual.buses import host_and_port
+from skinfield.virtual.settings import VirtualSettings
+
+READY = 120.0  # s: presses may have to be solved first, and kernels compiled
+ANSWER = 5.0  # s
+TRIES = 3
+DATAGRAM = 65536
+
+
+class Silent(InputError):
+    """A virtual skin that has ended, or does not answer."""
+
+
+def start(settings: VirtualSettings | None = None, timeout: float = READY) -> "VirtualProcess":
+    """Start a virtual skin as ``python -m skinfield.virtual``; it is there when this returns.
+
+    It ends by itself when this process does, however that happens.
+
+    Parameters
+    ----------
+    settings : VirtualSettings, optional
+        Default an iCub's boards with a hexagon of 72 taxels.
+    timeout : float, s
+        To wait for it to be there.
+
+    Raises
+    ------
+    InputError
+        With what it said, if it could not start.
+    """
+    settings = VirtualSettings() if settings is None else settings
+    child = subprocess.Popen(
+        [sys.executable, "-m", "skinfield.virtual"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert child.stdin is not None
+    try:
+        child.stdin.write(settings.to_json().encode() + b"\n")
+        child.stdin.flush()
+        said = _line(child, timeout)
+    except BaseException:
+        _end(child)
+        raise
+    if not said.get("ready"):
+        _end(child)
+        raise InputError(f"virtual skin did not start: {said.get('error', 'it said nothing')}")
+    return VirtualProcess(child, settings, said)
+
+
+def _line(child: "subprocess.Popen[bytes]", timeout: float) -> dict[str, Any]:
+    """Next line of a child, as JSON; empty where it has ended or says something else."""
+    assert child.stdout is not None
+    data, until = b"", time.monotonic() + timeout
+    while not data.endswith(b"\n"):
+        left = until - time.monotonic()
+        if left <= 0.0 or not select.select([child.stdout], [], [], left)[0]:
+            raise Silent(f"virtual skin says nothing for {timeout:g} s, expected a line")
+        more = child.stdout.read1(DATAGRAM)  # type: ignore[attr-defined]
+        if not more:
+            return {}
+        data += more
+    try:
+        said = json.loads(data.splitlines()[0])
+    except ValueError:
+        return {}
+    return said if isinstance(said, dict) else {}
+
+
+def _end(child: "subprocess.Popen[bytes]") -> None:
+    """End a child, by asking first."""
+    if child.stdin is not None:
+        with contextlib.suppress(OSError):
+            child.stdin.close()
+    try:
+        child.wait(ANSWER)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.wait()
+    if child.stdout is not None:
+        child.stdout.close()
+
+
+class VirtualProcess:
+    """Handle on a virtual skin in another process; also a context manager.
+
+    Attributes
+    ----------
+    settings : VirtualSettings
+    description : dict
+        What it said when it was there: `channels`, `control`, `patches`, `pid`, ...
+    """
+
+    def __init__(
+        self, child: "subprocess.Popen[bytes]", settings: VirtualSettings, said: dict[str, Any]
+    ) -> None:
+        self._child, self.settings, self.description = child, settings, said
+        self._final: dict[str, Any] = {}
+        self._tag = 0
+        self._socket: socket.socket | None = None
+        if said.get("control"):
+            place = host_and_port(said["control"], ("127.0.0.1", 0))
+            family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
+            self._socket = socket.socket(family, socket.SOCK_DGRAM)
+            self._socket.connect(place)
+
+    def __enter__(self) -> "VirtualProcess":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    @property
+    def pid(self) -> int:
+        """Of the process."""
+        return self._child.pid
+
+    @property
+    def channels(self) -> list[str]:
+        """Where a host finds each bus, such as ``"127.0.0.1:40123"``."""
+        return list(self.description["channels"])
+
+    @property
+    def running(self) -> bool:
+        """Whether the process is there."""
+        return self._child.poll() is None
+
+    def ask(self, command: dict[str, Any]) -> dict[str, Any]:
+        """Send a command to the control socket; its answer.
+
+        Raises
+        ------
+        InputError
+            With the skin's own words if it refuses, or if it does not answer.
+        """
+        if self._socket is None:
+            raise Silent("virtual skin has no control socket, expected settings with control")
+        self._tag += 1
+        data = json.dumps({**command, "tag": self._tag}).encode()
+        for _ in range(TRIES):
+            with contextlib.suppress(ConnectionError):
+                self._socket.send(data)
+                answer = self._answer(ANSWER)
+                if answer is not None:
+                    return answer
+            if not self.running:
+                break
+        raise Silent(f"virtual skin {self.pid} does not answer {command!r:.80}: it has ended")
+
+    def _answer(self, timeout: float) -> dict[str, Any] | None:
+        assert self._socket is not None
+        until = time.monotonic() + timeout
+        while (left := until - time.monotonic()) > 0.0:
+            if not select.select([self._socket], [], [], left)[0]:
+                break
+            said = json.loads(self._socket.recv(DATAGRAM))
+            if said.pop("tag", None) != self._tag:
+                continue  # of a command that was given up
+            if not said.pop("ok"):
+                raise InputError(said["error"])
+            return dict(said)
+        return None
+
+    def press(
+        self,
+        x: float | None = None,
+        y: float | None = None,
+        *,
+        force: float = 1.0,
+        radius: float = 4e-3,
+        shape: str = "ball",
+        patch: str | int = 0,
+        taxel: int | None = None,
+        id: str | None = None,
+    ) -> str:
+        """Begin a press, at a point of the patch's plane, m, or on a taxel; its id.
+
+        With an `id` that is pressing already, that press is changed.
+        """
+        given: dict[str, Any] = {
+            "do": "press", "patch": patch, "force": force, "radius": radius, "shape": shape,
+        }  # fmt: skip
+        given |= {"taxel": taxel} if taxel is not None else {"x": x, "y": y}
+        given |= {"id": id} if id is not None else {}
+        return str(self.ask(given)["id"])
+
+    def move(self, id: str, x: float, y: float, force: float | None = None) -> None:
+        """Move a press to another point of the patch's plane, m."""
+        given: dict[str, Any] = {"do": "move", "id": id, "x": x, "y": y}
+        self.ask(given | ({} if force is None else {"force": force}))
+
+    def release(self, id: str | None = None) -> None:
+        """Lift off a press, or all that began by hand."""
+        self.ask({"do": "release", "id": id})
+
+    def fault(self, text: str) -> None:
+        """Begin a fault, such as ``"unplug 3+5s"``; its times count from now."""
+        self.ask({"do": "fault", "fault": text})
+
+    def clear(self, kind: str | None = None) -> None:
+        """End all faults, or those of a kind."""
+        self.ask({"do": "clear", "kind": kind})
+
+    def wires(self, **chances: float) -> None:
+        """Change the probabilities `lose`, `duplicate` and `swap`."""
+        self.ask({"do": "wires", **chances})
+
+    def scene(self, text: str) -> None:
+        """Play another scene, now."""
+        self.ask({"do": "scene", "scene": text})
+
+    def truth(self, after: int = 0) -> list[dict[str, Any]]:
+        """Lines about what really pressed, from line `after` on."""
+        lines: list[dict[str, Any]] = []
+        while True:
+            said = self.ask({"do": "truth", "after": after})
+            lines += said["lines"]
+            if not said["lines"] or lines[-1]["number"] + 1 >= said["made"]:
+                return lines
+            after = lines[-1]["number"] + 1
+
+    def counts(self) -> dict[str, Any]:
+        """What was sent and what was done to it, so far; after `stop`, in all."""
+        return self._final if self._final else self.ask({"do": "counts"})
+
+    def stop(self) -> dict[str, Any]:
+        """End it; its last counts. A second time does nothing."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+        if self._child.stdin is not None and not self._child.stdin.closed:
+            with contextlib.suppress(OSError):
+                self._child.stdin.close()
+            with contextlib.suppress(Silent):
+                self._final = dict(_line(self._child, ANSWER).get("counts", {}))
+            _end(self._child)
+        return self._final
