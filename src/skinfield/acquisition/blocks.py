@@ -105,6 +105,30 @@ class Blocks:
         if not put_number(self.words, self.end, stamp_ns, source, int(kind), number):
             raise self._full(1)
 
+    def put_calibration(self, stamp_ns: int, taxel: int, rows: Floats) -> None:
+        """Append a calibration of some taxels.
+
+        Parameters
+        ----------
+        stamp_ns : int, ns
+        taxel : int
+            First of them, in the skin's order.
+        rows : (n, 4) float64 array
+            Baseline, gain, noise_std and alive of each.
+
+        Raises
+        ------
+        Full
+            If they do not fit.
+        """
+        from skinfield.acquisition.kernel import begin_block
+
+        kind = int(Kind.CALIBRATION)
+        at = begin_block(self.words, self.end, stamp_ns, taxel, len(rows), kind, 0)
+        if at < 0:
+            raise self._full(rows.size)
+        self.words[at // WORD : at // WORD + rows.size] = rows.reshape(-1).view(np.int64)
+
     def put_data(self, data: bytes | Octets) -> None:
         """Append whole blocks as they were recorded.
 

@@ -30,6 +30,7 @@ def condition(
     starts: Ints,
     values: Floats,
     valid: Flags,
+    given: Flags,
     newest: Ints,
     arrived: Ints,
 ) -> int:
@@ -55,6 +56,8 @@ def condition(
         Where each patch's taxels begin.
     values, valid : (L,) arrays
         Receive readings in the quantity's unit, 0 where not valid.
+    given : (L,) array
+        Receives which of them to answer now: those that are valid, of patches with a new reading.
     newest, arrived : (P,) arrays
         Receive each patch's newest stamp, and how many of its taxels were read since the last time.
     """
@@ -76,6 +79,8 @@ def condition(
                 good = lowest < value < np.inf
             values[taxel] = value if good else 0.0
             valid[taxel] = good
+        for taxel in range(starts[patch], starts[patch + 1]):
+            given[taxel] = valid[taxel] and count > 0
         newest[patch], arrived[patch] = latest, count
         with_reading += 1 if count else 0
     for taxel in range(len(channel)):

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from skinfield.acquisition.recorded import Cycle as Recorded
 from skinfield.acquisition.recorded import CycleFlag
-from skinfield.contacts.live import ROW as CONTACT
+from skinfield.contacts.live import CONTACT
+from skinfield.engine.clockwork import ROUNDS
+from skinfield.engine.script import WIDTH
 from skinfield.layout import Skin
 from skinfield.ring import Field
 
@@ -37,7 +39,10 @@ class Head(IntEnum):
 
 PATCH = np.dtype(
     [
-        ("answer", "<i4"),  # as `skinfield.engine.state.Answer`: 0 missing, 1 idle, 2 linear, 3 searched
+        (
+            "answer",
+            "<i4",
+        ),  # as `skinfield.engine.state.Answer`: 0 missing, 1 idle, 2 linear, 3 searched
         ("rung", "<i4"),  # nodes along the sides of the grid; 0: none
         ("fresh", "<i4"),  # taxels read since the cycle before; 0: the answer is an earlier one
         ("invalid", "<i4"),  # taxels that were left out
@@ -48,6 +53,7 @@ PATCH = np.dtype(
         ("answered_ns", "<i8"),  # since the epoch: of the cycle in which it was answered
         ("force", "<f8"),  # N, along the normals, of all contacts
         ("peak_pressure", "<f8"),  # Pa
+        ("tracks", "<i8"),  # contacts numbered so far, on the whole skin
     ]
 )
 
@@ -73,8 +79,9 @@ class Sizes:
     script: tuple[int, int]
 
     @classmethod
-    def of(cls, skin: Skin, rungs: Sequence[int], rows: int, script: tuple[int, int]) -> "Sizes":
+    def of(cls, skin: Skin, rungs: Sequence[int], rows: int) -> "Sizes":
         """Sizes of a skin's slots."""
+        script = ((len(rungs) + ROUNDS) * (len(skin) + 1) + 1, WIDTH)
         return cls(len(skin), sum(map(len, skin)), max(rungs) ** 2, rows, script)
 
     def fields(self) -> list[Field]:
@@ -137,7 +144,8 @@ class Slot:
     def used_contacts(self) -> Array:
         """Rows of the contacts that there are, patch after patch: a copy."""
         counts = np.minimum(self.patches["contacts"], self.contacts.shape[1])
-        return self.contacts[np.arange(self.contacts.shape[1]) < counts[:, None]]
+        used: Array = self.contacts[np.arange(self.contacts.shape[1]) < counts[:, None]]
+        return used
 
     def recorded(self, number: int) -> Recorded:
         """The cycle as a recording keeps it."""

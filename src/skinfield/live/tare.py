@@ -1,6 +1,5 @@
 """Baseline and noise of all taxels, from the first readings of an untouched skin."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,10 +7,11 @@ import numpy as np
 from skinfield.acquisition import Channels
 from skinfield.conditioning import Calibration
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.layout import Patch
+from skinfield.layout import Patch, Skin
 from skinfield.live.binding import Binding
 from skinfield.live.settings import LiveSettings
-from skinfield.observation import BaseStress, Capacitance, Gap
+from skinfield.mechanics import Layer
+from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
 from skinfield.pipeline.conditioned import Conditioning
 from skinfield.pipeline.survey import survey
 from skinfield.reading import Recording
@@ -63,12 +63,17 @@ class Tare:
         self._stamps: Ints = np.zeros(MOST, np.int64)
         self._seen = np.zeros(binding.channels, np.bool_)
         self._ever = np.zeros(binding.channels, np.bool_)
+        self._newest: Ints = np.zeros(binding.channels, np.int64)
         self._began = self._last = self._filled = 0
+
+    def skip(self, channels: Channels) -> None:
+        """Leave out what is there already."""
+        np.copyto(self._newest, channels.stamp_ns)
 
     def take(self, channels: Channels, now_ns: int) -> bool:
         """Take what is new; whether there is enough."""
-        settings, fresh = self._settings, channels.fresh.astype(np.bool_)
-        channels.fresh[:] = 0
+        settings, fresh = self._settings, channels.stamp_ns > self._newest
+        np.copyto(self._newest, channels.stamp_ns)
         self._seen |= fresh
         self._ever |= fresh
         if not self._ever.any():
@@ -141,11 +146,10 @@ def _tared(
     return table, found.noise_std, found.notes
 
 
-def calibrations_of(skin: Mapping[str, Patch] | list[Patch], table: Floats) -> list[Calibration]:
+def calibrations_of(skin: Skin, table: Floats) -> list[Calibration]:
     """Calibrations of the patches, in the skin's order, from the (L, 4) table of a tare."""
-    patches = list(skin.values()) if isinstance(skin, Mapping) else list(skin)
     made, start = [], 0
-    for patch in patches:
+    for patch in skin:
         rows = table[start : start + len(patch)]
         made.append(
             Calibration(
@@ -162,7 +166,7 @@ def calibrations_of(skin: Mapping[str, Patch] | list[Patch], table: Floats) -> l
     return made
 
 
-def quantity_scale(settings: LiveSettings, unit: str) -> tuple[int, float]:
+def quantity_scale(quantity: Quantity, layer: Layer, unit: str) -> tuple[int, float]:
     """How the condition kernel makes the quantity of ΔC/C₀, or of readings in their own unit.
 
     Raises
@@ -172,14 +176,13 @@ def quantity_scale(settings: LiveSettings, unit: str) -> tuple[int, float]:
     """
     from skinfield.live.condition_kernel import CHANGE, STRAIN
 
-    quantity = settings.quantity
     if unit in ("count", "dC/C0"):
         if isinstance(quantity, Capacitance):
             return CHANGE, 1.0
         if isinstance(quantity, Gap):
             return STRAIN, 1.0
         if isinstance(quantity, BaseStress):
-            return STRAIN, settings.layer.young_modulus
+            return STRAIN, layer.young_modulus
     elif (unit == "Pa" and isinstance(quantity, BaseStress)) or (
         unit == "1" and isinstance(quantity, Gap)
     ):

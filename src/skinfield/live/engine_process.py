@@ -1,0 +1,242 @@
+"""The process in which nothing runs but the engine: python -m skinfield.live.engine_process.
+
+It reads its settings from its standard input and answers until it is told to stop. Whoever started
+it restarts it when it fails; the ring outlasts it.
+"""
+
+import contextlib
+import ctypes
+import os
+import pickle
+import signal
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from skinfield.acquisition.recorded import CycleFlag
+from skinfield.engine.state import Answer
+from skinfield.errors import InputError
+from skinfield.live.binding import bind
+from skinfield.live.control import Control
+from skinfield.live.cycle import Cycle
+from skinfield.live.intake import Intake
+from skinfield.live.notes import write_notes
+from skinfield.live.recipe import Recipe
+from skinfield.live.ring_fields import known_tare, open_ring, write_tare
+from skinfield.live.settings import LiveSettings
+from skinfield.live.slots import Head, Slot
+from skinfield.live.start import Start
+from skinfield.live.tare import Tare
+from skinfield.realtime import EventWaiter, PeriodicClock, TimingTable, Waiter
+from skinfield.ring import State
+
+STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
+LISTEN = 8  # cycles from one look for orders to the next
+PARENT_DIED = 1  # PR_SET_PDEATHSIG of Linux
+REPORT_NS = 1_000_000_000  # between looks at what the sources have to say
+
+
+class EngineProcess:
+    """All that happens in the process.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+    """
+
+    def __init__(self, settings: LiveSettings) -> None:
+        self.settings = settings
+        self.intake = Intake(settings.sources)
+        self.binding = bind(settings.skin, self.intake.ports)
+        self.recipe = Recipe.of(settings, self.intake.ports)
+        self.ring, fresh_ring = open_ring(settings, self.recipe)
+        self.slots: dict[int, Slot] = {}
+        self.intake.count_in(self.ring.status["sources"])
+        self.timing = TimingTable(
+            int(settings.period * 1e9),
+            int(settings.due_after * 1e9),
+            self.ring.status["times"],
+            self.ring.status["totals"],
+        )
+        known = None if fresh_ring else known_tare(self.ring)
+        self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
+        self.control = Control(settings.name)
+        self.cycle: Cycle | None = None
+        self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
+        self.stopping = False
+        self.waiter: Waiter = PeriodicClock(STARTING_NS)
+        self.since_key = 0
+        self.keys = 1
+        self.again: Tare | None = None
+        self.notes: dict[str, object] = {"phase": self.start.phase}
+        write_notes(self.ring.status["notes"], self.notes)
+
+    def run(self) -> None:
+        """Answer until told to stop."""
+        signal.signal(signal.SIGTERM, self._stop)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's, meant for our parent
+        self.ring.set_state(State.STARTING)
+        count = 0
+        try:
+            while not self.stopping:
+                due, wake = self.waiter.wait()
+                self.one(due, wake)
+                count += 1
+                if count % LISTEN == 0:
+                    self._obey(self.control.poll())
+            self.ring.set_state(State.STOPPED)
+        except BaseException:
+            self.ring.set_state(State.FAILED)
+            raise
+        finally:
+            self.close()
+
+    def one(self, due: int, wake: int) -> None:
+        """One cycle."""
+        wall = time.time_ns()
+        ring, intake = self.ring, self.intake
+        messages = intake.poll(wall)
+        blocks = intake.blocks
+        slot = self._slot()
+        head = slot.head
+        if self.cycle is None:
+            self._begin(wall)
+        elif self.again is not None and self.again.take(intake.channels, wall):
+            self._finish_tare(self.cycle, wall)
+        if blocks.end[0]:
+            ring.log(blocks.octets, int(blocks.end[0]) * 8)
+        acquired = time.monotonic_ns()
+        head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
+        head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
+        head[Head.LOG_POSITION], head[Head.MESSAGES] = ring.log_end, messages
+        if self.cycle is None:
+            self._without_answer(slot)
+            return
+        self._answer(self.cycle, slot, wake, wall)
+
+    def _answer(self, cycle: Cycle, slot: Slot, wake: int, wall: int) -> None:
+        head = slot.head
+        key = self.since_key <= 0
+        self.since_key = self.keys if key else self.since_key - 1
+        fresh = cycle.answer(self.intake.channels, wall, slot, key=key)
+        head[Head.FLAGS] |= self.flags
+        self.flags = 0
+        due = int(head[Head.DUE_NS])
+        ready = time.monotonic_ns()
+        if ready - due > self.timing.deadline_ns:
+            head[Head.FLAGS] |= int(CycleFlag.LATE)
+        head[Head.READY_NS] = ready
+        self.ring.publish()
+        published = time.monotonic_ns()
+        latency = -1
+        if fresh:
+            latency = max(wall + (published - wake) - cycle.newest_ns, 0)
+        acquired = int(head[Head.ACQUIRED_NS])
+        self.timing.add(due, wake, acquired, published, time.monotonic_ns(), latency)
+        self.timing.set_skipped(self.waiter.skipped)
+        self.ring.heartbeat(published)
+
+    def _slot(self) -> Slot:
+        """The next slot, named; views are made once for each."""
+        arrays = self.ring.begin()
+        slot = self.slots.get(id(arrays))  # the ring keeps one mapping for each slot
+        if slot is None:
+            slot = self.slots[id(arrays)] = Slot.of(arrays)
+        return slot
+
+    def _begin(self, wall: int) -> None:
+        """Go on with the start; from when there is a cycle on, answer."""
+        start = self.start
+        before = start.phase
+        cycle = start.take(self.intake.channels, wall)
+        if start.phase != before:
+            self.ring.set_state(State.CALIBRATING)
+            self._note(phase=start.phase)
+            if start.tared is not None:
+                write_tare(self.ring, start.tared, self.intake.blocks, wall)
+                self._note(tare=list(start.tared.notes))
+        if cycle is not None:
+            self._go(cycle)
+
+    def _go(self, cycle: Cycle) -> None:
+        """From here on nothing may wait."""
+        settings = self.settings
+        self.cycle, self.since_key = cycle, 0
+        self.keys = max(int(settings.key_seconds / settings.period), 1)
+        granted = settings.real_time.apply()
+        self._note(phase="running", granted=granted.as_dict())
+        if settings.rate is None:
+            self.waiter = EventWaiter(self.intake.filenos(), int(settings.period * 1e9))
+        else:
+            self.waiter = PeriodicClock(int(settings.period * 1e9))
+        self.ring.set_state(State.RUNNING)
+
+    def _without_answer(self, slot: Slot) -> None:
+        """A slot that says that all patches are missing."""
+        slot.patches[:] = np.zeros((), slot.patches.dtype)
+        slot.patches["answer"] = int(Answer.MISSING)
+        slot.patches["gap"] = np.nan
+        slot.patches["tracks"] = self.ring.status["tracks"]
+        slot.head[Head.FLAGS] = slot.head[Head.FRESH] = slot.head[Head.CONTACTS] = 0
+        slot.head[Head.SCRIPT] = 0
+        slot.head[Head.READY_NS] = time.monotonic_ns()
+        slot.counts[:] = self.intake.channels.counts[self.binding.channel]
+        slot.values[:] = 0.0
+        slot.valid[:] = 0
+        self.ring.publish()
+        self.ring.heartbeat(time.monotonic_ns())
+
+    def _note(self, **more: object) -> None:
+        self.notes.update(more)
+        write_notes(self.ring.status["notes"], self.notes)
+
+    def _obey(self, order: str) -> None:
+        if order == "stop":
+            self.stopping = True
+        elif order == "key":
+            self.since_key = 0
+        elif order == "tare" and self.cycle is not None:
+            self._tare_again()
+
+    def _tare_again(self) -> None:
+        """Take a new baseline of an untouched skin; answers go on by the old one until then."""
+        self.again = Tare(self.settings, self.binding)
+        self.again.skip(self.intake.channels)
+        self._note(tare=["a new baseline is being taken"])
+
+    def _finish_tare(self, cycle: Cycle, wall: int) -> None:
+        """Take over a new baseline, at the cost of some cycles; the noise stays what it was."""
+        tare, self.again = self.again, None
+        assert tare is not None  # whoever calls has looked
+        tared = replace(tare.finish(), noise_std=self.ring.status["noise_std"].copy())
+        write_tare(self.ring, tared, self.intake.blocks, wall)
+        cycle.calibrate(tared.calibration)
+        self.since_key = 0
+        self._note(tare=list(tared.notes))
+
+    def _stop(self, *_: object) -> None:
+        self.stopping = True
+
+    def close(self) -> None:
+        """Let go of everything; the ring stays for its readers."""
+        self.intake.close()
+        self.control.close()
+        self.ring.close()
+
+
+def main() -> None:
+    """Read the settings and run."""
+    with contextlib.suppress(AttributeError, OSError):
+        ctypes.CDLL(None).prctl(PARENT_DIED, signal.SIGTERM)
+    if os.getppid() == 1:
+        raise SystemExit("engine: whoever started it is gone")
+    settings = pickle.load(sys.stdin.buffer)
+    if not isinstance(settings, LiveSettings):
+        raise InputError(f"settings are {type(settings).__name__}, expected LiveSettings")
+    EngineProcess(settings).run()
+
+
+if __name__ == "__main__":
+    main()

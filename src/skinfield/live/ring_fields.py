@@ -1,0 +1,108 @@
+"""What a live skin's ring holds beside its slots: counters, times, calibration and notes."""
+
+import numpy as np
+
+from skinfield.acquisition import Blocks, Count
+from skinfield.acquisition.block import CALIBRATED, LONGEST
+from skinfield.contacts.live import CONTACT
+from skinfield.engine.state import Answer
+from skinfield.errors import InputError
+from skinfield.live.notes import FIELD as NOTES
+from skinfield.live.recipe import Recipe
+from skinfield.live.settings import LiveSettings
+from skinfield.live.slots import PATCH, Head, Sizes
+from skinfield.live.tare import Tared
+from skinfield.realtime.timing import FIELDS as TIMING
+from skinfield.realtime.timing import TIMES, TOTALS
+from skinfield.ring import Field, Ring, RingReader
+
+VERSION = 1
+
+
+def status_fields(sources: int, taxels: int) -> list[Field]:
+    """Fields of the ring's status."""
+    return [
+        *(Field(*each) for each in TIMING),
+        Field("sources", "<i8", (sources, len(Count))),
+        Field("calibration", "<f8", (taxels, CALIBRATED)),
+        Field("noise_std", "<f8", (taxels,)),
+        Field("stale_ns", "<i8", (1,)),
+        Field("tares", "<i8", (1,)),  # calibrations since the ring was made; 0: none yet
+        Field("tracks", "<i8", (1,)),  # contacts numbered so far
+        NOTES,
+    ]
+
+
+def description_of(settings: LiveSettings, recipe: Recipe) -> dict[str, object]:
+    """What readers must know, in plain values."""
+    return {
+        "skinfield_live": VERSION,
+        "name": settings.name,
+        "skin": settings.skin.name,
+        "patches": [patch.name for patch in settings.skin],
+        "taxels": [len(patch) for patch in settings.skin],
+        "links": [patch.link for patch in settings.skin],
+        "sources": [type(source).__name__ for source in settings.sources],
+        "source_settings": [repr(source)[:500] for source in settings.sources],
+        "source_counters": [each.name.lower() for each in Count],
+        "rate": settings.rate,
+        "period": settings.period,
+        "budget": settings.time_to_answer,
+        "deadline": settings.due_after,
+        "head": [each.name.lower() for each in Head],
+        "answers": [each.name.lower() for each in Answer],
+        "times": list(TIMES),
+        "totals": list(TOTALS),
+        "patch_row": PATCH.descr,
+        "contact_row": CONTACT.descr,
+        "recipe": recipe.to_json(),
+    }
+
+
+def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
+    """The ring of this skin: that of an engine that died, if it fits, else a new one.
+
+    Returns
+    -------
+    Ring
+    bool
+        Whether it is new.
+    """
+    sizes = Sizes.of(settings.skin, settings.rungs, settings.rows)
+    slot, status = sizes.fields(), status_fields(len(settings.sources), sizes.taxels)
+    wanted = description_of(settings, recipe)
+    try:
+        ring = Ring.reopen(settings.name, slot, status, settings.slots, settings.log_bytes)
+        if ring.description.get("recipe") == wanted["recipe"]:
+            return ring, False
+        ring.close()
+    except InputError:  # there is none, or one of another skin: if it is in use, the next says so
+        pass
+    made = Ring.create(settings.name, slot, status, wanted, settings.slots, settings.log_bytes)
+    return made, True
+
+
+def write_tare(ring: Ring, tared: Tared, blocks: Blocks, now_ns: int) -> None:
+    """Publish a calibration: in the status for who comes later, and in the log for recordings."""
+    status = ring.status
+    status["calibration"][:] = tared.calibration
+    status["noise_std"][:] = tared.noise_std
+    status["stale_ns"][0] = tared.stale_ns
+    status["tares"][0] += 1
+    room = LONGEST // CALIBRATED
+    for first in range(0, len(tared.calibration), room):
+        rows = np.ascontiguousarray(tared.calibration[first : first + room])
+        blocks.put_calibration(now_ns, first, rows)
+
+
+def known_tare(ring: Ring | RingReader) -> Tared | None:
+    """The calibration in a ring's status; None where none was taken yet."""
+    status = ring.status
+    if status["tares"][0] < 1:
+        return None
+    return Tared(
+        status["calibration"].copy(),
+        status["noise_std"].copy(),
+        int(status["stale_ns"][0]),
+        ("the calibration of the engine that ran before",),
+    )

@@ -1,0 +1,212 @@
+"""What a running skin says of itself: state, times, sources, patches, as plain numbers."""
+
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.acquisition import Count
+from skinfield.errors import InputError
+from skinfield.live.beside import beside
+from skinfield.live.notes import read_notes
+from skinfield.live.slots import Head, Slot
+from skinfield.realtime import Timing
+from skinfield.ring import RingReader, State
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """Counters of a ring at one time, to tell what happened between two of them."""
+
+    time: float
+    number: int
+    times: Array
+    totals: Array
+    sources: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Status:
+    """A look at a running skin.
+
+    Attributes
+    ----------
+    name : str
+    state : str
+        "starting", "calibrating", "running", "stopped" or "failed".
+    pid, generation : int
+        Of the engine's process; how many there were on this ring.
+    since : Timing
+        Since the engine's start.
+    lately : Timing
+        Since the look before.
+    seconds : float, s
+        Between both looks.
+    rate : float, 1/s
+        Cycles lately.
+    sources : dict of str to dict of str to int
+        What each source counted, by its kind.
+    patches : list of dict
+        Name, answer, age (s), force (N), contacts, invalid.
+    contacts : list of dict
+    notes : dict
+        What the engine says in words: phase, what was granted, how the baseline was taken.
+    beside : dict
+        Of the supervisor and the recorder, where there are any.
+    memory : dict
+        Of the engine's process: resident bytes.
+    """
+
+    name: str
+    state: str
+    pid: int
+    generation: int
+    since: Timing
+    lately: Timing
+    seconds: float
+    rate: float
+    sources: dict[str, dict[str, int]]
+    patches: list[dict[str, Any]]
+    contacts: list[dict[str, Any]]
+    notes: dict[str, Any]
+    beside: dict[str, Any]
+    memory: dict[str, int]
+
+    @property
+    def lost(self) -> int:
+        """Messages that are known to be missing, over all sources."""
+        return sum(each["lost"] + each["overflowed"] for each in self.sources.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; times in µs."""
+        plain = {key: value for key, value in vars(self).items() if key not in ("since", "lately")}
+        return plain | {
+            "since_start": self.since.as_dict(),
+            "lately": self.lately.as_dict(),
+            "lost": self.lost,
+        }
+
+
+class Observer:
+    """Looks at a ring again and again.
+
+    Parameters
+    ----------
+    reader : RingReader
+        Of a live skin.
+    """
+
+    def __init__(self, reader: RingReader) -> None:
+        if "skinfield_live" not in reader.description:
+            raise InputError(f"ring {reader.name!r} is of something else, expected a live skin's")
+        self._reader = reader
+        self._before = self._moment()
+
+    def _moment(self) -> Moment:
+        status = self._reader.status
+        return Moment(
+            time.monotonic(),
+            self._reader.number,
+            status["times"],
+            status["totals"],
+            status["sources"],
+        )
+
+    def look(self) -> Status:
+        """What there is now, and what happened since the last look."""
+        reader, before, now = self._reader, self._before, self._moment()
+        if reader.generation and (now.totals < before.totals).any():
+            before = Moment(before.time, before.number, now.times * 0, now.totals * 0, now.sources)
+        self._before = now
+        told = reader.description
+        slot = reader.latest()
+        seconds = max(now.time - before.time, 1e-9)
+        state = reader.state
+        if not reader.alive and state != State.STOPPED:
+            state = State.FAILED
+        return Status(
+            name=reader.name,
+            state=state.name.lower(),
+            pid=reader.pid,
+            generation=reader.generation,
+            since=Timing.of(now.times, now.totals),
+            lately=Timing.of(now.times, now.totals, (before.times, before.totals)),
+            seconds=seconds,
+            rate=(now.number - before.number) / seconds,
+            sources=_sources(told["sources"], now.sources),
+            patches=[] if slot is None else _patches(told, Slot.of(slot.arrays)),
+            contacts=[] if slot is None else contacts_of(told["patches"], Slot.of(slot.arrays)),
+            notes=read_notes(reader.status["notes"]) or {},
+            beside={what: _beside(reader.name, what) for what in ("supervisor", "recorder")},
+            memory=_memory(reader.pid),
+        )
+
+
+def _sources(names: list[str], counted: Array) -> dict[str, dict[str, int]]:
+    found = {}
+    for place, name in enumerate(names):
+        label = name if names.count(name) == 1 else f"{name} {place + 1}"
+        found[label] = {each.name.lower(): int(counted[place, each]) for each in Count}
+    return found
+
+
+def _patches(told: dict[str, Any], slot: Slot) -> list[dict[str, Any]]:
+    wall = int(slot.head[Head.WALL_NS])
+    rows = []
+    for name, row in zip(told["patches"], slot.patches, strict=True):
+        stamp = int(row["stamp_ns"])
+        rows.append(
+            {
+                "name": name,
+                "answer": told["answers"][int(row["answer"])],
+                "age": (wall - stamp) * 1e-9 if stamp else None,
+                "force": float(row["force"]),
+                "contacts": int(row["contacts"]),
+                "invalid": int(row["invalid"]),
+                "rung": int(row["rung"]),
+                "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
+            }
+        )
+    return rows
+
+
+def contacts_of(patches: list[str], slot: Slot) -> list[dict[str, Any]]:
+    """Contacts as plain values, with the names of their patches."""
+    rows = []
+    for row in slot.used_contacts():
+        plain = {name: _plain(row[name]) for name in row.dtype.names}
+        rows.append(plain | {"patch": patches[int(row["patch"])]})
+    return rows
+
+
+def _plain(value: Any) -> Any:
+    values = np.asarray(value).tolist()
+    if isinstance(values, float) and not np.isfinite(values):
+        return None
+    return values
+
+
+def _beside(name: str, what: str) -> Any:
+    path: Path = beside(name, what)
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError):
+        return None
+
+
+def _memory(pid: int) -> dict[str, int]:
+    """Resident bytes of a process, where the system tells."""
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except OSError:
+        return {}
+    for line in lines:
+        if line.startswith("VmRSS:"):
+            return {"resident": int(line.split()[1]) * 1024}
+    return {}

@@ -1,0 +1,230 @@
+"""Keeps an engine running in its own process: starts it, watches it, starts it again."""
+
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from skinfield.errors import InputError
+from skinfield.live.beside import beside
+from skinfield.live.settings import LiveSettings
+from skinfield.ring import Ring, RingReader, State
+
+LOOK = 0.1  # s between looks
+HANGS = 3.0  # s without a sign of life, once it answers
+PAUSES = (0.1, 0.3, 1.0, 3.0)  # s before it is started again, the last for ever
+SETTLED = 30.0  # s after which a failure counts as the first one again
+TAIL = 4000  # characters of what it said last
+KEPT = 100  # events
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened to an engine.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        Since the epoch.
+    what : str
+        "started", "failed", "hung" or "stopped".
+    text : str
+        In a sentence.
+    """
+
+    time_ns: int
+    what: str
+    text: str
+
+
+class EngineFailed(InputError):
+    """An engine that could not even start."""
+
+
+@dataclass(eq=False)
+class Supervisor:
+    """Runs the engine of a live skin as long as the `with` block lasts.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+
+    Attributes
+    ----------
+    events : deque of Event
+    restarts : int
+    """
+
+    settings: LiveSettings
+    events: deque[Event] = field(default_factory=lambda: deque(maxlen=KEPT), init=False)
+    restarts: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self._child: subprocess.Popen[bytes] | None = None
+        self._said: IO[bytes] | None = None
+        self._pickled = pickle.dumps(self.settings)
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._watch, name="supervisor", daemon=True)
+        self._began = 0.0
+        self._failures = 0
+        self.never_ran = True
+        self.failure = ""
+
+    @property
+    def status_path(self) -> Path:
+        """File in which restarts are told to others."""
+        return beside(self.settings.name, "supervisor")
+
+    def __enter__(self) -> Self:
+        self._start()
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    def _start(self) -> None:
+        self._said = tempfile.TemporaryFile()
+        self._child = subprocess.Popen(
+            [sys.executable, "-m", "skinfield.live.engine_process"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=self._said,
+            env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        )
+        assert self._child.stdin is not None  # it is a pipe
+        try:
+            self._child.stdin.write(self._pickled)
+            self._child.stdin.close()
+        except BrokenPipeError:
+            pass  # it is gone: the watch says why
+        self._began = time.monotonic()
+        self._tell("started", f"engine process {self._child.pid}")
+
+    def _watch(self) -> None:
+        while not self._stopping.wait(LOOK):
+            child = self._child
+            if child is None:
+                continue
+            code = child.poll()
+            if code is not None:
+                self._gone(code)
+            elif self._hangs(child.pid):
+                child.kill()
+                child.wait()
+                self._tell("hung", f"no sign of life for {HANGS:g} s: killed")
+                self._again()
+
+    def _gone(self, code: int) -> None:
+        said = self._tail()
+        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"status {code}"
+        self.failure = said.strip().splitlines()[-1] if said.strip() else how
+        self._tell("failed", f"ended with {how}: {self.failure}")
+        self._again()
+
+    def _again(self) -> None:
+        """Start it once more, after a pause that grows while it keeps failing."""
+        if time.monotonic() - self._began > SETTLED:
+            self._failures = 0
+        pause = PAUSES[min(self._failures, len(PAUSES) - 1)]
+        self._failures += 1
+        self._child = None
+        if self._stopping.wait(pause):
+            return
+        self.restarts += 1
+        self._start()
+
+    def _hangs(self, pid: int) -> bool:
+        try:
+            with RingReader(self.settings.name) as reader:
+                if reader.pid != pid or reader.state not in (State.RUNNING, State.CALIBRATING):
+                    return False
+                return time.monotonic_ns() - reader.heartbeat_ns > HANGS * 1e9
+        except InputError:
+            return False
+
+    def _tail(self) -> str:
+        said = self._said
+        if said is None:
+            return ""
+        size = said.seek(0, os.SEEK_END)
+        said.seek(max(size - TAIL, 0))
+        return said.read().decode(errors="replace")
+
+    def _tell(self, what: str, text: str) -> None:
+        self.events.append(Event(time.time_ns(), what, text))
+        told = [[each.time_ns, each.what, each.text] for each in self.events]
+        path = self.status_path
+        new = path.with_suffix(f".{os.getpid()}.new")
+        text_of_all = json.dumps({"pid": os.getpid(), "restarts": self.restarts, "events": told})
+        new.write_text(text_of_all)
+        new.chmod(0o600)
+        new.replace(path)
+
+    def wait_running(self, timeout: float) -> RingReader:
+        """Wait until the engine answers.
+
+        Raises
+        ------
+        EngineFailed
+            If it failed three times before it ever answered, or the time is over: with what it
+            said last.
+        """
+        end = time.monotonic() + timeout
+        while time.monotonic() < end:
+            if self._failures >= 3 and self.never_ran:
+                raise EngineFailed(f"the engine does not start: {self.failure}")
+            reader = self._reader()
+            if reader is not None:
+                self.never_ran = False
+                return reader
+            time.sleep(0.02)
+        raise EngineFailed(
+            f"the engine did not answer within {timeout:g} s"
+            + (f": {self.failure}" if self.failure else "; do readings arrive?")
+        )
+
+    def _reader(self) -> RingReader | None:
+        child = self._child
+        try:
+            reader = RingReader(self.settings.name)
+        except InputError:
+            return None
+        if child is not None and reader.pid == child.pid and reader.state == State.RUNNING:
+            return reader
+        reader.close()
+        return None
+
+    def stop(self, patience: float = 5.0) -> None:
+        """Stop the engine, and take its ring away."""
+        self._stopping.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        child, self._child = self._child, None
+        if child is not None:
+            child.terminate()
+            try:
+                child.wait(patience)
+            except subprocess.TimeoutExpired:
+                child.kill()
+                child.wait()
+            self._tell("stopped", f"engine process {child.pid}")
+        if self._said is not None:
+            self._said.close()
+        self.status_path.unlink(missing_ok=True)
+        Ring.remove(self.settings.name)
