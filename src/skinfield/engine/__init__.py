@@ -5,3 +5,4 @@ from skinfield.engine.estimates import Estimates as Estimates
 from skinfield.engine.estimates import MissingPatch as MissingPatch
 from skinfield.engine.report import CycleReport as CycleReport
 from skinfield.engine.report import PatchReport as PatchReport
+from skinfield.engine.skin_contacts import SkinContacts as SkinContacts

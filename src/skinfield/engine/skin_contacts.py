@@ -1,0 +1,120 @@
+"""Contacts of all patches of an engine's cycle, as rows of numbers."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.contacts.live import CONTACT, Habits, LiveContacts, level_of
+from skinfield.engine.answers import grid_on
+from skinfield.engine.engine import Engine
+from skinfield.engine.group import Group
+from skinfield.engine.state import FEASIBLE, LINEAR
+from skinfield.errors import Ints, check_shape
+from skinfield.pipeline.ladder_estimate import Beliefs, linear_beliefs, searched_beliefs
+
+if TYPE_CHECKING:
+    from skinfield.contacts.live_kernel import Level
+
+
+class SkinContacts:
+    """The strongest contacts of each patch after each `Engine.run`, in rows that are handed in.
+
+    Parameters
+    ----------
+    engine : Engine
+    rows : int
+        Contacts that are told of each patch, at most.
+    habits : Habits, optional
+        By which a contact is known again.
+
+    Attributes
+    ----------
+    patches : P of LiveContacts
+        In the skin's order.
+    memory : structured (P, M) array
+        Contacts of before. With `ids` it is all that lasts from cycle to cycle: what follows is the
+        same where both are put back.
+    ids : (1,) int64 array
+        The last number that was given to a contact; they are unique over the skin.
+    """
+
+    def __init__(self, engine: Engine, *, rows: int = 8, habits: Habits | None = None) -> None:
+        self._engine = engine
+        self._searched = 0 if engine.groups[0].rungs.linear else 1  # where their levels begin
+        self.ids: Ints = np.zeros(1, np.int64)
+        known = [_beliefs(group) for group in engine.groups]
+        self.patches: list[LiveContacts] = []
+        for index, patch in enumerate(engine.skin):
+            group, place = _place_of(engine, patch.name)
+            levels = [_level(engine, group, place, *each) for each in known[group.index]]
+            self.patches.append(
+                LiveContacts(levels, patch=index, rows=rows, habits=habits, ids=self.ids)
+            )
+        self.memory: NDArray[np.void] = np.stack([each.memory for each in self.patches])
+        for each, memory in zip(self.patches, self.memory, strict=True):
+            each.memory = memory
+        self._doubles = [np.zeros(side * side) for side in engine.rungs]
+        self._shape = (len(self.patches), rows)
+        self._run_in(rows)
+
+    def __call__(self, stamp_ns: int, out: NDArray[np.void], counts: Ints) -> None:
+        """Write the contacts of the last cycle.
+
+        Parameters
+        ----------
+        stamp_ns : int, ns
+            Of its readings.
+        out : structured (P, N) array of `CONTACT`
+        counts : (P,) int64 array
+            Receives how many contacts each patch has, which may be more than rows; rows beyond keep
+            what they had.
+        """
+        results, searched = self._engine.results, self._searched
+        if out.shape != self._shape or counts.shape != self._shape[:1]:
+            check_shape("out", out, self._shape, "rows of contacts for each patch")
+            check_shape("counts", counts, self._shape[:1], "one per patch")
+        counts[:] = 0
+        for patch in (results.answer >= LINEAR).nonzero()[0].tolist():
+            rung, pressure = int(results.rung[patch]), results.pressure_of(patch)
+            if results.answer[patch] == FEASIBLE:
+                level = searched + rung
+            else:
+                level, double = rung, self._doubles[rung]
+                np.copyto(double, pressure)
+                pressure = double
+            counts[patch] = self.patches[patch](level, pressure, stamp_ns, out[patch])
+
+    def reset(self) -> None:
+        """Forget the contacts of before; numbers go on."""
+        self.memory[:] = 0
+
+    def _run_in(self, rows: int) -> None:
+        """So that the first contact is as fast as the next."""
+        out = np.zeros(rows, CONTACT)
+        for each in self.patches:
+            for level, known in enumerate(each.levels):
+                each(level, np.zeros(len(known.std)), 0, out)
+
+
+def _place_of(engine: Engine, name: str) -> tuple[Group, int]:
+    """Kind of a patch, and its place there."""
+    for group in engine.groups:
+        for place, patch in enumerate(group.kind.patches):
+            if patch.name == name:
+                return group, place
+    raise AssertionError(name)
+
+
+def _beliefs(group: Group) -> list[tuple[int, Beliefs]]:
+    """Rungs on which a patch may be answered, and what is then known of the answer."""
+    steps = group.rungs.steps
+    if group.rungs.linear:
+        return [(rung, linear_beliefs(step)) for rung, step in enumerate(steps)]
+    searched = [(rung, searched_beliefs(step)) for rung, step in enumerate(steps)]
+    return [(0, linear_beliefs(steps[0])), *searched]
+
+
+def _level(engine: Engine, group: Group, place: int, rung: int, known: Beliefs) -> "Level":
+    grid = grid_on(group, place, rung)
+    return level_of(grid, known.noise, known.posterior, known.model_error, engine.finder)
