@@ -12,7 +12,7 @@ from skinfield.layout import Skin
 from skinfield.protocols.icub import ICubEncoder
 from skinfield.protocols.icub.board import BoardState
 from skinfield.protocols.icub.commands import addressed_board
-from skinfield.protocols.icub.numbers import TAXELS, Firmware, MessageClass, SkinType
+from skinfield.protocols.icub.numbers import TAXELS, Firmware, SkinType
 from skinfield.sources.buses import open_bus
 from skinfield.virtual.buses import address_of, bus_settings
 from skinfield.virtual.delivery import FAULTS, CanWire, chances_of
@@ -298,4 +298,4 @@ def _states(
     fresh = BoardState(firmware=firmware, kind=kind)
     if not settings.at_once:
         return fresh, fresh
-    return replace(fresh, sending=True, message_class=MessageClass.SKIN), fresh
+    return replace(fresh, sending=True, configured=True), fresh

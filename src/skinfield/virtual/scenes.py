@@ -6,8 +6,8 @@ import numpy as np
 
 from skinfield.errors import check_choice
 from skinfield.layout import Patch, Skin
-from skinfield.virtual.touch import Point, Scene, Track
 from skinfield.virtual.tool import Tool
+from skinfield.virtual.touch import Point, Scene, Track
 
 SCENES = ("idle", "press", "slide", "two-balls", "tap", "random")
 RANDOM_SECONDS = 600.0  # after which the random scene begins again

@@ -63,6 +63,7 @@ class Schedule:
         if key == self._key:
             return
         self._key = key
+        each: list[tuple[tuple[int, ...], int, int]]
         if self.spread:
             each = [((b,), p, p * b // boards) for b, p in periods.items()]
         else:

@@ -65,8 +65,8 @@ class VirtualSettings:
         packets: `udp`, `tcp` or `serial` (a pseudo-terminal).
     channels : tuple of str
         Where. For `udp_multicast`: ``"239.74.163.2:43113"``, group and port; for `udp` and `tcp`:
-        ``"127.0.0.1:0"``, where it is reached (port 0: any that is free); for `socketcan`: ``can0``;
-        for `serial`: a path for a link to the pseudo-terminal. More than one: that many buses.
+        ``"127.0.0.1:0"``, where it is reached (port 0: any that is free); for `socketcan`:
+        ``can0``; for `serial`: a path for a link to the pseudo-terminal. As many as buses.
     rate : float, 1/s, optional
         Readings of each board. Default what the host asks for, or the board's own.
     at_once : bool

@@ -2,8 +2,11 @@
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
+
+Shorts = NDArray[np.uint16]
 
 
 @njit(cache=True, nogil=True)
@@ -101,8 +104,8 @@ def convert(
 
 
 @njit(cache=True, nogil=True)
-def scatter(values: Floats, slot: Ints, out: Ints) -> None:
+def scatter(values: Floats, slot: Ints, out: Shorts) -> None:
     """Write whole numbers to their places: `out[slot[i]] = values[i]`, none where a slot is < 0."""
     for i in range(len(values)):
         if slot[i] >= 0:
-            out[slot[i]] = np.int64(values[i])
+            out[slot[i]] = np.uint16(values[i])
