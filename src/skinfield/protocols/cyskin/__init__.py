@@ -1,0 +1,32 @@
+"""CySkin: its packets over CAN and EtherCAT, its modules and channels, its shared memory."""
+
+from skinfield.protocols.cyskin.board import CySkinBoardState as CySkinBoardState
+from skinfield.protocols.cyskin.checksum import Checksum as Checksum
+from skinfield.protocols.cyskin.checksum import Crc as Crc
+from skinfield.protocols.cyskin.checksum import Sum as Sum
+from skinfield.protocols.cyskin.checksum import Unchecked as Unchecked
+from skinfield.protocols.cyskin.checksum import checksum_of as checksum_of
+from skinfield.protocols.cyskin.checksum import matching_checksums as matching_checksums
+from skinfield.protocols.cyskin.commands import Declaration as Declaration
+from skinfield.protocols.cyskin.commands import ModuleDetails as ModuleDetails
+from skinfield.protocols.cyskin.commands import command_messages as command_messages
+from skinfield.protocols.cyskin.commands import start_messages as start_messages
+from skinfield.protocols.cyskin.commands import stop_messages as stop_messages
+from skinfield.protocols.cyskin.decoder import CySkinDecoder as CySkinDecoder
+from skinfield.protocols.cyskin.decoder import Reply as Reply
+from skinfield.protocols.cyskin.encoder import CySkinEncoder as CySkinEncoder
+from skinfield.protocols.cyskin.modules import CySkinBoard as CySkinBoard
+from skinfield.protocols.cyskin.modules import CySkinModule as CySkinModule
+from skinfield.protocols.cyskin.modules import boards_from_skin as boards_from_skin
+from skinfield.protocols.cyskin.modules import boards_from_uids as boards_from_uids
+from skinfield.protocols.cyskin.modules import on_boards as on_boards
+from skinfield.protocols.cyskin.modules import port_of as port_of
+from skinfield.protocols.cyskin.modules import skin_on_boards as skin_on_boards
+from skinfield.protocols.cyskin.modules import uids_of as uids_of
+from skinfield.protocols.cyskin.numbers import CdcSpeed as CdcSpeed
+from skinfield.protocols.cyskin.numbers import Command as Command
+from skinfield.protocols.cyskin.numbers import Grouping as Grouping
+from skinfield.protocols.cyskin.numbers import Part as Part
+from skinfield.protocols.cyskin.numbers import Refusal as Refusal
+from skinfield.protocols.cyskin.wire import Assembler as Assembler
+from skinfield.protocols.cyskin.wire import CySkinWire as CySkinWire
