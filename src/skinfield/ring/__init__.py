@@ -6,6 +6,7 @@ counters. `header` says where everything lies; ``skinfield_ring.h`` beside it re
 
 from skinfield.ring.fields import Field as Field
 from skinfield.ring.header import State as State
+from skinfield.ring.include import include_folder as include_folder
 from skinfield.ring.log import LogReader as LogReader
 from skinfield.ring.present import Present as Present
 from skinfield.ring.reader import RingReader as RingReader

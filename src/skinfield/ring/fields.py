@@ -46,10 +46,13 @@ class Placed(NamedTuple):
     offset: int
     size: int
 
-    def view(self, buffer: Any, start: int) -> NDArray[Any]:
-        """The array in a file, or in a copy of a slot, which begins at byte `start`."""
+    def view(self, octets: NDArray[np.uint8], start: int) -> NDArray[Any]:
+        """The array in a file, or in a copy of a slot, which begins at byte `start`.
+
+        NumPy does not hold the memory of a buffer, only that of an array: so the bytes must be one.
+        """
         field = self.field
-        return np.ndarray(field.shape, np.dtype(field.dtype), buffer, start + self.offset)
+        return np.ndarray(field.shape, np.dtype(field.dtype), octets.data, start + self.offset)
 
 
 def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Placed, ...], int]:

@@ -72,7 +72,7 @@ class RingReader:
         self._slots = [octets[start : start + size] for start in starts]
         self._locks = [start // 8 for start in starts]
         self._status: dict[str, NDArray[Any]] = {
-            placed.field.name: placed.view(self._memory, plan.header.status_offset)
+            placed.field.name: placed.view(octets, plan.header.status_offset)
             for placed in plan.status_fields
         }
 

@@ -60,11 +60,11 @@ class Ring:
         self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
         self.notes = (*files.notes(path), *system.notes(self._signal))
         self.status: dict[str, NDArray[Any]] = {
-            placed.field.name: placed.view(memory, found.header.status_offset)
+            placed.field.name: placed.view(octets, found.header.status_offset)
             for placed in found.status_fields
         }
         self._slots: list[dict[str, NDArray[Any]]] = [
-            {placed.field.name: placed.view(memory, start) for placed in found.slot_fields}
+            {placed.field.name: placed.view(octets, start) for placed in found.slot_fields}
             for start in found.header.slot_starts
         ]
         self._locks = [start // 8 for start in found.header.slot_starts]

@@ -1,0 +1,188 @@
+"""Bytes of a ring's file, read by offsets that are written down here once more."""
+
+import errno
+import json
+import os
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ring_scenes import bytes_of
+
+from skinfield.errors import FileError, InputError
+from skinfield.ring import Field, Ring, RingReader, State
+
+SLOT = (
+    Field("stamp", "<i8"),
+    Field("place", "f4", (3, 4)),
+    Field("pressure", "<f8", (10,)),
+    Field("valid", "?", (5,)),
+)
+STATUS = (Field("late", "u8", (6,)), Field("load", "f8"))
+NAMES = [field.name for field in (*SLOT, *STATUS)]
+
+
+@pytest.fixture
+def ring(tmp_path: Path) -> Iterator[Ring]:
+    description = {"skin": "hexagon", "rate": 1000.0, "µ": [1, 2]}
+    with Ring.create("one", SLOT, STATUS, description, 4, 8192, folder=tmp_path) as ring:
+        yield ring
+
+
+def word(data: bytes, at: int) -> int:
+    return struct.unpack_from("<Q", data, at)[0]
+
+
+def test_header(ring: Ring) -> None:
+    ring.heartbeat(123456789)
+    ring.set_state(State.RUNNING)
+    data = ring.path.read_bytes()
+    assert data[:8] == b"SKINFLD\0"
+    assert struct.unpack_from("<II", data, 8) == (1, 4096)
+    assert word(data, 16) == len(data) == ring.path.stat().st_size
+    assert (word(data, 32), word(data, 40)) == (4, 2)
+    assert data[word(data, 48) :][: word(data, 56)] == json.dumps(ring.description).encode()
+    assert word(data, 72) == 64  # of which 48 and 8 are used
+    assert word(data, 96) == 4
+    assert word(data, 88) == 64 + 64 + 128  # its own; stamp and place; pressure and valid
+    assert word(data, 104) - word(data, 80) == 4096  # a page, of which slots need a quarter
+    assert word(data, 112) == 8192
+    assert [word(data, at) for at in (128, 192, 256, 264, 320)] == [0, 0, 0, 0, 123456789]
+    assert struct.unpack_from("<III", data, 384) == (os.getpid(), 2, 1)
+    assert ring.path.stat().st_mode & 0o777 == 0o600
+
+
+def test_table_of_fields_says_where_they_are(ring: Ring) -> None:
+    slot = ring.begin()
+    slot["stamp"][...] = -5
+    slot["place"][:] = np.arange(12).reshape(3, 4)
+    slot["pressure"][:] = np.linspace(0, 1, 10)
+    slot["valid"][:] = [1, 0, 1, 1, 0]
+    ring.publish()
+    ring.status["late"][:] = range(6)
+    ring.status["load"][...] = 0.25
+    data = ring.path.read_bytes()
+    found = {}
+    for i in range(6):
+        name, kind, *numbers = struct.unpack_from("<48s8s9Q", data, word(data, 24) + 128 * i)
+        offset, size, dimensions, *shape = numbers
+        start = word(data, 80) + word(data, 88) if i < 4 else word(data, 64)
+        array = np.frombuffer(data[start + offset :][:size], np.dtype(kind.rstrip(b"\0").decode()))
+        found[name.rstrip(b"\0").decode()] = array.reshape(shape[:dimensions])
+        assert offset % 8 == 0
+        assert offset % 64 == 0 or size < 64
+    assert list(found) == NAMES
+    for name in ("place", "pressure", "valid"):
+        assert np.array_equal(found[name], slot[name])
+    assert found["stamp"] == -5
+    assert found["late"].tolist() == list(range(6))
+    assert found["load"] == 0.25
+
+
+def test_slot_and_log(ring: Ring) -> None:
+    data = ring.path.read_bytes()
+    size, log = word(data, 88), word(data, 104)
+    starts = [word(data, 80) + i * size for i in range(4)]
+    for number in range(1, 7):
+        ring.begin()
+        assert word(ring.path.read_bytes(), starts[number % 4]) == 2 * number + 1
+        ring.log(bytes_of(b"abc"))
+        ring.publish()
+        data = ring.path.read_bytes()
+        assert struct.unpack_from("<3Q", data, starts[number % 4]) == (
+            2 * number + 2,
+            3 * number,
+            1,
+        )
+        assert (word(data, 128), word(data, 192)) == (number, number)
+        assert (word(data, 256), word(data, 264)) == (3 * number, 3 * number)
+    assert data[log:][:18] == b"abc" * 6
+    batch = np.arange(8192, dtype=np.uint64).view(np.uint8)[:5000]
+    ring.log(batch)
+    ring.log(batch)  # round the end
+    data = ring.path.read_bytes()[log:]
+    twice = b"abc" * 6 + 2 * batch.tobytes()
+    assert data[: len(twice) - 8192] == twice[8192:]
+    assert data[len(twice) - 8192 :] == twice[len(twice) - 8192 : 8192]
+
+
+def test_marks_are_the_first_ends_in_a_64th(ring: Ring) -> None:
+    ends, end = {}, 0
+    for size in (50, 100, 28, 128, 500, 1, 3000, 4000, 90, 700, 64, 64):
+        before, end = end, ring.log(np.zeros(size, np.uint8))
+        if end // 128 != before // 128:
+            ends[end // 128] = end
+    marks = struct.unpack_from("<64Q", ring.path.read_bytes(), 512)
+    newest = {segment % 64: end for segment, end in ends.items()}
+    assert {i: mark for i, mark in enumerate(marks) if mark} == newest
+
+
+def test_large_arrays_begin_with_a_cache_line(ring: Ring) -> None:
+    for _ in range(4):
+        slot = ring.begin()
+        assert slot["pressure"].ctypes.data % 64 == 0
+        ring.publish()
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ([Field("1st", "f8")], "a letter"),
+        ([Field("a" * 48, "f8")], "at most 47"),
+        ([Field("a", "f8"), Field("a", "f4")], "different names"),
+        ([Field("a", ">f8")], "little-endian"),
+        ([Field("a", "O")], "little-endian numbers"),
+        ([Field("a", "f8,f8")], "little-endian numbers"),
+        ([Field("a", "nonsense")], "a type and a shape"),
+        ([Field("a", "f8", (-1,))], "up to 6 lengths"),
+        ([Field("a", "f8", (1,) * 7)], "up to 6 lengths"),
+        ([Field("a", "f8", (0, 1 << 40, 1 << 40))], "less than"),
+        ([Field(f"a{i}", "f8") for i in range(1025)], "at most 1024"),
+    ],
+)
+def test_fields_that_cannot_be(fields: list[Field], said: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=said):
+        Ring.create("one", fields, folder=tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"slots": 1}, "slots is 1"),
+        ({"log_bytes": 5000}, "power of two: take 8192"),
+        ({"log_bytes": 2048}, "log_bytes is 2048"),
+        ({"description": {"a": float("nan")}}, "finite"),
+        ({"description": {"a": object()}}, "plain"),
+        ({"name": "../etc"}, "name of a ring"),
+        ({"name": ""}, "name of a ring"),
+    ],
+)
+def test_arguments_that_cannot_be(changed: dict[str, object], said: str, tmp_path: Path) -> None:
+    arguments = {"name": "one", "slot_fields": SLOT, "folder": tmp_path} | changed
+    with pytest.raises(InputError, match=said):
+        Ring.create(**arguments)  # type: ignore[arg-type]
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_folder_without_room_is_said_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(descriptor: int, start: int, size: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with pytest.raises(FileError, match="has no room: No space left"):
+        Ring.create("one", SLOT, folder=tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_reader_knows_fields_and_description(ring: Ring, tmp_path: Path) -> None:
+    with RingReader("one", folder=tmp_path) as reader:
+        assert reader.description == ring.description
+        assert [field.name for field in reader.slot_fields + reader.status_fields] == NAMES
+        assert reader.slot_fields[1] == Field("place", "<f4", (3, 4))
+        assert reader.slot_fields[3].dtype == "|b1"
+        assert (reader.slots, reader.log_bytes) == (4, 8192)
