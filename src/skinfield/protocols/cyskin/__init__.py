@@ -15,6 +15,8 @@ from skinfield.protocols.cyskin.commands import stop_messages as stop_messages
 from skinfield.protocols.cyskin.decoder import CySkinDecoder as CySkinDecoder
 from skinfield.protocols.cyskin.decoder import Reply as Reply
 from skinfield.protocols.cyskin.encoder import CySkinEncoder as CySkinEncoder
+from skinfield.protocols.cyskin.ethercat import CySkinEtherCat as CySkinEtherCat
+from skinfield.protocols.cyskin.ethercat import board_from_init as board_from_init
 from skinfield.protocols.cyskin.modules import CySkinBoard as CySkinBoard
 from skinfield.protocols.cyskin.modules import CySkinModule as CySkinModule
 from skinfield.protocols.cyskin.modules import boards_from_skin as boards_from_skin
@@ -28,5 +30,7 @@ from skinfield.protocols.cyskin.numbers import Command as Command
 from skinfield.protocols.cyskin.numbers import Grouping as Grouping
 from skinfield.protocols.cyskin.numbers import Part as Part
 from skinfield.protocols.cyskin.numbers import Refusal as Refusal
+from skinfield.protocols.cyskin.shared_memory import SharedMemoryReader as SharedMemoryReader
+from skinfield.protocols.cyskin.shared_memory import SharedMemoryWriter as SharedMemoryWriter
 from skinfield.protocols.cyskin.wire import Assembler as Assembler
 from skinfield.protocols.cyskin.wire import CySkinWire as CySkinWire
