@@ -4,17 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.errors import InputError, Ints
+from skinfield.errors import Ints
 from skinfield.layout import Skin
-from skinfield.protocols.icub.numbers import BOARD_CHANNELS, BOARDS, TAXELS
+from skinfield.protocols.icub import configuration_for
+from skinfield.protocols.icub.numbers import BOARD_CHANNELS, TAXELS, SkinType
+from skinfield.protocols.icub.patches import THERMAL, kind_for
 from skinfield.simulate.electronics import ThermalPads
-from skinfield.virtual.electronics import Converters, converters_of, has_pads, joined, manufacture
+from skinfield.virtual.electronics import Converters, converters_of, joined, manufacture
 from skinfield.virtual.settings import VirtualSettings
 
 MIDDLE = 0x8000  # converter counts at rest, about
 APART = 2000.0  # converter counts: how far taxels at rest are from there, at most
 LOW, HIGH = 1.0, 65534.0  # 0 is a converter that does not answer, 65535 one that is not there
-PADS = (6, 10)  # inputs of a triangle
 
 
 @dataclass(frozen=True)
@@ -50,24 +51,21 @@ class Board:
 
 
 def boards_of(skin: Skin) -> list[Board]:
-    """Boards of all patches: in their order, 192 channels each, sixteen on a bus.
+    """Boards of all patches, at the addresses of `protocols.icub.configuration_for`.
 
-    A patch begins with a board of its own. Triangles without a taxel are not there.
+    Triangles without a taxel are not there.
     """
     boards: list[Board] = []
     rows: dict[int, int] = {}
+    addresses = iter(configuration_for(*skin.patches).boards)
     for number, patch in enumerate(skin):
+        pads = kind_for(patch) == SkinType.COMPENSATED
         for first in range(0, patch.n_channels, BOARD_CHANNELS):
-            mine = patch.channel[
-                (patch.channel >= first) & (patch.channel < first + BOARD_CHANNELS)
-            ]
-            bus, address = divmod(len(boards), BOARDS)
-            triangles = tuple(int(t) for t in np.unique((mine - first) // TAXELS))
-            row = rows.get(bus, 0)
-            boards.append(Board(bus, address, number, first, triangles, row, has_pads(patch)))
-            rows[bus] = row + len(triangles)
-    if not any(board.triangles for board in boards):
-        raise InputError("the skin has no triangle, expected taxels on channels")
+            place = next(addresses)
+            triangles = tuple(t for t, each in enumerate(place.triangles) if each.enabled)
+            row = rows.get(place.bus, 0)
+            boards.append(Board(place.bus, place.address, number, first, triangles, row, pads))
+            rows[place.bus] = row + len(triangles)
     return boards
 
 
@@ -81,7 +79,7 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
     if settings.pads:
         first = 0
         for patch, array in zip(skin, arrays, strict=True):
-            if has_pads(patch):
+            if kind_for(patch) == SkinType.COMPENSATED:
                 gains = np.array(pads.gains, float)[array.wiring.stage]
                 drift[first : first + len(patch)] = pads.per_kelvin * gains / 128.0
             first += len(patch)
@@ -97,7 +95,7 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
         np.concatenate([gain, zeros]),
         np.concatenate([drift, zeros + warm]),
         np.concatenate([white, zeros + pads.noise * settings.noise]),
-        np.concatenate([converter, last + np.arange(extra) // len(PADS)]),
+        np.concatenate([converter, last + np.arange(extra) // len(THERMAL)]),
         common=size * settings.common_noise,
         low=LOW,
         high=HIGH,
@@ -106,7 +104,7 @@ def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) 
 
 
 def _pads_of(boards: list[Board]) -> int:
-    return sum(len(PADS) * len(board.triangles) for board in boards if board.pads)
+    return sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
 
 
 def slots_of(skin: Skin, boards: list[Board], bus: int) -> Ints:
@@ -129,7 +127,7 @@ def slots_of(skin: Skin, boards: list[Board], bus: int) -> Ints:
     for board in boards:
         if board.pads:
             rows = np.arange(board.row, board.end)
-            places = (rows[:, None] * TAXELS + np.array(PADS)).ravel()
+            places = (rows[:, None] * TAXELS + np.array(THERMAL)).ravel()
             parts.append(places if board.bus == bus else np.full(len(places), -1, np.int64))
     return np.concatenate(parts).astype(np.int64)
 

@@ -4,7 +4,7 @@ import hashlib
 import math
 import os
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
@@ -53,7 +53,13 @@ class PressTable:
     def radius_at(self, force: float) -> float:
         """Radius of the touch, m."""
         row = math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
-        return float(np.interp(row, np.arange(FORCES), self.contact_radius))
+        lower = min(int(row), FORCES - 2)
+        low, high = self._radii[lower], self._radii[lower + 1]
+        return low + (row - lower) * (high - low)
+
+    @cached_property
+    def _radii(self) -> list[float]:
+        return [float(each) for each in self.contact_radius]
 
 
 def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:

@@ -1,6 +1,7 @@
 """The presses on the skin as they are now, and what all taxels read of them."""
 
 import itertools
+import math
 from bisect import bisect_right
 from collections.abc import Mapping
 from typing import Any
@@ -73,7 +74,7 @@ class World:
         """Presses at a time, s, of the scene."""
         found: list[Touch] = []
         if time >= 0.0:
-            time = time % self.scene.period if np.isfinite(self.scene.period) else time
+            time = time % self.scene.period if math.isfinite(self.scene.period) else time
             for name, track in self._playing(time):
                 at = track.at(time)
                 if at is not None:
