@@ -1,6 +1,7 @@
 """`skinfield bench`: what a reading costs on this machine, and error against time."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,10 +29,18 @@ Prints tables and writes bench.json, bench.png and bench-truth.png. It takes sec
 two to three minutes (short) or about half an hour (full), on one core. Let nothing else run
 meanwhile; what ran anyway is reported.
 
+With --jitter it measures the live loop instead: how late the engine's process wakes, and when its
+estimates are ready, on the paper's hexagon with 40 x 40 nodes, while other processes keep all
+processors busy. Where cyclictest of rt-tests is installed, it runs in the same seconds on the same
+processor, half a period apart and one step higher in priority, so that neither waits for the other;
+it does nothing but sleep, and how late it wakes is the system's doing. The ratio is the loop's own.
+
 \b
   skinfield bench
   skinfield bench --size full -o bench
   skinfield bench --size smoke --json
+  skinfield bench --jitter
+  skinfield bench --jitter --seconds 60 --rate 1000 --busy 2 --json
 """,
 )
 @click.option(
@@ -53,8 +62,33 @@ meanwhile; what ran anyway is reported.
     help="Folder of numbers and pictures.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON, not as tables.")
-def bench(size: str, seed: int, output: str, as_json: bool) -> None:
+@click.option("--jitter", is_flag=True, help="Measure how late the live loop wakes instead.")
+@click.option("--seconds", type=float, help="For --jitter: how long.  [default: 20]")
+@click.option("--rate", type=float, help="For --jitter: cycles per second.  [default: 1000]")
+@click.option("--busy", type=int, help="For --jitter: busy processes beside it.  [default: 2]")
+@click.option(
+    "--load",
+    type=click.Choice(("engine", "none")),
+    help="For --jitter: what a cycle does; none wakes only.  [default: engine]",
+)
+def bench(
+    size: str,
+    seed: int,
+    output: str,
+    as_json: bool,
+    jitter: bool,
+    seconds: float | None,
+    rate: float | None,
+    busy: int | None,
+    load: str | None,
+) -> None:
     """Measure, print and draw."""
+    given = {"seconds": seconds, "rate": rate, "busy": busy, "load": load}
+    if _jitter(jitter, {name: value for name, value in given.items() if value is not None}):
+        from skinfield.cli.bench_jitter import measure_jitter
+
+        measure_jitter(as_json, seconds=seconds, rate=rate, busy=busy, load=load)
+        return
     from skinfield.experiments.bench.files import bench_as_json
     from skinfield.experiments.bench.settings import BenchSettings, bench_size
 
@@ -73,6 +107,13 @@ def bench(size: str, seed: int, output: str, as_json: bool) -> None:
         console().print(table)
     for name in (NUMBERS, PICTURE, TRUTH):
         console().print(f"wrote {folder / name}", highlight=False, soft_wrap=True)
+
+
+def _jitter(asked: bool, given: Mapping[str, object]) -> bool:
+    """Whether it was asked for; its options mean nothing otherwise."""
+    if given and not asked:
+        raise click.UsageError(f"--{next(iter(given))} belongs to --jitter: give both")
+    return asked
 
 
 def _measured(settings: "BenchSettings") -> "Bench":

@@ -1,0 +1,150 @@
+"""Loops whose lateness is measured, each in a process of its own."""
+
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.shared_memory import SharedMemory
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import InputError
+from skinfield.realtime import Granted, PeriodicClock, RealTime, TimingTable
+from skinfield.realtime.timing import FIELDS
+
+if TYPE_CHECKING:
+    from skinfield.ring import RingReader
+
+Words = NDArray[np.uint64]
+PATIENCE = 120.0  # s until it runs: what must be compiled may take long
+RUNGS = (10, 20, 40)
+
+
+class Loop(Protocol):
+    """A loop that runs."""
+
+    @property
+    def granted(self) -> Granted:
+        """What the system gave to it."""
+        ...
+
+    def snapshot(self) -> tuple[Words, Words]:
+        """Copies of its histograms and totals."""
+        ...
+
+
+@dataclass(frozen=True)
+class Bare:
+    """See `Loop`: it wakes and counts, and does nothing else."""
+
+    granted: Granted
+    times: Words
+    totals: Words
+
+    def snapshot(self) -> tuple[Words, Words]:
+        """Copies of its histograms and totals."""
+        return self.times.copy(), self.totals.copy()
+
+
+@contextmanager
+def bare_loop(rate: float, real_time: RealTime) -> Iterator[Bare]:
+    """A loop that does nothing but wake: what Python costs."""
+    sizes = [int(np.prod(shape)) for _, _, shape in FIELDS]
+    memory = SharedMemory(create=True, size=8 * sum(sizes))
+    context = get_context("spawn")
+    ours, theirs = context.Pipe()
+    child = context.Process(
+        target=_run_bare, args=(memory.name, int(1e9 / rate), real_time, theirs), daemon=True
+    )
+    child.start()
+    theirs.close()
+    times, totals = arrays_in(memory)
+    try:
+        if not ours.poll(PATIENCE):
+            raise InputError(f"the loop did not start within {PATIENCE:g} s, expected less")
+        yield Bare(Granted.from_dict(ours.recv()), times, totals)
+    finally:
+        ours.close()  # which ends it
+        child.join(10)
+        if child.is_alive():
+            child.kill()
+            child.join()
+        del times, totals
+        memory.close()
+        memory.unlink()
+
+
+def arrays_in(memory: SharedMemory) -> tuple[Words, Words]:
+    """Times and totals of a `TimingTable` in shared memory."""
+    found, offset = [], 0
+    for _, dtype, shape in FIELDS:
+        array: Words = np.ndarray(shape, dtype, memory.buf, offset)
+        found.append(array)
+        offset += array.nbytes
+    return found[0], found[1]
+
+
+def _run_bare(name: str, period_ns: int, real_time: RealTime, parent: Connection) -> None:
+    """In the child: until the parent hangs up."""
+    memory = SharedMemory(name)
+    times, totals = arrays_in(memory)
+    table = TimingTable(period_ns, times=times, totals=totals)
+    clock = PeriodicClock(period_ns)
+    parent.send(real_time.apply().as_dict())
+    looks = max(200_000_000 // period_ns, 1)  # cycles from one look at the parent to the next
+    while True:
+        for _ in range(looks):
+            due, wake = clock.wait()
+            now = time.monotonic_ns()
+            table.add(due, wake, now, now, now)
+            table.set_skipped(clock.skipped)
+        if parent.poll(0):  # hung up
+            return
+
+
+@dataclass(frozen=True)
+class Engine:
+    """See `Loop`: the engine of a live skin."""
+
+    granted: Granted
+    reader: "RingReader"
+
+    def snapshot(self) -> tuple[Words, Words]:
+        """Copies of its histograms and totals."""
+        status = self.reader.status
+        return status["times"].copy(), status["totals"].copy()
+
+
+@contextmanager
+def engine_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
+    """The engine of the paper's hexagon on 40 x 40 nodes, with two fingers that move over it."""
+    from skinfield.cli.jitter_source import Switch, fingers
+    from skinfield.layout.generators import hexagon72
+    from skinfield.live.notes import read_notes
+    from skinfield.live.settings import LiveSettings
+    from skinfield.live.supervisor import Supervisor
+
+    patch = hexagon72()
+    with ExitStack() as stack:
+        switch = Switch()
+        stack.callback(switch.close)
+        settings = LiveSettings(
+            skin=patch,  # type: ignore[arg-type]  # a patch is taken for a skin
+            sources=(fingers(patch, switch),),
+            name=f"bench-{uuid.uuid4().hex[:8]}",
+            rungs=RUNGS,
+            rate=rate,
+            tare_seconds=0.5,
+            real_time=real_time,
+        )
+        supervisor = stack.enter_context(Supervisor(settings))
+        reader = supervisor.wait(PATIENCE)
+        stack.callback(reader.close)
+        switch.throw()
+        notes = read_notes(reader.status["notes"]) or {}
+        yield Engine(Granted.from_dict(notes["granted"]), reader)

@@ -1,0 +1,192 @@
+"""Measuring how late a loop wakes, beside busy processes and a cyclictest."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from skinfield.cli.jitter_loops import Loop, bare_loop, engine_loop
+from skinfield.errors import InputError, check_choice, check_count, check_range
+from skinfield.experiments.bench.machine import Company, Watch
+from skinfield.realtime import Granted, Quantiles, RealTime, Timing
+from skinfield.realtime.cyclictest import Cyclictest, Running
+
+LOADS = ("engine", "none")
+SETTLE = 1.0  # s of company before times count
+BEFORE = 0.25  # s before a whole second at which cyclictest is started: it begins at the second
+SPIN = "import time\nend = time.monotonic() + {seconds}\nwhile time.monotonic() < end: pass"
+
+WAKE_RATIO = 1.25  # p99.9 over that of the paired cyclictest
+READY_P50, READY_P99 = 100e-6, 200e-6  # s after the wake, at 1 kHz
+
+
+@dataclass(frozen=True)
+class JitterSettings:
+    """What is measured.
+
+    Parameters
+    ----------
+    seconds : float, s
+    rate : float, 1/s
+    busy : int
+        Processes that compute all the time beside it.
+    load : str
+        "engine" or "none".
+    real_time : RealTime
+    """
+
+    seconds: float = 20.0
+    rate: float = 1000.0
+    busy: int = 2
+    load: str = "engine"
+    real_time: RealTime = field(default_factory=RealTime)
+
+    def __post_init__(self) -> None:
+        check_range("seconds", self.seconds, 1.0, 86_400.0, "of measuring")
+        check_range("rate", self.rate, 1.0, 20_000.0, "cycles per second")
+        check_count("busy", self.busy, 0, 1024, "processes that compute all the time")
+        check_choice("load", self.load, LOADS, "what a cycle does")
+
+
+@dataclass(frozen=True)
+class Target:
+    """One thing that is aimed at.
+
+    Attributes
+    ----------
+    name : str
+    limit, value : float
+        In the unit; no value where it was not measured.
+    unit : str
+        "s", or empty for a ratio.
+    why : str
+        Why it was not measured.
+    """
+
+    name: str
+    limit: float
+    value: float | None
+    unit: str = ""
+    why: str = ""
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the value is within the limit."""
+        return None if self.value is None else self.value <= self.limit
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """What was found.
+
+    Attributes
+    ----------
+    settings : JitterSettings
+    granted : Granted
+    timing : Timing
+        Of the loop.
+    paired : Quantiles or None
+        Of the cyclictest beside it.
+    no_pair : str
+        Why there is none.
+    company : Company
+    """
+
+    settings: JitterSettings
+    granted: Granted
+    timing: Timing
+    paired: Quantiles | None
+    no_pair: str
+    company: Company
+
+    def ratio(self, name: str) -> float | None:
+        """Of the wakes' quantile to that of the cyclictest."""
+        if self.paired is None or self.timing.wake is None:
+            return None
+        return float(getattr(self.timing.wake, name) / max(getattr(self.paired, name), 1e-9))
+
+    def targets(self) -> tuple[Target, ...]:
+        """What is aimed at, and whether it is reached."""
+        ready, settings = self.timing.ready, self.settings
+        idle = "" if settings.load == "engine" else "the loop ran without an engine"
+        other = "" if settings.rate == 1000 else "it is meant for 1000 cycles per second"
+        why = idle or other or ("" if self.granted.real_time else "SCHED_FIFO was not granted")
+        pair = self.no_pair or ("" if self.granted.real_time else why)
+        ratio = None if pair else self.ratio("p999")
+        p50, p99 = (None, None) if why or ready is None else (ready.p50, ready.p99)
+        return (
+            Target("wake p99.9 over that of cyclictest", WAKE_RATIO, ratio, why=pair),
+            Target("ready p50", READY_P50, p50, "s", why),
+            Target("ready p99", READY_P99, p99, "s", why),
+        )
+
+
+def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
+    """Measure.
+
+    Parameters
+    ----------
+    tell : function of str
+        Is told what happens.
+    """
+    make = engine_loop if settings.load == "engine" else bare_loop
+    tell("starting the loop")
+    with make(settings.rate, settings.real_time) as loop, _busy(settings):
+        time.sleep(SETTLE)
+        tell(f"measuring for {settings.seconds:g} s")
+        return _measured(settings, loop)
+
+
+def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
+    """Both in the same seconds: cyclictest begins at a whole second of the clock."""
+    second = time.monotonic_ns() // 10**9 + 2
+    _sleep_until(second - BEFORE)
+    running, missing = _paired(settings, loop.granted)
+    try:
+        _sleep_until(second)
+        before, watch = loop.snapshot(), Watch()
+        _sleep_until(second + settings.seconds)
+        after, company = loop.snapshot(), watch.company()
+        quantiles = None if running is None else running.finish().quantiles()
+    except InputError as error:
+        quantiles, missing = None, str(error)
+    finally:
+        if running is not None:
+            running.stop()
+    timing = Timing.of(*after, before=before)
+    return Jitter(settings, loop.granted, timing, quantiles, missing, company)
+
+
+def _paired(settings: JitterSettings, granted: Granted) -> tuple[Running | None, str]:
+    """A cyclictest half a period apart on the same processor, just above in priority.
+
+    It then never waits for the loop's computation, only the other way round, and neither finds the
+    processor taken by the other as long as a cycle lasts less than half a period.
+    """
+    period = int(1e9 / settings.rate)
+    priority = min(granted.priority + 1, 99) if granted.real_time else 0
+    wanted = Cyclictest(granted.cpu, priority, period, settings.seconds, period // 2)
+    try:
+        return wanted.start(), ""
+    except InputError as error:
+        return None, str(error)
+
+
+def _sleep_until(second: float) -> None:
+    time.sleep(max(second - time.monotonic(), 0.0))
+
+
+@contextmanager
+def _busy(settings: JitterSettings) -> Iterator[None]:
+    """Processes that compute all the time; they end by themselves if nobody ends them."""
+    words = [sys.executable, "-c", SPIN.format(seconds=settings.seconds + 30.0)]
+    children = [subprocess.Popen(words) for _ in range(settings.busy)]
+    try:
+        yield
+    finally:
+        for child in children:
+            child.kill()
+        for child in children:
+            child.wait()
