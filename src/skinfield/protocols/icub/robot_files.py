@@ -110,11 +110,7 @@ def spec_from(path: str, root: Node) -> SkinSpec | None:
             f"the first {SETS_OF_ROBOTS} only",
         )
     return SkinSpec(
-        _board(
-            path,
-            board,
-            [param(path, board, name).text for name in ("period", "skinType", "noLoad")],
-        ),
+        _board(path, [_word(path, board, name) for name in ("period", "skinType", "noLoad")]),
         TriangleState(
             yes(path, enabled, enabled.text),
             one(path, triangle, "shift", 0, 15, "bits that boards drop"),
@@ -201,12 +197,17 @@ def _sets(
     return rows
 
 
-def _board(path: str, node: Node, row: list[str]) -> SetBoard:
+def _word(path: str, group: Node, name: str) -> tuple[Node, str]:
+    node = param(path, group, name)
+    return node, node.text
+
+
+def _board(path: str, words: list[tuple[Node, str]]) -> SetBoard:
     """Settings of period, kind and rest."""
     return SetBoard(
-        period_ms=whole(path, node, row[0].strip(), 1, 255, "milliseconds"),
-        kind=whole(path, node, row[1].strip(), 0, 255, "kind of skin"),
-        no_load=whole(path, node, row[2].strip(), 0, 255, "the byte of an unloaded taxel"),
+        period_ms=whole(path, *words[0], 1, 255, "milliseconds"),
+        kind=whole(path, *words[1], 0, 255, "kind of skin"),
+        no_load=whole(path, *words[2], 0, 255, "the byte of an unloaded taxel"),
     )
 
 
@@ -214,7 +215,7 @@ def _board_set(path: str, node: Node, row: list[str]) -> BoardSet:
     patch = whole(path, node, row[0], 0, 255, "number of the patch")
     last = whole(path, node, row[2], 0, BOARDS - 1, "last address")
     first = whole(path, node, row[1], 0, last, "first address, not behind the last")
-    return BoardSet(patch, first, last, _board(path, node, row[3:]), node.line)
+    return BoardSet(patch, first, last, _board(path, [(node, word) for word in row[3:]]), node.line)
 
 
 def _triangle_set(path: str, node: Node, row: list[str]) -> TriangleSet:
