@@ -47,6 +47,7 @@ class FakeEngine:
         status["tares"][0] = 1
         self.ring.set_state(State.RUNNING)
         self.blocks = Blocks(1 << 16)
+        self.blocks.put(0, 0, [0], Kind.BYTES)  # compiled before anyone waits
         self.rng = np.random.default_rng(1)
         self.taxels, self.number = taxels, 0
         self.counts, self.written = [], []
@@ -87,8 +88,8 @@ class FakeEngine:
             self.written.append(bytes(data))
 
     def close(self) -> None:
-        self.ring.close()
         self.ring.unlink()
+        self.ring.close()
 
 
 def main() -> None:

@@ -34,6 +34,7 @@ class Drain:
         self, reader: RingReader, queue: Queue, layout: CycleLayout, sources: list[str]
     ) -> None:
         self._reader, self._queue, self._layout, self._sources = reader, queue, layout, sources
+        told_in(b"")  # loads what is compiled: the ring would not wait for it later
         self._number = reader.number  # before the log's end is looked at: no cycle without blocks
         beginning = 0 if self._number == 0 else None  # an engine that starts: all that is there
         self._log = reader.log_reader(beginning)

@@ -53,7 +53,7 @@ def enclosed_of(reader: RingReader) -> tuple[Enclosed, ...]:
 def tare_of(status: dict[str, Array]) -> Enclosed:
     """The engine's own calibration, as it is in the ring's status."""
     buffer = io.BytesIO()
-    names = ("calibration", "noise_std", "stale_ns", "tares", "next_track")
+    names = ("calibration", "noise_std", "stale_ns", "tares")
     np.savez(buffer, allow_pickle=False, **{name: status[name] for name in names})
     return Enclosed(TARE.format(number=int(status["tares"][0])), NPZ, buffer.getvalue())
 
@@ -97,6 +97,7 @@ class Watch:
         self._reader, self._queue = reader, queue
         status = reader.status
         self._before = (status["times"], status["totals"])
+        Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
         self._tares = int(status["tares"][0])
         self._state: State | None = reader.state
         self._silent = False
