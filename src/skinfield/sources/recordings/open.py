@@ -7,7 +7,7 @@ from typing import Protocol
 
 from skinfield.errors import FileError
 from skinfield.reading import Recording
-from skinfield.sources.recordings import archive, cyskin_recorder, cyskin_text, table, yarp
+from skinfield.sources.recordings import archive, cyskin_recorder, cyskin_text, mcap, table, yarp
 from skinfield.sources.recordings.head import Head, read_head
 from skinfield.sources.recordings.lines import Progress
 from skinfield.sources.recordings.mistaken import is_binary, verdict
@@ -40,8 +40,8 @@ def open_recording(
     Parameters
     ----------
     path : str or Path
-        A yarpdatadumper log (the folder or its `data.log`), CySkin text of either kind, CSV or NPZ:
-        see the modules of this package for each.
+        A recording of a live skin (MCAP), a yarpdatadumper log (the folder or its `data.log`),
+        CySkin text of either kind, CSV or NPZ: see the modules of this package for each.
     columns : sequence of int or str, optional
         Value columns to keep, by place from 0, or by name where the file has names. Default all.
     progress : callable, optional
@@ -64,6 +64,8 @@ def open_recording(
     head = read_head(_file(Path(path)))
     if archive.matches(head):
         return archive.read(head, columns, progress)
+    if mcap.matches(head):
+        return mcap.read(head, columns, progress)
     return collected(RecordingStream(_contents(head, columns), progress))
 
 
@@ -72,18 +74,20 @@ def stream_recording(
     *,
     columns: Sequence[int | str] | None = None,
     progress: Progress | None = None,
-) -> RecordingStream | Recording:
+) -> RecordingStream | mcap.LiveStream | Recording:
     """Open a recording that may be too long for memory; see `open_recording`.
 
     Returns
     -------
-    RecordingStream or Recording
-        A stream of text of any kind, whose `blocks` are read one by one. An NPZ file is read as a
-        whole: it is compressed as such.
+    RecordingStream, LiveStream or Recording
+        A stream of text of any kind, or of MCAP, whose `blocks` are read one by one. An NPZ file is
+        read as a whole: it is compressed as such.
     """
     head = read_head(_file(Path(path)))
     if archive.matches(head):
         return archive.read(head, columns, progress)
+    if mcap.matches(head):
+        return mcap.stream(head, columns, progress)
     return RecordingStream(_contents(head, columns), progress)
 
 

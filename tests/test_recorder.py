@@ -1,0 +1,209 @@
+"""The recorder against rings that are written here; what it wrote is read by others too."""
+
+import threading
+import time
+import uuid
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from recorder_ring import FakeEngine
+
+from skinfield.acquisition import Kind
+from skinfield.acquisition.recorded import CycleFlag
+from skinfield.live.recorder import Recorder
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import forget_state, read_state
+from skinfield.sources import open_recording
+from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_steps import Steps
+
+
+@pytest.fixture
+def name():
+    unique = f"rec{uuid.uuid4().hex[:12]}"
+    yield unique
+    forget_state(unique)
+
+
+@pytest.fixture
+def engine(name):
+    made = FakeEngine(name)
+    yield made
+    made.close()
+
+
+def record(engine, path: Path, cycles: int, each=lambda i: None, **how) -> Recorder:
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path, **how))
+    for i in range(cycles):
+        each(i)
+        engine.cycle()
+        if i % 3 == 0:
+            recorder.step()
+    recorder.close()
+    return recorder
+
+
+def test_everything_that_the_ring_had_is_in_the_file(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    recorder = record(engine, path, 100)
+    assert recorder.state.finished
+    assert recorder.state.lost == recorder.state.overrun_cycles == 0
+    found = LiveRecording.open(path)
+    assert found.finished
+    assert found.damage == []
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+    cycles = list(found.cycles())
+    assert [each.number for each in cycles] == list(range(1, 101))
+    assert [int(each.patches["force"][0]) for each in cycles] == list(range(100))
+    assert [len(each.contacts) for each in cycles] == [i % 3 for i in range(100)]
+    assert [len(each.script) for each in cycles] == [i % 4 for i in range(100)]
+    assert all((each.script == each.number - 1).all() for each in cycles)
+    assert [bool(each.flags & CycleFlag.KEY) for each in cycles] == [
+        i % 10 == 0 for i in range(100)
+    ]
+    assert found.skin.name == "test"
+    np.testing.assert_array_equal(found.skin[0].positions, engine.skin[0].positions)
+    assert found.calibrations["arm"].baseline.tolist() == [200.0] * 24
+    assert found.configuration["ports"] == [["arm", 24, "count"]]
+    assert [each["kind"] for each in found.events()] == ["recording_started", "recording_ended"]
+    assert len(list(found.timing())) >= 1
+
+
+def test_each_cycle_comes_with_its_readings(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    record(engine, path, 50)
+    steps = list(Steps(LiveRecording.open(path)))
+    assert [step.data for step in steps] == engine.written
+    assert not any(step.missing for step in steps)
+
+
+def test_counts_over_time(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    record(engine, path, 50)
+    found = open_recording(path)
+    np.testing.assert_array_equal(found.counts, engine.counts)
+    assert found.notes == ()
+    assert (np.diff(found.stamp_ns) > 0).all()
+    few = open_recording(path, columns=[3, 1])
+    np.testing.assert_array_equal(few.counts, np.array(engine.counts)[:, [3, 1]])
+
+
+def test_mcap_reads_it_alone(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    record(engine, path, 30)
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        topics = {channel.topic for channel in summary.channels.values()}
+        assert topics == {"/skin/blocks", "/skin/cycles", "/skin/timing", "/skin/events"}
+        assert len(list(reader.iter_messages(topics=["/skin/cycles"]))) == 30
+        data = b"".join(m.data[8:] for _, _, m in reader.iter_messages(topics=["/skin/blocks"]))
+        assert data == b"".join(engine.written)
+        names = {each.name for each in reader.iter_attachments()}
+    assert names == {
+        "layout.npz", "configuration.json", "ring.json", "calibration/arm.npz", "tare-1.npz"
+    }  # fmt: skip
+
+
+def test_a_recording_may_begin_late(engine, tmp_path):
+    for _ in range(30):
+        engine.cycle()
+    path = tmp_path / "a.mcap"
+    record(engine, path, 20)
+    steps = list(Steps(LiveRecording.open(path)))
+    assert [step.cycle.number for step in steps] == list(range(31, 51))
+    assert [step.data for step in steps] == engine.written[30:]
+
+
+def test_sources_that_come_and_go_are_told(engine, tmp_path):
+    def each(blocks, now):
+        blocks.put_number(now, 0, Kind.SOURCE, 0)
+        blocks.put_number(now, 0, Kind.LOST, 7)
+        blocks.put_number(now, 0, Kind.SOURCE, 1)
+
+    path = tmp_path / "a.mcap"
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    engine.cycle(extra=each)
+    recorder.close()
+    events = list(LiveRecording.open(path).events())
+    assert [event["kind"] for event in events[1:-1]] == [
+        "source_down", "messages_lost", "source_up"
+    ]  # fmt: skip
+    assert events[2]["messages"] == 7
+    assert events[2]["text"] == "NoSource: 7 messages were lost"
+
+
+def test_an_engine_that_is_started_again(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    engine.cycle()
+    recorder.step()
+    engine.ring.close()
+    engine.reopen()
+    engine.cycle()
+    recorder.close()
+    found = LiveRecording.open(path)
+    assert "engine_restarted" in [event["kind"] for event in found.events()]
+    assert [step.data for step in Steps(found)] == engine.written
+
+
+def test_an_overrun_is_counted_to_the_byte(name, tmp_path):
+    engine = FakeEngine(name, slots=8, log_bytes=4096)
+    try:
+        path = tmp_path / "a.mcap"
+        recorder = Recorder(RecorderSettings(name=name, path=path))
+        engine.cycle()
+        recorder.step()
+        for _ in range(200):  # 64 bytes each
+            engine.cycle()
+        recorder.step()
+        engine.cycle()
+        recorder.close()
+        found = LiveRecording.open(path)
+        log = b"".join(engine.written)
+        kept = {each.position: each.data for each in found.blocks()}
+        assert all(log[at : at + len(data)] == data for at, data in kept.items())
+        saved = sum(map(len, kept.values()))
+        events = {event["kind"]: event for event in found.events()}
+        assert events["log_overrun"]["bytes"] == len(log) - saved == recorder.state.overrun_bytes
+        numbers = {cycle.number for cycle in found.cycles()}
+        missing = events["cycle_overrun"]
+        assert missing["cycles"] == 202 - len(numbers) == recorder.state.overrun_cycles
+        assert set(range(1, 203)) - numbers == set(range(missing["first"], missing["last"] + 1))
+        assert sum(step.missing for step in Steps(found)) == len(log) - saved
+    finally:
+        engine.close()
+
+
+def test_its_state_is_told(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    stop = threading.Event()
+    thread = threading.Thread(target=recorder.run, args=(stop,))
+    thread.start()
+    engine.cycle()
+    end = time.monotonic() + 30
+    while time.monotonic() < end:
+        state = read_state(engine.ring.name)
+        if state is not None and state.cycles == 1:
+            break
+        time.sleep(0.02)
+    assert state.bytes_written > 1000
+    assert not state.ended
+    stop.set()
+    thread.join(30)
+    state = read_state(engine.ring.name)
+    assert state.finished
+    assert state.ended == "it was told to stop"
+
+
+def test_it_ends_with_the_ring(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    engine.cycle()
+    engine.ring.unlink()
+    state = recorder.run(threading.Event(), 30.0)
+    assert state.ended.startswith("the ring was taken away")
+    assert len(list(LiveRecording.open(path).cycles())) == 1
