@@ -2,14 +2,13 @@
 
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 from ring_scenes import SLOT, bytes_of, numbers, own_name, write
 
 from skinfield.errors import FileError, InputError
-from skinfield.ring import Field, Ring, RingReader, State, files
+from skinfield.ring import Field, Ring, RingReader, State
 
 STATUS = (Field("late", "u8", (3,)),)
 SLOTS = 4
@@ -236,48 +235,6 @@ def test_reopen_after_death_within_publish(ring: Ring, reader: RingReader, step:
         assert reader.wait(0, 60) == newest
         assert write(again) == newest + 1
         assert numbers(reader)[-1] == newest + 1
-
-
-def test_names_tell_all_and_survive_what_is_no_ring(ring: Ring, tmp_path: Path) -> None:
-    write(ring)
-    (found,) = (each for each in Ring.names() if each.name == ring.name)
-    assert (found.state, found.alive, found.number, found.generation) == (ring.state, True, 1, 1)
-    assert found.problem == ""
-    assert Ring.names(tmp_path) == ()
-    (tmp_path / "skinfield.bad").write_bytes(b"nonsense")
-    (tmp_path / "skinfield.none").write_bytes(b"")
-    Ring.create("good", SLOT, folder=tmp_path).close()
-    bad, good, none = Ring.names(tmp_path)
-    assert (bad.name, bad.state, bad.alive) == ("bad", None, False)
-    assert "is no ring" in bad.problem
-    assert "cannot be mapped" in none.problem
-    assert (good.state, good.alive, good.problem) == (State.STOPPED, False, "")
-    for each in ("bad", "good", "none", "never"):
-        Ring.remove(each, tmp_path)
-    assert not [*tmp_path.iterdir()]
-
-
-def test_what_remained_of_a_killed_maker_is_used_up(tmp_path: Path) -> None:
-    rest = files.unfinished(tmp_path / "skinfield.one")
-    rest.write_bytes(b"x" * 10_000)
-    with Ring.create("one", SLOT, folder=tmp_path):
-        assert [each.name for each in tmp_path.iterdir()] == ["skinfield.one"]
-    rest.write_bytes(b"x")
-    Ring.remove("one", tmp_path)
-    assert not [*tmp_path.iterdir()]
-
-
-def test_links_are_not_followed(tmp_path: Path) -> None:
-    other = tmp_path / "other"
-    other.write_text("mine")
-    (tmp_path / "skinfield.one").symlink_to(other)
-    files.unfinished(tmp_path / "skinfield.two").symlink_to(other)
-    for name in ("one", "two"):
-        with pytest.raises(FileError):
-            Ring.create(name, SLOT, folder=tmp_path)
-    with pytest.raises(FileError, match="cannot be opened"):
-        RingReader("one", folder=tmp_path)
-    assert other.read_text() == "mine"
 
 
 def test_arrays_of_a_closed_ring_stay_readable(name: str) -> None:

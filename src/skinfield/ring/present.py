@@ -41,7 +41,7 @@ class Present:
 
 
 def present(folder: Path | None = None) -> tuple[Present, ...]:
-    """All rings of a folder, by name."""
+    """Rings that are there, by name, with the state of their writers; damaged ones too."""
     paths = sorted(files.folder_of(folder).glob(f"{files.PREFIX}*"))
     return tuple(_look(path) for path in paths if path.is_file())
 

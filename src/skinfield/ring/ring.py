@@ -16,7 +16,7 @@ from skinfield.ring.fields import Field
 from skinfield.ring.header import State
 from skinfield.ring.layout import Layout
 from skinfield.ring.log import Log, Octets
-from skinfield.ring.present import Present, present
+from skinfield.ring.present import present
 
 _LOW = 0xFFFFFFFF
 
@@ -163,8 +163,8 @@ class Ring:
     def begin(self) -> dict[str, NDArray[Any]]:
         """Arrays of the next slot, to be written in place before `publish`.
 
-        They hold what was there some slots ago. Nothing is allocated; a second call without
-        `publish` gives the same slot again.
+        They hold what was there some slots ago. Nothing is allocated; without `publish` in
+        between, the next call gives the same slot again.
         """
         if not self._begun:
             self._number += 1
@@ -260,7 +260,7 @@ class Ring:
     def unlink(self) -> None:
         """Take the file's name away, before `close`; who has the file open keeps it."""
         if self._descriptor >= 0 and files.same(self._descriptor, self.path):
-            self.path.unlink(missing_ok=True)
+            self.path.unlink()
 
     def close(self) -> None:
         """Stop writing; the file stays, for `reopen` or for who looks at what was last.
@@ -287,10 +287,7 @@ class Ring:
             self.set_state(State.FAILED)  # not after Ctrl-C, which is an ordinary end
         self.close()
 
-    @staticmethod
-    def names(folder: Path | None = None) -> tuple[Present, ...]:
-        """Rings that are there, with the state of their writers; damaged ones too."""
-        return present(folder)
+    names = staticmethod(present)
 
     @staticmethod
     def remove(name: str, folder: Path | None = None) -> None:

@@ -1,4 +1,4 @@
-/* Reads a skinfield ring from C or C++: one header, no library, Linux and other little-endian POSIX.
+/* Reads a skinfield ring from C or C++, without any library; Linux and other little-endian POSIX.
  *
  *   cc -O2 -I"$(python -c 'import skinfield.ring as r; print(r.include_folder())')" reader.c
  *
@@ -24,6 +24,7 @@
  *             8 u64 log end then   16 u64 generation of its writer   64 the fields
  *   Slot n is at index n modulo the number of slots; byte p of the log at p modulo its size.
  *
+ * The log is read by skinfield_ring_log.h, which includes this one.
  * Needs the __atomic built-ins of GCC and Clang. Functions return 0 or a negative errno, unless
  * they say otherwise.
  */
@@ -52,13 +53,10 @@
 #error "a skinfield ring can only be read on a little-endian machine"
 #endif
 
-enum {
-    SKINFIELD_RING_VERSION = 1,
-    SKINFIELD_RING_STARTING = 0,
-    SKINFIELD_RING_CALIBRATING = 1,
-    SKINFIELD_RING_RUNNING = 2,
-    SKINFIELD_RING_STOPPED = 3,
-    SKINFIELD_RING_FAILED = 4
+enum { SKINFIELD_RING_VERSION = 1 };
+enum { /* what the writer says that it is doing */
+    SKINFIELD_RING_STARTING = 0, SKINFIELD_RING_CALIBRATING = 1, SKINFIELD_RING_RUNNING = 2,
+    SKINFIELD_RING_STOPPED = 3, SKINFIELD_RING_FAILED = 4
 };
 
 typedef struct {
@@ -79,11 +77,6 @@ typedef struct {
     uint64_t dimensions;
     uint64_t shape[6];
 } skinfield_field;
-
-typedef struct {
-    uint64_t position; /* of the next byte; an end of a batch */
-    uint64_t lost;     /* bytes that were overwritten before they could be read */
-} skinfield_log;
 
 static inline uint64_t skinfield_word_(const skinfield_ring *ring, uint64_t offset)
 {
@@ -153,11 +146,10 @@ static inline int skinfield_ring_open(skinfield_ring *ring, const char *name)
     file = open(path, O_RDONLY | O_CLOEXEC);
     if (file < 0)
         return -errno;
-    if (fstat(file, &about) != 0 || about.st_size < 4096) {
-        close(file);
-        return -EPROTO;
-    }
-    data = mmap(NULL, (size_t)about.st_size, PROT_READ, MAP_SHARED, file, 0);
+    data = MAP_FAILED;
+    errno = EPROTO;
+    if (fstat(file, &about) == 0 && about.st_size >= 4096)
+        data = mmap(NULL, (size_t)about.st_size, PROT_READ, MAP_SHARED, file, 0);
     problem = errno;
     close(file);
     if (data == MAP_FAILED)
@@ -218,29 +210,38 @@ static inline int skinfield_ring_field_at(const skinfield_ring *ring, uint64_t i
     return 0;
 }
 
+/* Among the fields from `first` to before `last`, the one of that name. */
+static inline int skinfield_find_(const skinfield_ring *ring, uint64_t first, uint64_t last,
+                                  const char *name, skinfield_field *field)
+{
+    for (; first < last; first++) {
+        skinfield_field found; /* not yet *field, which `name` may be part of */
+        int problem = skinfield_ring_field_at(ring, first, &found);
+        if (problem)
+            return problem;
+        if (strcmp(found.name, name) == 0) {
+            *field = found;
+            return 0;
+        }
+    }
+    return -ENOENT;
+}
+
 /* Field of a slot by its name. -ENOENT: none. */
 static inline int skinfield_ring_field(const skinfield_ring *ring, const char *name,
                                        skinfield_field *field)
 {
-    uint64_t i;
-    for (i = 0; i < ring->slot_fields; i++) {
-        int problem = skinfield_ring_field_at(ring, i, field);
-        if (problem || strncmp(field->name, name, sizeof field->name) == 0)
-            return problem;
-    }
-    return -ENOENT;
+    return skinfield_find_(ring, 0, ring->slot_fields, name, field);
 }
 
 /* Field of the status by its name, and where it lies: read it word by word. NULL: none. */
 static inline const void *skinfield_ring_status(const skinfield_ring *ring, const char *name,
                                                 skinfield_field *field)
 {
-    uint64_t i;
-    for (i = ring->slot_fields; i < ring->slot_fields + ring->status_fields; i++)
-        if (skinfield_ring_field_at(ring, i, field) == 0 &&
-            strncmp(field->name, name, sizeof field->name) == 0)
-            return ring->data + ring->status + field->offset;
-    return NULL;
+    uint64_t first = ring->slot_fields;
+    if (skinfield_find_(ring, first, first + ring->status_fields, name, field) != 0)
+        return NULL;
+    return ring->data + ring->status + field->offset;
 }
 
 /* Copies slot `number` into ring->slot_bytes bytes at `slot`; field.offset counts from there.
@@ -298,78 +299,6 @@ static inline uint64_t skinfield_ring_wait(const skinfield_ring *ring, uint64_t 
         nanosleep(&limit, NULL);
 #endif
     }
-}
-
-/* Where a reader of the log begins that wants what is appended from now on. */
-static inline skinfield_log skinfield_log_now(const skinfield_ring *ring)
-{
-    skinfield_log log;
-    log.position = skinfield_ring_log_end(ring);
-    log.lost = 0;
-    return log;
-}
-
-static inline uint64_t skinfield_log_resume_(const skinfield_ring *ring, uint64_t end)
-{
-    uint64_t segment_bytes = ring->log_bytes / 64, i;
-    uint64_t lowest = skinfield_word_(ring, 264) - ring->log_bytes + ring->log_bytes / 4;
-    for (i = 1; i <= 64; i++) {
-        uint64_t segment = lowest / segment_bytes + i;
-        uint64_t mark = skinfield_word_(ring, 512 + 8 * (segment % 64));
-        if (mark / segment_bytes == segment && mark <= end)
-            return mark;
-    }
-    return end;
-}
-
-static inline void skinfield_log_skip_(skinfield_log *log, uint64_t position)
-{
-    if (position > log->position) {
-        log->lost += position - log->position;
-        log->position = position;
-    }
-}
-
-/* Copies whole batches that have come since the last call; returns how many bytes. With a buffer as
- * large as the log, or larger than two 64ths of it and the longest batch, nothing is left out; 0 with
- * a smaller one may mean that the next batches do not fit. What was overwritten is in log->lost. */
-static inline uint64_t skinfield_log_read(const skinfield_ring *ring, skinfield_log *log,
-                                          void *buffer, uint64_t capacity)
-{
-    int tries;
-    for (tries = 0; tries < 8; tries++) {
-        uint64_t end = skinfield_ring_log_end(ring), stop = end, i, at, first;
-        if (skinfield_word_(ring, 264) - log->position > ring->log_bytes)
-            skinfield_log_skip_(log, skinfield_log_resume_(ring, end));
-        if (end <= log->position)
-            return 0;
-        if (end - log->position > capacity) { /* at the last known end of a batch that fits */
-            stop = log->position;
-            for (i = 0; i < 64; i++) {
-                uint64_t mark = skinfield_word_(ring, 512 + 8 * i);
-                if (mark > stop && mark <= end && mark - log->position <= capacity)
-                    stop = mark;
-            }
-        }
-        if (stop - log->position > ring->log_bytes) {
-            skinfield_log_skip_(log, end);
-            continue;
-        }
-        at = log->position & (ring->log_bytes - 1);
-        first = stop - log->position;
-        first = first < ring->log_bytes - at ? first : ring->log_bytes - at;
-        memcpy(buffer, ring->data + ring->log + at, (size_t)first);
-        memcpy((uint8_t *)buffer + first, ring->data + ring->log,
-               (size_t)(stop - log->position - first));
-        __atomic_thread_fence(__ATOMIC_ACQUIRE);
-        if (skinfield_word_(ring, 264) - log->position <= ring->log_bytes) {
-            uint64_t count = stop - log->position;
-            log->position = stop;
-            return count;
-        }
-    }
-    skinfield_log_skip_(log, skinfield_ring_log_end(ring));
-    return 0;
 }
 
 #endif
