@@ -87,7 +87,14 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
 
 @pytest.mark.parametrize(
     ("page", "snippets"),
-    [("contact-fit", 1), ("tracks", 1), ("design-a-skin", 2), ("engine", 5), ("batch", 2)],
+    [
+        ("contact-fit", 1),
+        ("tracks", 1),
+        ("design-a-skin", 2),
+        ("engine", 5),
+        ("batch", 2),
+        ("icub", 4),
+    ],
 )
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
     assert follow(ROOT / "docs" / f"{page}.md") == (snippets, 0)
