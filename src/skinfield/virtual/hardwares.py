@@ -1,6 +1,5 @@
 """Hardware by its name, as a command line gives it: the one place where a name selects."""
 
-from skinfield.errors import InputError
 from skinfield.layout import Skin
 from skinfield.virtual.hardware import Hardware
 from skinfield.virtual.settings import VirtualSettings
@@ -12,4 +11,10 @@ def open_hardware(skin: Skin, settings: VirtualSettings) -> Hardware:
         from skinfield.virtual.icub import ICubBoards
 
         return ICubBoards(skin, settings)
-    raise InputError(f"hardware is {settings.hardware!r}, expected icub")
+    if settings.hardware == "cyskin":
+        from skinfield.virtual.cyskin import CySkinBoards
+
+        return CySkinBoards(skin, settings)
+    from skinfield.virtual.packet import PacketDevices
+
+    return PacketDevices(skin, settings)

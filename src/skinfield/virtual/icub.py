@@ -1,29 +1,25 @@
 """Skin boards of an iCub: they obey the host's messages, and send two messages per triangle."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
-from skinfield.acquisition import CanMessages
-from skinfield.errors import InputError, Ints
+from skinfield.errors import Ints
 from skinfield.layout import Skin
 from skinfield.protocols.icub import ICubEncoder
 from skinfield.protocols.icub.board import BoardState
 from skinfield.protocols.icub.commands import addressed_board
 from skinfield.protocols.icub.numbers import TAXELS, Firmware, SkinType
-from skinfield.sources.buses import open_bus
-from skinfield.virtual.buses import address_of, bus_settings
-from skinfield.virtual.delivery import FAULTS, CanWire, chances_of
-from skinfield.virtual.electronics import Converters
+from skinfield.sources.buses import Bus
+from skinfield.virtual.can_boards import CanBoards, open_buses
+from skinfield.virtual.delivery import CanWire
 from skinfield.virtual.faults import numbers_of
 from skinfield.virtual.icub_channels import Board, boards_of, icub_converters, slots_of
 from skinfield.virtual.schedule import Schedule
 from skinfield.virtual.settings import VirtualSettings
 
 UNPLUGGED = 0xFFFF
-HEARD = 256  # messages of hosts in one poll
 
 
 @dataclass
@@ -48,16 +44,25 @@ class Playing:
 
 @dataclass
 class Line:
-    """One bus with its triangles."""
+    """One bus with its triangles.
+
+    Attributes
+    ----------
+    wire : CanWire
+    encoder : ICubEncoder
+    slots : (C,) int64 array
+        See `slots_of`.
+    unplugged : set of int
+        Rows of the encoder.
+    """
 
     wire: CanWire
     encoder: ICubEncoder
     slots: Ints
     unplugged: set[int] = field(default_factory=set)
-    heard: CanMessages = field(default_factory=lambda: CanMessages(HEARD))
 
 
-class ICubBoards:
+class ICubBoards(CanBoards):
     """See `hardware.Hardware`.
 
     Parameters
@@ -68,80 +73,51 @@ class ICubBoards:
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         self.boards = boards_of(skin)
-        self.converters: Converters = icub_converters(skin, settings, self.boards)
         rng = np.random.default_rng([settings.seed, 2])
-        self.schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        self._rate, self._at_once = settings.rate, settings.at_once
         firmware = Firmware.MTB3 if settings.mtb3 else Firmware.MTB4
         self._playing = [Playing(b, *_states(b, firmware, settings)) for b in self.boards]
-        self._lines = self._open(skin, settings, firmware, rng)
-        self.readings = self.reboots = self.commands = self.silent = 0
+        converters = icub_converters(skin, settings, self.boards)
+        self._lines = [
+            self._line(skin, settings, firmware, bus, number, rng)
+            for number, bus in enumerate(open_buses(settings, 1 + self.boards[-1].bus))
+        ]
+        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        super().__init__(converters, schedule, [line.wire for line in self._lines], settings.rate)
         for board in range(len(self.boards)):
-            self._base(board, 0.0)
+            self._base(board, settings.temperature.warmth(0.0))
             self._configure(board)
 
-    def _open(
+    def _line(
         self,
         skin: Skin,
         settings: VirtualSettings,
         firmware: Firmware,
+        bus: Bus,
+        number: int,
         rng: np.random.Generator,
-    ) -> list[Line]:
-        buses = max(board.bus for board in self.boards) + 1
-        lines: list[Line] = []
-        try:
-            for number, where in enumerate(bus_settings(settings, buses)):
-                triangles = [
-                    (board.address, triangle)
-                    for board in self.boards
-                    if board.bus == number
-                    for triangle in board.triangles
-                ]
-                bus = open_bus(where)
-                if not bus.up:
-                    raise InputError(
-                        f"bus cannot be opened: {bus.fault}, expected one that is free: choose "
-                        "another with --channel"
-                    )
-                wire = CanWire(bus, 2 * len(triangles), settings.wires, rng)
-                encoder = ICubEncoder(triangles, firmware=firmware)
-                lines.append(Line(wire, encoder, slots_of(skin, self.boards, number)))
-        except BaseException:
-            for line in lines:
-                line.wire.bus.close()
-            raise
-        return lines
+    ) -> Line:
+        triangles = [
+            (board.address, triangle)
+            for board in self.boards
+            if board.bus == number
+            for triangle in board.triangles
+        ]
+        wire = CanWire(bus, 2 * len(triangles), settings.wires, rng)
+        encoder = ICubEncoder(triangles, firmware=firmware)
+        return Line(wire, encoder, slots_of(skin, self.boards, number))
 
-    @property
-    def addresses(self) -> list[str]:
-        """See `Hardware`."""
-        return [address_of(line.wire.bus) for line in self._lines]
+    def _count(self) -> int:
+        return len(self.boards)
 
-    @property
-    def chances(self) -> Mapping[str, float]:
-        """See `Hardware`."""
-        return chances_of(self._lines[0].wire.fates)
+    def _periods(self) -> dict[int, float]:
+        return {
+            number: playing.state.period_ms * 1e-3
+            for number, playing in enumerate(self._playing)
+            if playing.state.sending and not playing.quiet
+        }
 
-    def filenos(self) -> list[int]:
-        """See `Hardware`."""
-        return [n for line in self._lines for n in line.wire.bus.filenos()]
-
-    def listen(self, now_ns: int, warmth: float) -> None:
-        """See `Hardware`."""
-        changed = False
-        for number, line in enumerate(self._lines):
-            heard = line.heard
-            for row in range(line.wire.bus.receive(heard)):
-                address = addressed_board(int(heard.ids[row]))
-                if address is None or line.wire.off:
-                    continue
-                data = heard.data[row, : int(heard.lengths[row])].tobytes()
-                changed |= self._told(number, address, data, warmth)
-        if changed:
-            self._reschedule(now_ns)
-
-    def _told(self, bus: int, address: int, data: bytes, warmth: float) -> bool:
-        """Obey one message; whether a board of ours was meant."""
+    def _told(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
+        address = addressed_board(identifier)
         for number, playing in enumerate(self._playing):
             if (playing.board.bus, playing.board.address) != (bus, address) or playing.quiet:
                 continue
@@ -177,18 +153,6 @@ class ICubBoards:
                 shift=state.triangles[triangle].shift,
                 kind=state.kind,
             )
-
-    def _reschedule(self, now_ns: int) -> None:
-        periods = {}
-        for number, playing in enumerate(self._playing):
-            if playing.state.sending and not playing.quiet:
-                period = 1e9 / self._rate if self._rate else playing.state.period_ms * 1e6
-                periods[number] = round(period)
-        self.schedule.set(periods, len(self.boards), now_ns)
-
-    def start(self, now_ns: int) -> None:
-        """Send from now on what sends without being told."""
-        self._reschedule(now_ns)
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
@@ -263,31 +227,6 @@ class ICubBoards:
             for place in numbers_of(second if dot else first, len(board.triangles), "triangle"):
                 found.append((board.bus, board.row + place))
         return found
-
-    def set_chances(self, lose: float, duplicate: float, swap: float) -> None:
-        """See `Hardware`."""
-        for line in self._lines:
-            line.wire.fates.chances[:] = lose, duplicate, swap
-
-    def counts(self) -> dict[str, Any]:
-        """See `Hardware`."""
-        wires = [line.wire for line in self._lines]
-        found = {
-            name: int(sum(wire.fates.counts[i] for wire in wires)) for i, name in enumerate(FAULTS)
-        }
-        return {
-            "messages": sum(wire.sent for wire in wires),
-            **found,
-            "refused": sum(wire.refused for wire in wires),
-            "withheld": sum(wire.withheld for wire in wires),
-            "commands": self.commands,
-            "reboots": self.reboots,
-        }
-
-    def close(self) -> None:
-        """See `Hardware`."""
-        for line in self._lines:
-            line.wire.close()
 
 
 def _states(

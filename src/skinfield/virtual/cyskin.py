@@ -1,0 +1,211 @@
+"""CySkin's boards: they obey the host's packets, and send SENSOR_DATA of their modules."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skinfield.errors import InputError, Ints
+from skinfield.layout import Skin
+from skinfield.protocols.cyskin import (
+    Assembler,
+    CySkinBoard,
+    CySkinBoardState,
+    CySkinEncoder,
+    CySkinWire,
+    on_boards,
+)
+from skinfield.protocols.cyskin.numbers import SENSORS
+from skinfield.virtual.can_boards import CanBoards, open_buses
+from skinfield.virtual.delivery import CanWire
+from skinfield.virtual.electronics import Converters, converters_of, joined, manufacture
+from skinfield.virtual.faults import numbers_of
+from skinfield.virtual.schedule import Schedule
+from skinfield.virtual.settings import VirtualSettings
+
+MOST_BOARDS = 16
+TEMPERATURE = 1000.0  # counts of a module's sensor 0 at 25 °C; what real ones send is not public
+PER_KELVIN = 20.0  # counts/K of it
+PLAIN_NOISE = 20.0  # counts of it, as recordings have
+
+
+@dataclass
+class Playing:
+    """A board while it is played."""
+
+    state: CySkinBoardState
+    fresh: CySkinBoardState
+    quiet: bool = False
+
+
+class CySkinBoards(CanBoards):
+    """See `hardware.Hardware`. All boards are on one bus.
+
+    Parameters
+    ----------
+    skin : Skin
+    settings : VirtualSettings
+    """
+
+    def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
+        placed, self.boards = boards_of(skin)
+        self.wire = CySkinWire()
+        rng = np.random.default_rng([settings.seed, 2])
+        fresh = [CySkinBoardState(board=board, wire=self.wire) for board in self.boards]
+        self._playing = [Playing(_begun(state, settings), state) for state in fresh]
+        self._channel = _channels(placed, self.boards)
+        self._module_of = self._channel // SENSORS
+        self._unplugged: set[int] = set()
+        self._assembler = Assembler(self.wire)
+        converters = _converters(skin, settings, len(self._channel))
+        (bus,) = open_buses(settings, 1)
+        self._encoder = CySkinEncoder(self.boards, wire=self.wire)
+        can = CanWire(bus, self._encoder.messages_per_reading, settings.wires, rng)
+        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        super().__init__(converters, schedule, [can], settings.rate)
+        self._asked: list[int] = []
+
+    def _count(self) -> int:
+        return len(self.boards)
+
+    def _periods(self) -> dict[int, float]:
+        return {
+            number: playing.state.period_ms * 1e-3
+            for number, playing in enumerate(self._playing)
+            if playing.state.sending and not playing.quiet
+        }
+
+    def _told(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
+        whole = self._assembler.take(identifier, data)
+        if whole is None:
+            return False
+        address, octets = whole
+        try:
+            command, given = self.wire.unpacked(octets)
+        except InputError:
+            return False  # damaged: boards pass it over
+        meant = False
+        for number, playing in enumerate(self._playing):
+            board = self.boards[number].number
+            if playing.quiet or address not in (board, self.wire.every_board):
+                continue
+            before = playing.state
+            playing.state, answers = before.after(command, given)
+            for answer, content in answers:
+                for message in self.wire.messages(board, self.wire.packet(answer, content)):
+                    self.wires[bus].bus.send(*message)
+            if playing.state.syncs != before.syncs:
+                self._asked.append(number)
+            self.commands += 1
+            meant = True
+        return meant
+
+    def listen(self, now_ns: int, warmth: float) -> None:
+        """See `Hardware`; whoever was asked for one reading sends it at once."""
+        super().listen(now_ns, warmth)
+        if self._asked:
+            self.converters.convert(warmth)
+            self.send(self._asked, now_ns)
+            self._asked = []
+
+    def send(self, members: Sequence[int], now_ns: int) -> None:
+        """See `Hardware`."""
+        from skinfield.virtual.world_kernel import scatter
+
+        encoder, wire = self._encoder, self.wires[0]
+        scatter(self.converters.counts, self._channel, encoder.counts)
+        for module in self._unplugged:
+            encoder.counts[module * SENSORS : (module + 1) * SENSORS] = 0
+        encoder.sends[:] = False
+        encoder.sends[list(members)] = True
+        self.readings += len(members)
+        wire.send(encoder.encode(wire.made, 0, now_ns))
+
+    def check(self, kind: str, what: str) -> None:
+        """See `Hardware`."""
+        if kind == "unplug":
+            self._modules(what)
+        else:
+            count = 1 if kind == "bus-off" else len(self.boards)
+            numbers_of(what, count, "bus" if kind == "bus-off" else "board")
+
+    def begin(self, kind: str, what: str, now_ns: int) -> None:
+        """See `Hardware`."""
+        self.check(kind, what)
+        if kind == "unplug":
+            self._unplugged.update(self._modules(what))
+        elif kind == "bus-off":
+            self.wires[0].off = True
+        else:
+            for number in numbers_of(what, len(self.boards), "board"):
+                playing = self._playing[number]
+                playing.quiet, playing.state = True, playing.fresh
+                self.reboots += 1
+            self._reschedule(now_ns)
+
+    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
+        """See `Hardware`."""
+        if kind == "unplug":
+            self._unplugged.difference_update(self._modules(what))
+        elif kind == "bus-off":
+            self.wires[0].off = False
+        else:
+            for number in numbers_of(what, len(self.boards), "board"):
+                self._playing[number].quiet = False
+
+    def _modules(self, what: str) -> list[int]:
+        """Modules, counted over all boards, of ``"3"`` or, of one board, ``"1.3"``."""
+        first, dot, second = what.partition(".")
+        counts = [len(board.modules) for board in self.boards]
+        if not dot:
+            return numbers_of(first, sum(counts), "module")
+        found = []
+        for number in numbers_of(first, len(self.boards), "board"):
+            before = sum(counts[:number])
+            found += [before + m for m in numbers_of(second, counts[number], "module")]
+        return found
+
+
+def boards_of(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
+    """The skin on the channels of CySkin's boards, and these: numbers 1, 2, ... as many as needed.
+
+    See `protocols.cyskin.on_boards`.
+    """
+    for count in range(1, MOST_BOARDS):
+        try:
+            return on_boards(skin, tuple(range(1, count + 1)))
+        except InputError:
+            continue  # more modules than so many boards carry
+    return on_boards(skin, tuple(range(1, MOST_BOARDS + 1)))
+
+
+def _begun(state: CySkinBoardState, settings: VirtualSettings) -> CySkinBoardState:
+    return replace(state, sending=True) if settings.at_once else state
+
+
+def _channels(placed: Skin, boards: Sequence[CySkinBoard]) -> Ints:
+    """Channel of each taxel, and then of each module's temperature where it sends one."""
+    taxels = np.concatenate([patch.channel for patch in placed])
+    modules = [module for board in boards for module in board.modules]
+    plain = [SENSORS * place for place, module in enumerate(modules) if 0 in module.sensors]
+    return np.concatenate([taxels, np.setdiff1d(plain, taxels)]).astype(np.int64)
+
+
+def _converters(skin: Skin, settings: VirtualSettings, channels: int) -> Converters:
+    """Responses of all taxels, clipped at 0 as the boards do, and the temperatures."""
+    arrays = manufacture(skin, settings)
+    gain, converter = joined(arrays, "gain"), converters_of(arrays)
+    extra = channels - len(gain)
+    plain = np.zeros(extra)
+    last = int(converter.max()) + 1
+    return Converters(
+        np.concatenate([np.zeros(len(gain)), plain + TEMPERATURE]),
+        np.concatenate([gain, plain]),
+        np.concatenate([joined(arrays, "drift"), plain + PER_KELVIN]),
+        np.concatenate([joined(arrays, "white_noise"), plain + PLAIN_NOISE * settings.noise]),
+        np.concatenate([converter, last + np.arange(extra)]),
+        common=settings.common_noise,
+        low=0.0,
+        high=65535.0,
+        seed=settings.seed,
+    )

@@ -1,0 +1,73 @@
+"""A microcontroller that sends the counts of one patch."""
+
+from dataclasses import dataclass, field
+from time import monotonic_ns
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError
+from skinfield.layout import Patch, Skin
+from skinfield.protocols.packet import PacketEncoder
+from skinfield.virtual.electronics import Converters, converters_of, joined, manufacture
+from skinfield.virtual.settings import VirtualSettings
+
+REST = 1000.0  # counts of an unloaded taxel
+PERIOD = 0.02  # s, where nobody says another
+
+
+@dataclass
+class Device:
+    """One microcontroller.
+
+    Attributes
+    ----------
+    patch : Patch
+    number : int
+    encoder : PacketEncoder
+    values : (n_channels,) array
+    period : float, s
+    sending, quiet : bool
+    """
+
+    patch: Patch
+    number: int
+    encoder: PacketEncoder
+    values: Floats
+    period: float = PERIOD
+    sending: bool = True
+    quiet: bool = False
+    unplugged: set[int] = field(default_factory=set)
+    booted_ns: int = field(default_factory=monotonic_ns)
+
+    @property
+    def clock_us(self) -> int:
+        """Of its own clock."""
+        return (monotonic_ns() - self.booted_ns) // 1000
+
+
+def device_of(patch: Patch, number: int) -> Device:
+    """A device for a patch."""
+    if patch.n_channels > 65535:
+        raise InputError(
+            f"patch {patch.name!r} has {patch.n_channels} channels, expected up to 65535 for "
+            "packets: split it up"
+        )
+    encoder = PacketEncoder(patch.n_channels, device=number)
+    return Device(patch, number, encoder, np.full(patch.n_channels, REST))
+
+
+def packet_converters(skin: Skin, settings: VirtualSettings) -> Converters:
+    """Counts of the taxels of all patches."""
+    arrays = manufacture(skin, settings)
+    gain = joined(arrays, "gain")
+    return Converters(
+        np.full(len(gain), REST),
+        gain,
+        joined(arrays, "drift"),
+        joined(arrays, "white_noise"),
+        converters_of(arrays),
+        common=settings.common_noise,
+        low=0.0,
+        high=65535.0,
+        seed=settings.seed,
+    )
