@@ -1,0 +1,106 @@
+"""Packets read and counted by plain Python, to compare the compiled decoder with."""
+
+import struct
+from binascii import crc_hqx
+from dataclasses import dataclass, field
+
+WIDTHS = {1: 1, 2: 2, 3: 4, 5: 2}
+FORMATS = {1: "B", 2: "H", 3: "f", 5: "h"}
+
+
+def raw_packet(
+    kind: int,
+    *,
+    device: int = 1,
+    sequence: int = 0,
+    time: int = 0,
+    channel: int = 0,
+    count: int = 0,
+    reading: int = 0,
+    flags: int = 1,
+    status: int = 0,
+    payload: bytes = b"",
+) -> bytes:
+    head = b"SF\x01" + bytes([kind])
+    head += struct.pack(
+        "<HHIIHHHBB", device, len(payload), sequence, time, channel, count, reading, flags, status
+    )
+    body = head + payload
+    return body + struct.pack("<H", crc_hqx(body, 0xFFFF))
+
+
+def counts_packet(values: list, kind: int = 2, **fields: int) -> bytes:
+    payload = struct.pack(f"<{len(values)}{FORMATS[kind]}", *values)
+    return raw_packet(kind, count=len(values), payload=payload, **fields)
+
+
+def packet_at(data: bytes, at: int) -> int:
+    """Octets of the packet at `at`; 0 if it may become one; -1 if it is none."""
+    rest = data[at:]
+    if not b"SF\x01".startswith(rest[:3]):
+        return -1
+    if len(rest) < 24:
+        return 0
+    kind, (length,), (count,) = (
+        rest[3],
+        struct.unpack("<H", rest[6:8]),
+        struct.unpack("<H", rest[18:20]),
+    )
+    wanted = WIDTHS[kind] * count if kind in WIDTHS else (count + 7) // 8 if kind == 4 else length
+    if length > 4064 or wanted != length:
+        return -1
+    if len(rest) < 26 + length:
+        return 0
+    good = (
+        crc_hqx(rest[: 24 + length], 0xFFFF)
+        == struct.unpack("<H", rest[24 + length : 26 + length])[0]
+    )
+    return 26 + length if good else -1
+
+
+@dataclass
+class Reference:
+    """What a decoder must make of bytes: channel values, and counts of what happened."""
+
+    channels: int
+    device: int = 1
+    values: dict = field(default_factory=dict)
+    received: int = 0
+    foreign: int = 0
+    malformed: int = 0
+    readings: int = 0
+    packets: list = field(default_factory=list)
+
+    def stream(self, data: bytes, final: bool = False) -> int:
+        """Octets that are done with."""
+        at, torn = 0, False
+        while at < len(data):
+            size = packet_at(data, at)
+            if size > 0:
+                self.take(data[at : at + size])
+                at, torn = at + size, False
+            elif size == 0 and not final:
+                break
+            else:
+                self.malformed += not torn
+                torn = True
+                at += 1
+                while at < len(data) and data[at] != 0x53:
+                    at += 1
+        return at
+
+    def take(self, packet: bytes) -> None:
+        kind = packet[3]
+        device, _length, sequence, _time, channel, count = struct.unpack("<HHIIHH", packet[4:20])
+        if device != self.device or kind >= 32:
+            self.foreign += 1
+            return
+        self.packets.append(sequence)
+        if (kind in WIDTHS or kind == 4) and channel + count > self.channels:
+            self.foreign += 1
+            return
+        self.received += 1
+        if kind in WIDTHS:
+            self.readings += 1
+            numbers = struct.unpack(f"<{count}{FORMATS[kind]}", packet[24:-2])
+            self.values.update(zip(range(channel, channel + count), numbers, strict=True))
