@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.acquisition import Blocks, Kind, Port
 from skinfield.acquisition.recorded import CycleFlag
-from skinfield.contacts.live import ROW
+from skinfield.contacts.live import CONTACT as ROW
 from skinfield.layout import Patch, Skin
 from skinfield.live.recipe import Recipe
 from skinfield.live.ring_fields import description_of, status_fields

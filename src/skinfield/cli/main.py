@@ -20,6 +20,14 @@ class Lazy:
 
 COMMANDS = {
     "demo": Lazy("skinfield.cli.demo", "demo", "Press a simulated patch, reconstruct it, draw it."),
+    "run": Lazy("skinfield.cli.run", "run", "Bring a robot's skin alive."),
+    "status": Lazy("skinfield.cli.status", "status", "What runs, and how well it keeps its time."),
+    "record": Lazy("skinfield.cli.record", "record", "Record a running skin into one MCAP file."),
+    "info": Lazy("skinfield.cli.info", "info", "Say what a recording of a live skin holds."),
+    "export": Lazy(
+        "skinfield.cli.export", "export", "Turn such a recording into Parquet, CSV, Zarr or HDF5."
+    ),
+    "recover": Lazy("skinfield.cli.recover", "recover", "Make a whole recording of a damaged one."),
     "reconstruct": Lazy(
         "skinfield.cli.reconstruct", "reconstruct", "Turn a recording into contacts and fields."
     ),

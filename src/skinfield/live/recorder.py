@@ -20,7 +20,7 @@ from skinfield.live.recorder_disk import Disk
 from skinfield.live.recorder_drain import Drain
 from skinfield.live.recorder_queue import Queue, Told
 from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import RecorderState
+from skinfield.live.recorder_state import RecorderState, forget_state
 from skinfield.live.recorder_watch import Watch, enclosed_of, layout_of
 from skinfield.ring import RingReader
 from skinfield.sinks.mcap import RecordingWriter
@@ -82,11 +82,23 @@ class Recorder:
         self._next = self._began
         self.state = self._state()
 
-    def run(self, stop: threading.Event, seconds: float | None = None) -> RecorderState:
-        """Record until `stop` is set, the time is over, or the ring is taken away."""
+    def run(
+        self,
+        stop: threading.Event,
+        seconds: float | None = None,
+        told: Callable[[RecorderState], None] = lambda state: None,
+    ) -> RecorderState:
+        """Record until `stop` is set, the time is over, or the ring is taken away.
+
+        `told` gets each new state, once a second.
+        """
         end = None if seconds is None else self._began + seconds
+        known = self.state
         while not self._ended:
             self.step()
+            if self.state is not known:
+                known = self.state
+                told(known)
             if stop.wait(PAUSE):
                 self._ended = "it was told to stop"
             elif end is not None and time.monotonic() >= end:
@@ -218,6 +230,7 @@ def main() -> None:
             _say,
         )
         state = recorder.run(stop, given.seconds)
+        forget_state(given.name)
     except SkinfieldError as error:
         raise SystemExit(f"recorder: {error}") from error
     raise SystemExit(0 if state.finished and not state.given_up else 1)

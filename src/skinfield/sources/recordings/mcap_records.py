@@ -165,6 +165,27 @@ class Damaged(ValueError):
     """A record whose content cannot be: its own checksum or lengths say so."""
 
 
+class ChunkSize(NamedTuple):
+    """What a chunk's head says: times of its first and last message, and bytes."""
+
+    first_ns: int
+    last_ns: int
+    compression: str
+    packed: int
+    unpacked: int
+
+
+def chunk_size(file: BinaryIO, record: Record) -> ChunkSize:
+    """Read the head of a chunk alone; raises Damaged."""
+    file.seek(record.start + HEAD.size)
+    head = file.read(min(record.length, CHUNK_HEAD.size + 4 + 64))
+    if len(head) < CHUNK_HEAD.size + 4:
+        raise Damaged(f"a chunk of {record.length} bytes")
+    first, last, unpacked, _ = CHUNK_HEAD.unpack_from(head)
+    name, at = _text(head, CHUNK_HEAD.size)
+    return ChunkSize(first, last, name, record.length - at - 8, unpacked)
+
+
 def chunk_content(body: bytes) -> bytes:
     """Unpacked content of a chunk; raises Damaged."""
     if len(body) < CHUNK_HEAD.size + 4:
