@@ -1,8 +1,7 @@
-"""Configuration from robots' XML: what the files say, what is wrong with them, and garbage."""
+"""Configuration from robots' XML: what the files say, and what is wrong with them."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from icub_files import OLD_SKIN, SKIN, SPEC, WRAPPER
 
 from skinfield.errors import FileError, InputError
 from skinfield.protocols.icub import (
@@ -13,86 +12,6 @@ from skinfield.protocols.icub import (
     Transmit,
     command_from,
     load_configuration,
-)
-from skinfield.protocols.icub.xml_tree import LARGEST, tree_of, without_comments
-
-DOCTYPE = (
-    '<?xml version="1.0" encoding="UTF-8" ?>\n'
-    '<!DOCTYPE {0} PUBLIC "-//YARP//DTD yarprobotinterface 3.0//EN" '
-    '"http://www.yarp.it/DTD/yarprobotinterfaceV3.0.dtd">\n'
-)
-SKIN = (
-    DOCTYPE.format("devices")
-    + """
-    <device xmlns:xi="http://www.w3.org/2001/XInclude" name="left_leg-eb10-skin" type="embObjSkin">
-        <xi:include href="../../general.xml" />
-        <group name="patches">
-            <param name="skinCanAddrsPatch1"> 1 2 3 </param>
-            <param name="skinCanAddrsPatch2"> 13 0xC </param>
-        </group>
-        <xi:include href="./left_leg-eb10-skinSpec.xml" />
-    </device>
-"""
-)
-SPEC = (
-    DOCTYPE.format("params")
-    + """
-<params xmlns:xi="http://www.w3.org/2001/XInclude" robot="someone" build="1">
-        <group name="defaultCfgBoard">
-            <param name="period">        50  </param>
-            <param name="skinType">      0  </param> <!-- 0 ==> new skin
-                                                              1 ==> palm <!-- and -- fingertips -->
-            <param name="noLoad">         0xf0  </param>
-            <param name="diagnostic">    true  </param>     <!-- used to config high level -->
-        </group>
-        <group name="specialCfgBoards">
-            <param name="numOfSets"> 1 </param>
-            <param name="boardSetCfg1">  2           12          13       20    8    235 </param>
-        </group>
-        <group name="defaultCfgTriangle">
-            <param name="enabled">         false  </param>
-            <param name="shift">           2  </param>
-            <param name="cdcOffset">       0x2200  </param>
-        </group>
-        <group name="specialCfgTriangles">
-            <param name="numOfSets">  2  </param>
-            <param name="triangleSetCfg1"> 1   3   0   3   1   2   0x2200 </param>
-            <param name="triangleSetCfg2"> 2   13  5   5   true   0   0x2000 </param>
-        </group>
-</params>
-"""
-)
-WRAPPER = (
-    DOCTYPE.format("devices")
-    + """
-    <device xmlns:xi="http://www.w3.org/2001/XInclude" name="left_leg-wrapper" type="skinWrapper">
-        <param name="period">       20                  </param>
-        <param name="total_taxels"> 960                </param>
-        <paramlist name="ports">
-          <elem name="left_leg_upper">   384 959   0 575</elem>
-          <!-- <elem name="left_leg_lower">  0 1 0 1</elem> -->
-          <elem name="left_foot">    ( 0 383  0 383 )</elem>
-        </paramlist>
-        <action phase="startup" level="5" type="attach">
-            <paramlist name="networks">
-                <elem name="FirstSetOfSkins">  left_leg-eb10-skin </elem>
-            </paramlist>
-        </action>
-    </device>
-"""
-)
-OLD_SKIN = (
-    DOCTYPE.format("devices")
-    + """
-  <device xmlns:xi="http://www.w3.org/2001/XInclude" name="fingertip" type="canBusSkin">
-      <params robot="someone" build="1">
-        <param name="canbusDevice"> "socketcan" </param>
-        <param name="canDeviceNum"> 7 </param>
-        <param name="skinCanIds"> 14 10 </param>
-        <param name="period"> 10 </param>
-      </params>
-  </device>
-"""
 )
 
 
@@ -247,73 +166,6 @@ def test_more_sets_than_robots_read_are_told(write):
     text = text.replace(">  2  <", ">  22  <")
     (note,) = load_configuration(write(SKIN), write(text, "spec.xml")).notes
     assert "22 sets of triangles are in force; the robots' own software reads the first 20" in note
-
-
-LAUGHS = """<?xml version="1.0"?>
-<!DOCTYPE lolz [
- <!ENTITY lol "lol">
- <!ENTITY lol1 "&lol;&lol;&lol;&lol;&lol;&lol;&lol;&lol;&lol;&lol;">
-]>
-<device>&lol1;</device>
-"""
-
-
-@pytest.mark.parametrize(
-    ("data", "error"),
-    [
-        (LAUGHS, "some-skin.xml:3: declares the entity 'lol', expected none"),
-        (
-            '<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><device>&x;</device>',
-            "declares the entity 'x'",
-        ),
-        (
-            '<!DOCTYPE a [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]><device/>',
-            "declares the entity 'x'",
-        ),
-        ("<a>" * 40, "more than 32 elements within each other"),
-        (b"<a>" + b" " * LARGEST + b"</a>", "larger than 1048576 bytes"),
-        ("", "no element found"),
-        ("<!-- only -->", "no element found"),
-        (b"\x00\xff\xfe", "some-skin.xml:1: .*expected well-formed XML"),
-        ('<?xml version="1.0" encoding="no-such"?><a/>', "unknown encoding"),
-        ("<!--" * 200000, "expected well-formed XML"),
-    ],
-)
-def test_what_is_no_robot_s_file(write, data, error):
-    with pytest.raises(FileError, match=error):
-        load_configuration(write(data))
-
-
-def test_comments_keep_their_lines():
-    assert without_comments(b"a<!-- \n <!-- -- \n -->b<!---->c<!-- d") == b"a\n\nbc<!-- d"
-    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x").children[0].line == 3
-
-
-PIECES = st.lists(
-    st.one_of(
-        st.sampled_from([SKIN, SPEC, WRAPPER, OLD_SKIN, LAUGHS]),
-        st.sampled_from(
-            ["<!--", "-->", "<group name='patches'>", "</group>", " 0x ", "\0", "&amp;"]
-        ),
-        st.text(max_size=6),
-    ),
-    max_size=4,
-)
-
-
-@given(st.sampled_from([SKIN, SPEC, WRAPPER, OLD_SKIN]), PIECES, st.data())
-def test_any_file_is_read_or_refused(tmp_path_factory, text, pieces, data):
-    for piece in pieces:
-        at = data.draw(st.integers(0, len(text)))
-        stop = data.draw(st.integers(at, min(len(text), at + 20)))
-        text = text[:at] + piece + text[stop:]
-    path = tmp_path_factory.getbasetemp() / "any.xml"
-    path.write_bytes(text.encode("utf-8", "surrogatepass"))
-    try:
-        found = load_configuration(path)
-    except FileError:
-        return
-    assert all(command_from(data) for _, data in found.messages())
 
 
 def test_files_of_a_real_robot(shared_data, write):

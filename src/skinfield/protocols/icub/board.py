@@ -33,6 +33,8 @@ class BoardState:
     """A board as it is after what it was told; `after` gives the next one.
 
     A board that boots again is a new `BoardState(firmware=...)`: silent, as nobody configured it.
+    Defaults are those that the robots' software sends where a file says nothing; the firmware's own
+    are 50 ms and 245.
 
     Parameters
     ----------
