@@ -111,6 +111,25 @@ def test_can_fd_and_error_frames_are_counted_not_handed_on() -> None:
         assert bus.octets > 700
 
 
+@pytest.mark.parametrize("local", ["", "127.0.0.1"])
+def test_what_stays_on_this_machine_reaches_all_here(local: str) -> None:
+    channel, port = group(), free_port()
+    settings = BusSettings("udp_multicast", channel, port, local="127.0.0.1")
+    with (
+        opened(settings, BusSettings("udp_multicast", channel, port, local=local)) as (one, other),
+        can.Bus(interface="udp_multicast", channel=channel, port=port) as third,
+    ):
+        one.send(1, b"here")
+        assert [each[:2] for each in receive(other, 1)] == [(1, b"here")]
+        heard = third.recv(30)
+        assert heard is not None
+        assert bytes(heard.data) == b"here"
+        other.send(2, b"there")
+        assert [each[:2] for each in receive(one, 1)] == [(2, b"there")]
+        third.send(can.Message(arbitration_id=3, is_extended_id=False))
+        assert [each[0] for each in receive(one, 1) + receive(other, 1)] == [3, 3]
+
+
 def test_ipv6_group() -> None:
     settings = BusSettings("udp_multicast", "ff15::7079:4321", free_port())
     with opened(settings, settings) as (one, other):

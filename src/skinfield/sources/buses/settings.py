@@ -29,7 +29,8 @@ class BusSettings:
         Of `udp`: `host:port` to send to. Left empty, what is sent goes to whoever sent last.
     local : str
         Of `udp_multicast`: address (IPv6: name) of the own network interface; empty, the system
-        chooses. `127.0.0.1` keeps everything on this machine.
+        chooses, and without any network the loopback. `127.0.0.1` keeps what is sent on this
+        machine, where all members hear it.
     bitrate : int, bit/s
         Of adapters that python-can sets up; 0 leaves it as it is. SocketCAN's is set by `ip link`.
     options : tuple of (str, value)

@@ -11,6 +11,7 @@ from skinfield.sources.buses.settings import GROUP, BusSettings
 from skinfield.sources.buses.system import set_options
 
 Address = tuple[str | int, ...]
+HERE = "127.0.0.1"  # as `local`: stay on this machine
 
 
 class Place(NamedTuple):
@@ -68,7 +69,7 @@ def group_of(settings: BusSettings) -> Place:
 
 
 def multicast_receiver(group: Place, local: str) -> tuple[socket.socket, int]:
-    """Member of a group; the socket and the bytes of its buffer.
+    """Member of a group, always on the loopback too; the socket and the bytes of its buffer.
 
     Raises
     ------
@@ -84,33 +85,63 @@ def multicast_receiver(group: Place, local: str) -> tuple[socket.socket, int]:
         # bound to the group itself where the system can: other groups at the port stay out
         any_host = "" if sys.platform != "linux" else str(group.address[0])
         sock.bind((any_host, *group.address[1:]))
-        octets = socket.inet_pton(group.family, str(group.address[0]).partition("%")[0])
-        if group.family == socket.AF_INET:
-            member = octets + socket.inet_aton(local or "0.0.0.0")
-            sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
-        else:
-            member = octets + struct.pack("@I", socket.if_nametoindex(local) if local else 0)
-            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, member)
+        chosen = "" if local == HERE else local
+        failures = [error for each in (chosen, HERE) if (error := _join(sock, group, each))]
+        if len(failures) == 2 or (chosen and failures):
+            raise failures[0]
     except BaseException:
         sock.close()
         raise
     return sock, size
 
 
+def _join(sock: socket.socket, group: Place, local: str) -> OSError | None:
+    """Become a member on an interface; why not."""
+    octets = socket.inet_pton(group.family, str(group.address[0]).partition("%")[0])
+    try:
+        if group.family == socket.AF_INET:
+            member = octets + socket.inet_aton(local or "0.0.0.0")
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
+        else:
+            member = octets + struct.pack("@I", _index(local))
+            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_JOIN_GROUP, member)
+    except OSError as error:
+        return error
+    return None
+
+
+def _index(local: str) -> int:
+    """Number of an interface; 0: the system chooses."""
+    return socket.if_nametoindex("lo" if local == HERE else local) if local else 0
+
+
 def multicast_sender(group: Place, local: str) -> socket.socket:
-    """Socket of its own port to send to a group: so its datagrams can be told from others'."""
+    """Socket of its own port to send to a group: so its datagrams can be told from others'.
+
+    A machine without any network has no way to the group but its loopback, which is taken then.
+    """
+    hops = 0 if local == HERE else 1  # with 0, datagrams reach all on this machine and no other
+    try:
+        return _sender(group, "" if local == HERE else local, hops)
+    except OSError:
+        if local not in ("", HERE):
+            raise
+        return _sender(group, HERE, hops)
+
+
+def _sender(group: Place, local: str, hops: int) -> socket.socket:
     sock = socket.socket(group.family, socket.SOCK_DGRAM)
     try:
         if group.family == socket.AF_INET:
-            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 1)
+            sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, hops)
             sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
             if local:
-                sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(local))
+                own = socket.inet_aton(local)
+                sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, own)
         else:
-            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, 1)
+            sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, hops)
             if local:
-                index = socket.if_nametoindex(local)
-                sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, index)
+                sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_IF, _index(local))
         set_options(sock)
         sock.connect(group.address)
     except BaseException:

@@ -1,0 +1,185 @@
+"""Boards of a bus are told what they should do, and told again when they forgot it.
+
+A board is told its settings and to start
+
+- when the stream opens, and when its bus comes back;
+- when it was silent for `SILENCE` or ten periods, whichever is longer: it may have booted again,
+  been plugged in, or missed what it was told. Once more after 1 s, then after 2, 4, 8 and every
+  10 s, as a board calibrates anew each time and must be left to finish;
+- of an iCub, when its readings, which were of class 4, are of class 3: those of a board that nobody
+  configured.
+
+Not more than `AT_ONCE` messages are sent in one poll; what a bus does not take is sent later.
+"""
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from skinfield.acquisition import CanMessages
+from skinfield.errors import Ints
+from skinfield.protocols.cyskin import CySkinBoard, CySkinWire
+from skinfield.protocols.icub import BOARDS, ICubConfiguration, Transmit, host_message
+from skinfield.sources.buses import Bus
+
+Message = tuple[int, bytes]  # identifier, data
+
+SILENCE = 0.5  # s
+FIRST_PAUSE, LAST_PAUSE = 1.0, 10.0  # s between attempts to wake a board
+LOOK = 0.1  # s between two looks at who is silent
+AT_ONCE = 8
+
+
+class BoardCare:
+    """The boards of one bus.
+
+    Parameters
+    ----------
+    begin, end : sequence of (identifier, data)
+        What all boards are told at first, and at last.
+    each : mapping of int to sequences of (identifier, data)
+        What a board is told again, by its row in `heard_ns`.
+    rows : int
+        Of `heard_ns`.
+    period : float, s
+        Of the readings.
+
+    Attributes
+    ----------
+    heard_ns : (rows,) int64 array, ns
+        When each board sent last.
+    told_again : int
+        Times that a board was told its settings after the first.
+    """
+
+    def __init__(
+        self,
+        begin: Sequence[Message],
+        end: Sequence[Message],
+        each: Mapping[int, Sequence[Message]],
+        rows: int,
+        period: float,
+    ) -> None:
+        self._all, self._stop, self._each = tuple(begin), tuple(end), dict(each)
+        self._silence = round(1e9 * max(SILENCE, 10 * period))
+        self.heard_ns: Ints = np.zeros(rows, np.int64)
+        self._due = [0] * rows
+        self._pause = [FIRST_PAUSE] * rows
+        self._queue: deque[Message] = deque()
+        self._look = 0
+        self.told_again = 0
+
+    @property
+    def waiting(self) -> int:
+        """Messages that are to be sent still."""
+        return len(self._queue)
+
+    def begin(self, now_ns: int) -> None:
+        """Tell all boards everything, as at the beginning."""
+        self._queue.clear()
+        self._queue.extend(self._all)
+        self.heard_ns[:] = now_ns  # from here on they may be silent
+        for row in range(len(self.heard_ns)):
+            self._was_heard(row)
+
+    def _was_heard(self, row: int) -> None:
+        self._due[row], self._pause[row] = 0, FIRST_PAUSE
+
+    def heard(self, rows: CanMessages, count: int) -> None:
+        """Note who sent."""
+        raise NotImplementedError
+
+    def _forgot(self, row: int) -> bool:
+        """Whether a board that sends is known to have forgotten its settings."""
+        return False
+
+    def attend(self, bus: Bus, now_ns: int, at_once: int = AT_ONCE) -> None:
+        """Look who is silent, and send what is to be sent."""
+        if now_ns >= self._look or now_ns < self._look - 2e9 * LOOK:  # the clock was set back
+            self._look = now_ns + round(1e9 * LOOK)
+            if not self._queue:
+                for row in self._each:
+                    self._examine(row, now_ns)
+        if self._queue:
+            self._send(bus, at_once)
+
+    def _examine(self, row: int, now_ns: int) -> None:
+        if now_ns - self.heard_ns[row] <= self._silence and not self._forgot(row):
+            self._was_heard(row)
+        elif now_ns >= self._due[row]:
+            self._queue.extend(self._each[row])
+            self._due[row] = now_ns + round(1e9 * self._pause[row])
+            self._pause[row] = min(2 * self._pause[row], LAST_PAUSE)
+            self.told_again += 1
+
+    def _send(self, bus: Bus, at_once: int) -> None:
+        for _ in range(min(at_once, len(self._queue))):
+            if not bus.send(*self._queue[0]):
+                return
+            self._queue.popleft()
+
+    def stop(self, bus: Bus) -> None:
+        """Tell all boards to stop."""
+        if bus.up:
+            for identifier, data in self._stop:
+                bus.send(identifier, data)
+
+
+class ICubCare(BoardCare):
+    """Boards of an iCub, of bus `place` of their configuration; rows are addresses."""
+
+    def __init__(self, configuration: ICubConfiguration, place: int) -> None:
+        from skinfield.sources.live.board_kernel import note_boards
+
+        self._note = note_boards
+        self._classes: Ints = np.zeros(BOARDS, np.int64)
+        self._configured = [False] * BOARDS
+        super().__init__(
+            configuration.messages(place),
+            configuration.stop_messages(place),
+            {
+                board.address: (*board.messages, host_message(board.address, Transmit(True)))
+                for board in configuration.boards
+                if board.bus == place
+            },
+            BOARDS,
+            configuration.period,
+        )
+
+    def heard(self, rows: CanMessages, count: int) -> None:
+        """Note who sent, and of which class."""
+        self._note(rows.ids, rows.stamp_ns, count, self.heard_ns, self._classes)
+
+    def _was_heard(self, row: int) -> None:
+        super()._was_heard(row)
+        self._configured[row] = self._classes[row] == 4
+
+    def _forgot(self, row: int) -> bool:
+        return self._configured[row] and self._classes[row] == 3
+
+
+class CySkinCare(BoardCare):
+    """Boards of CySkin on one bus; rows are those of `boards`."""
+
+    def __init__(self, boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int) -> None:
+        from skinfield.protocols.cyskin import start_messages, stop_messages
+        from skinfield.sources.live.board_kernel import note_senders
+
+        self._note = note_senders
+        self._numbers: Ints = np.array([board.number for board in boards], np.int64)
+        self._mask = wire.every_board
+        super().__init__(
+            start_messages(boards, wire, period_ms=period_ms),
+            stop_messages(boards, wire),
+            {
+                row: start_messages([board], wire, period_ms=period_ms)
+                for row, board in enumerate(boards)
+            },
+            len(boards),
+            period_ms * 1e-3,
+        )
+
+    def heard(self, rows: CanMessages, count: int) -> None:
+        """Note who sent."""
+        self._note(rows.ids, rows.stamp_ns, count, self._mask, self._numbers, self.heard_ns)

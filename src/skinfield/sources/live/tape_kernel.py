@@ -1,0 +1,99 @@
+"""Recorded blocks once more, compiled: found, and copied with other stamps and channels."""
+
+from numba import njit
+
+from skinfield.acquisition.block import Words
+from skinfield.acquisition.kernel import HEADER_WORDS, STATUS, payload_words
+from skinfield.errors import Ints
+
+BROKEN = -1
+
+
+@njit(cache=True, nogil=True)
+def survey(words: Words, highest: Ints) -> int:
+    """Words up to the end of the last whole block; notes the highest channel, less 1: `highest[0]`.
+
+    Returns
+    -------
+    int
+        Less than there are words, if something there is no block.
+    """
+    at = 0
+    while at + HEADER_WORDS <= len(words):
+        head = words[at + 1]
+        first, count, kind = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF, (head >> 48) & 0xFF
+        size = payload_words(kind, count)
+        if size < 0 or at + HEADER_WORDS + size > len(words):
+            break
+        if kind <= STATUS:
+            highest[0] = max(highest[0], first + count)
+        at += HEADER_WORDS + size
+    return int(at)
+
+
+@njit(cache=True, nogil=True)
+def play(
+    tape: Words,
+    at: int,
+    until_ns: int,
+    step_by_step: bool,
+    begin_ns: int,
+    start_ns: int,
+    speed: float,
+    channel: int,
+    words: Words,
+    end: Words,
+    taken: Ints,
+) -> int:
+    """Copy blocks of counts and of status from word `at` on, as far as their time has come.
+
+    Parameters
+    ----------
+    tape : (W,) int64 array
+        Whole blocks.
+    until_ns : int, ns
+        Time of now.
+    step_by_step : bool
+        Copy until a channel's time would come twice, whatever the time; stamps are `until_ns`.
+    begin_ns : int, ns
+        Of the recording's first block.
+    start_ns : int, ns
+        When that is played.
+    channel : int
+        Added to each.
+    words, end : arrays
+        Of `Blocks`.
+    taken : (4,) int64 array
+        Written: blocks; blocks of counts; first channel and stamp of a step's first block.
+
+    Returns
+    -------
+    int
+        Word of the first block that was left.
+    """
+    while at < len(tape):
+        head, stamp = tape[at + 1], tape[at]
+        first, count, kind = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF, (head >> 48) & 0xFF
+        size = HEADER_WORDS + payload_words(kind, count)
+        if kind <= STATUS:
+            if step_by_step:
+                if taken[1] and kind < STATUS and first == taken[2] and stamp != taken[3]:
+                    break
+                if taken[1] == 0:
+                    taken[2], taken[3] = first, stamp
+                stamp = until_ns
+            else:
+                stamp = start_ns + int((stamp - begin_ns) / speed)
+                if stamp > until_ns:
+                    break
+            if end[0] + size > len(words):
+                break
+            words[end[0]] = stamp
+            words[end[0] + 1] = (head & ~0xFFFFFFFF) | ((first + channel) & 0xFFFFFFFF)
+            for i in range(HEADER_WORDS, size):
+                words[end[0] + i] = tape[at + i]
+            end[0] += size
+            taken[0] += 1
+            taken[1] += kind < STATUS
+        at += size
+    return int(at)
