@@ -39,6 +39,9 @@ COMMANDS = {
     ),
     "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
     "design": Lazy("skinfield.cli.design", "design", "Judge a layout before it is made."),
+    "emulate": Lazy(
+        "skinfield.cli.emulate", "emulate", "Be a skin: boards that do not exist, on a real bus."
+    ),
     "rig": Lazy("skinfield.cli.rig", "rig", "Press a simulated skin on a virtual rig."),
     "bench": Lazy(
         "skinfield.cli.bench", "bench", "Time the solvers here: cost, and error against time."

@@ -1,7 +1,7 @@
 """CySkin's boards: they obey the host's packets, and send SENSOR_DATA of their modules."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -51,8 +51,10 @@ class CySkinBoards(CanBoards):
         placed, self.boards = boards_of(skin)
         self.wire = CySkinWire()
         rng = np.random.default_rng([settings.seed, 2])
-        fresh = [CySkinBoardState(board=board, wire=self.wire) for board in self.boards]
-        self._playing = [Playing(_begun(state, settings), state) for state in fresh]
+        self._playing = []
+        for board in self.boards:
+            state = CySkinBoardState(board=board, wire=self.wire, sending=settings.at_once)
+            self._playing.append(Playing(state, state))
         self._channel = _channels(placed, self.boards)
         self._module_of = self._channel // SENSORS
         self._unplugged: set[int] = set()
@@ -152,6 +154,7 @@ class CySkinBoards(CanBoards):
         else:
             for number in numbers_of(what, len(self.boards), "board"):
                 self._playing[number].quiet = False
+            self._reschedule(now_ns)
 
     def _modules(self, what: str) -> list[int]:
         """Modules, counted over all boards, of ``"3"`` or, of one board, ``"1.3"``."""
@@ -177,10 +180,6 @@ def boards_of(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
         except InputError:
             continue  # more modules than so many boards carry
     return on_boards(skin, tuple(range(1, MOST_BOARDS + 1)))
-
-
-def _begun(state: CySkinBoardState, settings: VirtualSettings) -> CySkinBoardState:
-    return replace(state, sending=True) if settings.at_once else state
 
 
 def _channels(placed: Skin, boards: Sequence[CySkinBoard]) -> Ints:

@@ -75,7 +75,10 @@ class ICubBoards(CanBoards):
         self.boards = boards_of(skin)
         rng = np.random.default_rng([settings.seed, 2])
         firmware = Firmware.MTB3 if settings.mtb3 else Firmware.MTB4
-        self._playing = [Playing(b, *_states(b, firmware, settings)) for b in self.boards]
+        fresh = [_fresh(board, firmware, settings) for board in self.boards]
+        self._playing = [
+            Playing(board, state, state) for board, state in zip(self.boards, fresh, strict=True)
+        ]
         converters = icub_converters(skin, settings, self.boards)
         self._lines = [
             self._line(skin, settings, firmware, bus, number, rng)
@@ -229,12 +232,8 @@ class ICubBoards(CanBoards):
         return found
 
 
-def _states(
-    board: Board, firmware: Firmware, settings: VirtualSettings
-) -> tuple[BoardState, BoardState]:
-    """States at the beginning and after a reboot."""
+def _fresh(board: Board, firmware: Firmware, settings: VirtualSettings) -> BoardState:
+    """State of a board after switching on."""
     kind = SkinType.COMPENSATED if board.pads else SkinType.UNCOMPENSATED
     fresh = BoardState(firmware=firmware, kind=kind)
-    if not settings.at_once:
-        return fresh, fresh
-    return replace(fresh, sending=True, configured=True), fresh
+    return replace(fresh, sending=True, configured=True) if settings.at_once else fresh

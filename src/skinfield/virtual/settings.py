@@ -101,6 +101,9 @@ class VirtualSettings:
         File for the truth; empty for none.
     duration : float, s, optional
         After which it ends.
+    priority : int
+        Of SCHED_FIFO, where that is permitted: readings are on time beside other work. 0: not
+        asked for.
     """
 
     hardware: str = "icub"
@@ -126,6 +129,7 @@ class VirtualSettings:
     control: str = "127.0.0.1:0"
     truth: str = ""
     duration: float | None = None
+    priority: int = 0
 
     def __post_init__(self) -> None:
         check_choice("hardware", self.hardware, HARDWARE, "whose boards it plays")
@@ -148,6 +152,7 @@ class VirtualSettings:
         check_range("common_noise", self.common_noise, 0.0, 1e6, "counts; 0 is off")
         for name in ("gain_spread", "converter_gain_spread"):
             check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
+        check_count("priority", self.priority, 0, 99, "of SCHED_FIFO; 0 is not asked for")
         check_count("seed", self.seed, 0, 1 << 63, "of all that is random")
 
     def to_json(self) -> str:

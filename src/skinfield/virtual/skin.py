@@ -1,5 +1,6 @@
 """The virtual skin: what it feels, what its boards make of it, and when they send it."""
 
+import os
 import select
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -15,6 +16,7 @@ from skinfield.virtual.place import skin_of
 from skinfield.virtual.scene_files import scene_from_text
 from skinfield.virtual.schedule import NEVER
 from skinfield.virtual.settings import VirtualSettings
+from skinfield.virtual.touch import Touch
 from skinfield.virtual.truth import Truth
 from skinfield.virtual.world import World
 
@@ -50,10 +52,11 @@ class VirtualSkin:
         self.hardware: Hardware = open_hardware(self.skin, settings)
         self._control: Control | None = None
         self._ended = False
+        self.notes: list[str] = []
         self.started_ns = time.time_ns()
         self.stream_ns = 0  # when the first reading was sent
         self._scene_ns = 0
-        self.world_ns = 0
+        self._pressing: list[Touch] = []
         self._slow_ns = 0
         try:
             self.faults = FaultClock(self.skin, self.hardware)
@@ -100,6 +103,7 @@ class VirtualSkin:
         """
         watched = set(watch)
         told = time.monotonic()
+        self.notes += ask_for_priority(self.settings.priority)
         while not self._ended:
             if self._wait(watched) & watched:
                 break
@@ -152,7 +156,13 @@ class VirtualSkin:
         scene = (moment_ns - self._scene_ns) / SECOND if self._scene_ns else -1.0
         touches = self.world.update(scene, self.hardware.converters.change)
         if touches is not None:
+            self._pressing = [touch for touch, _ in touches]
             self.truth.note(touches, moment_ns)
+
+    @property
+    def pressing(self) -> list[Touch]:
+        """What presses now."""
+        return self._pressing
 
     def play(self, text: str) -> None:
         """Play another scene, from its beginning.
@@ -178,7 +188,7 @@ class VirtualSkin:
             **self.hardware.counts(),
             "faults": dict(self.faults.begun),
             "truth_lines": self.truth.made,
-            "notes": list(self.world.notes),
+            "notes": [*self.notes, *self.world.notes],
         }
 
     def description(self) -> dict[str, Any]:
@@ -213,3 +223,21 @@ class VirtualSkin:
             self._control.close()
         self.world.close()
         self.truth.close()
+
+
+def ask_for_priority(priority: int) -> list[str]:
+    """Ask for SCHED_FIFO; a sentence if it is not granted.
+
+    The loop sleeps in every cycle; what it starts is not real-time.
+    """
+    if not priority:
+        return []
+    try:
+        policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
+        os.sched_setscheduler(0, policy, os.sched_param(priority))
+    except (OSError, AttributeError) as error:
+        return [
+            f"SCHED_FIFO with priority {priority} is not granted ({error}): readings may be late; "
+            "run as root, or with the right to real time (ulimit -r)"
+        ]
+    return []
