@@ -34,7 +34,7 @@ from skinfield.errors import InputError
 
 HEADER = 16  # bytes
 WORD = 8  # bytes, of which every block is a multiple
-CALIBRATED = 4  # numbers per taxel of a calibration
+CALIBRATED = 6  # numbers per taxel of a calibration
 LONGEST = 65535  # channels in one block
 
 Words = NDArray[np.int64]
@@ -51,7 +51,8 @@ class Kind(IntEnum):
     SOURCE = 5  # a source went down or came up; channel: its index; payload int64: 1 up, 0 down
     LOST = 6  # messages known to be lost; channel: the source's index; payload int64: how many
     CALIBRATION = 7  # taken anew, in force from the end of these blocks on; channel: first taxel of
-    # the skin; payload float64 each of baseline, gain, noise_std, alive (0 or 1), taxel by taxel
+    # the skin; payload float64 each of baseline, gain, noise_std (counts), alive (0 or 1), noise in
+    # the quantity's unit, age in s at which a reading is left out; taxel by taxel
 
 
 class Status(IntFlag):
@@ -90,7 +91,7 @@ class Block:
     status : Status
     payload : array
         (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST;
-        (4 count,) float64 of CALIBRATION.
+        (6 count,) float64 of CALIBRATION.
     """
 
     stamp_ns: int

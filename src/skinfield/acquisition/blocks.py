@@ -113,8 +113,8 @@ class Blocks:
         stamp_ns : int, ns
         taxel : int
             First of them, in the skin's order.
-        rows : (n, 4) float64 array
-            Baseline, gain, noise_std and alive of each.
+        rows : (n, 6) float64 array
+            Of each, as `Kind.CALIBRATION` says.
 
         Raises
         ------

@@ -31,7 +31,7 @@ def payload_words(kind: int, count: int) -> int:
     if kind in (SOURCE, LOST):
         return 1
     if kind == CALIBRATION:
-        return 4 * count
+        return 6 * count
     return -1
 
 
@@ -221,3 +221,18 @@ def take(
         fresh[first + i] = 1
         if bits:
             status[first + i] = bits
+
+
+@njit(cache=True, nogil=True)
+def find_kind(words: Words, start: int, stop: int, kind: int) -> int:
+    """Word at which the first block of a kind begins; -1 if there is none before `stop`."""
+    at = start
+    while at + HEADER_WORDS <= stop:
+        head = words[at + 1]
+        if (head >> 48) & 0xFF == kind:
+            return at
+        size = payload_words((head >> 48) & 0xFF, (head >> 32) & 0xFFFF)
+        if size < 0:
+            return -1
+        at += HEADER_WORDS + size
+    return -1

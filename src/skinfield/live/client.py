@@ -52,7 +52,7 @@ class Snapshot(Mapping[str, Estimate]):
 
     def __init__(self, slot: Slot, number: int, models: Models, wall_ns: int) -> None:
         self.number = number
-        self._slot, self._models = slot, models
+        self.slot, self._models = slot, models
         self.patches: NDArray[Any] = slot.patches
         self.contacts: NDArray[Any] = slot.used_contacts()
         self.stamp_ns = int(slot.patches["stamp_ns"].max(initial=0))
@@ -72,10 +72,10 @@ class Snapshot(Mapping[str, Estimate]):
                 "`skinfield status`"
             )
         if name not in self._made:
-            head = self._slot.head
+            head = self.slot.head
             took = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-9
             late = bool(int(head[Head.FLAGS]) & CycleFlag.LATE)
-            self._made[name] = self._models.estimate(self._slot, place, took, late)
+            self._made[name] = self._models.estimate(self.slot, place, took, late)
         return self._made[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -97,7 +97,7 @@ class Snapshot(Mapping[str, Estimate]):
     @property
     def readings(self) -> NDArray[np.float32]:
         """Newest counts of all taxels, patch by patch, (L,)."""
-        return self._slot.counts
+        return self.slot.counts
 
     @property
     def force(self) -> float:
@@ -112,26 +112,28 @@ class Live:
     ----------
     name : str
     skin : Skin
+    reader : RingReader
+        Of its ring, with everything that is published.
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self._reader = RingReader(name)
-        text = self._reader.description.get("recipe")
+        self.reader = RingReader(name)
+        text = self.reader.description.get("recipe")
         if not isinstance(text, str):
-            self._reader.close()
+            self.reader.close()
             raise NotRunning(f"ring {name!r} is of something else, expected that of a live skin")
         self.recipe = Recipe.from_json(text)
         self.skin: Skin = self.recipe.skin
         self._models: tuple[int, Models] | None = None
-        self._slot = self._reader.slot()
+        self._slot = self.reader.slot()
         self._seen = 0
 
     @property
     def state(self) -> State:
         """What the engine is doing; FAILED if its process is gone."""
-        state = self._reader.state
-        gone = not self._reader.alive and state != State.STOPPED
+        state = self.reader.state
+        gone = not self.reader.alive and state != State.STOPPED
         return State.FAILED if gone else state
 
     def latest(self, max_age: float | None = None, timeout: float = 1.0) -> Snapshot:
@@ -160,10 +162,10 @@ class Live:
             left = end - time.monotonic()
             if left <= 0:
                 raise self._stale(found, max_age, timeout)
-            self._reader.wait(self._seen, left)
+            self.reader.wait(self._seen, left)
 
     def _fetch(self) -> Snapshot | None:
-        copied = self._reader.latest()
+        copied = self.reader.latest()
         if copied is None:
             return None
         self._seen = copied.number
@@ -180,7 +182,7 @@ class Live:
     @property
     def models(self) -> Models:
         """What turns pressure into deformation and uncertainty, for the calibration in force."""
-        status = self._reader.status
+        status = self.reader.status
         tares = int(status["tares"][0])
         if self._models is None or self._models[0] != tares:
             noise = status["noise_std"]
@@ -191,14 +193,19 @@ class Live:
     def __iter__(self) -> Iterator[Snapshot]:
         """Every cycle with a new reading; a slow loop gets the newest and misses some."""
         while True:
-            number = self._reader.wait(self._seen, FOREVER)
+            number = self.reader.wait(self._seen, FOREVER)
             if number <= self._seen:
-                if self._reader.replaced():
+                if self.reader.replaced():
                     raise NotRunning(f"{self.name!r} was started anew: connect again")
                 continue
             found = self._fetch()
             if found is not None and found.fresh:
                 yield found
+
+    def next(self, timeout: float) -> Snapshot | None:
+        """The newest cycle that was not fetched yet; None if none came in time."""
+        number = self.reader.wait(self._seen, timeout)
+        return self._fetch() if number > self._seen else None
 
     def wait_contact(
         self, timeout: float | None = None, *, patch: str | None = None, force: float = 0.0
@@ -224,7 +231,7 @@ class Live:
             raise InputError(f"patch is {patch!r}, expected one of {', '.join(names)}")
         end = time.monotonic() + (FOREVER if timeout is None else timeout)
         while (left := end - time.monotonic()) > 0:
-            if self._reader.wait(self._seen, min(left, 0.5)) <= self._seen:
+            if self.reader.wait(self._seen, min(left, 0.5)) <= self._seen:
                 continue
             found = self._fetch()
             if found is None:
@@ -242,7 +249,7 @@ class Live:
 
     def close(self) -> None:
         """Let go of the ring; the skin runs on."""
-        self._reader.close()
+        self.reader.close()
 
     def __enter__(self) -> Self:
         return self
@@ -274,14 +281,15 @@ def connect(name: str | None = None, *, timeout: float = 0.0) -> Live:
     end = time.monotonic() + timeout
     while True:
         try:
-            return Live(_chosen(name))
+            return Live(chosen(name))
         except InputError as error:
             if time.monotonic() >= end:
                 raise NotRunning(str(error)) from error
             time.sleep(0.05)
 
 
-def _chosen(name: str | None) -> str:
+def chosen(name: str | None) -> str:
+    """Name of the skin that is meant: the given one, or the only one that runs."""
     if name is not None:
         return name
     there = [each.name for each in Ring.names() if each.alive]

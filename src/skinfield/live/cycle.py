@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.acquisition import Channels
+from skinfield.acquisition.recorded import Cycle as Recorded
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.conditioning import Convention
 from skinfield.engine import Engine
@@ -83,6 +84,15 @@ class Cycle:
         self._alive = np.ascontiguousarray(table[:, 3] > 0)
         gain = np.where(self._alive, table[:, 1], 1.0)
         self._per_gain = 1.0 / gain
+
+    def go_on_from(self, recorded: Recorded) -> None:
+        """Take over what a recorded cycle told of patches and contacts, for the key cycle after."""
+        kept, start = self._kept, 0
+        kept.patches[:] = recorded.patches
+        self.tracks[0] = recorded.patches["tracks"][0]
+        for patch, count in enumerate(recorded.patches["contacts"].tolist()):
+            kept.contacts[patch, :count] = recorded.contacts[start : start + count]
+            start += count
 
     def answer(
         self,

@@ -69,6 +69,7 @@ class EngineProcess:
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
         self.since_key = 0
         self.keys = 1
+        self.began = False
         self.again: Tare | None = None
         self.notes: dict[str, object] = {"phase": self.start.phase}
         write_notes(self.ring.status["notes"], self.notes)
@@ -111,7 +112,8 @@ class EngineProcess:
         head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
         head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
         head[Head.LOG_POSITION], head[Head.MESSAGES] = ring.log_end, messages
-        if self.cycle is None:
+        if self.cycle is None or self.began:
+            self.began = False  # it took long to get ready: the next cycle is the first on time
             self._without_answer(slot)
             return
         self._answer(self.cycle, slot, wake, wall)
@@ -163,7 +165,7 @@ class EngineProcess:
     def _go(self, cycle: Cycle) -> None:
         """From here on nothing may wait."""
         settings = self.settings
-        self.cycle, self.since_key = cycle, 0
+        self.cycle, self.since_key, self.began = cycle, 0, True
         self.keys = max(int(settings.key_seconds / settings.period), 1)
         granted = settings.real_time.apply()
         self._note(phase="running", granted=granted.as_dict())

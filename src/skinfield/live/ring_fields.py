@@ -1,5 +1,7 @@
 """What a live skin's ring holds beside its slots: counters, times, calibration and notes."""
 
+import math
+
 import numpy as np
 
 from skinfield.acquisition import Blocks, Count
@@ -17,6 +19,8 @@ from skinfield.realtime.timing import TIMES, TOTALS
 from skinfield.ring import Field, Ring, RingReader
 
 VERSION = 1
+ROOM = 1 << 26  # bytes for slots
+FEWEST, MOST = 64, 1024  # slots
 
 
 def status_fields(sources: int, taxels: int) -> list[Field]:
@@ -24,7 +28,7 @@ def status_fields(sources: int, taxels: int) -> list[Field]:
     return [
         *(Field(*each) for each in TIMING),
         Field("sources", "<i8", (sources, len(Count))),
-        Field("calibration", "<f8", (taxels, CALIBRATED)),
+        Field("calibration", "<f8", (taxels, 4)),
         Field("noise_std", "<f8", (taxels,)),
         Field("stale_ns", "<i8", (1,)),
         Field("tares", "<i8", (1,)),  # calibrations since the ring was made; 0: none yet
@@ -59,6 +63,12 @@ def description_of(settings: LiveSettings, recipe: Recipe) -> dict[str, object]:
     }
 
 
+def slots_for(fields: list[Field]) -> int:
+    """So many cycles that a reader may be held up for a while, within reason."""
+    size = sum(np.dtype(each.dtype).itemsize * math.prod(each.shape) for each in fields)
+    return int(min(max(ROOM // size, FEWEST), MOST))
+
+
 def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     """The ring of this skin: that of an engine that died, if it fits, else a new one.
 
@@ -70,15 +80,15 @@ def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     """
     sizes = Sizes.of(settings.skin, settings.rungs, settings.rows)
     slot, status = sizes.fields(), status_fields(len(settings.sources), sizes.taxels)
-    wanted = description_of(settings, recipe)
+    wanted, slots = description_of(settings, recipe), settings.slots or slots_for(slot)
     try:
-        ring = Ring.reopen(settings.name, slot, status, settings.slots, settings.log_bytes)
+        ring = Ring.reopen(settings.name, slot, status, slots, settings.log_bytes)
         if ring.description.get("recipe") == wanted["recipe"]:
             return ring, False
         ring.close()
     except InputError:  # there is none, or one of another skin: if it is in use, the next says so
         pass
-    made = Ring.create(settings.name, slot, status, wanted, settings.slots, settings.log_bytes)
+    made = Ring.create(settings.name, slot, status, wanted, slots, settings.log_bytes)
     return made, True
 
 
@@ -89,10 +99,10 @@ def write_tare(ring: Ring, tared: Tared, blocks: Blocks, now_ns: int) -> None:
     status["noise_std"][:] = tared.noise_std
     status["stale_ns"][0] = tared.stale_ns
     status["tares"][0] += 1
+    rows = tared.rows()
     room = LONGEST // CALIBRATED
-    for first in range(0, len(tared.calibration), room):
-        rows = np.ascontiguousarray(tared.calibration[first : first + room])
-        blocks.put_calibration(now_ns, first, rows)
+    for first in range(0, len(rows), room):
+        blocks.put_calibration(now_ns, first, rows[first : first + room])
 
 
 def known_tare(ring: Ring | RingReader) -> Tared | None:

@@ -78,7 +78,7 @@ class LiveSettings:
     stale_after: float | None = None
     key_seconds: float = 5.0
     rows: int = 8
-    slots: int = 64
+    slots: int | None = None
     log_bytes: int = 1 << 26
     real_time: RealTime = field(default_factory=RealTime)
 

@@ -26,6 +26,7 @@ PAUSES = (0.1, 0.3, 1.0, 3.0)  # s before it is started again, the last for ever
 SETTLED = 30.0  # s after which a failure counts as the first one again
 TAIL = 4000  # characters of what it said last
 KEPT = 100  # events
+TRIES = 3  # failures of an engine that never answered, after which it is no use
 
 
 @dataclass(frozen=True)
@@ -176,8 +177,13 @@ class Supervisor:
         new.chmod(0o600)
         new.replace(path)
 
-    def wait_running(self, timeout: float) -> RingReader:
-        """Wait until the engine answers.
+    @property
+    def hopeless(self) -> bool:
+        """Whether it failed again and again, and never answered."""
+        return self._failures >= TRIES and self.never_ran
+
+    def wait(self, timeout: float, state: State = State.RUNNING) -> RingReader:
+        """Wait until the engine is as far as a state; by default, until it answers.
 
         Raises
         ------
@@ -187,11 +193,11 @@ class Supervisor:
         """
         end = time.monotonic() + timeout
         while time.monotonic() < end:
-            if self._failures >= 3 and self.never_ran:
+            if self.hopeless:
                 raise EngineFailed(f"the engine does not start: {self.failure}")
-            reader = self._reader()
+            reader = self._reader(state)
             if reader is not None:
-                self.never_ran = False
+                self.never_ran &= state != State.RUNNING
                 return reader
             time.sleep(0.02)
         raise EngineFailed(
@@ -199,13 +205,13 @@ class Supervisor:
             + (f": {self.failure}" if self.failure else "; do readings arrive?")
         )
 
-    def _reader(self) -> RingReader | None:
+    def _reader(self, state: State) -> RingReader | None:
         child = self._child
         try:
             reader = RingReader(self.settings.name)
         except InputError:
             return None
-        if child is not None and reader.pid == child.pid and reader.state == State.RUNNING:
+        if child is not None and reader.pid == child.pid and state <= reader.state <= State.RUNNING:
             return reader
         reader.close()
         return None

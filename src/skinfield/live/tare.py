@@ -45,7 +45,18 @@ class Tared:
     calibration: Floats
     noise_std: Floats
     stale_ns: int
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def rows(self) -> Floats:
+        """As a block of readings holds it, (L, 6)."""
+        stale = np.full(len(self.noise_std), self.stale_ns * 1e-9)
+        return np.column_stack([self.calibration, self.noise_std, stale])
+
+    @classmethod
+    def from_rows(cls, rows: Floats) -> "Tared":
+        """Undo `rows`."""
+        stale_ns = round(float(rows[0, 5]) * 1e9)
+        return cls(rows[:, :4].copy(), rows[:, 4].copy(), stale_ns)
 
 
 class Tare:

@@ -1,0 +1,178 @@
+"""`skinfield run`: a robot's skin, alive."""
+
+import json
+import signal
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+
+from skinfield.cli.run_options import (
+    answer_options,
+    check_record,
+    extra_settings,
+    settings_from,
+    source_options,
+    system_options,
+)
+
+REFRESH = 0.25  # s
+STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solved
+
+
+@click.command(short_help="Bring a robot's skin alive: contacts in newtons, on time.")
+@source_options
+@answer_options
+@system_options
+@click.option("--record", type=click.Path(path_type=Path), help="Into this MCAP file.")
+@click.option("--port", type=int, help="Serve status and contacts as JSON on this local port.")
+@click.option("--duration", type=float, help="Seconds; default until Ctrl-C.")
+@click.option("--headless", is_flag=True, help="No table: for services and scripts.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object at the end.")
+@click.option("--scene", default="press", show_default=True, help="Of the virtual skin.")
+@click.option("--virtual-rate", default=100.0, show_default=True, help="Its readings per second.")
+@click.option("--seed", default=0, show_default=True, help="Of its noise.")
+def run(**given: Any) -> None:
+    r"""Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
+
+    With nothing attached a virtual skin is started, which speaks the bytes of iCub's boards. The
+    engine works in a process of its own, at real-time priority where the system grants it; what is
+    not granted is told by `skinfield status`, with the remedy. It starts with a baseline: leave the
+    skin untouched for the first second or two.
+
+    \b
+    Examples:
+      skinfield run
+      skinfield run --record touch.mcap --duration 60
+      skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
+      skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
+      skinfield run --duration 10 --headless --json
+
+    Other programs get the estimates with `skinfield.connect()`, see docs/live.md. Ctrl-C ends all.
+    """
+    console = Console(stderr=True)
+    check_record(given["record"])
+    signal.signal(signal.SIGTERM, _interrupt)
+    with ExitStack() as parts:
+        summary = _run(given, parts, console)
+    if given["as_json"]:
+        click.echo(json.dumps(summary))
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str, Any]:
+    """Start everything, show it until the end, and sum it up."""
+    from skinfield.cli.inputs import skin_from_text
+    from skinfield.cli.run_parts import recorder, virtual_skin
+    from skinfield.live.client import Live
+    from skinfield.live.supervisor import Supervisor
+    from skinfield.ring import State
+    from skinfield.sources.live.spec import source_from_options
+
+    skin = skin_from_text(given["skin_text"])
+    hardware, bus, channels = given["hardware"], given["bus"], given["channel"]
+    with console.status("starting"):
+        if hardware is None:
+            handle = parts.enter_context(virtual_skin(given))
+            hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
+        source = source_from_options(hardware, bus, channels, skin, extra_settings(given["extra"]))
+        settings = settings_from(given, skin, source)
+        supervisor = parts.enter_context(Supervisor(settings))
+        supervisor.wait(STARTS, State.STARTING).close()
+        parts.enter_context(recorder(settings.name, given["record"]))
+        live = parts.enter_context(Live(settings.name))
+        if given["port"] is not None:
+            from skinfield.live.served import serve
+
+            parts.enter_context(serve(settings.name, given["port"]))
+    return _watch(given, supervisor, live, console)
+
+
+def _watch(given: dict[str, Any], supervisor: Any, live: Any, console: Console) -> dict[str, Any]:
+    """Show the skin until its time is over, or Ctrl-C."""
+    from skinfield.live.seen import Watch
+    from skinfield.live.status import Observer
+
+    watch, observer = Watch([patch.name for patch in live.skin]), Observer(live.reader)
+    screen = None if given["headless"] else _screen(console)
+    try:
+        began = _wait_running(supervisor, observer, screen, console)
+        end = None if given["duration"] is None else began + given["duration"]
+        shown = began
+        while end is None or time.monotonic() < end:
+            left = REFRESH if end is None else min(REFRESH, max(end - time.monotonic(), 0.0))
+            found = live.next(left)
+            now = time.monotonic()
+            if found is not None:
+                watch.take(found.contacts, now - began)
+            if screen is not None and now - shown > REFRESH:
+                shown = now
+                _show(screen, observer)
+    except KeyboardInterrupt:
+        console.print("stopping", style="dim")
+    finally:
+        if screen is not None:
+            screen.stop()
+    return summary_of(observer.look(), supervisor, watch.contacts)
+
+
+def _screen(console: Console) -> Any:
+    from rich.live import Live as Screen
+
+    screen = Screen(console=console, refresh_per_second=8, transient=False)
+    screen.start()
+    return screen
+
+
+def _show(screen: Any, observer: Any) -> None:
+    from skinfield.cli.run_table import shown
+
+    screen.update(shown(observer.look()))
+
+
+def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
+    """Wait until the engine answers, showing what it does meanwhile; the time then."""
+    from skinfield.live.supervisor import EngineFailed
+
+    end = time.monotonic() + STARTS
+    while True:
+        try:
+            supervisor.wait(REFRESH).close()
+            return time.monotonic()
+        except EngineFailed:
+            if time.monotonic() > end or supervisor.hopeless:
+                raise
+        if screen is not None:
+            _show(screen, observer)
+
+
+def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """What `--json` prints; times in µs since the engine's start."""
+    since = status.since
+
+    def micros(found: Any) -> dict[str, float] | None:
+        if found is None:
+            return None
+        return {key: value for key, value in found.as_micros().items() if key != "count"}
+
+    return {
+        "cycles": since.cycles,
+        "late": since.late,
+        "overrun": since.overrun,
+        "skipped": since.skipped,
+        "lost": status.lost,
+        "latency_us": micros(since.latency),
+        "wake_us": micros(since.wake),
+        "ready_us": micros(since.ready),
+        "contacts": contacts,
+        "sources": status.sources,
+        "restarts": supervisor.restarts,
+        "granted": status.notes.get("granted"),
+        "events": [[each.time_ns, each.what, each.text] for each in supervisor.events],
+    }

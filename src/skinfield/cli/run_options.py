@@ -1,0 +1,155 @@
+"""Options of `skinfield run`, and the settings that they make."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from skinfield.cli.options import MECHANICS, QUANTITIES, SOLVERS, layer_options
+from skinfield.errors import InputError
+
+F = TypeVar("F", bound=Callable[..., Any])
+LIVE_SOLVERS = [name for name in SOLVERS if name != "contact"]
+RUNGS = (10, 20, 40, 80)
+
+
+def source_options(function: F) -> F:
+    """Where readings come from."""
+    for option in (
+        click.option(
+            "--set",
+            "extra",
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="A setting of the source, such as config=robot.xml; again for more.",
+        ),
+        click.option(
+            "--channel",
+            multiple=True,
+            help="Of the bus: can0, an address and port, a device; again for several buses.",
+        ),
+        click.option("--bus", help="How it is connected: socketcan, udp_multicast, udp, serial ..."),
+        click.option(
+            "--hardware",
+            help="Whose boards: icub, cyskin, packet, ... Without it a virtual skin is started.",
+        ),
+        click.option(
+            "--skin", "skin_text", default="hexagon72", show_default=True, metavar="LAYOUT",
+            help="Layout file, or a generator by name.",
+        ),
+    ):  # fmt: skip
+        function = option(function)
+    return function
+
+
+def answer_options(function: F) -> F:
+    """How readings are answered."""
+    for option in (
+        click.option(
+            "--tare-s", default=1.0, show_default=True, help="Of an untouched skin, at the start."
+        ),
+        click.option("--gain", type=float, help="Counts per unit of ΔC/C₀. Default a guess."),
+        click.option("--no-load", type=int, help="What an iCub byte rests at. [default: 240]"),
+        click.option(
+            "--quantity", type=click.Choice(list(QUANTITIES)), default="capacitance",
+            show_default=True, help="What a taxel reads.",
+        ),
+        click.option(
+            "--mechanics", type=click.Choice(list(MECHANICS)), default="layer", show_default=True,
+            help="Model of the elastomer.",
+        ),
+        click.option(
+            "--solver", type=click.Choice(LIVE_SOLVERS), default="nonnegative", show_default=True,
+            help="How readings become pressure.",
+        ),
+        click.option(
+            "--grid", type=int, default=40, show_default=True,
+            help="Nodes on a side of the finest grid.",
+        ),
+        click.option("--budget-us", type=float, help="For the reconstruction in each cycle, µs."),
+        click.option(
+            "--deadline-ms", type=float, help="When an estimate is late, ms. [default: one period]"
+        ),
+        click.option("--events", is_flag=True, help="A cycle when readings arrive, at no rate."),
+        click.option("--rate", default=1000.0, show_default=True, help="Cycles per second."),
+    ):  # fmt: skip
+        function = option(function)
+    return layer_options(function)
+
+
+def system_options(function: F) -> F:
+    """What is asked of the system."""
+    for option in (
+        click.option("--cpu", type=int, help="To pin the engine to. Default the last, or isolated."),
+        click.option(
+            "--priority", default=80, show_default=True,
+            help="Of SCHED_FIFO, where it is granted; 0: not asked for.",
+        ),
+        click.option(
+            "--name", default="skin", show_default=True, help="By which other programs find it."
+        ),
+    ):  # fmt: skip
+        function = option(function)
+    return function
+
+
+def rungs_to(grid: int) -> tuple[int, ...]:
+    """Resolutions from coarse to this one."""
+    if grid < 4:
+        raise InputError(f"--grid is {grid}, expected 4 nodes on a side or more")
+    return (*(nodes for nodes in RUNGS if nodes < grid), grid)
+
+
+def extra_settings(texts: tuple[str, ...]) -> dict[str, str]:
+    """Settings of a source, from KEY=VALUE."""
+    found: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or not key:
+            raise InputError(f"--set is {text!r}, expected KEY=VALUE, such as config=robot.xml")
+        found[key] = value
+    return found
+
+
+def settings_from(given: dict[str, Any], skin: Any, source: Any) -> Any:
+    """`LiveSettings` of the options; the source is one of the live sources."""
+    from skinfield.cli.options import layer_from_options
+    from skinfield.live.settings import LiveSettings
+    from skinfield.realtime import RealTime
+
+    micro, milli = given["budget_us"], given["deadline_ms"]
+    return LiveSettings(
+        skin=skin,
+        sources=(source,),
+        name=given["name"],
+        layer=layer_from_options(given["thickness_mm"], given["modulus_kpa"], given["poisson"]),
+        mechanics=MECHANICS[given["mechanics"]](),
+        quantity=QUANTITIES[given["quantity"]](),
+        solver=SOLVERS[given["solver"]](),
+        rungs=rungs_to(given["grid"]),
+        board=board_of(given["hardware"], given["no_load"]),
+        gain=given["gain"],
+        rate=None if given["events"] else given["rate"],
+        budget=None if micro is None else micro * 1e-6,
+        deadline=None if milli is None else milli * 1e-3,
+        tare_seconds=given["tare_s"],
+        real_time=RealTime(priority=given["priority"], cpu=given["cpu"]),
+    )
+
+
+def board_of(hardware: str | None, no_load: int | None) -> Any:
+    """What a count of this hardware means; None to go by the range of the counts."""
+    from skinfield.conditioning import CySkinCount, ICubByte
+
+    if hardware in (None, "icub"):
+        return ICubByte() if no_load is None else ICubByte(no_load=no_load)
+    if no_load is not None:
+        raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
+    return CySkinCount() if hardware in ("cyskin", "shm") else None
+
+
+def check_record(path: Path | None) -> None:
+    """Refuse to write over a recording before anything is started."""
+    if path is not None and path.exists():
+        raise InputError(f"--record is {path}, which is there already, expected a new file")

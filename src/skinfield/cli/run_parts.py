@@ -1,0 +1,56 @@
+"""The processes that `skinfield run` starts, and how they end."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from skinfield.errors import InputError
+
+ENDS = 15.0  # s for a recorder to finish its file
+
+
+@contextmanager
+def virtual_skin(given: dict[str, Any]) -> Iterator[Any]:
+    """The virtual skin that is there when no hardware is."""
+    from skinfield.virtual.process import start
+    from skinfield.virtual.settings import VirtualSettings
+
+    settings = VirtualSettings(
+        hardware="icub",
+        skin=given["skin_text"],
+        bus=given["bus"] or "udp",
+        channels=given["channel"],
+        rate=given["virtual_rate"],
+        scene=given["scene"],
+        lead_in=given["tare_s"] + 2.0,
+        seed=given["seed"],
+    )
+    with start(settings) as handle:
+        yield handle
+
+
+@contextmanager
+def recorder(name: str, path: Path | None) -> Iterator[None]:
+    """A recorder of this ring, if a file is wanted; its file is finished in the end."""
+    if path is None:
+        yield
+        return
+    child = subprocess.Popen([sys.executable, "-m", "skinfield.live.recorder", name, str(path)])
+    try:
+        yield
+    finally:
+        if child.poll() is None:
+            child.terminate()
+        try:
+            code = child.wait(ENDS)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            code = child.wait()
+        if code:
+            raise InputError(
+                f"the recorder ended with status {code}: see what it said; "
+                f"`skinfield recover {path} -o GOOD.mcap` saves what is in the file"
+            )

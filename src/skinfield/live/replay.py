@@ -1,0 +1,188 @@
+"""A recording answered again: the same code, the same bytes, the same decisions."""
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from skinfield.acquisition import Blocks, Channels, Kind, blocks_of
+from skinfield.acquisition.recorded import TARE, CycleFlag
+from skinfield.acquisition.recorded import Cycle as Recorded
+from skinfield.errors import FileError, InputError
+from skinfield.live.binding import bind
+from skinfield.live.cycle import Cycle
+from skinfield.live.recipe import Recipe
+from skinfield.live.slots import Head, Sizes, Slot
+from skinfield.live.tare import Tared
+from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_steps import Step, Steps
+
+KEY = int(CycleFlag.KEY)
+WORD = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """One cycle, answered again.
+
+    Attributes
+    ----------
+    recorded : Cycle
+        As it was live.
+    slot : Slot
+        As it is now; overwritten by the next.
+    fresh : bool
+        Whether it had a new reading.
+    same : bool
+        Whether contacts and patches are the same, bit for bit.
+    """
+
+    recorded: Recorded
+    slot: Slot
+    fresh: bool
+    same: bool
+
+
+class Replay:
+    """The cycles of a recording, answered again.
+
+    Parameters
+    ----------
+    path : path
+        Of an MCAP file of a live skin.
+
+    Attributes
+    ----------
+    recording : LiveRecording
+    recipe : Recipe
+    passed : int
+        Cycles that could not be answered: before the first key cycle or the first baseline, and
+        after a gap until the next key cycle.
+    gaps : int
+        Places where readings or cycles are missing.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or does not say what its estimates followed from.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.recording = LiveRecording.open(path)
+        if not self.recording.configuration:
+            raise FileError(
+                f"{path} encloses no configuration, expected one: it cannot be answered again; "
+                "`skinfield export` still gives its readings"
+            )
+        self.recipe = Recipe.from_json(json.dumps(self.recording.configuration))
+        self.binding = bind(self.recipe.skin, self.recipe.ports)
+        self.channels = Channels(self.binding.channels)
+        self.slot = Slot.empty(Sizes.of(self.recipe.skin, self.recipe.rungs, self.recipe.rows))
+        self.passed = self.gaps = 0
+        self._tared = self._first_tare()
+        self._cycle: Cycle | None = None
+
+    def _first_tare(self) -> Tared | None:
+        """The calibration that was in force when the recording began, if there was one."""
+        start, end = TARE.split("{number}")
+        numbers = {
+            int(name[len(start) : -len(end)]): name
+            for name in self.recording.attached
+            if name.startswith(start)
+            and name.endswith(end)
+            and name[len(start) : -len(end)].isdigit()
+        }
+        if not numbers:
+            return None
+        attached = self.recording.attached[numbers[min(numbers)]]
+        taxels = len(self.binding.channel)
+        try:
+            with np.load(io.BytesIO(attached.data), allow_pickle=False) as file:
+                table, noise = file["calibration"], file["noise_std"]
+                stale_ns = int(file["stale_ns"].reshape(-1)[0])
+        except (OSError, ValueError, KeyError, EOFError) as error:
+            raise FileError(
+                f"{self.recording.path}: {attached.name} cannot be used: {error}"
+            ) from error
+        if table.shape != (taxels, 4) or noise.shape != (taxels,):
+            raise FileError(
+                f"{self.recording.path}: {attached.name} is of {len(noise)} taxels, expected "
+                f"{taxels} as the layout has"
+            )
+        return Tared(table.astype(np.float64), noise.astype(np.float64), stale_ns)
+
+    def __iter__(self) -> Iterator[Answered]:
+        before: Recorded | None = None
+        going = False
+        blocks = Blocks(1 << 12)
+        for step in Steps(self.recording):
+            cycle = step.cycle
+            gap = step.missing > 0 or (before is not None and cycle.number != before.number + 1)
+            blocks = self._room(blocks, len(step.data))
+            self._take(step, blocks)
+            key = bool(cycle.flags & KEY)
+            if gap and before is not None:
+                self.gaps += 1
+                going = False
+            if key and self._tared is not None and not (gap and before is not None):
+                going = going or self._begin(before)
+            if going and self._cycle is not None and self._tared is not None:
+                yield self._answered(self._cycle, cycle, key)
+            else:
+                self.passed += 1
+            before = cycle
+
+    def _room(self, blocks: Blocks, size: int) -> Blocks:
+        """A buffer that holds so many bytes."""
+        if size <= blocks.octets.size:
+            blocks.clear()
+            return blocks
+        return Blocks(2 * size)
+
+    def _take(self, step: Step, blocks: Blocks) -> None:
+        """Apply the readings of a step, and a new calibration if it brings one."""
+        from skinfield.acquisition.kernel import find_kind
+
+        if not step.data:
+            return
+        blocks.put_data(step.data)
+        self.channels.apply_good(blocks)
+        if find_kind(blocks.words, 0, int(blocks.end[0]), int(Kind.CALIBRATION)) < 0:
+            return
+        rows = np.zeros((len(self.binding.channel), 6))
+        for block in blocks_of(blocks.data):
+            if block.kind == Kind.CALIBRATION and block.channel + block.count <= len(rows):
+                rows[block.channel : block.channel + block.count] = block.payload.reshape(-1, 6)
+        self._tared = Tared.from_rows(rows)
+        if self._cycle is not None:
+            self._cycle.calibrate(self._tared.calibration)
+
+    def _begin(self, before: Recorded | None) -> bool:
+        """Start at a key cycle, from the contacts that the cycle before it told."""
+        tared = self._tared
+        assert tared is not None  # whoever calls has looked
+        if self._cycle is None:
+            noise, stale = tared.noise_std, tared.stale_ns
+            self._cycle = Cycle(self.recipe, self.binding, tared.calibration, noise, stale)
+        if before is not None:
+            self._cycle.go_on_from(before)
+        return True
+
+    def _answered(self, cycle: Cycle, recorded: Recorded, key: bool) -> Answered:
+        script = recorded.script if len(recorded.script) else None
+        fresh = cycle.answer(self.channels, recorded.wall_ns, self.slot, key=key, script=script)
+        if fresh and script is None:
+            raise InputError(
+                f"cycle {recorded.number} has new readings and no script, expected one: the "
+                "recording is damaged"
+            )
+        slot = self.slot
+        same = (
+            slot.used_contacts().tobytes() == recorded.contacts.tobytes()
+            and slot.patches.tobytes() == recorded.patches.tobytes()
+            and len(recorded.script) == int(slot.head[Head.SCRIPT])
+        )
+        return Answered(recorded, slot, fresh, same)
