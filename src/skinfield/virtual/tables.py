@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-import skinfield
 from skinfield.errors import Floats, InputError
 from skinfield.mechanics import Layer
 from skinfield.virtual.tool import Tool
@@ -122,7 +121,7 @@ def is_stored(tool: Tool, layer: Layer, pad_diameter: float) -> bool:
 @cache
 def _code() -> str:
     """Digest of the sources that a table comes from, so that no change of them is missed."""
-    root, digest = Path(skinfield.__file__).parent, hashlib.sha256()
+    root, digest = Path(__file__).parent.parent, hashlib.sha256()
     for room in ("simulate", "mechanics", "observation"):
         for file in sorted((root / room).rglob("*.py")):
             digest.update(file.read_bytes())
