@@ -71,6 +71,16 @@ it does nothing but sleep, and how late it wakes is the system's doing. The rati
     type=click.Choice(("engine", "none")),
     help="For --jitter: what a cycle does; none wakes only.  [default: engine]",
 )
+@click.option(
+    "--pair",
+    type=click.Choice(("same", "other")),
+    help="For --jitter: on which CPU cyclictest runs.  [default: same]",
+)
+@click.option(
+    "--priority",
+    type=click.IntRange(0, 98),
+    help="For --jitter: of SCHED_FIFO; 0 for ordinary scheduling.  [default: 80]",
+)
 def bench(
     size: str,
     seed: int,
@@ -81,13 +91,16 @@ def bench(
     rate: float | None,
     busy: int | None,
     load: str | None,
+    pair: str | None,
+    priority: int | None,
 ) -> None:
     """Measure, print and draw."""
-    given = {"seconds": seconds, "rate": rate, "busy": busy, "load": load}
-    if _jitter(jitter, {name: value for name, value in given.items() if value is not None}):
-        from skinfield.cli.bench_jitter import measure_jitter
+    settings = {"seconds": seconds, "rate": rate, "busy": busy, "load": load, "pair": pair}
+    given = {name: value for name, value in settings.items() if value is not None}
+    if _jitter(jitter, given if priority is None else {**given, "priority": priority}):
+        from skinfield.cli.bench_jitter import jitter_settings, measure_jitter
 
-        measure_jitter(as_json, seconds=seconds, rate=rate, busy=busy, load=load)
+        measure_jitter(jitter_settings(seconds, rate, busy, load, pair, priority), as_json)
         return
     from skinfield.experiments.bench.files import bench_as_json
     from skinfield.experiments.bench.settings import BenchSettings, bench_size

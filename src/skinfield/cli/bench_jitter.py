@@ -11,7 +11,7 @@ from skinfield.cli.bench_tables import NONE, in_words
 from skinfield.cli.report import console, say_notes
 
 if TYPE_CHECKING:
-    from skinfield.cli.jitter_run import Jitter, Target
+    from skinfield.cli.jitter_run import Jitter, JitterSettings, Target
     from skinfield.realtime import Quantiles
 
 QUANTILES = ("p50", "p99", "p999", "max")
@@ -25,24 +25,33 @@ MEANING = {
 }
 
 
-def measure_jitter(
-    as_json: bool,
-    *,
+def jitter_settings(
     seconds: float | None,
     rate: float | None,
     busy: int | None,
     load: str | None,
-) -> None:
-    """Measure and print; None stands for what is usual."""
-    from skinfield.cli.jitter_run import JitterSettings, run_jitter
+    pair: str | None,
+    priority: int | None,
+) -> "JitterSettings":
+    """Settings, where None stands for what is usual."""
+    from skinfield.cli.jitter_run import JitterSettings
+    from skinfield.realtime import RealTime
 
     usual = JitterSettings()
-    settings = JitterSettings(
+    return JitterSettings(
         usual.seconds if seconds is None else seconds,
         usual.rate if rate is None else rate,
         usual.busy if busy is None else busy,
         usual.load if load is None else load,
+        usual.pair if pair is None else pair,
+        usual.real_time if priority is None else RealTime(priority=priority),
     )
+
+
+def measure_jitter(settings: "JitterSettings", as_json: bool) -> None:
+    """Measure and print."""
+    from skinfield.cli.jitter_run import run_jitter
+
     shown = console() if not as_json else None
     with shown.status("starting") if shown else _Silent() as status:
         found = run_jitter(settings, lambda text: status.update(text))
@@ -79,7 +88,7 @@ def _table(found: "Jitter") -> Table:
     table.add_column("time")
     for name in QUANTILES:
         table.add_column(NAMES[name], justify="right")
-    table.add_row("cyclictest beside it, wake", *_row(found.paired))
+    table.add_row(f"cyclictest on the {settings.pair} CPU, wake", *_row(found.paired))
     for name, meaning in MEANING.items():
         if getattr(found.timing, name) is not None and (name == "wake" or _loaded(found)):
             table.add_row(f"{name}: {meaning}", *_row(getattr(found.timing, name)))
@@ -123,6 +132,12 @@ def _notes(found: "Jitter") -> Iterator[str]:
         yield f"{found.no_pair}; without it nobody can tell the system's lateness from the loop's"
     yield from found.granted.refused
     yield from found.granted.disturbances
+    cycle = found.timing.cycle
+    if found.paired and cycle and cycle.p99 > 0.5 / found.settings.rate:
+        yield (
+            f"a cycle takes up to {in_words(cycle.p99)} (p99), more than half a period: cyclictest "
+            "wakes while the loop computes, which makes it later; compare with --pair other"
+        )
     stolen = found.company.stolen
     if stolen is not None and stolen > 0.001:
         yield f"the host of this virtual machine kept {100 * stolen:.1f} % of a core away meanwhile"
@@ -143,6 +158,7 @@ def jitter_as_json(found: "Jitter") -> dict[str, Any]:
         "rate_hz": settings.rate,
         "busy": settings.busy,
         "load": settings.load,
+        "pair": settings.pair,
         "granted": found.granted.as_dict(),
         "loop": found.timing.as_dict(),
         "cyclictest_us": paired,

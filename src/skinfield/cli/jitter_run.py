@@ -1,5 +1,6 @@
 """Measuring how late a loop wakes, beside busy processes and a cyclictest."""
 
+import os
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ from skinfield.realtime import Granted, Quantiles, RealTime, Timing
 from skinfield.realtime.cyclictest import Cyclictest, Running
 
 LOADS = ("engine", "none")
+PAIRS = ("same", "other")
 SETTLE = 1.0  # s of company before times count
 BEFORE = 0.25  # s before a whole second at which cyclictest is started: it begins at the second
 SPIN = "import time\nend = time.monotonic() + {seconds}\nwhile time.monotonic() < end: pass"
@@ -34,6 +36,8 @@ class JitterSettings:
         Processes that compute all the time beside it.
     load : str
         "engine" or "none".
+    pair : str
+        Which processor cyclictest runs on: the "same" as the loop, or an "other".
     real_time : RealTime
     """
 
@@ -41,6 +45,7 @@ class JitterSettings:
     rate: float = 1000.0
     busy: int = 2
     load: str = "engine"
+    pair: str = "same"
     real_time: RealTime = field(default_factory=RealTime)
 
     def __post_init__(self) -> None:
@@ -48,6 +53,7 @@ class JitterSettings:
         check_range("rate", self.rate, 1.0, 20_000.0, "cycles per second")
         check_count("busy", self.busy, 0, 1024, "processes that compute all the time")
         check_choice("load", self.load, LOADS, "what a cycle does")
+        check_choice("pair", self.pair, PAIRS, "the processor of cyclictest")
 
 
 @dataclass(frozen=True)
@@ -112,7 +118,7 @@ class Jitter:
         ready, settings = self.timing.ready, self.settings
         idle = "" if settings.load == "engine" else "the loop ran without an engine"
         other = "" if settings.rate == 1000 else "it is meant for 1000 cycles per second"
-        why = idle or other or ("" if self.granted.real_time else "SCHED_FIFO was not granted")
+        why = idle or other or ("" if self.granted.real_time else "the loop ran without SCHED_FIFO")
         pair = self.no_pair or ("" if self.granted.real_time else why)
         ratio = None if pair else self.ratio("p999")
         p50, p99 = (None, None) if why or ready is None else (ready.p50, ready.p99)
@@ -160,18 +166,28 @@ def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
 
 
 def _paired(settings: JitterSettings, granted: Granted) -> tuple[Running | None, str]:
-    """A cyclictest half a period apart on the same processor, just above in priority.
+    """A cyclictest half a period apart, on the same processor just above in priority.
 
-    It then never waits for the loop's computation, only the other way round, and neither finds the
-    processor taken by the other as long as a cycle lasts less than half a period.
+    It then never waits for the loop's computation, and neither finds the processor taken by the
+    other as long as a cycle lasts less than half a period.
     """
     period = int(1e9 / settings.rate)
     priority = min(granted.priority + 1, 99) if granted.real_time else 0
-    wanted = Cyclictest(granted.cpu, priority, period, settings.seconds, period // 2)
     try:
-        return wanted.start(), ""
+        cpu = granted.cpu if settings.pair == "same" else _other_cpu(granted.cpu)
+        return Cyclictest(cpu, priority, period, settings.seconds, period // 2).start(), ""
     except InputError as error:
         return None, str(error)
+
+
+def _other_cpu(cpu: int | None) -> int | None:
+    """The last processor that is not the loop's; none is chosen where the loop is not pinned."""
+    if cpu is None:
+        return None
+    others = os.sched_getaffinity(0) - {cpu}
+    if not others:
+        raise InputError("there is no other CPU, expected two: run it with --pair same")
+    return max(others)
 
 
 def _sleep_until(second: float) -> None:
