@@ -8,7 +8,13 @@ from numpy.typing import ArrayLike
 from skinfield.engine.clockwork import Clockwork
 from skinfield.engine.linear_stages import answer_linearly, refine_one, with_more_to_gain
 from skinfield.engine.script import SEARCH, checked_script
-from skinfield.engine.search_stages import search_again, take_in, tested_anew, with_contact
+from skinfield.engine.search_stages import (
+    search_again,
+    start_linearly,
+    take_in,
+    tested_anew,
+    with_contact,
+)
 from skinfield.engine.state import MASKED, TEST
 from skinfield.errors import Ints
 
@@ -30,7 +36,7 @@ def done_again(work: Clockwork, script: Sequence[Row]) -> Ints:
 
 def _answered_again(work: Clockwork, script: Sequence[Row]) -> Ints:
     answer_linearly(work, script[0][2])
-    hot = with_more_to_gain(work)
+    hot = with_more_to_gain(work, script[0][2])
     for _, patch, rung, _, _ in script[1:]:
         refine_one(work, patch, rung)
     return hot
@@ -43,6 +49,7 @@ def _searched_again(work: Clockwork, script: Sequence[Row]) -> Ints:
             hot = tested_anew(work, rung, hot, _masked_after(script, at))
         elif entry == SEARCH:
             take_in(work, [search_again(work, patch, rung, ending, settled > 0)])
+    start_linearly(work)
     return np.asarray(hot)
 
 

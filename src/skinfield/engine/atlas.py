@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,20 +82,24 @@ class Atlas:
         """Of what is read in each call."""
         return int(self.values.nbytes + self.taxels.nbytes)
 
+    @cached_property
+    def _kernels(self) -> tuple[Any, Any]:
+        from skinfield.engine.atlas_kernel import idle_patches, products
+
+        return products, idle_patches
+
     def apply(self, readings: Singles, out: Singles) -> None:
         """Write the products of all patches' readings (N,) into `out` (M,), end to end."""
-        from skinfield.engine.atlas_kernel import products
-
-        products(self.values, self.taxels, self.firsts, self.cells, self.table, readings, out)
+        self._kernels[0](
+            self.values, self.taxels, self.firsts, self.cells, self.table, readings, out
+        )
 
     def find_idle(self, readings: Singles, idle: NDArray[np.bool_]) -> None:
         """Write into `idle` (P,) of which patches no product exceeds the threshold of its kind.
 
         Of the whole matrices' products: what the stamps lack is added at its most.
         """
-        from skinfield.engine.atlas_kernel import idle_patches
-
-        idle_patches(
+        self._kernels[1](
             self.values,
             self.taxels,
             self.firsts,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -90,6 +90,8 @@ class Clockwork:
         Of the steps of this cycle, see `Done`; of searches their kinds, and what they came to.
     script : Script
         What of this cycle depended on time.
+    logging : bool
+        Whether the log is kept.
     """
 
     groups: Sequence[Group]
@@ -109,6 +111,9 @@ class Clockwork:
         self.costs, self._typical = self._times
         self.model = CostModel(self.costs.reshape(-1))
         self.typical = CostModel(self._typical.reshape(-1), quantile=TYPICAL)
+        bases = self._times.reshape(2, -1).copy()
+        self.model.base, self.typical.base = bases
+        self._relaxing = self._times.reshape(-1), bases.reshape(-1)
         self._moves = np.array([self.model.moves, self.typical.moves])
         self.after = CostModel(np.array([AFTER]))
         self.planned = self.costs.copy()
@@ -135,32 +140,61 @@ class Clockwork:
         self.script = Script((rungs + ROUNDS) * (patches + 1) + 1)
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios = np.zeros(patches)
+        self._found = np.zeros((patches + 1, 10))
+        self.logging = True
+        self.masked, self.before = np.zeros((2, patches), dtype=np.int64)
+        self.starts: Ints = np.array(intake.starts, dtype=np.int64)
+        self._load()
+
+    def _load(self) -> None:
+        """Compiled functions, which are slow to import again and again."""
+        from skinfield.engine import cycle_kernel
+        from skinfield.engine.atlas_kernel import idle_without
+        from skinfield.engine.learning_kernel import take_in
+        from skinfield.engine.spending_kernel import plan_within
+
+        self.kernel: Any = cycle_kernel
+        self._take_in, self._plan, self._idle_without = take_in, plan_within, idle_without
 
     def begin(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle."""
         self.log.clear()
         self.script.count = 0
-        self.state.begin()
         self.intake.take(readings, valid)
-        self._count_invalid()
+        self._open()
 
     def begin_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
         """Take the readings (N,) of a cycle, patch by patch in the skin's order."""
         self.log.clear()
         self.script.count = 0
-        self.state.begin()
         self.intake.take_flat(readings, valid)
-        self._count_invalid()
+        self._open()
 
-    def _count_invalid(self) -> None:
+    def _open(self) -> None:
+        """Whiten what was taken in, and forget the answers of the cycle before."""
         state, intake = self.state, self.intake
-        if not intake.all_valid:
-            np.add.reduceat(~intake.valid, intake.starts[:-1], out=state.invalid)
-            intake.present &= state.invalid < intake.sizes
-            if not self.fills:
-                intake.present &= state.invalid == 0
-        else:
-            state.invalid[:] = 0
+        self.kernel.open_cycle(
+            intake.straight,
+            intake.per_noise,
+            intake.valid,
+            self.starts,
+            self.fills,
+            intake.linear,
+            intake.white,
+            intake.present,
+            state.invalid,
+            state.integers,
+            state.numbers,
+            state.settled,
+            state.was_hot,
+        )
+
+    def close(self, hot: Ints) -> None:
+        """Remember which patches had a contact, and let predictions come down a little."""
+        state = self.state
+        self.kernel.close_cycle(hot, state.integers, state.age, state.was_hot)
+        state.unforced += 1
+        self.kernel.relax(*self._relaxing)
 
     def reset(self) -> None:
         """Forget the readings before; what steps take stays known."""
@@ -181,12 +215,10 @@ class Clockwork:
 
     def is_idle(self, patch: int, rung: int) -> bool:
         """As `find_idle`, of one patch by its valid taxels alone."""
-        from skinfield.engine.atlas_kernel import idle_without
-
         group, place = self.places[patch]
         rows, valid = group.searches[rung][0].problem.rows, self.valid_rows[patch]
         white = self.white[group.index][place]
-        return bool(idle_without(rows, valid, white, group.thresholds[rung]))
+        return bool(self._idle_without(rows, valid, white, group.thresholds[rung]))
 
     def answer_all(self, rung: int) -> None:
         """Linear answers of all patches."""
@@ -209,19 +241,21 @@ class Clockwork:
     def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.which(step, group, rung)
-        self.log.append((step, group, patch, rung, start, end, self.model.predict(which)))
+        if self.logging:
+            predicted = self.model.predict(which)
+            self.log.append((step, group, patch, rung, start, end, predicted))
         seconds = (end - start) * NS
         self.model.observe(which, seconds)
         self.typical.observe(which, seconds)
         return seconds
 
-    def searched(self, found: Floats) -> None:
+    def searched(self, each: Sequence[tuple[float, ...]]) -> None:
         """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns."""
-        from skinfield.engine.learning_kernel import take_in
-
-        state = self.state
-        kinds = state.kind[found[:, 0].astype(np.int64)]
-        take_in(
+        state, found = self.state, self._found[: len(each)]
+        for row, one in enumerate(each):
+            found[row] = one
+        kinds = state.kind[found[:, 0].astype(np.int64)] if self.logging else None
+        self._take_in(
             found,
             state.group,
             state.integers,
@@ -231,33 +265,26 @@ class Clockwork:
             self._times,
             self._moves,
         )
-        self.log.append((kinds, found))
+        if kinds is not None:
+            self.log.append((kinds, found.copy()))
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
         """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`.
 
-        Times are those of `planned`: of N searches together a high quantile is nearer to what is
-        typical than that of one, by a square root of N, as they are slow independently.
+        Times are those of `planned`.
         """
-        from skinfield.engine.spending_kernel import plan
-
         state = self.state
-        np.subtract(self.costs, self._typical, out=self.planned)
-        self.planned *= 1.0 / max(len(hot), 1) ** 0.5
-        self.planned += self._typical
-        if not self.linear:
-            self.planned += self.after.predict(0)
-        count = plan(
+        count = self._plan(
             hot,
-            state.kind,
             state.group,
-            state.at,
-            state.excess,
-            state.energy,
+            state.integers,
+            state.numbers,
             state.age,
-            self.planned,
+            self._times,
+            0.0 if self.linear else self.after.predict(0),
             self.unresolved,
             left,
+            self.planned,
             self._target,
             self._order,
             self._rungs,

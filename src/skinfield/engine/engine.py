@@ -145,6 +145,7 @@ class Engine:
             For another number of taxels, or a name that no patch has.
         """
         start = self._begin(budget)
+        self._work.logging = True
         self._work.begin(readings, valid)
         hot, first = self._answer()
         return Estimates(self, self.cycle + 1, self._close(hot, start, first), stamp_ns)
@@ -177,6 +178,7 @@ class Engine:
         """
         start = self._begin(budget)
         told = None if script is None else told_by(script, self._work)
+        self._work.logging = False
         self._work.begin_flat(readings, valid)
         hot, first = self._answer() if told is None else (done_again(self._work, told), start)
         self._finish(hot, start, first)
@@ -212,6 +214,7 @@ class Engine:
         """
         start = self._begin(None)
         told = told_by(script, self._work)
+        self._work.logging = True
         self._work.begin(readings, valid)
         hot = done_again(self._work, told)
         return Estimates(self, self.cycle + 1, self._close(hot, start, start), stamp_ns)
@@ -226,7 +229,8 @@ class Engine:
         work, around = self._work, self._around
         start = work.clock()
         self._granted = budget = self.budget if budget is None else self._checked(budget)
-        reserve = sum(min(around.predict(k), MOST_KEPT * budget) for k in (RETURN, BEYOND))
+        most = MOST_KEPT * budget
+        reserve = min(around.predict(RETURN), most) + min(around.predict(BEYOND), most)
         work.end = start + int((min(budget, ENDLESS) - reserve) / NS)
         return start
 
@@ -234,11 +238,13 @@ class Engine:
         """Patches with a contact, and when every patch had its first answer, ns."""
         work = self._work
         if work.linear:
-            answer_linearly(work, finest_for_all(work))
-        else:
-            begin_search(work)
+            rung = finest_for_all(work)
+            answer_linearly(work, rung)
+            first = work.clock()
+            return refine_linearly(work, rung), first
+        hot = begin_search(work)
         first = work.clock()
-        return refine_linearly(work) if work.linear else spend(work), first
+        return spend(work, hot), first
 
     def _close(self, hot: Ints, start: int, first: int) -> CycleReport:
         """End a cycle and report."""
@@ -260,16 +266,14 @@ class Engine:
         """Remember who was served, and learn how long the end of a cycle takes."""
         work, around = self._work, self._around
         before, left = work.clock(), work.left
-        work.state.finish(hot)
+        work.close(hot)
         self.cycle += 1
         self.results.update()
         snapshot = Snapshot.of(work, left, self.rungs) if report else None
         end = work.clock()
         around.observe(RETURN, (end - before) * NS)
         around.observe(BEYOND, max(-left, 0.0))
-        around.relax()
-        work.model.relax()
-        work.typical.relax()
+        work.kernel.relax(around.steps, around.base)
         self.spent, self.first = (end - start) * NS, (first - start) * NS
         return snapshot
 
@@ -296,5 +300,6 @@ class Engine:
         touch = rehearsed_cycle(self._work)
         for _ in range(3):
             self(touch, budget=60.0)
+        self.run(np.zeros(len(self._work.intake.raw)), budget=60.0)
         self.reset()
         self.cycle = 0

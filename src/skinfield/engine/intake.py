@@ -32,13 +32,16 @@ class Intake:
     starts : (P + 1,) list of int
         Where each patch's taxels begin.
     linear : (N,) array
-        Linearised readings; 0 where invalid.
+        Linearised readings; 0 where invalid. With `white` it is written as a cycle opens.
     white : (N,) float32 array
         In units of their noise.
     valid : (N,) bool array
         Not NaN, not left out, and a number that a skin reads: finite, and not too low.
     present : (P,) bool array
         Patches that gave a reading.
+    straight : (N,) array
+        What was taken in, linearised.
+    per_noise : (N,) array
     """
 
     def __init__(
@@ -48,19 +51,23 @@ class Intake:
         quantity: Quantity,
         noise_std: Floats,
     ) -> None:
+        from skinfield.engine.cycle_kernel import take as gather
+
         self.names = [patch.name for patch in patches]
         self.order, self.quantity = list(order), quantity
         self.sizes = [len(patch) for patch in patches]
         self.starts = [0, *np.cumsum(self.sizes).tolist()]
         taxels = self.starts[-1]
-        self.raw, self.linear, self._straight = np.zeros((3, taxels))
+        self.raw, self.linear, self._room, self._given = np.zeros((4, taxels))
+        self.straight: Floats = self._room
         self.white: Singles = np.zeros(taxels, np.float32)
-        self.valid, self._finite, self._possible = np.ones((3, taxels), np.bool_)
+        self.valid, self._every, self._asked = np.ones((3, taxels), np.bool_)
         self.present = np.ones(len(patches), np.bool_)
         self.all_valid = True
-        self._per_noise = 1.0 / noise_std
+        self.per_noise = 1.0 / noise_std
         self._nothing = [np.zeros(size) for size in self.sizes]
-        self._places = self._places_in_skin()
+        self._in_skin, self._here = self._places_in_skin(), np.arange(taxels)
+        self._gather = gather
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle.
@@ -73,15 +80,14 @@ class Intake:
         rows = self._rows(readings)
         try:
             sized = list(map(len, rows)) == self.sizes
-            np.concatenate(rows, out=self.raw)
+            np.concatenate(rows, out=self._given)
         except (TypeError, ValueError):
             sized = False
         if not sized:
             self._blame(rows)
-        self._check_numbers()
         if valid is not None:
             self._leave_out(valid)
-        self._clean()
+        self._take(self._every if valid is None else self._asked, self._here)
 
     def take_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
         """Take the readings (N,) of all taxels, patch by patch in the skin's order.
@@ -91,24 +97,23 @@ class Intake:
         InputError
             For another number of taxels, or type.
         """
-        _check_flat("readings", readings, self.raw)
-        self.present[:] = True
-        np.take(readings, self._places, out=self.raw, mode="clip")
-        self._check_numbers()
+        _check_flat("readings", readings, self._given)
+        self._given[:] = readings
         if valid is not None:
-            _check_flat("valid", valid, self.valid)
-            np.take(valid, self._places, out=self._finite, mode="clip")
-            np.logical_and(self.valid, self._finite, out=self.valid)
-        self._clean()
+            _check_flat("valid", valid, self._asked)
+            self._asked[:] = valid
+        self.present[:] = True
+        self._take(self._every if valid is None else self._asked, self._in_skin)
 
-    def _clean(self) -> None:
-        """Put 0 for what is not valid, linearise, and divide by the noise."""
-        self.all_valid = bool(self.valid.all())
-        if not self.all_valid:
-            np.copyto(self.raw, 0.0, where=~self.valid)
-        straight = self.quantity.linearise(self.raw, self._straight)
-        np.copyto(self.linear, straight)
-        np.multiply(self.linear, self._per_noise, out=self.white)
+    def _take(self, asked: NDArray[np.bool_], places: Ints) -> None:
+        """Gather what was given, 0 for what is not valid, and linearise it."""
+        lowest = self.quantity.lowest
+        self.all_valid = self._gather(self._given, asked, places, lowest, self.raw, self.valid)
+        straight = self.quantity.linearise(self.raw, self._room)
+        if straight is not self._room and straight is not self.raw:
+            self._room[:] = straight
+            straight = self._room
+        self.straight = straight
 
     def _places_in_skin(self) -> Ints:
         """Where each taxel stands among those of the skin, patch by patch in its order."""
@@ -163,15 +168,11 @@ class Intake:
                     f"readings[{name!r}] has shape {shape}, expected ({size},): one per taxel; "
                     "an engine takes one reading of each patch in a cycle"
                 )
-        np.concatenate([as_floats("readings", row) for row in rows], out=self.raw)
-
-    def _check_numbers(self) -> None:
-        np.isfinite(self.raw, out=self._finite)
-        np.greater(self.raw, self.quantity.lowest, out=self._possible)
-        np.logical_and(self._finite, self._possible, out=self.valid)
+        np.concatenate([as_floats("readings", row) for row in rows], out=self._given)
 
     def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
         self._check_names(valid)
+        self._asked[:] = True
         for place, name in enumerate(self.names):
             if name in valid:
                 mask = np.asarray(valid[name], dtype=np.bool_)
@@ -180,7 +181,7 @@ class Intake:
                         f"valid[{name!r}] has shape {mask.shape}, expected "
                         f"({self.sizes[place]},): one per taxel"
                     )
-                self.valid[self.rows_of(place)] &= mask
+                self._asked[self.rows_of(place)] = mask
 
     def views(self, array: NDArray[Any], first: int, count: int) -> NDArray[Any]:
         """Rows (count, L) of patches of one size in an array (N,)."""

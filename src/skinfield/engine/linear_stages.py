@@ -7,6 +7,7 @@ from skinfield.engine.group import Group
 from skinfield.engine.state import LINEAR, PRODUCT, ROW
 from skinfield.errors import Ints
 
+NOTHING: Ints = np.zeros(0, dtype=np.int64)
 ACTIVE = 4.0  # deviations of an idle patch's energy above which something is taken to touch it
 
 
@@ -43,10 +44,7 @@ def answer_linearly(work: Clockwork, rung: int) -> None:
             group.answer_all(rung, work.white[group.index])
             work.done(PRODUCT, group.index, -1, rung, start)
     present = work.intake.present
-    state.answer[present] = LINEAR
-    state.rung[present] = state.at[present] = rung
-    state.gap[present] = 0.0
-    state.settled[present] = True
+    work.kernel.answered(present, rung, state.integers, state.numbers, state.settled)
 
 
 def touched(work: Clockwork) -> Ints:
@@ -61,17 +59,14 @@ def touched(work: Clockwork) -> Ints:
     return np.flatnonzero((state.answer == LINEAR) & (state.energy > idle))
 
 
-def with_more_to_gain(work: Clockwork) -> Ints:
+def with_more_to_gain(work: Clockwork, rung: int) -> Ints:
     """Patches that are touched, unless all are answered on the finest rung."""
-    state, top = work.state, work.rungs - 1
-    if not (state.at[work.intake.present] < top).any():
-        return np.flatnonzero(state.was_hot[:0])
-    return touched(work)
+    return NOTHING if rung == work.rungs - 1 else touched(work)
 
 
-def refine_linearly(work: Clockwork) -> Ints:
+def refine_linearly(work: Clockwork, rung: int) -> Ints:
     """Finer linear answers where something touches, as far as time goes; returns these patches."""
-    state, hot = work.state, with_more_to_gain(work)
+    state, hot = work.state, with_more_to_gain(work, rung)
     if not len(hot):
         return hot
     state.kind[:] = ROW

@@ -65,7 +65,7 @@ class CycleReport:
     ----------
     budget, spent : float, s
     first : float, s
-        Until every patch had its idle test or its coarse linear answer.
+        Until every patch had its idle test, or its first answer of a linear solver.
     started : int, ns
         Of the engine's clock.
     overrun : bool

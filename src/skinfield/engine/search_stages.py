@@ -7,7 +7,7 @@ import numpy as np
 from skinfield.engine.clockwork import NS, ROUNDS, Clockwork
 from skinfield.engine.linear_stages import fill_missing
 from skinfield.engine.script import SEARCH
-from skinfield.engine.state import IDLE, LINEAR, MASKED, PRODUCT, ROW, TEST
+from skinfield.engine.state import LINEAR, MASKED, PRODUCT, ROW, TEST
 from skinfield.errors import InputError, Ints
 
 FIRST = 0.25  # of the time, for the first idle test
@@ -26,18 +26,14 @@ def test_all(work: Clockwork, rung: int, told: Mapping[int, int] | None) -> None
     work.script.add(TEST, -1, rung)
     state, start = work.state, work.clock()
     idle = work.find_idle(rung)
-    still_open = work.intake.present & (state.answer <= IDLE)
-    idle_now = still_open & idle
     work.done(TEST, 0, -1, rung, start)
-    masked = np.flatnonzero(idle_now & (state.invalid > 0))
-    before = state.rung[masked]
-    state.answer[still_open] = LINEAR
-    state.answer[idle_now] = IDLE
-    state.rung[idle_now] = rung
-    state.gap[idle_now] = 0.0
+    present, masked, before = work.intake.present, work.masked, work.before
+    count = work.kernel.sort_idle(
+        idle, rung, present, state.invalid, state.integers, state.numbers, masked, before
+    )
     work.tested = rung
-    if len(masked):
-        test_masked(work, masked, before, rung, told)
+    if count:
+        test_masked(work, masked[:count], before[:count], rung, told)
 
 
 def test_masked(
@@ -67,18 +63,17 @@ def test_masked(
         work.done(MASKED, group.index, patch, on, start)
 
 
-def start_linearly(work: Clockwork, fresh: Ints) -> None:
-    """Clipped linear answers on the coarsest rung for patches whose contact was just seen."""
+def start_linearly(work: Clockwork) -> None:
+    """Clipped linear answers on the coarsest rung for patches with a contact and no search."""
     state = work.state
-    if not len(fresh):
+    rest = (state.answer == LINEAR).nonzero()[0]
+    if not len(rest):
         return
     for group in work.groups:
-        places = fresh[(fresh >= group.first) & (fresh < group.rows.stop)] - group.first
+        places = rest[(rest >= group.first) & (rest < group.rows.stop)] - group.first
         if not len(places):
             continue
         white, field = work.white[group.index], group.fields[0]
-        energy = np.einsum("pl,pl->p", white[places], white[places])
-        state.energy[places + group.first] = state.excess[places + group.first] = 0.5 * energy
         fill_missing(work, group, places[state.invalid[places + group.first] > 0])
         start = work.clock()
         if len(places) < ROWS:
@@ -90,33 +85,58 @@ def start_linearly(work: Clockwork, fresh: Ints) -> None:
             group.answer_all(0, white)
             np.maximum(field, 0.0, out=field)
             work.done(PRODUCT, group.index, -1, 0, start)
-    state.rung[fresh] = 0
+    state.rung[rest] = 0
+
+
+def time_to_start(work: Clockwork, hot: Ints) -> float:
+    """What `start_linearly` will take, s, if no patch is searched beyond those that were."""
+    state = work.state
+    counts = np.bincount(state.group[hot[state.at[hot] < 0]], minlength=len(work.groups))
+    few = counts < ROWS
+    costs = np.where(few, work.costs[:, ROW, 0], work.costs[:, PRODUCT, 0])
+    return float(costs[counts > 0].sum())
 
 
 def with_contact(work: Clockwork) -> Ints:
     """Patches that are not idle."""
-    return np.flatnonzero(work.state.answer >= LINEAR)
+    return (work.state.answer >= LINEAR).nonzero()[0]
 
 
-def begin_search(work: Clockwork) -> None:
-    """First of all, for every patch: an idle test, or its coarse linear answer."""
+def begin_search(work: Clockwork) -> Ints:
+    """First of all, for every patch, an idle test; returns the patches with a contact."""
     test_all(work, first_tested(work), None)
-    start_linearly(work, with_contact(work))
+    hot = with_contact(work)
+    if len(hot):
+        work.kernel.feel(hot, work.intake.white, work.starts, work.state.numbers)
+    return hot
 
 
 def first_tested(work: Clockwork) -> int:
     """Finest rung whose idle test takes little of the time: coarse cells overlook small touches."""
-    affordable = np.flatnonzero(work.costs[0, TEST] <= FIRST * work.left)
-    return int(affordable[-1]) if len(affordable) else 0
+    return finest_within(work, FIRST * work.left, 0)
 
 
-def spend(work: Clockwork) -> Ints:
+def finest_testable(work: Clockwork) -> int:
+    """Finest rung on which there is time for an idle test; the last one if there is none."""
+    return finest_within(work, work.left, work.tested)
+
+
+def finest_within(work: Clockwork, seconds: float, least: int) -> int:
+    """Finest rung above `least` whose idle test takes no longer; else `least`."""
+    costs = work.costs
+    for rung in range(work.rungs - 1, least, -1):
+        if costs[0, TEST, rung] <= seconds:
+            return rung
+    return least
+
+
+def spend(work: Clockwork, hot: Ints) -> Ints:
     """Spend the time that is left where it gains most; returns the patches with a contact.
 
     Contacts first. When all of them are settled on the finest rung, the idle test is made on
-    finer rungs as well, where what was too fine for the coarse one shows.
+    finer rungs as well, where what was too fine for the coarse one shows. A contact that was not
+    searched gets a linear answer in the end.
     """
-    hot = with_contact(work)
     serve_longest_waiting(work, hot)
     for _ in range(ROUNDS):
         served = serve(work, hot) if len(hot) else 0
@@ -128,6 +148,7 @@ def spend(work: Clockwork) -> Ints:
         if finer == work.tested:
             break
         hot = tested_anew(work, finer, hot, None)
+    start_linearly(work)
     return hot
 
 
@@ -135,7 +156,9 @@ def tested_anew(work: Clockwork, rung: int, before: Ints, told: Mapping[int, int
     """Idle test on another rung; returns the patches with a contact, also those of `before`."""
     test_all(work, rung, told)
     hot = with_contact(work)
-    start_linearly(work, np.setdiff1d(hot, before, assume_unique=True))
+    if len(hot) > len(before):
+        fresh = np.setdiff1d(hot, before, assume_unique=True)
+        work.kernel.feel(fresh, work.intake.white, work.starts, work.state.numbers)
     return hot
 
 
@@ -147,7 +170,7 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
     state = work.state
     if not len(hot) or state.unforced < SELDOM:
         return
-    patch = int(hot[np.argmax(state.age[hot])])
+    patch = work.kernel.longest_waiting(hot, state.age)
     if state.age[patch] < PATIENCE or patch in work.plan(hot, work.left)[0]:
         return
     cost = float(work.costs[state.group[patch], state.kind[patch], 0])
@@ -160,26 +183,28 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
 def is_settled(work: Clockwork, hot: Ints) -> bool:
     """Whether all contacts are solved on the finest rung."""
     state = work.state
-    return bool((state.settled[hot] & (state.at[hot] == work.rungs - 1)).all())
-
-
-def finest_testable(work: Clockwork) -> int:
-    """Finest rung on which there is time for an idle test; the last one if there is none."""
-    left = work.left
-    for rung in range(work.rungs - 1, work.tested, -1):
-        if work.costs[0, TEST, rung] <= left:
-            return rung
-    return work.tested
+    if not len(hot):
+        return True
+    top = work.rungs - 1
+    return bool(work.kernel.all_settled(hot, state.settled, state.integers, top))
 
 
 def serve(work: Clockwork, hot: Ints) -> int:
     """Search the patches that a plan chooses, each within what the others leave it; how many."""
-    state, found, now = work.state, [], work.clock()
-    chosen, target = work.plan(hot, (work.end - now) * NS)
-    rungs = target[chosen]
-    costs = work.planned[state.group[chosen], state.kind[chosen], rungs]
-    committed = float(costs.sum())
-    for patch, rung, cost in zip(chosen.tolist(), rungs.tolist(), costs.tolist(), strict=True):
+    state, found, now, reserve = work.state, [], work.clock(), 0.0
+    left = (work.end - now) * NS
+    chosen, target = work.plan(hot, left)
+    if len(chosen) < len(hot):
+        reserve = time_to_start(work, hot)
+        chosen, target = work.plan(hot, left - reserve)
+    patches, planned = chosen.tolist(), work.planned
+    rungs = target[chosen].tolist()
+    costs = [
+        float(planned[state.group[patch], state.kind[patch], rung])
+        for patch, rung in zip(patches, rungs, strict=True)
+    ]
+    committed = reserve + sum(costs)
+    for patch, rung, cost in zip(patches, rungs, costs, strict=True):
         committed -= cost
         allowance = (work.end - now) * NS - committed  # what is planned for the others is theirs
         if cost > allowance:
@@ -255,5 +280,5 @@ def search_again(work: Clockwork, patch: int, rung: int, ending: int, settled: b
 def take_in(work: Clockwork, found: list[Found]) -> None:
     """Learn from searches, each of another patch, and keep their answers where they are better."""
     start = work.clock()
-    work.searched(np.array(found))
+    work.searched(found)
     work.after.observe(0, (work.clock() - start) * NS / len(found))

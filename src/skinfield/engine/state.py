@@ -89,27 +89,9 @@ class State:
 
     def reset(self) -> None:
         """Forget the cycles before; the arrays stay where they are."""
-        self.was_hot[:] = False
+        self.was_hot[:] = self.settled[:] = False
         self.age[:] = self.invalid[:] = 0
         self.unforced = 0
-        self.begin()
-
-    def begin(self) -> None:
-        """Forget the answers of the cycle before."""
-        self.answer[:] = MISSING
+        self.integers[:], self.numbers[:] = 0, 0.0
         self.rung[:] = self.at[:] = -1
-        self.iterations[:] = 0
-        self.numbers[:] = 0.0
-        self.gap[:] = np.nan
-        self.settled[:] = False
-        np.copyto(self.kind, np.where(self.was_hot, WARM, COLD))
-
-    def finish(self, hot: Ints) -> None:
-        """Remember which patches had a contact, and which of them were served."""
-        served = self.answer[hot] == FEASIBLE
-        waited = np.where(served, 0, self.age[hot] + 1)
-        self.age[:] = 0
-        self.age[hot] = waited
-        self.was_hot[:] = False
-        self.was_hot[hot] = True
-        self.unforced += 1
+        self.gap[:], self.kind[:] = np.nan, COLD
