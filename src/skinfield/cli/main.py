@@ -28,6 +28,7 @@ COMMANDS = {
         "skinfield.cli.export", "export", "Turn such a recording into Parquet, CSV, Zarr or HDF5."
     ),
     "recover": Lazy("skinfield.cli.recover", "recover", "Make a whole recording of a damaged one."),
+    "replay": Lazy("skinfield.cli.replay", "replay", "Answer a recording again, bit for bit."),
     "reconstruct": Lazy(
         "skinfield.cli.reconstruct", "reconstruct", "Turn a recording into contacts and fields."
     ),

@@ -58,6 +58,8 @@ class Replay:
     ----------
     recording : LiveRecording
     recipe : Recipe
+    tared : Tared or None
+        The calibration in force.
     passed : int
         Cycles that could not be answered: before the first key cycle or the first baseline, and
         after a gap until the next key cycle.
@@ -82,7 +84,7 @@ class Replay:
         self.channels = Channels(self.binding.channels)
         self.slot = Slot.empty(Sizes.of(self.recipe.skin, self.recipe.rungs, self.recipe.rows))
         self.passed = self.gaps = 0
-        self._tared = self._first_tare()
+        self.tared = self._first_tare()
         self._cycle: Cycle | None = None
 
     def _first_tare(self) -> Tared | None:
@@ -127,9 +129,9 @@ class Replay:
             if gap and before is not None:
                 self.gaps += 1
                 going = False
-            if key and self._tared is not None and not (gap and before is not None):
+            if key and self.tared is not None and not (gap and before is not None):
                 going = going or self._begin(before)
-            if going and self._cycle is not None and self._tared is not None:
+            if going and self._cycle is not None and self.tared is not None:
                 yield self._answered(self._cycle, cycle, key)
             else:
                 self.passed += 1
@@ -156,13 +158,13 @@ class Replay:
         for block in blocks_of(blocks.data):
             if block.kind == Kind.CALIBRATION and block.channel + block.count <= len(rows):
                 rows[block.channel : block.channel + block.count] = block.payload.reshape(-1, 6)
-        self._tared = Tared.from_rows(rows)
+        self.tared = Tared.from_rows(rows)
         if self._cycle is not None:
-            self._cycle.calibrate(self._tared.calibration)
+            self._cycle.calibrate(self.tared.calibration)
 
     def _begin(self, before: Recorded | None) -> bool:
         """Start at a key cycle, from the contacts that the cycle before it told."""
-        tared = self._tared
+        tared = self.tared
         assert tared is not None  # whoever calls has looked
         if self._cycle is None:
             noise, stale = tared.noise_std, tared.stale_ns

@@ -1,6 +1,7 @@
 """What a live skin's ring holds beside its slots: counters, times, calibration and notes."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -39,20 +40,27 @@ def status_fields(sources: int, taxels: int) -> list[Field]:
 
 def description_of(settings: LiveSettings, recipe: Recipe) -> dict[str, object]:
     """What readers must know, in plain values."""
+    names = [type(source).__name__ for source in settings.sources]
+    return describe(settings.name, recipe, names, settings.period) | {
+        "source_settings": [repr(source)[:500] for source in settings.sources],
+        "rate": settings.rate,
+        "deadline": settings.due_after,
+    }
+
+
+def describe(name: str, recipe: Recipe, sources: Sequence[str], period: float) -> dict[str, object]:
+    """What readers must know of any ring with estimates."""
     return {
         "skinfield_live": VERSION,
-        "name": settings.name,
-        "skin": settings.skin.name,
-        "patches": [patch.name for patch in settings.skin],
-        "taxels": [len(patch) for patch in settings.skin],
-        "links": [patch.link for patch in settings.skin],
-        "sources": [type(source).__name__ for source in settings.sources],
-        "source_settings": [repr(source)[:500] for source in settings.sources],
+        "name": name,
+        "skin": recipe.skin.name,
+        "patches": [patch.name for patch in recipe.skin],
+        "taxels": [len(patch) for patch in recipe.skin],
+        "links": [patch.link for patch in recipe.skin],
+        "sources": list(sources),
         "source_counters": [each.name.lower() for each in Count],
-        "rate": settings.rate,
-        "period": settings.period,
-        "budget": settings.time_to_answer,
-        "deadline": settings.due_after,
+        "period": period,
+        "budget": recipe.budget,
         "head": [each.name.lower() for each in Head],
         "answers": [each.name.lower() for each in Answer],
         "times": list(TIMES),
