@@ -134,7 +134,7 @@ class PacketDevices:
             payload=payload,
         )
         device.encoder.sequence = (device.encoder.sequence + 1) & 0xFFFFFFFF
-        if not self._off:
+        if not self._off and self._link.heard:
             self._send(memoryview(encode_packet(packet)))
 
     def send(self, members: Sequence[int], now_ns: int) -> None:

@@ -47,7 +47,7 @@ class World:
         self._shown: tuple[Shown, ...] | None = None
         self.notes: list[str] = []
         self.play(scene)
-        self._solving.start(Tool(), skin.patches[0].pad_diameter)
+        self._table(skin.patches[0].pad_diameter, Tool())
 
     def play(self, scene: Scene) -> None:
         """Play another scene from now on.
