@@ -1,0 +1,156 @@
+"""`skinfield export`: a recording of a live skin into tables and arrays that others read."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from skinfield.cli.report import progress, say_notes
+from skinfield.errors import InputError
+
+HELD = 4096  # cycles whose rows are written together
+
+
+@click.command(
+    short_help="Turn a recording of a live skin into Parquet, CSV, Zarr or HDF5.",
+    help="""Turn FILE, a recording of a live skin, into arrays and tables that others read.
+
+The raw counts of every patch over time, one row per scan and empty where a taxel did not answer;
+contacts; each patch's answer in each cycle; the cycles' times; and what happened. In the order of
+the layout's taxels, stamps in ns since the epoch, all else in SI units.
+
+\\b
+  out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, patch_cycles, cycles, events
+  out.parquet, .csv    the counts; beside it out.contacts.*, out.patch_cycles.*, out.cycles.*
+                       and out.events.json
+
+It is read and written piece by piece: a recording may be longer than memory.
+
+\\b
+  skinfield export touch.mcap -o touch.h5
+  skinfield export touch.mcap -o touch.parquet --patch left_forearm
+""",
+)
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("-o", "--output", required=True, help="Ends in .parquet, .csv, .zarr or .h5.")
+@click.option("--patch", "patches", multiple=True, help="Only this one; repeatable. Default all.")
+def export(file: Path, output: str, patches: tuple[str, ...]) -> None:
+    """Run the command."""
+    from skinfield.sinks.live_tables import open_export
+    from skinfield.sources.recordings.mcap_live import LiveRecording
+
+    recording = LiveRecording.open(file)
+    work = _Work(recording, patches)
+    with open_export(output, work.what) as sink, progress() as bar:
+        task = bar.add_task("exporting", total=recording.frame.size)
+        for at in work.into(sink):
+            bar.update(task, completed=at)
+    notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
+    if not recording.finished:
+        notes.insert(0, f"{file} was not finished: its end may be missing")
+    say_notes(notes)
+
+
+class _Work:
+    """From the messages of a recording to the pieces of an export."""
+
+    def __init__(self, recording: Any, names: tuple[str, ...]) -> None:
+        from skinfield.sinks.live_tables import Exported
+        from skinfield.sources.recordings.mcap_table import Scan, port_of, ports_of
+
+        ports, skin = ports_of(recording), recording.skin
+        for name in names:
+            skin[name]  # says which there are
+        self._recording = recording
+        chosen = tuple(patch for patch in skin if not names or patch.name in names)
+        total = sum(port.channels for port in ports)
+        its = [port_of(patch, ports) for patch in chosen]
+        self._scans = [
+            Scan(patch.channel + port.first, total) for patch, port in zip(chosen, its, strict=True)
+        ]
+        layout = recording.cycle_layout
+        self._tables = {
+            "contacts": _with_cycle(layout.contact),
+            "patch_cycles": _with_cycle(layout.patch, "patch"),
+            "cycles": CYCLE,
+        }
+        units = tuple(port.unit for port in its)
+        self.what = Exported(str(recording.path), chosen, units, self._tables)
+        self._held: list[Any] = []
+
+    def into(self, sink: Any) -> Iterator[int]:
+        """Hand everything to the sink; bytes of the file that are done, now and then."""
+        from skinfield.acquisition.recorded import BLOCKS, CYCLES
+
+        recording = self._recording
+        for topic, at, message in recording.messages((BLOCKS, CYCLES)):
+            if topic == CYCLES:
+                cycle = recording.cycle_of(at, message)
+                if cycle is not None:
+                    self._held.append(cycle)
+                if len(self._held) >= HELD:
+                    self._put_cycles(sink)
+            elif (logged := recording.logged_of(at, message)) is not None:
+                for patch, scan in enumerate(self._scans):
+                    for stamps, counts in scan.feed(logged.data):
+                        sink.add_counts(patch, stamps, counts)
+            yield at
+        for patch, scan in enumerate(self._scans):
+            for stamps, counts in scan.finish():
+                sink.add_counts(patch, stamps, counts)
+        self._put_cycles(sink)
+        sink.add_happened(list(recording.timing()), list(recording.events()))
+
+    def _put_cycles(self, sink: Any) -> None:
+        held, self._held = self._held, []
+        if not held:
+            return
+        sink.add_rows("cycles", _cycle_rows(held))
+        for table in ("contacts", "patch_cycles"):
+            rows = _rows_of(held, table, self._tables[table])
+            if len(rows):
+                sink.add_rows(table, rows)
+
+
+CYCLE = np.dtype(
+    [(name, "<i8") for name in ("cycle", "flags", "wall_ns", "due_ns", "wake_ns", "acquired_ns",
+                                "done_ns", "log_position", "contacts")]
+)  # fmt: skip
+
+
+def _with_cycle(rows: "np.dtype[Any]", place: str = "") -> "np.dtype[Any]":
+    """The rows' fields behind the cycle's number and time, and the row's place if it is named."""
+    clash = {"cycle", "wall_ns", place} & set(rows.names or ())
+    if clash:
+        raise InputError(f"rows have the fields {sorted(clash)}, which stand for the cycle")
+    more = [(place, "<i8")] if place else []
+    return np.dtype([("cycle", "<i8"), ("wall_ns", "<i8"), *more, *rows.descr])
+
+
+def _cycle_rows(cycles: list[Any]) -> Any:
+    rows = np.zeros(len(cycles), CYCLE)
+    for name in CYCLE.names or ():
+        rows[name] = [
+            {"cycle": each.number, "contacts": len(each.contacts)}.get(name)
+            if name in ("cycle", "contacts")
+            else getattr(each, name)
+            for each in cycles
+        ]
+    return rows
+
+
+def _rows_of(cycles: list[Any], table: str, kind: "np.dtype[Any]") -> Any:
+    """Rows of all cycles, one after the other."""
+    parts = [each.contacts if table == "contacts" else each.patches for each in cycles]
+    counts = [len(part) for part in parts]
+    rows = np.zeros(sum(counts), kind)
+    rows["cycle"] = np.repeat([each.number for each in cycles], counts)
+    rows["wall_ns"] = np.repeat([each.wall_ns for each in cycles], counts)
+    if table == "patch_cycles":
+        rows["patch"] = np.concatenate([np.arange(count) for count in counts])
+    joined = np.concatenate(parts)
+    for name in joined.dtype.names or ():
+        rows[name] = joined[name]
+    return rows

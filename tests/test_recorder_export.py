@@ -1,0 +1,135 @@
+"""Exports read back by others, equal to what the ring had."""
+
+import csv
+import json
+import uuid
+
+import h5py
+import numpy as np
+import pytest
+import zarr
+from click.testing import CliRunner
+from pyarrow import parquet
+from recorder_ring import FakeEngine
+
+from skinfield.cli.main import main
+from skinfield.live.recorder import Recorder
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import forget_state
+from skinfield.sources import open_recording, readings_for
+
+CYCLES = 60
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    name = f"exp{uuid.uuid4().hex[:12]}"
+    path = tmp_path_factory.mktemp("export") / "a.mcap"
+    engine = FakeEngine(name)
+    recorder = Recorder(RecorderSettings(name=name, path=path))
+    for i in range(CYCLES):
+        engine.cycle()
+        if i % 5 == 0:
+            recorder.step()
+    recorder.close()
+    engine.close()
+    forget_state(name)
+    return path, np.array(engine.counts), engine.skin
+
+
+def run(*words: str):
+    found = CliRunner().invoke(main, list(words))
+    assert found.exit_code == 0, found.output
+    return found.output
+
+
+@pytest.mark.parametrize("ending", ["h5", "zarr"])
+def test_stores(recorded, tmp_path, ending):
+    path, counts, skin = recorded
+    run("export", str(path), "-o", str(tmp_path / f"a.{ending}"))
+    target = tmp_path / f"a.{ending}"
+    store = h5py.File(target) if ending == "h5" else zarr.open_group(target, mode="r")
+    np.testing.assert_array_equal(store["patches/arm/counts"][:], counts)
+    assert len(store["patches/arm/stamp_ns"][:]) == CYCLES
+    np.testing.assert_array_equal(store["patches/arm/uid"][:], skin[0].uid)
+    np.testing.assert_array_equal(store["patches/arm/positions"][:], skin[0].positions)
+    np.testing.assert_array_equal(store["cycles/cycle"][:], np.arange(1, CYCLES + 1))
+    np.testing.assert_array_equal(store["patch_cycles/force"][:], np.arange(CYCLES))
+    expected = np.repeat(np.arange(CYCLES), np.arange(CYCLES) % 3)
+    np.testing.assert_array_equal(store["contacts/track"][:], expected)
+    assert store["contacts/position"].shape == (len(expected), 3)
+    events = json.loads(bytes(store["events"][:]))
+    assert [each["kind"] for each in events] == ["recording_started", "recording_ended"]
+    if ending == "h5":
+        store.close()
+
+
+def test_parquet(recorded, tmp_path):
+    path, counts, skin = recorded
+    run("export", str(path), "-o", str(tmp_path / "a.parquet"))
+    table = parquet.read_table(tmp_path / "a.parquet")
+    assert table.column_names == ["stamp_ns", *(f"uid_{uid}" for uid in skin[0].uid)]
+    values = np.array([table[name].to_numpy() for name in table.column_names[1:]]).T
+    np.testing.assert_array_equal(values, counts)
+    contacts = parquet.read_table(tmp_path / "a.contacts.parquet")
+    expected = np.repeat(np.arange(CYCLES), np.arange(CYCLES) % 3)
+    np.testing.assert_array_equal(contacts["track"].to_numpy(), expected)
+    cycles = parquet.read_table(tmp_path / "a.cycles.parquet")
+    np.testing.assert_array_equal(cycles["contacts"].to_numpy(), np.arange(CYCLES) % 3)
+    answers = parquet.read_table(tmp_path / "a.patch_cycles.parquet")
+    np.testing.assert_array_equal(answers["cycle"].to_numpy(), np.arange(1, CYCLES + 1))
+
+
+def test_csv(recorded, tmp_path):
+    path, counts, skin = recorded
+    run("export", str(path), "-o", str(tmp_path / "a.csv"))
+    lines = [line for line in (tmp_path / "a.csv").open() if not line.startswith("#")]
+    rows = list(csv.reader(lines))
+    np.testing.assert_array_equal(np.array(rows[1:], float)[:, 1:], counts)
+    again = readings_for(open_recording(tmp_path / "a.csv"), skin[0])
+    np.testing.assert_array_equal(again.counts, counts)
+    assert again.unit == "count"
+    with (tmp_path / "a.contacts.csv").open() as file:
+        lines = [line for line in file if not line.startswith("#")]
+    assert [row["cycle"] for row in csv.DictReader(lines)][:3] == ["2", "3", "3"]
+    happened = json.loads((tmp_path / "a.events.json").read_text())
+    assert happened["timing"][-1]["cycles"] >= 0
+
+
+def test_what_cannot_be(recorded, tmp_path):
+    path, _, _ = recorded
+    for words in (
+        ("export", str(path), "-o", str(tmp_path / "a.xls")),
+        ("export", str(path), "-o", str(tmp_path / "a.h5"), "--patch", "leg"),
+        ("export", str(tmp_path / "no.mcap"), "-o", str(tmp_path / "a.h5")),
+    ):
+        found = CliRunner().invoke(main, list(words))
+        assert found.exit_code == 2
+        assert "expected" in found.output
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_info(recorded):
+    path, _, _ = recorded
+    said = json.loads(run("info", str(path), "--json"))
+    assert said["finished"]
+    assert said["cycles"] == CYCLES
+    assert said["key_cycles"] == CYCLES // 10
+    assert said["patches"][0]["readings"] == CYCLES
+    assert said["contacts"] == {"cycles": 40, "most_at_once": 2, "tracks": 40}
+    assert said["readings"]["missing_bytes"] == 0
+    assert set(said["lost"].values()) == {0}
+    text = run("info", str(path))
+    assert "40 tracks in 40 cycles, at most 2 at once" in text
+
+
+def test_reconstruct_takes_it(recorded, tmp_path):
+    path, _, skin = recorded
+    from skinfield.layout.formats import own_npz
+
+    own_npz.write(skin, tmp_path / "layout.npz")
+    run(
+        "reconstruct", str(path), "--layout", str(tmp_path / "layout.npz"), "--grid", "8",
+        "-o", str(tmp_path / "contacts.csv"),
+    )  # fmt: skip
+    assert (tmp_path / "contacts.csv").exists()
