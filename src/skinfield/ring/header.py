@@ -26,7 +26,7 @@ offset bytes what
 264    8     log reserved: bytes that may have been written; never below log end
 320    8     heartbeat, ns of CLOCK_MONOTONIC
 384    4     process of the writer (uint32)
-388    4     `State` (uint32)
+388    4     state: 0 starting, 1 calibrating, 2 running, 3 stopped, 4 failed (uint32)
 392    4     generation: 1 for the first writer, one more for each that went on (uint32)
 512    512   marks: 64 ends of batches (uint64), see below
 ====== ===== ==========================================================================
@@ -37,7 +37,7 @@ What changes has cache lines of its own. Entries of the table of fields have 128
 offset bytes what
 ====== ===== ==========================================================================
 0      48    name, filled up with zeros
-48     8     type as in NumPy: ``<f8``, ``<f4``, ``<i8``, ``<u4``, ``|u1``, ``|b1``, ...
+48     8     type as in NumPy: ``<f8``, ``<i4``, ...; ``u1`` and ``b1`` have a bar before
 56     8     offset from the beginning of the slot, or of the status
 64     8     bytes
 72     8     dimensions, 0 to 6

@@ -24,8 +24,8 @@ _LOW = 0xFFFFFFFF
 class Ring:
     """Slots, status and a log in shared memory, which one process writes and any number read.
 
-    Made by `Ring.create`, or by `Ring.reopen` after the process that wrote it has ended. Readers
-    only ever map the file for reading: none can disturb the writer, or make it wait.
+    Made by `create`, or by `reopen` after the process that wrote it has ended. Readers only ever
+    map the file for reading: none can disturb the writer, or make it wait.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Ring:
         Parameters
         ----------
         name : str
-            Letters, digits, ``_``, ``-`` and ``.``, at most 64.
+            Letters, digits, ``_-.``, at most 64.
         slot_fields, status_fields : sequences of Field
         description : mapping, optional
             What readers must know, in plain values; written as JSON.
@@ -180,7 +180,7 @@ class Ring:
         Returns
         -------
         int
-            Its number: 1 for the first, then one more each.
+            Its number: 1 for the first.
 
         Raises
         ------
@@ -228,13 +228,7 @@ class Ring:
         return self._log.append(octets, len(octets) if count is None else count)
 
     def heartbeat(self, now_ns: int) -> None:
-        """Say that the writer is at work.
-
-        Parameters
-        ----------
-        now_ns : int, ns
-            Of `time.monotonic_ns`.
-        """
+        """Say that the writer is at work, at `now_ns` of `time.monotonic_ns`."""
         self._words[header.HEARTBEAT] = now_ns
 
     def set_state(self, state: State) -> None:
@@ -249,7 +243,7 @@ class Ring:
 
     @property
     def number(self) -> int:
-        """Of the newest complete slot, 0 before the first."""
+        """Of the newest complete slot; 0 before the first."""
         return self._number - self._begun
 
     @property

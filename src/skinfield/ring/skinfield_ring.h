@@ -16,18 +16,15 @@
  *           264 u64 log reserved: bytes that may have been written, at least log end
  *           320 i64 heartbeat, ns of CLOCK_MONOTONIC
  *           384 u32 process   388 u32 state   392 u32 generation
- *           512 64 x u64 marks: ends of batches; mark i is the first in the newest of the
- *               segments (64ths of the log) that is i modulo 64
+ *           512 64 x u64 marks: the first end of a batch in each of the newest 64ths of the log
  *   field     0 char name[48]  48 char type[8] ("<f8" as in NumPy)  56 u64 offset  64 u64 bytes
  *            72 u64 dimensions  80 u64 shape[6]; 128 bytes each, first slots', then the status'
  *   slot      0 u64 lock: 2 n + 1 while slot n is written, 2 n + 2 when it is complete
  *             8 u64 log end then   16 u64 generation of its writer   64 the fields
  *   Slot n is at index n modulo the number of slots; byte p of the log at p modulo its size.
  *
- * The log is read by skinfield_ring_log.h, which includes this one.
- * Needs the __atomic built-ins of GCC and Clang. Functions return 0 or a negative errno, unless
- * they say otherwise.
- */
+ * The log is read by skinfield_ring_log.h. Needs the __atomic built-ins of GCC and Clang.
+ * Functions return 0 or a negative errno, unless they say otherwise. */
 #ifndef SKINFIELD_RING_H
 #define SKINFIELD_RING_H
 
@@ -36,7 +33,6 @@
 #endif
 #include <errno.h>
 #include <fcntl.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -173,7 +169,7 @@ static inline uint64_t skinfield_ring_log_end(const skinfield_ring *ring)
     return skinfield_word_(ring, 256);
 }
 
-/* When the writer was last at work, ns of CLOCK_MONOTONIC. */
+/* ns of CLOCK_MONOTONIC */
 static inline int64_t skinfield_ring_heartbeat(const skinfield_ring *ring)
 {
     return (int64_t)skinfield_word_(ring, 320);
