@@ -1,0 +1,72 @@
+"""Fuzz targets run, on their seeds and on some random inputs; the runner says what it needs."""
+
+import importlib.util
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FUZZ = Path(__file__).resolve().parents[1] / "fuzz"
+TARGETS = sorted(file.stem for file in FUZZ.glob("fuzz_*.py"))
+PLANTED = """
+def one_input(data: bytes) -> None:
+    if data[:2] == b"SF":
+        raise KeyError("planted")
+SEEDS = [b"SE"]
+"""
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_target_takes_any_bytes(name: str) -> None:
+    spec = importlib.util.spec_from_file_location(name, FUZZ / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    target = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(target)
+    numbers = random.Random(name)
+    inputs = [b"", *getattr(target, "SEEDS", [])]
+    for _ in range(8):
+        data = bytearray(numbers.choice(inputs) or numbers.randbytes(60))
+        data[numbers.randrange(len(data))] ^= 1 << numbers.randrange(8)
+        inputs.append(bytes(data))
+    for data in inputs:
+        target.one_input(data)
+
+
+def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(folder / "run.py"), *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+
+def test_runner_lists_targets_and_knows_no_others() -> None:
+    assert run(FUZZ).stdout.split() == TARGETS
+    done = run(FUZZ, "fuzz_nothing")
+    assert done.returncode == 2
+    assert "expected one of fuzz_" in done.stdout
+
+
+@pytest.mark.skipif(importlib.util.find_spec("atheris") is not None, reason="atheris is here")
+def test_without_atheris_it_says_how_to_get_it() -> None:
+    done = run(FUZZ, TARGETS[0])
+    assert done.returncode == 2
+    assert "pip install atheris" in done.stdout
+
+
+def test_runner_finds_what_is_planted(tmp_path: Path) -> None:
+    (tmp_path / "run.py").write_text((FUZZ / "run.py").read_text())
+    (tmp_path / "fuzz_bad.py").write_text(PLANTED)
+    (tmp_path / "fuzz_good.py").write_text("def one_input(data: bytes) -> None: ...\n")
+    options = ["--plain", "--seconds", "60", "--corpus", str(tmp_path / "corpus")]
+    done = run(tmp_path, "fuzz_bad", *options, "--seed", "3")
+    assert done.returncode == 1
+    assert "KeyError: 'planted'" in done.stdout
+    found = done.stdout.split("--again ")[1].strip()
+    again = run(tmp_path, "fuzz_bad", *options, "--again", found)
+    assert again.returncode == 1
+    assert "planted" in again.stderr
+    options[2] = "0"
+    done = run(tmp_path, "fuzz_good", *options)
+    assert done.returncode == 0
+    assert "executions in" in done.stdout
