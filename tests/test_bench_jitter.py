@@ -58,6 +58,12 @@ def test_its_histogram_is_read() -> None:
     assert quantiles.p99 == quantiles.p999 == quantiles.max == pytest.approx(2402e-6)
 
 
+def test_shares_of_later_wakes() -> None:
+    ends, share = lateness_of(PRINTED.splitlines()).later()
+    assert ends == pytest.approx([2e-6, 3e-6, 4e-6, 5e-6])
+    assert share == pytest.approx([0.93, 0.03, 0.03, 0.02])
+
+
 @given(st.lists(st.integers(0, 50), min_size=1, max_size=400))
 def test_its_quantiles_are_those_of_the_single_wakes(wakes: list[int]) -> None:
     found = Lateness(np.bincount(wakes), 0, 1e-6 * max(wakes)).quantiles()
@@ -136,7 +142,9 @@ def found(load: str = "engine", ready_ns: int = 80_000, fifo: bool = True) -> Ji
     )
     paired = Quantiles(10e-6, 10e-6, 10e-6, 11e-6, 10e-6, 1000)
     company = Company(0.1, 2.0, 0.0, 0.0, 0)
-    return Jitter(JitterSettings(load=load), granted, table.timing(), paired, "", company)
+    late = np.array([12e-6]), np.array([0.0])
+    settings = JitterSettings(load=load)
+    return Jitter(settings, granted, table.timing(), paired, "", company, late, late)
 
 
 def test_targets_are_judged_in_their_units() -> None:

@@ -8,11 +8,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from skinfield.cli.jitter_loops import Loop, bare_loop, engine_loop
-from skinfield.errors import InputError, check_choice, check_count, check_range
+from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
 from skinfield.experiments.bench.machine import Company, Watch
 from skinfield.realtime import Granted, Quantiles, RealTime, Timing
 from skinfield.realtime.cyclictest import Cyclictest, Running
+from skinfield.realtime.histogram import LAST_NS
 
 LOADS = ("engine", "none")
 PAIRS = ("same", "other")
@@ -98,6 +101,8 @@ class Jitter:
     no_pair : str
         Why there is none.
     company : Company
+    late, paired_late : pairs of arrays (B,)
+        Time (s) and share of wakes that were later: of the loop, and of cyclictest if there is one.
     """
 
     settings: JitterSettings
@@ -106,6 +111,8 @@ class Jitter:
     paired: Quantiles | None
     no_pair: str
     company: Company
+    late: tuple[Floats, Floats]
+    paired_late: tuple[Floats, Floats] | None
 
     def ratio(self, name: str) -> float | None:
         """Of the wakes' quantile to that of the cyclictest."""
@@ -155,14 +162,32 @@ def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
         before, watch = loop.snapshot(), Watch()
         _sleep_until(second + settings.seconds)
         after, company = loop.snapshot(), watch.company()
-        quantiles = None if running is None else running.finish().quantiles()
+        lateness = None if running is None else running.finish()
     except InputError as error:
-        quantiles, missing = None, str(error)
+        lateness, missing = None, str(error)
     finally:
         if running is not None:
             running.stop()
     timing = Timing.of(*after, before=before)
-    return Jitter(settings, loop.granted, timing, quantiles, missing, company)
+    wakes = (after[0][0] - before[0][0])[: len(LAST_NS)].astype(np.float64)
+    ends = LAST_NS.astype(np.float64) / 1e9
+    return Jitter(
+        settings,
+        loop.granted,
+        timing,
+        None if lateness is None else lateness.quantiles(),
+        missing,
+        company,
+        _later(ends, wakes),
+        None if lateness is None else lateness.later(),
+    )
+
+
+def _later(ends: Floats, counts: Floats) -> tuple[Floats, Floats]:
+    """Share of all that is beyond the end of each bin, from the first bin with any to the last."""
+    used = np.flatnonzero(counts)
+    some = slice(used[0], used[-1] + 1) if len(used) else slice(0, 0)
+    return ends[some], 1.0 - np.cumsum(counts[some]) / max(counts.sum(), 1.0)
 
 
 def _paired(settings: JitterSettings, granted: Granted) -> tuple[Running | None, str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError, Ints, check_count, check_positive
+from skinfield.errors import FileError, Floats, InputError, Ints, check_count, check_positive
 from skinfield.realtime.histogram import Quantiles
 
 HIGHEST = 20_000  # µs: what is later is only counted
@@ -153,6 +153,13 @@ class Lateness:
         middles = (np.arange(len(self.counts)) + 0.5) * 1e-6
         mean = float(self.counts @ middles + self.beyond * self.max) / self.count
         return Quantiles(middle(500), middle(990), middle(999), self.max, mean, self.count)
+
+    def later(self) -> tuple[Floats, Floats]:
+        """Ends of the bins (s), and the share of all wakes that were later than each."""
+        used = np.flatnonzero(self.counts)
+        some = slice(used[0], used[-1] + 1) if len(used) else slice(0, 0)
+        ends = np.arange(1, len(self.counts) + 1, dtype=np.float64)[some]
+        return ends / 1e6, 1.0 - np.cumsum(self.counts[some]) / self.count
 
 
 def lateness_of(lines: Iterable[str]) -> Lateness:
