@@ -3,6 +3,7 @@
 import json
 import signal
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -73,15 +74,17 @@ def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str,
     from skinfield.live.client import Live
     from skinfield.live.supervisor import Supervisor
     from skinfield.ring import State
-    from skinfield.sources.live.spec import source_from_options
+    from skinfield.sources.live.spec import skin_for, source_from_options
 
     skin = skin_from_text(given["skin_text"])
     hardware, bus, channels = given["hardware"], given["bus"], given["channel"]
+    handle = None
     with console.status("starting"):
         if hardware is None:
             handle = parts.enter_context(virtual_skin(given))
             hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
-        source = source_from_options(hardware, bus, channels, skin, extra_settings(given["extra"]))
+        skin, extra = skin_for(hardware, skin), extra_settings(given["extra"])
+        source = source_from_options(hardware, bus or "", channels, skin, extra)
         settings = settings_from(given, skin, source)
         supervisor = parts.enter_context(Supervisor(settings))
         supervisor.wait(STARTS, State.STARTING).close()
@@ -91,18 +94,27 @@ def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str,
             from skinfield.live.served import serve
 
             parts.enter_context(serve(settings.name, given["port"]))
-    return _watch(given, supervisor, live, console)
+    begin = (lambda: handle.scene(given["scene"])) if handle is not None else None
+    return _watch(given, supervisor, live, console, begin)
 
 
-def _watch(given: dict[str, Any], supervisor: Any, live: Any, console: Console) -> dict[str, Any]:
-    """Show the skin until its time is over, or Ctrl-C."""
+def _watch(
+    given: dict[str, Any],
+    supervisor: Any,
+    live: Any,
+    console: Console,
+    begin: Callable[[], None] | None,
+) -> dict[str, Any]:
+    """Show the skin until its time is over, or Ctrl-C; `begin` is called when it answers."""
     from skinfield.live.seen import Watch
     from skinfield.live.status import Observer
 
     watch, observer = Watch([patch.name for patch in live.skin]), Observer(live.reader)
     screen = None if given["headless"] else _screen(console)
     try:
-        began = _wait_running(supervisor, observer, screen, console)
+        began = _wait_running(supervisor, observer, screen)
+        if begin is not None:
+            begin()
         end = None if given["duration"] is None else began + given["duration"]
         shown = began
         while end is None or time.monotonic() < end:
@@ -136,7 +148,7 @@ def _show(screen: Any, observer: Any) -> None:
     screen.update(shown(observer.look()))
 
 
-def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
+def _wait_running(supervisor: Any, observer: Any, screen: Any) -> float:
     """Wait until the engine answers, showing what it does meanwhile; the time then."""
     from skinfield.live.supervisor import EngineFailed
 

@@ -24,8 +24,8 @@ def virtual_skin(given: dict[str, Any]) -> Iterator[Any]:
         bus=given["bus"] or "udp",
         channels=given["channel"],
         rate=given["virtual_rate"],
-        scene=given["scene"],
-        lead_in=given["tare_s"] + 2.0,
+        scene="idle",  # until the engine has its baseline
+        lead_in=0.0,
         seed=given["seed"],
     )
     with start(settings) as handle:

@@ -16,6 +16,8 @@ from skinfield.live.slots import PATCH, Head, Sizes, Slot
 from skinfield.live.tare import quantity_scale
 from skinfield.live.touches import Touches
 
+HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
+MOST_PATIENCE_NS = 20_000_000
 KEY, LATE = int(CycleFlag.KEY), int(CycleFlag.LATE)
 MISSING, IDLE, FEASIBLE = int(Answer.MISSING), int(Answer.IDLE), int(Answer.FEASIBLE)
 
@@ -163,6 +165,8 @@ class Cycle:
                 self._how,
                 self._scale,
                 now_ns - self.stale_ns,
+                now_ns,
+                min(self.stale_ns // HALF_INTERVAL, MOST_PATIENCE_NS),
                 self._binding.starts,
                 self._values,
                 self._valid,
