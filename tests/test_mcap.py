@@ -1,0 +1,291 @@
+"""MCAP files of live recordings: written, read, cut, damaged, recovered."""
+
+import contextlib
+import errno
+import struct
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+from mcap.writer import CompressionType, Writer
+from mcap_sample import ROWS, START, blocks_at, cycle_of, write
+
+from skinfield.acquisition.recorded import CYCLES, CycleLayout, Enclosed
+from skinfield.errors import FileError, InputError
+from skinfield.live.recorder_recover import recover
+from skinfield.sinks.mcap import Lz4, NoCompression, RecordingSettings, RecordingWriter, Zstd
+from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_steps import Steps
+
+
+def equal(one, other) -> bool:
+    plain = ("number", "flags", "due_ns", "wake_ns", "acquired_ns", "done_ns", "wall_ns",
+             "log_position")  # fmt: skip
+    return all(getattr(one, name) == getattr(other, name) for name in plain) and all(
+        getattr(one, name).dtype == getattr(other, name).dtype
+        and getattr(one, name).tobytes() == getattr(other, name).tobytes()
+        for name in ("script", "contacts", "patches")
+    )
+
+
+@pytest.mark.parametrize("compression", [Zstd(), Zstd(9), Lz4(), NoCompression()])
+def test_round_trip(tmp_path, compression):
+    path = tmp_path / "a.mcap"
+    write(path, compression=compression)
+    found = LiveRecording.open(path)
+    assert found.finished
+    assert all(map(equal, found.cycles(), map(cycle_of, range(12))))
+    assert [each.data for each in found.blocks()] == [blocks_at(n) for n in range(12)]
+    assert [each.position for each in found.blocks()] == [48 * n for n in range(12)]
+    assert found.configuration == {"a": 1}
+    (timing,) = found.timing()
+    assert timing["wake_us"] == {"p50": 1.5, "max": None}
+    (event,) = found.events()
+    assert event == {
+        "wall_ns": START + 10**6, "kind": "source_down", "text": "the arm is gone", "source": 0
+    }  # fmt: skip
+    assert found.damage == []
+    steps = list(Steps(found))
+    assert [step.data for step in steps] == [blocks_at(n) for n in range(12)]
+
+
+@pytest.mark.parametrize("compression", [Zstd(), Lz4(), NoCompression()])
+def test_mcap_itself_reads_it_in_both_ways(tmp_path, compression):
+    path = tmp_path / "a.mcap"
+    write(path, compression=compression)
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        assert summary.statistics.message_count == 26
+        assert summary.statistics.channel_message_counts == {1: 12, 2: 12, 3: 1, 4: 1}
+        assert len(summary.chunk_indexes) == 5
+        messages = [(c.topic, m.sequence, m.data) for _, c, m in reader.iter_messages()]
+        some = list(reader.iter_messages(topics=[CYCLES]))
+        assert [m.sequence for _, _, m in some] == list(range(12))
+        assert [each.name for each in reader.iter_attachments()] == ["configuration.json"]
+    records = [data for topic, _, data in messages if topic == CYCLES]
+    assert records == [ROWS.encode(cycle_of(n)) for n in range(12)]
+    with path.open("rb") as file:  # record by record, all checksums
+        kinds = [type(each).__name__ for each in StreamReader(file, validate_crcs=True).records]
+    assert kinds.count("Message") == 26
+    assert kinds[-1] == "Footer"
+
+
+def test_a_file_is_not_replaced_unless_asked(tmp_path):
+    path = tmp_path / "a.mcap"
+    write(path)
+    before = path.read_bytes()
+    with pytest.raises(InputError, match="is there already"):
+        write(path)
+    assert path.read_bytes() == before
+    overwrite = RecordingSettings(overwrite=True)
+    RecordingWriter(path, layout=ROWS, settings=overwrite).close()
+    assert list(LiveRecording.open(path).cycles()) == []
+
+
+def test_files_of_mcaps_own_writer_are_read(tmp_path):
+    """With its channels in the first chunk, as other programs write."""
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=200, compression=CompressionType.LZ4)
+        writer.start()
+        schema = writer.register_schema("x", "", b"")
+        channel = writer.register_channel("/skin/blocks", "", schema)
+        cycles = writer.register_channel("/skin/cycles", "", schema, ROWS.metadata())
+        for n in range(9):
+            data = struct.pack("<q", 48 * n) + blocks_at(n)
+            writer.add_message(channel, START, data, START)
+            writer.add_message(cycles, START, ROWS.encode(cycle_of(n)), START)
+        writer.finish()
+    found = LiveRecording.open(path)
+    assert all(map(equal, found.cycles(), map(cycle_of, range(9))))
+    assert [step.data for step in Steps(found)] == [blocks_at(n) for n in range(9)]
+    report = recover(path, tmp_path / "b.mcap")
+    assert report.was_whole
+    assert sum(report.messages.values()) == 18
+
+
+def test_cut_anywhere(tmp_path):
+    """All that is up to the last whole chunk before the cut is there, and no more.
+
+    At every byte around the ends of chunks, at every so many-th elsewhere.
+    """
+    path, bad, good = (tmp_path / name for name in ("a.mcap", "bad.mcap", "good.mcap"))
+    write(path, cycles=6)
+    data = path.read_bytes()
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    chunks = sorted(
+        (each.chunk_start_offset + each.chunk_length, len(each.message_index_offsets))
+        for each in summary.chunk_indexes
+    )
+    ends = [end for end, _ in chunks]
+    counts = [0, 6, 12, 14]
+    sizes = {*range(8, len(data), 29), *(end + i for end in ends for i in range(-30, 30))}
+    for size in sorted(sizes):
+        bad.write_bytes(data[:size])
+        report = recover(bad, good, overwrite=True)
+        expected = counts[sum(end <= size for end in ends)]
+        assert sum(report.messages.values()) == expected, size
+        assert not report.was_whole
+        assert report.dropped_bytes <= size - 8
+        if size % 3 == 0:  # mcap's reader takes its time
+            with good.open("rb") as file:
+                reader = make_reader(file, validate_crcs=True)
+                assert len(list(reader.iter_messages())) == expected
+                reader.get_summary()
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.data())
+def test_flipped_bytes(data):
+    """Whatever is flipped: what comes out is whole, and each message in it is one of those."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        path, bad, good = (folder / each for each in ("a.mcap", "bad.mcap", "good.mcap"))
+        write(path)
+        octets = bytearray(path.read_bytes())
+        with path.open("rb") as file:
+            known = {m.data for _, _, m in make_reader(file).iter_messages()}
+        places = st.tuples(st.integers(8, len(octets) - 1), st.integers(1, 255))
+        for at, what in data.draw(st.lists(places, min_size=1, max_size=4)):
+            octets[at] ^= what
+        bad.write_bytes(octets)
+        try:
+            report = recover(bad, good)
+        except FileError:
+            return
+        with good.open("rb") as file:
+            found = [m.data for _, _, m in make_reader(file, validate_crcs=True).iter_messages()]
+        assert len(found) == sum(report.messages.values())
+        assert set(found) <= known
+        read_all(good)
+        read_all(bad)
+
+
+def read_all(path: Path) -> None:
+    try:
+        found = LiveRecording.open(path)
+        for _ in (*found.cycles(), *found.events(), *found.timing(), *found.blocks()):
+            pass
+        list(Steps(found))
+    except FileError:
+        return
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.binary(max_size=400), st.booleans())
+def test_any_bytes(octets, magic):
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / "a.mcap"
+        path.write_bytes((b"\x89MCAP0\r\n" if magic else b"") + octets)
+        read_all(path)
+        with contextlib.suppress(FileError):
+            recover(path, Path(name) / "b.mcap")
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.binary(max_size=300))
+def test_any_bytes_as_a_cycle(octets):
+    try:
+        cycle = ROWS.decode(octets)
+    except InputError:
+        return
+    assert ROWS.encode(cycle)[4:] == octets[4:]
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.dictionaries(st.sampled_from(["contact", "patch", "x"]), st.text(max_size=60)))
+def test_any_metadata(metadata):
+    with pytest.raises(InputError):
+        CycleLayout.from_metadata(metadata)
+
+
+def test_layouts_of_others_are_kept():
+    assert CycleLayout.from_metadata(ROWS.metadata()) == ROWS
+
+
+class FullDisk:
+    """An output on which there is room for so many bytes."""
+
+    def __init__(self, room: int) -> None:
+        self.room, self.data, self.refused = room, bytearray(), 0
+
+    @property
+    def end(self) -> int:
+        return len(self.data)
+
+    def append(self, piece) -> None:
+        if len(self.data) + len(piece) > self.room:
+            self.refused += 1
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.data += piece
+
+    def sync(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def test_nothing_is_lost_while_a_disk_is_full(tmp_path):
+    disk = FullDisk(1 << 20)
+    writer = RecordingWriter(tmp_path / "a.mcap", layout=ROWS, output=disk)
+    disk.room = disk.end + 10
+    writer.write_cycle(START, ROWS.encode(cycle_of(0)))
+    for _ in range(3):
+        with pytest.raises(FileError, match="No space left"):
+            writer.flush()
+    writer.write_cycle(START, ROWS.encode(cycle_of(1)))
+    disk.room = 1 << 20
+    writer.flush()
+    writer.write_cycle(START, ROWS.encode(cycle_of(2)))
+    writer.close()
+    path = tmp_path / "b.mcap"
+    path.write_bytes(disk.data)
+    assert all(map(equal, LiveRecording.open(path).cycles(), map(cycle_of, range(3))))
+    assert disk.refused == 3
+
+
+def test_what_cannot_be_written():
+    with pytest.raises(InputError, match="level is 0"):
+        Zstd(0)
+    with pytest.raises(InputError, match="chunk_bytes"):
+        RecordingSettings(chunk_bytes=0)
+    with pytest.raises(InputError, match="plain numbers"):
+        CycleLayout(np.dtype("<f8"), ROWS.patch)
+    with pytest.raises(InputError, match="plain numbers"):
+        CycleLayout(np.dtype([("a", "O")]), ROWS.patch)
+    with pytest.raises(FileError, match="cannot be made"):
+        RecordingWriter("/nonesuch/a.mcap", layout=ROWS)
+
+
+def test_a_closed_recording_takes_no_more(tmp_path):
+    writer = write(tmp_path / "a.mcap")
+    with pytest.raises(InputError, match="is closed"):
+        writer.event(START, "x", "y")
+    writer.close()
+
+
+def test_enclosed_as_text():
+    enclosed = Enclosed("a.npz", "application/x-npz", bytes(range(256)))
+    assert Enclosed.from_json(enclosed.as_json()) == enclosed
+    with pytest.raises(InputError, match="expected name"):
+        Enclosed.from_json({"name": "a"})
+
+
+def test_the_damaged_file_itself_is_not_overwritten(tmp_path):
+    path = tmp_path / "a.mcap"
+    write(path, close=False)
+    with pytest.raises(InputError, match="damaged file itself"):
+        recover(path, path, overwrite=True)
+    other = tmp_path / "b.txt"
+    other.write_text("hello")
+    with pytest.raises(FileError, match="no MCAP file"):
+        recover(other, tmp_path / "c.mcap")
+    assert not (tmp_path / "c.mcap").exists()
