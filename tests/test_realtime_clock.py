@@ -172,6 +172,19 @@ def test_a_closed_end_does_not_take_the_processor(waiter, pipe) -> None:
     assert all(b - a >= 2 * MS for a, b in pairwise(wakes))
 
 
+def test_long_cycles_leave_the_processor_to_others_now_and_then(waiter, pipe) -> None:
+    os.write(pipe[1], b"x")  # never read
+    wait, slept = waiter([pipe[0]], longest_ms=1000), []
+    for _ in range(3):
+        began = wait.wait()[1]
+        while (now := time.monotonic_ns()) < began + 20 * MS:
+            pass
+        slept.append((began, now))
+    slept.append((wait.wait()[1], 0))
+    for (began, ended), (again, _) in pairwise(slept):
+        assert again - ended >= (ended - began) // 10
+
+
 def test_a_source_that_was_opened_again_is_watched(waiter) -> None:
     first = os.pipe()
     wait = waiter([first[0]], longest_ms=60_000)

@@ -10,6 +10,7 @@ from skinfield.errors import check_count
 from skinfield.realtime.clock import Sleeper
 
 NS = 1e-9
+REST = 10  # a rest after each cycle is one of so many parts of its time
 
 
 class EventWaiter:
@@ -17,8 +18,9 @@ class EventWaiter:
 
     What arrived stays reported until it is read. A descriptor that nobody reads, or that the other
     end has closed, therefore wakes again and again; `shortest_ns` keeps such cycles, and those of
-    a source that sends more often than anyone needs, apart from each other, so that a loop under
-    SCHED_FIFO always leaves its processor to others.
+    a source that sends more often than anyone needs, apart from each other. After a cycle it rests
+    for at least a tenth of what that took: under SCHED_FIFO nobody else would get the processor,
+    and Linux would stop a loop that never sleeps.
 
     Parameters
     ----------
@@ -69,7 +71,9 @@ class EventWaiter:
             when the longest wait was over.
         """
         due = self._woke + self.longest_ns
-        self._sleeper.sleep_until(self._woke + self.shortest_ns)
+        now = time.monotonic_ns()
+        rested = now + (now - self._woke) // REST
+        self._sleeper.sleep_until(max(self._woke + self.shortest_ns, rested))
         arrived = self._poll.wait((due - time.monotonic_ns()) * NS)
         self._woke = now = time.monotonic_ns()
         return (now if arrived else min(due, now)), now
