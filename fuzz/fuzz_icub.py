@@ -14,6 +14,12 @@ from skinfield.protocols.icub import (
     messages_of_array,
 )
 
+INTERPRETED = True
+SEEDS = [
+    bytes.fromhex("d0040000080140f0f0f08cf0f0f0 d00400000801c0f0f0f0f0f00011") * 2,
+    bytes.fromhex("4d0032f000000000 50000f0201002200 0700000000000000 4c01010300200035"),
+    bytes.fromhex("180a0200d58440f0f0f08cf0f0f0d584c0f0f0f0f0f02000"),
+]
 ROOM, FENCE = 40, 0x0123456789ABCDEF
 MESSAGES, INTO = CanMessages(ROOM), CanMessages(300)
 BLOCKS, CHANNELS, COUNTERS = Blocks(2048), Channels(3 * 192), counters()

@@ -25,6 +25,7 @@ TEXT = b"""<?xml version="1.0" encoding="UTF-8" ?>
 <paramlist name="ports"><elem name="torso"> 0 767 0 767 </elem></paramlist>
 </device>
 """
+SEEDS = [TEXT, b"\x90\x01\x04<!-- ", b"\x00\x02\x02 0x10 "]
 
 
 def one_input(data: bytes) -> None:

@@ -28,7 +28,7 @@ def messages_of_array(
     """Row behind the last message written, `NO_ARRAY` or `NO_ROOM`; then nothing was written."""
     if length < HEAD_BYTES or length > len(octets):
         return NO_ARRAY
-    capacity, item, size = octets[0], octets[1], octets[2]
+    capacity, item, size = int(octets[0]), int(octets[1]), int(octets[2])
     if item != ITEM_BYTES or size > capacity or HEAD_BYTES + ITEM_BYTES * size > length:
         return NO_ARRAY
     for k in range(size):
