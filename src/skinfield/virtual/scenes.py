@@ -11,7 +11,7 @@ from skinfield.virtual.touch import Point, Scene, Track
 
 SCENES = ("idle", "press", "slide", "two-balls", "tap", "random")
 RANDOM_SECONDS = 600.0  # after which the random scene begins again
-RANDOM_TOOLS = (Tool(3e-3), Tool(4e-3), Tool(6e-3), Tool(4e-3, "flat"))
+RANDOM_TOOLS = (Tool(4e-3), Tool(3e-3), Tool(6e-3))
 RANDOM_FORCES = (0.2, 3.0)  # N
 RAMP = 0.1  # s of pressing and of lifting off
 

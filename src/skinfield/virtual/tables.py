@@ -15,9 +15,9 @@ from skinfield.virtual.tool import Tool
 
 DEEPEST = 0.75  # of the thickness: where tables end
 SOFTEST = 1.0 / 400.0  # of the largest force: the least that is solved; below it, in proportion
-SHARES = (*np.geomspace(SOFTEST, 0.3, 9), *np.linspace(0.4, 1.0, 7))  # of it, that are solved
+SHARES = (*np.geomspace(SOFTEST, 0.3, 6), *np.linspace(0.475, 1.0, 4))  # of it, that are solved
 CELL = 0.5e-3  # m
-LINE = 0.2e-3  # m between the distances that are solved
+LINE = 0.25e-3  # m between the distances that are solved
 SPACING = 0.05e-3  # m between the distances of a table
 FORCES = 128  # rows of a table
 REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
