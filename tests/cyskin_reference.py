@@ -1,0 +1,94 @@
+"""CySkin's CAN messages put together and read by plain Python: shares no code with the decoder."""
+
+import struct
+from dataclasses import dataclass, field
+
+
+def crc8(data: bytes) -> int:
+    """Polynomial 0x07, begins with 0."""
+    crc = 0
+    for octet in data:
+        crc ^= octet
+        for _ in range(8):
+            crc = (crc << 1 ^ 0x07) & 0xFF if crc & 0x80 else crc << 1
+    return crc
+
+
+@dataclass
+class Reference:
+    """What a decoder must make of messages of boards with whole modules of 12 sensors.
+
+    Standard identifiers, CRC-8 with 0x07, big-endian.
+    """
+
+    modules: dict[int, int]  # of each board
+    first_channel: dict[int, int]
+    parts: dict = field(default_factory=dict)
+    values: dict = field(default_factory=dict)
+    received: int = 0
+    foreign: int = 0
+    malformed: int = 0
+    lost: int = 0
+    blocks: int = 0
+    replies: list = field(default_factory=list)
+
+    def take(self, identifier: int, data: bytes) -> None:
+        board, part = identifier & 0xFF, identifier >> 8
+        if board not in self.modules or identifier > 0x7FF:
+            self.foreign += 1
+            return
+        if part not in (1, 2, 4, 5):
+            self.malformed += 1
+            return
+        self.received += 1
+        open_packet = self.parts.get(board)
+        if part in (1, 5):
+            if isinstance(open_packet, bytes):
+                if len(open_packet) >= 2:
+                    self.lost += max(1, -(-(open_packet[1] + 3 - len(open_packet)) // 8))
+                else:
+                    self.lost += 1
+            self.parts[board] = data
+        elif isinstance(open_packet, bytes):
+            if len(open_packet) + len(data) > 264:
+                self.malformed += 1
+                self.parts[board] = None if part == 4 else "skip"
+                return
+            self.parts[board] = open_packet + data
+        else:
+            self.lost += open_packet != "skip"
+            self.parts[board] = None if part == 4 else "skip"
+            return
+        if part in (4, 5):
+            self.packet(board, self.parts[board])
+            self.parts[board] = None
+
+    def packet(self, board: int, packet: bytes) -> None:
+        if packet and packet[0] < 0x10:
+            self.foreign += 1
+            return
+        if len(packet) < 3:
+            self.malformed += 1
+            return
+        size = packet[1]
+        if len(packet) < 3 + size:
+            self.lost += -(-(3 + size - len(packet)) // 8)
+            return
+        if len(packet) > 3 + size or packet[-1] != crc8(packet[:-1]):
+            self.malformed += 1
+            return
+        if packet[0] != 0x43:
+            self.replies.append((board, packet[0], packet[2:-1]))
+            return
+        if size < 2 or size % 2:
+            self.malformed += 1
+            return
+        module, sensor, count = packet[2], packet[3], (size - 2) // 2
+        last = 12 * module + sensor + count
+        if module >= self.modules[board] or sensor >= 12 or last > 12 * self.modules[board]:
+            self.foreign += 1
+            return
+        start = self.first_channel[board] + 12 * module + sensor
+        self.blocks += count > 0
+        numbers = struct.unpack(f">{count}H", packet[4:-1])
+        self.values.update(zip(range(start, start + count), numbers, strict=True))
