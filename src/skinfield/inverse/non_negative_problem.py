@@ -16,7 +16,7 @@ LANES = 64  # bytes: rows are filled up to whole vector registers
 ROUNDING = {4: 5e-7, 8: 1e-15}  # of |r| |b|, by bytes of a number: of what a dual value may be off
 CUT = 5e-3  # of a taxel's column that stamps may lack: bounded, and computed where it matters
 SPARSE = 0.4  # share of the whole matrix up to which a pass by stamps is quicker
-LARGE = 250_000  # numbers of a whole matrix that is small enough for a cache, and as quick
+LARGE = 50_000  # numbers of a whole matrix that is as quick, and soon read where caches are cold
 
 
 def problem_of(
