@@ -15,6 +15,8 @@ from skinfield.sources.buses import BusSettings
 from skinfield.sources.live.board_care import ICubCare
 from skinfield.sources.live.cared_stream import CaredStream
 
+SAME_READING = 1e-3  # s: parts of one reading come nearer than half of that; copies, too, as boards
+# may send faster than they were told, and then the same bytes a period later are no copy
 NOWHERE = 255  # bus of boards that a port has room for and this device lacks
 
 
@@ -57,7 +59,8 @@ class ICubCan:
             If a bus cannot be used; see `open_bus`.
         """
         boards, ports = ports_of(self.configuration)  # refuses before anything is open
-        places, period = range(len(self.buses)), self.configuration.period
+        places = range(len(self.buses))
+        period = min(self.configuration.period, SAME_READING)
         return CaredStream(
             ports,
             self.buses,

@@ -1,0 +1,221 @@
+"""Devices in software, each at a place of its own, for the tests of live sources."""
+
+import os
+import socket
+import uuid
+from contextlib import suppress
+from pathlib import Path
+from tempfile import gettempdir
+
+import numpy as np
+from bus_peers import free_port, wait_for
+
+from skinfield.acquisition import CanMessages, Stream
+from skinfield.layout import Skin
+from skinfield.layout.generators import by_name
+from skinfield.protocols.cyskin import CySkinEncoder, SharedMemoryWriter, on_boards
+from skinfield.protocols.icub import ICubConfiguration, configuration_for
+from skinfield.protocols.packet import packets_of
+from skinfield.protocols.packet.encode import encode_counts
+from skinfield.protocols.packet.layout import Packet, PacketKind
+from skinfield.sources.buses import BusSettings, open_bus
+
+HEXAGON = Skin((by_name("hexagon72"),))
+ON_CYSKIN, CYSKIN_BOARDS = on_boards(HEXAGON)
+
+
+class ICubBoard:
+    """Board 1 with six triangles, over UDP: what it was told, and readings when asked."""
+
+    def __init__(self) -> None:
+        self.bus = open_bus(BusSettings("udp", port=0))
+        self.port = self.bus.address[1]
+        self.own = free_port()
+        self.told: list[tuple[int, bytes]] = []
+        self.sent = 0
+        self.blocker: socket.socket | None = None
+        self._rows = CanMessages(64)
+
+    @property
+    def settings(self) -> BusSettings:
+        """Of the bus, for the host."""
+        return BusSettings("udp", port=self.own, peer=f"127.0.0.1:{self.port}")
+
+    @property
+    def configuration(self) -> ICubConfiguration:
+        return configuration_for(*HEXAGON)
+
+    def listen(self) -> list[tuple[int, bytes]]:
+        """All that it was told until now."""
+        for row in range(self.bus.receive(self._rows)):
+            data = self._rows.data[row, : self._rows.lengths[row]].tobytes()
+            self.told.append((int(self._rows.ids[row]), data))
+        return self.told
+
+    def send(self, message_class: int = 4) -> int:
+        """Send one reading of all triangles; blocks of counts that it makes."""
+        self.listen()
+        self.sent += 1
+        value = self.sent % 200
+        for triangle in range(6):
+            identifier = message_class << 8 | 1 << 4 | triangle
+            self.bus.send(identifier, b"\x40" + bytes([value]) * 7)
+            self.bus.send(identifier, b"\xc0" + bytes([value]) * 5 + b"\0\0")
+        return 12
+
+    def unplug(self, stream: Stream) -> None:
+        """Break the host's socket, and keep its port from it."""
+        link = stream.buses[0]  # type: ignore[attr-defined]
+        link._receiver.close()
+        self.blocker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        wait_for(lambda: _bound(self.blocker, self.own))
+
+    def plug(self) -> None:
+        assert self.blocker is not None
+        self.blocker.close()
+
+    def close(self) -> None:
+        self.bus.close()
+        if self.blocker is not None:
+            self.blocker.close()
+
+
+def _bound(sock: socket.socket | None, port: int) -> bool:
+    assert sock is not None
+    try:
+        sock.bind(("127.0.0.1", port))
+    except OSError:
+        return False
+    return True
+
+
+class CySkinBoard(ICubBoard):
+    """CySkin's board 1 with six modules, on the same bus: one packet, and so one block."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.encoder = CySkinEncoder(CYSKIN_BOARDS)
+
+    def send(self, message_class: int = 4) -> int:
+        self.listen()
+        self.sent += 1
+        self.encoder.counts[:] = np.arange(72) + self.sent
+        count = self.encoder.encode(self._rows, 0, 0)
+        assert self.bus.send_many(self._rows, count) == count
+        return 1
+
+
+def packet(number: int, channels: int = 72) -> bytes:
+    """Reading `number` of device 1."""
+    values = (np.arange(channels) + number) % 4096
+    return encode_counts(
+        values, Packet(kind=PacketKind.SHORTS, sequence=number, time_us=1000 * number)
+    )
+
+
+class PacketServer:
+    """A device behind a TCP server."""
+
+    def __init__(self) -> None:
+        self.number, self.port = -1, 0
+        self.connections: list[socket.socket] = []
+        self.told: list[int] = []
+        self.listen()
+
+    def listen(self) -> None:
+        self.server = socket.socket()
+        self.server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.server.bind(("127.0.0.1", self.port))
+        self.server.listen()
+        self.server.setblocking(False)
+        self.port = self.server.getsockname()[1]
+
+    def connection(self) -> socket.socket:
+        """The newest, and what was told over it."""
+        with suppress(BlockingIOError):
+            found, _ = self.server.accept()
+            found.setblocking(False)
+            self.connections.append(found)
+        newest = self.connections[-1]
+        with suppress(BlockingIOError):
+            self.told += [each.kind for each in packets_of(newest.recv(1 << 16))]
+        return newest
+
+    def send(self, data: bytes | None = None) -> int:
+        """Send one reading; blocks of counts that it makes."""
+        wait_for(lambda: self._accepted())
+        self.number += 1
+        self.connections[-1].sendall(packet(self.number) if data is None else data)
+        return 1
+
+    def _accepted(self) -> bool:
+        if self.connections and self.connections[-1].fileno() >= 0:
+            self.connection()
+            return True
+        try:
+            self.connection()
+        except (IndexError, OSError):
+            return False
+        return self.connections[-1].fileno() >= 0
+
+    def close(self) -> None:
+        for each in (*self.connections, self.server):
+            each.close()
+
+
+class SerialLine:
+    """A device at a pseudo-terminal, whose node keeps its name."""
+
+    def __init__(self) -> None:
+        self.path = Path(gettempdir()) / f"skinfield-{uuid.uuid4().hex}"
+        self.number, self.master = -1, -1
+        self.told: list[int] = []
+        self.plug()
+
+    def plug(self) -> None:
+        self.master, slave = os.openpty()
+        os.set_blocking(self.master, False)
+        self.path.symlink_to(os.ttyname(slave))
+        self._slave = slave
+
+    def unplug(self) -> None:
+        os.close(self._slave)
+        os.close(self.master)
+        self.path.unlink()
+
+    def send(self) -> int:
+        with suppress(OSError):
+            self.told += [each.kind for each in packets_of(os.read(self.master, 4096))]
+        self.number += 1
+        os.write(self.master, packet(self.number))
+        return 1
+
+    def close(self) -> None:
+        if self.path.is_symlink():
+            self.unplug()
+
+
+class Memory:
+    """CySkin's acquisition tool, at keys of its own."""
+
+    def __init__(self, uids: np.ndarray) -> None:
+        self.uids, self.number = uids, 0
+        self.key = int.from_bytes(os.urandom(3), "big") + 1000
+        self.plug()
+
+    def plug(self) -> None:
+        self.writer: SharedMemoryWriter | None = SharedMemoryWriter(
+            self.uids, self.key, self.key + (1 << 25)
+        )
+
+    def unplug(self) -> None:
+        if self.writer is not None:
+            self.writer.close()
+        self.writer = None
+
+    def send(self) -> None:
+        self.number += 1
+        assert self.writer is not None
+        self.writer.write(np.arange(len(self.uids)) + self.number, self.number)
+
+    close = unplug
