@@ -2,12 +2,14 @@
 
 import ctypes
 import json
+import os
 import sys
 import time
 
 import numpy as np
 from ring_scenes import SLOT, WORDS, write
 
+from skinfield.errors import InputError
 from skinfield.ring import Ring, RingReader
 
 SLOTS, LOG_BYTES = 4, 1 << 16
@@ -83,7 +85,29 @@ def scribble(name: str, _: int) -> None:
     say("written")
 
 
+def create(name: str, _: int) -> None:
+    """Try to make the ring when told, and keep it."""
+    say("ready")
+    sys.stdin.readline()
+    try:
+        with Ring.create(name, SLOT):
+            say("won")
+            sys.stdin.readline()
+    except InputError:
+        say("refused")
+
+
+def fork(name: str, _: int) -> None:
+    """Write, and leave a child behind that does nothing."""
+    ring = open_writer(name)
+    if not os.fork():
+        ring.close()  # nothing: it is its parent's
+        say(str(os.getpid()))
+    time.sleep(600)
+
+
 ROLES = {"write": write_on, "stop": stop_within, "read": read_on, "scribble": scribble}
+ROLES |= {"create": create, "fork": fork}
 
 if __name__ == "__main__":
     ROLES[sys.argv[1]](sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else 0)

@@ -219,7 +219,7 @@ def test_reopen_wants_the_same_layout(ring: Ring, changed: dict[str, object], sa
 def test_reopen_after_death_within_publish(ring: Ring, reader: RingReader, step: str) -> None:
     """Killed between its stores: the lock said complete, but the head did not; or the futex not."""
     write(ring, 5)
-    index = ring._locks[6 % SLOTS]
+    index = ring._heads[6 % SLOTS]
     slot = ring.begin()
     slot["number"][...] = slot["words"][:] = 6
     ring._words[index] = 14

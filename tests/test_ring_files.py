@@ -1,5 +1,6 @@
 """Which rings there are, and files that are none."""
 
+import gc
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,14 @@ def test_links_are_not_followed(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="cannot be opened"):
         RingReader("one", folder=tmp_path)
     assert other.read_text() == "mine"
+
+
+def test_a_ring_that_is_forgotten_is_free(tmp_path: Path) -> None:
+    ring = Ring.create("one", SLOT, folder=tmp_path)
+    slot = ring.begin()
+    with RingReader("one", folder=tmp_path) as reader:
+        assert reader.alive
+        del ring
+        gc.collect()
+        assert not reader.alive
+    assert slot["words"].sum() == 0  # its memory is not

@@ -1,8 +1,10 @@
 """Several processes on one ring: nothing is torn, and nobody's death harms the others."""
 
 import json
+import os
 import signal
 from collections.abc import Iterator
+from contextlib import ExitStack
 
 import pytest
 from ring_scenes import SLOT, bytes_of, numbers, own_name, worker, write
@@ -118,3 +120,31 @@ def test_a_reader_cannot_write_even_past_python(name: str) -> None:
     with worker("scribble", name) as process:
         assert process.communicate(timeout=60)[0] == "ready\n"
         assert process.returncode == -signal.SIGSEGV
+
+
+def test_a_child_that_outlives_the_writer_is_no_writer(name: str) -> None:
+    with worker("fork", name) as writer, RingReader(name) as reader:
+        assert writer.stdout.readline() == "ready\n"
+        child = int(writer.stdout.readline())
+        try:
+            assert reader.alive
+            writer.kill()
+            writer.wait(60)
+            assert not reader.alive
+            again(name).close()
+        finally:
+            os.kill(child, signal.SIGKILL)
+
+
+def test_of_many_makers_one_wins() -> None:
+    with own_name() as name, ExitStack() as stack:
+        makers = [stack.enter_context(worker("create", name)) for _ in range(3)]
+        assert [each.stdout.readline() for each in makers] == ["ready\n"] * 3
+        for each in makers:
+            each.stdin.write("go\n")
+            each.stdin.flush()
+        said = [each.stdout.readline() for each in makers]
+        assert sorted(said) == ["refused\n"] * 2 + ["won\n"]
+        with RingReader(name) as reader:
+            assert reader.pid == makers[said.index("won\n")].pid
+        stack.close()  # before the ring is removed

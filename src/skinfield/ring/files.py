@@ -11,7 +11,9 @@ import os
 import re
 import tempfile
 import time
+import weakref
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,24 +75,57 @@ def open_ring(path: Path, write: bool) -> int:
         ) from error
 
 
-def lock(descriptor: int, patience: float = _PATIENCE) -> bool:
-    """Take the writer's lock; whether that was possible."""
-    end = time.monotonic() + patience
-    while True:
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:  # a writer, or somebody who looks for one this very moment
-            if time.monotonic() >= end:
-                return False
-            time.sleep(0.002)
-        else:
-            return True
+class Lock:
+    """A writer's lock on a file; it ends with `close`, with this object, or with the process.
+
+    Children that are made by fork have no part in it: it would outlast the writer with them. (The
+    kernel keeps it as long as any copy of the descriptor is open: so the file is mapped through
+    another one, and children close theirs.)
+
+    Attributes
+    ----------
+    descriptor : int
+    """
+
+    def __init__(self, descriptor: int) -> None:
+        self.descriptor = descriptor
+        self._closer = weakref.finalize(self, os.close, descriptor)
+        _LOCKS.add(self)
+
+    @classmethod
+    def take(cls, descriptor: int) -> Self | None:
+        """Lock an open file; None, and it is closed, if another process has the lock."""
+        end = time.monotonic() + _PATIENCE
+        while True:
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:  # a writer, or somebody who looks for one this very moment
+                if time.monotonic() >= end:
+                    os.close(descriptor)
+                    return None
+                time.sleep(0.002)
+            else:
+                return cls(descriptor)
+
+    @property
+    def held(self) -> bool:
+        """Whether it was not closed yet."""
+        return self._closer.alive
+
+    def close(self) -> None:
+        """Close the file; nothing happens the second time."""
+        self._closer()
 
 
-def release(descriptor: int) -> None:
-    """Close a file and give its lock back, even where arrays still keep it mapped."""
-    fcntl.flock(descriptor, fcntl.LOCK_UN)
-    os.close(descriptor)
+_LOCKS: weakref.WeakSet[Lock] = weakref.WeakSet()  # of this process
+
+
+def _let_go() -> None:
+    for lock in list(_LOCKS):
+        lock.close()
+
+
+os.register_at_fork(after_in_child=_let_go)
 
 
 def locked(descriptor: int) -> bool:
@@ -152,6 +187,15 @@ def mapped(descriptor: int, path: Path, write: bool) -> mmap.mmap:
         return mmap.mmap(descriptor, 0, flags, protection)
     except (OSError, ValueError) as error:
         raise FileError(f"{path} cannot be mapped into memory: {error}") from error
+
+
+def mapped_apart(path: Path) -> mmap.mmap:
+    """Map a whole file for writing, through a descriptor that is gone again."""
+    descriptor = open_ring(path, write=True)
+    try:
+        return mapped(descriptor, path, write=True)
+    finally:
+        os.close(descriptor)
 
 
 def octets_of(memory: mmap.mmap) -> NDArray[np.uint8]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from skinfield.errors import FileError, InputError
 from skinfield.ring import files
+from skinfield.ring.files import Lock
 from skinfield.ring.layout import Layout
 from skinfield.ring.present import present
 
@@ -15,8 +16,8 @@ _PATIENCE = 2.0  # s, for another process that makes the same ring
 
 
 @contextmanager
-def made(path: Path, plan: Layout) -> Iterator[int]:
-    """Descriptor of a new file, which is locked; it gets its name when all went well.
+def made(path: Path, plan: Layout) -> Iterator[tuple[Lock, Path]]:
+    """A new file, locked, and where it is now; it gets its name when all went well.
 
     So readers never see half a ring, and the file of a writer that lives is never replaced.
 
@@ -27,24 +28,24 @@ def made(path: Path, plan: Layout) -> Iterator[int]:
     FileError
         If there is no memory for it.
     """
-    descriptor, new = _new_file(path)
+    lock, new = _new_file(path)
     try:
         with ExitStack() as stack:
             for old in _claimed(path):
-                stack.callback(files.release, old)
-            files.reserve(descriptor, plan.header.file_bytes, path)
-            os.pwrite(descriptor, plan.beginning(), 0)
-            yield descriptor
+                stack.callback(old.close)
+            files.reserve(lock.descriptor, plan.header.file_bytes, path)
+            os.pwrite(lock.descriptor, plan.beginning(), 0)
+            yield lock, new
             new.rename(path)
     except BaseException:
         new.unlink(missing_ok=True)
-        files.release(descriptor)
+        lock.close()
         raise
 
 
 @contextmanager
-def taken_over(path: Path) -> Iterator[int]:
-    """Descriptor of a ring's file, now locked for this process.
+def taken_over(path: Path) -> Iterator[Lock]:
+    """A ring's file, now locked for this process.
 
     Raises
     ------
@@ -59,20 +60,20 @@ def taken_over(path: Path) -> Iterator[int]:
     try:
         yield claimed[0]
     except BaseException:
-        files.release(claimed[0])
+        claimed[0].close()
         raise
 
 
 def remove(path: Path) -> None:
     """Delete a ring that nobody writes, and what remained of making one."""
     for each in (path, files.unfinished(path)):
-        for descriptor in _claimed(each):
+        for lock in _claimed(each):
             each.unlink(missing_ok=True)
-            files.release(descriptor)
+            lock.close()
 
 
-def _claimed(path: Path) -> list[int]:
-    """Descriptor of the file of that name, locked; none if there is no such file.
+def _claimed(path: Path) -> list[Lock]:
+    """Lock the file of that name; an empty list if there is no such file.
 
     As long as its lock is held, nobody else gives the name to another file.
     """
@@ -83,15 +84,15 @@ def _claimed(path: Path) -> list[int]:
             if os.path.lexists(path):
                 raise
             return []
-        if not files.lock(descriptor):
-            os.close(descriptor)
+        lock = Lock.take(descriptor)
+        if lock is None:
             raise InputError(_taken(path))
-        if files.same(descriptor, path):
-            return [descriptor]
-        files.release(descriptor)  # replaced between opening and locking: look again
+        if files.same(lock.descriptor, path):
+            return [lock]
+        lock.close()  # replaced between opening and locking: look again
 
 
-def _new_file(path: Path) -> tuple[int, Path]:
+def _new_file(path: Path) -> tuple[Lock, Path]:
     """Open and lock the file that becomes a ring when it is renamed: one process at a time."""
     new, end = files.unfinished(path), time.monotonic() + _PATIENCE
     while time.monotonic() < end:
@@ -102,10 +103,12 @@ def _new_file(path: Path) -> tuple[int, Path]:
             raise FileError(
                 f"{new} cannot be made: {error.strerror}, expected a folder that can be written"
             ) from error
-        if files.lock(descriptor) and files.same(descriptor, new):
-            os.fchmod(descriptor, 0o600)
-            return descriptor, new
-        os.close(descriptor)  # another has just given it its name
+        lock = Lock.take(descriptor)
+        if lock is not None:
+            if files.same(lock.descriptor, new):
+                os.fchmod(lock.descriptor, 0o600)
+                return lock, new
+            lock.close()  # another has just given it its name
     raise InputError(f"{path} is being made by another process, expected one at a time")
 
 

@@ -42,11 +42,11 @@ class Ring:
         Sentences on what this system does not offer; empty on Linux.
     """
 
-    def __init__(self, descriptor: int, path: Path, plan: Layout) -> None:
-        """Map a locked file, which must be as planned; for `create` and `reopen`."""
+    def __init__(self, lock: files.Lock, path: Path, plan: Layout, now: Path) -> None:
+        """Map a locked file, as yet at `now`, which must be as planned; for the methods below."""
         self.path, self.name = path, path.name.removeprefix(files.PREFIX)
         self._fence = system.fence()
-        memory = files.mapped(descriptor, path, write=True)
+        memory = files.mapped_apart(now)
         found = Layout.read(memoryview(memory), str(path))
         if difference := plan.difference(found):
             raise InputError(
@@ -54,7 +54,7 @@ class Ring:
                 "make it anew with Ring.create"
             )
         self.description: dict[str, Any] = found.described(str(path))
-        self._memory, self._descriptor = memory, descriptor
+        self._memory, self._lock = memory, lock
         octets = files.octets_of(memory)
         self._words = memoryview(memory).cast("Q")
         self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
@@ -67,7 +67,7 @@ class Ring:
             {placed.field.name: placed.view(octets, start) for placed in found.slot_fields}
             for start in found.header.slot_starts
         ]
-        self._locks = [start // 8 for start in found.header.slot_starts]
+        self._heads = [start // 8 for start in found.header.slot_starts]
         start, size = found.header.log_offset, found.header.log_bytes
         log = octets[start : start + size]
         self._log = Log(self._words, log, found.header.mark_shift, self._fence)
@@ -79,7 +79,7 @@ class Ring:
     def _take_over(self) -> None:
         """Become the writer: what a dead one left unfinished is marked as never written."""
         words = self._words
-        for lock in self._locks:
+        for lock in self._heads:
             if words[lock] & 1 or words[lock] > 2 * self._number + 2:
                 words[lock] = 0
         words[header.FUTEX] = self._number & _LOW
@@ -125,8 +125,8 @@ class Ring:
         path = files.path_of(name, folder)
         stamp = time.time_ns()
         plan = Layout.plan(slot_fields, status_fields, description or {}, slots, log_bytes, stamp)
-        with making.made(path, plan) as descriptor:
-            return cls(descriptor, path, plan)
+        with making.made(path, plan) as (lock, now):
+            return cls(lock, path, plan, now)
 
     @classmethod
     def reopen(
@@ -157,8 +157,8 @@ class Ring:
         """
         path = files.path_of(name, folder)
         plan = Layout.plan(slot_fields, status_fields, {}, slots, log_bytes)
-        with making.taken_over(path) as descriptor:
-            return cls(descriptor, path, plan)
+        with making.taken_over(path) as lock:
+            return cls(lock, path, plan, path)
 
     def begin(self) -> dict[str, NDArray[Any]]:
         """Arrays of the next slot, to be written in place before `publish`.
@@ -169,7 +169,7 @@ class Ring:
         if not self._begun:
             self._number += 1
             self._begun = True
-            self._words[self._locks[self._number % len(self._locks)]] = 2 * self._number + 1
+            self._words[self._heads[self._number % len(self._heads)]] = 2 * self._number + 1
             if self._fence:
                 self._fence()
         return self._slots[self._number % len(self._slots)]
@@ -190,7 +190,7 @@ class Ring:
         if not self._begun:
             raise InputError("there is no slot to publish, expected begin() before publish()")
         words, number, fence = self._words, self._number, self._fence
-        lock = self._locks[number % len(self._locks)]
+        lock = self._heads[number % len(self._heads)]
         words[lock + header.SLOT_LOG_END] = self._log.end
         words[lock + header.SLOT_GENERATION] = self.generation
         if fence:
@@ -253,7 +253,7 @@ class Ring:
 
     def unlink(self) -> None:
         """Take the file's name away, before `close`; who has the file open keeps it."""
-        if self._descriptor >= 0 and files.same(self._descriptor, self.path):
+        if self._lock.held and files.same(self._lock.descriptor, self.path):
             self.path.unlink()
 
     def close(self) -> None:
@@ -261,12 +261,11 @@ class Ring:
 
         Arrays that were handed out must not be written any more.
         """
-        if self._descriptor < 0:
+        if not self._lock.held:
             return
         if self.state != State.FAILED:
             self.set_state(State.STOPPED)
-        files.release(self._descriptor)
-        self._descriptor = -1
+        self._lock.close()
         self._slots, self.status = [], {}
         self._log = Log(self._words, np.zeros(0, np.uint8), 0, None)
         self._words.release()
@@ -277,7 +276,7 @@ class Ring:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None and issubclass(kind, Exception) and self._descriptor >= 0:
+        if kind is not None and issubclass(kind, Exception) and self._lock.held:
             self.set_state(State.FAILED)  # not after Ctrl-C, which is an ordinary end
         self.close()
 
