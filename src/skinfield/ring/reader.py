@@ -120,6 +120,11 @@ class RingReader:
         """A copy of the status; each 64-bit word is whole, but not all are of one moment."""
         return {name: array.copy() for name, array in self._status.items()}
 
+    @property
+    def status_view(self) -> dict[str, NDArray[Any]]:
+        """The status itself, read-only: it changes while it is looked at, and costs nothing."""
+        return self._status
+
     def replaced(self) -> bool:
         """Whether the file no longer has the ring's name: make a new reader then."""
         return not files.same(self._descriptor, self.path)

@@ -5,10 +5,10 @@ they were made, and that loads are made in theirs. On x86-64 both hold for ordin
 any instruction (total store order: Intel SDM volume 3, "Memory Ordering"; copies by string
 instructions and by glibc's streaming stores, which end with a fence, are ordered against stores
 around them), and Python calls are opaque to the compiler. Who writes slots with streaming stores
-of their own must end with a fence; NumPy and OpenBLAS do not use any. Elsewhere a full fence is called: the
-`atomic_thread_fence` of libatomic, or else the system call membarrier with GLOBAL_EXPEDITED, which
-is a full barrier for its caller (and interrupts only processes that registered for it: none here).
-Values are stored by one aligned 64-bit move: CPython writes the items of a memoryview so.
+of their own must end with a fence; NumPy and OpenBLAS use none. Elsewhere a full fence is called:
+the `atomic_thread_fence` of libatomic, or else the system call membarrier with GLOBAL_EXPEDITED,
+which is a full barrier for its caller (and interrupts only processes that registered for it: none
+here). Values are stored by one aligned 64-bit move: CPython writes the items of a memoryview so.
 
 Waking. Linux: a futex that processes share, on the file's mapping; waiting works on a mapping that
 may only be read. Elsewhere readers look every half millisecond.
