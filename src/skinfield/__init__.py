@@ -33,12 +33,14 @@ from skinfield.pipeline import Reconstructor as Reconstructor
 if _typing.TYPE_CHECKING:
     from skinfield import simulate as simulate
     from skinfield.layout import generators
+    from skinfield.live import connect as connect
     from skinfield.sinks import save_results as save_results
     from skinfield.sources import open_results as open_results
 
     layouts = generators
 
 _ON_DEMAND = {  # a module, or a module and what it holds
+    "connect": "skinfield.live:connect",
     "layouts": "skinfield.layout.generators",
     "open_results": "skinfield.sources:open_results",
     "save_results": "skinfield.sinks:save_results",

@@ -155,6 +155,16 @@ class Disk(threading.Thread):
             text = f"a {what} took {took:.1f} s: the disk is slow"
             self._put(Told(time.time_ns(), "disk_slow", text, {"seconds": round(took, 3)}))
 
+    def _give_up(self) -> None:
+        """Let go of what cannot be written; a word about it may still fit."""
+        self.state.lost = sum(self._writer.container.give_up_waiting().values())
+        text = f"{self.state.lost} messages could not be written at the end: {self.state.failure}"
+        self._put(Told(time.time_ns(), "given_up", text, {"messages": self.state.lost}))
+        try:
+            self._writer.flush()
+        except FileError:
+            self._writer.container.give_up_waiting()
+
     def _finish(self) -> None:
         """Close the file; a disk that is still full gets a last chance, then data is given up."""
         end = time.monotonic() + LAST_CHANCE
@@ -164,7 +174,7 @@ class Disk(threading.Thread):
             time.sleep(RETRY)
             self._flush()
         if self.state.failing_since:
-            self.state.lost = sum(self._writer.container.give_up_waiting().values())
+            self._give_up()
         try:
             self._writer.close()
             self.state.finished = True

@@ -25,6 +25,7 @@ HANGS = 3.0  # s without a sign of life, once it answers
 PAUSES = (0.1, 0.3, 1.0, 3.0)  # s before it is started again, the last for ever
 SETTLED = 30.0  # s after which a failure counts as the first one again
 TAIL = 4000  # characters of what it said last
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 KEPT = 100  # events
 TRIES = 3  # failures of an engine that never answered, after which it is no use
 
@@ -106,7 +107,7 @@ class Supervisor:
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=self._said,
-            env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+            env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         )
         assert self._child.stdin is not None  # it is a pipe
         try:

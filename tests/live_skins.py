@@ -1,0 +1,131 @@
+"""Live skins for tests: sources in memory, and settings that need no hardware."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from uuid import uuid4
+
+import numpy as np
+
+import skinfield as sf
+from skinfield.acquisition import Blocks, Kind, Port, counters
+from skinfield.live.binding import bind
+from skinfield.live.cycle import Cycle
+from skinfield.live.recipe import Recipe
+from skinfield.live.settings import LiveSettings
+from skinfield.realtime import RealTime
+from skinfield.simulate import Sphere, press
+
+LAYER = sf.Layer(2e-3, 150e3, 0.5)
+GAIN, REST = -171.0, 240.0
+
+
+def unique_name() -> str:
+    """For a ring that no other test has."""
+    return f"test-{uuid4().hex[:12]}"
+
+
+def gentle() -> RealTime:
+    """Ask the system for nothing: tests run side by side."""
+    return RealTime(priority=0, lock_memory=False, freeze_gc=False, keep_awake=False)
+
+
+@dataclass(frozen=True)
+class Ticking:
+    """Source of a still skin with noise, by the time of day; it fails when told to.
+
+    Parameters
+    ----------
+    channels : int
+    period : float, s
+    fail_after : int
+        Polls, after which it raises once; 0: never.
+    """
+
+    channels: int = 72
+    period: float = 0.005
+    fail_after: int = 0
+
+    def open(self) -> "TickingStream":
+        return TickingStream(self)
+
+
+class TickingStream:
+    """See `Stream`."""
+
+    def __init__(self, source: Ticking) -> None:
+        self.source, self.up = source, True
+        self.ports: Sequence[Port] = (Port("ticking", source.channels),)
+        self.counters = counters()
+        self._rng = np.random.default_rng(1)
+        self._last, self._polls = 0, 0
+
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        self._polls += 1
+        if self.source.fail_after and self._polls == self.source.fail_after:
+            raise RuntimeError("the driver fell over")
+        if now_ns - self._last < self.source.period * 1e9:
+            return 0
+        self._last = now_ns
+        counts = REST + self._rng.integers(-1, 2, self.source.channels)
+        blocks.put(now_ns, channel, counts, Kind.BYTES)
+        self.counters[0] += 1
+        self.counters[1] += 1
+        return 1
+
+    def filenos(self) -> Sequence[int]:
+        return ()
+
+    def close(self) -> None:
+        self.up = False
+
+
+def settings(**changes: object) -> LiveSettings:
+    """Of a hexagon on a ticking source, quick to prepare."""
+    known: dict[str, object] = {
+        "skin": sf.layouts.hexagon72(),
+        "sources": (Ticking(),),
+        "name": unique_name(),
+        "layer": LAYER,
+        "board": sf_board(),
+        "rungs": (10, 20),
+        "rate": 200.0,
+        "tare_seconds": 0.3,
+        "real_time": gentle(),
+        "log_bytes": 1 << 22,
+    }
+    return LiveSettings(**(known | changes))  # type: ignore[arg-type]
+
+
+def sf_board() -> object:
+    """iCub's bytes."""
+    from skinfield.conditioning import ICubByte
+
+    return ICubByte()
+
+
+def cycle_of(made: LiveSettings, noise: float = 0.004) -> Cycle:
+    """A cycle with a known calibration."""
+    taxels = sum(map(len, made.skin))
+    recipe = Recipe.of(made, (Port("port", max(int(p.channel.max()) for p in made.skin) + 1),))
+    table = np.tile([REST, GAIN, 0.6, 1.0], (taxels, 1))
+    return Cycle(recipe, bind(made.skin, recipe.ports), table, np.full(taxels, noise), 10**8)
+
+
+def pressed_counts(force: float = 1.0, at: tuple[float, float] = (0.0, 7.5e-3)) -> np.ndarray:
+    """Bytes (72,) of a press on a hexagon, without noise."""
+    patch = sf.layouts.hexagon72()
+    body = Sphere(radius=6e-3, force=force, position=at)
+    made = press(LAYER, [body], 40e-3, 0.5e-3)
+    change = made.readings(patch.plane, patch.pad_diameter, "capacitance")
+    return np.clip(np.rint(REST + GAIN * change), 0, 255)
+
+
+def wait_for(condition, seconds: float = 60.0):  # type: ignore[no-untyped-def]
+    """What `condition()` gives, as soon as that is true."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if found := condition():
+            return found
+        time.sleep(0.02)
+    raise AssertionError(f"not within {seconds:g} s: {condition}")
