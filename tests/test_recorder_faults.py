@@ -1,0 +1,289 @@
+"""What happens to a recording when the disk, the machine or the recorder itself does not go on."""
+
+import contextlib
+import errno
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import uuid
+
+import pytest
+from mcap.reader import make_reader
+from recorder_ring import FakeEngine
+
+from skinfield.live.recorder import Recorder
+from skinfield.live.recorder_recover import recover
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import forget_state, read_state
+from skinfield.sinks.mcap.output import FileOutput
+from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_steps import Steps
+
+PATIENCE = 60.0  # s, on a machine that is busy
+
+
+@pytest.fixture
+def engine():
+    name = f"flt{uuid.uuid4().hex[:12]}"
+    made = FakeEngine(name)
+    yield made
+    made.close()
+    forget_state(name)
+
+
+def until(condition, what: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"{what} did not come"
+        time.sleep(0.01)
+
+
+class Process:
+    """A recorder in a process of its own."""
+
+    def __init__(self, engine, path):
+        self.name, self.path = engine.ring.name, path
+        command = [sys.executable, "-m", "skinfield.live.recorder", self.name, str(path)]
+        self.child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        until(lambda: read_state(self.name) is not None or self.child.poll() is not None, "start")
+
+    def flushed(self) -> list[int]:
+        """Numbers of the cycles that are in the file."""
+        return [cycle.number for cycle in LiveRecording.open(self.path).cycles()]
+
+    def end(self, number) -> tuple[int, str]:
+        self.child.send_signal(number)
+        _, said = self.child.communicate(timeout=PATIENCE)
+        return self.child.returncode, said
+
+
+@pytest.fixture
+def process(engine, tmp_path):
+    made = Process(engine, tmp_path / "a.mcap")
+    yield made
+    if made.child.poll() is None:
+        made.child.kill()
+        made.child.communicate()
+
+
+def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
+    for _ in range(50):
+        engine.cycle()
+    until(lambda: process.flushed()[-1:] == [50], "a flush")
+    code, _ = process.end(signal.SIGKILL)
+    assert code == -signal.SIGKILL
+    assert not LiveRecording.open(process.path).finished
+    good = tmp_path / "good.mcap"
+    report = recover(process.path, good)
+    assert not report.was_whole
+    assert report.messages["/skin/cycles"] == 50
+    with good.open("rb") as file:
+        assert len(list(make_reader(file).iter_messages(topics=["/skin/cycles"]))) == 50
+    found = LiveRecording.open(good)
+    assert found.finished
+    assert [step.data for step in Steps(found)] == engine.written
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_told_to_stop_it_finishes_its_file(engine, process, number):
+    for _ in range(20):
+        engine.cycle()
+    code, said = process.end(number)
+    assert (code, said) == (0, "")
+    found = LiveRecording.open(process.path)
+    assert found.finished
+    assert [step.data for step in Steps(found)] == engine.written
+    assert read_state(process.name) is None
+
+
+class SlowDisk(FileOutput):
+    """A file whose writes wait as long as `held` is set."""
+
+    def __init__(self, path):
+        super().__init__(path)
+        self.held, self.waiting = threading.Event(), threading.Event()
+        self.free = threading.Event()
+        self.free.set()
+
+    def append(self, piece) -> None:
+        if not self.free.is_set():
+            self.waiting.set()
+            self.free.wait(PATIENCE)
+        super().append(piece)
+
+
+def test_a_slow_disk_costs_what_does_not_fit_and_that_is_told(engine, tmp_path):
+    path, said = tmp_path / "a.mcap", []
+    disk = SlowDisk(path)
+    how = RecorderSettings(name=engine.ring.name, path=path, queue_bytes=1 << 14)
+    recorder = Recorder(how, said.append, disk)
+    engine.cycle()
+    recorder.step()
+    until(lambda: recorder._queue.waiting == 0, "the first cycle")
+    disk.free.clear()
+    engine.cycle()
+    recorder.step()
+    assert disk.waiting.wait(PATIENCE)
+    for _ in range(400):  # some 250 bytes each
+        engine.cycle()
+        recorder.step()
+    recorder._next = 0.0
+    recorder.step()
+    assert recorder.state.dropped_bytes > 0
+    assert recorder.state.dropped_cycles > 0
+    assert recorder.state.queue_bytes <= 1 << 14
+    assert any("does not keep up" in text for text in said)
+    disk.free.set()
+    until(lambda: recorder._queue.waiting == 0, "the queue's end")
+    for _ in range(5):
+        engine.cycle()
+        recorder.step()
+    state = recorder.close()
+    assert state.finished
+    found = LiveRecording.open(path)
+    numbers = [cycle.number for cycle in found.cycles()]
+    kept = sum(len(each.data) for each in found.blocks())
+    dropped = [event for event in found.events() if event["kind"] == "dropped"]
+    assert sum(each["cycles"] for each in dropped) == 407 - len(numbers) == state.dropped_cycles
+    lost = sum(each["bytes"] for each in dropped)
+    assert lost == len(b"".join(engine.written)) - kept == state.dropped_bytes
+    assert numbers[-5:] == [403, 404, 405, 406, 407]
+    assert sum(step.missing for step in Steps(found)) == lost
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A file system with room for 400 kB."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", str(folder)]
+    try:
+        subprocess.run(command, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        pytest.skip(f"no small file system can be mounted here: {error}")
+    yield folder
+    subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def fill(path) -> int:
+    """Write a file until nothing more fits; its size."""
+    with path.open("wb", buffering=0) as file:
+        with contextlib.suppress(OSError):
+            while True:
+                file.write(bytes(4096))
+        return file.tell()
+
+
+def test_a_full_disk_that_is_emptied_again(engine, small_disk):
+    """Really full: nothing is lost as long as the queue holds it."""
+    path, said = small_disk / "a.mcap", []
+    ballast = small_disk / "ballast"
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), said.append)
+    assert fill(ballast) > 300_000
+    while not recorder._disk.state.failing_since:
+        engine.cycle()
+        recorder.step()
+        time.sleep(0.001)
+    for _ in range(100):
+        engine.cycle()
+        recorder.step()
+    recorder._next = 0.0
+    recorder.step()
+    assert recorder.state.failing
+    assert "No space left" in said[-1]
+    size = path.stat().st_size
+    assert list(LiveRecording.open(path).cycles()) is not None
+    ballast.unlink()
+    until(lambda: not recorder._disk.state.failing_since, "the disk")
+    assert path.stat().st_size > size
+    state = recorder.close()
+    assert state.finished
+    assert state.lost == state.dropped_cycles == state.given_up == 0
+    found = LiveRecording.open(path)
+    assert [step.data for step in Steps(found)] == engine.written
+    (event,) = [each for each in found.events() if each["kind"] == "disk_failed"]
+    assert "No space left" in event["text"]
+    assert event["seconds"] > 0
+
+
+def test_a_disk_that_stays_full(engine, small_disk, tmp_path):
+    path, said = small_disk / "a.mcap", []
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), said.append)
+    engine.keep = False
+    while not recorder._disk.state.failing_since:
+        for _ in range(20):
+            engine.cycle()
+        recorder.step()
+        time.sleep(0.002)
+    fill(small_disk / "ballast")
+    state = recorder.close()
+    assert not state.finished
+    assert state.given_up > 0
+    assert "No space left" in state.failure
+    assert any("could not be written at the end" in text for text in said)
+    good = tmp_path / "good.mcap"
+    assert recover(path, good).messages["/skin/cycles"] > 0
+    assert LiveRecording.open(good).finished
+
+
+class Room(FileOutput):
+    """A file that may have so many bytes."""
+
+    room = 1 << 30
+
+    def append(self, piece) -> None:
+        if self.end + len(piece) > self.room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        super().append(piece)
+
+
+def test_the_last_bytes_of_a_full_disk_take_the_end(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    disk = Room(path)
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), output=disk)
+    engine.cycle()
+    recorder.step()
+    until(lambda: recorder._disk.state.last_flush and disk.end > 12_000, "the first flush")
+    disk.room = disk.end + 20_000
+    engine.keep = False
+    for _ in range(500):
+        engine.cycle()
+        recorder.step()
+        if recorder._disk.state.failing_since:
+            break
+        if recorder._writer.waiting < 30_000:  # all in one chunk, longer than what is left
+            recorder._disk.state.last_flush = time.monotonic()
+    until(lambda: recorder._disk.state.failing_since, "the failure")
+    state = recorder.close()
+    assert state.finished
+    found = LiveRecording.open(path)
+    last = list(found.events())[-1]
+    assert (last["kind"], last["messages"]) == ("given_up", state.given_up)
+    assert state.given_up > 0
+    assert found.finished
+
+
+def test_half_a_piece_is_taken_back(tmp_path, monkeypatch):
+    """A disk that takes the first half of a write and then refuses."""
+    output = FileOutput(tmp_path / "a")
+    output.append(b"12345678")
+    real = os.pwrite
+    calls = []
+
+    def half(file, data, at):
+        calls.append(at)
+        if len(calls) > 1:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return real(file, bytes(data)[: len(data) // 2], at)
+
+    monkeypatch.setattr(os, "pwrite", half)
+    with pytest.raises(OSError, match="No space"):
+        output.append(b"abcdefgh")
+    monkeypatch.undo()
+    assert (tmp_path / "a").read_bytes() == b"12345678"
+    output.append(b"xy")
+    output.close()
+    assert (tmp_path / "a").read_bytes() == b"12345678xy"
