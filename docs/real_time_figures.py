@@ -37,7 +37,7 @@ def table(found: dict[str, Jitter]) -> str:
     for name, each in found.items():
         timing = each.timing
         rows: dict[str, Quantiles | None] = {"cyclictest": each.paired, "wake": timing.wake}
-        if each.settings.load == "engine":
+        if each.settings.load != "none":
             rows["ready"] = timing.ready
         for what, times in rows.items():
             lines.append(f"| {name} | {what} | {cells(times)} |")

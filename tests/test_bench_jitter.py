@@ -254,8 +254,9 @@ def test_the_page_s_snippet_and_command_are_right(capsys: pytest.CaptureFixture[
 
 
 @pytest.mark.slow
-def test_an_engine_is_measured_and_leaves_nothing() -> None:
-    words = "bench --jitter --seconds 1 --rate 100 --busy 0 --json"
+@pytest.mark.parametrize("load", ["skin", "engine"])
+def test_an_engine_is_measured_and_leaves_nothing(load: str) -> None:
+    words = f"bench --jitter --load {load} --seconds 1 --rate 100 --busy 0 --json"
     before = left()
     ended = run_alone(words)
     assert ended.returncode == 0, ended.stderr

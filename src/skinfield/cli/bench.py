@@ -30,10 +30,11 @@ two to three minutes (short) or about half an hour (full), on one core. Let noth
 meanwhile; what ran anyway is reported.
 
 With --jitter it measures the live loop instead: how late the engine's process wakes, and when its
-estimates are ready, on the paper's hexagon with 40 x 40 nodes, while other processes keep all
-processors busy. Where cyclictest of rt-tests is installed, it runs in the same seconds on the same
-processor, half a period apart and one step higher in priority, so that neither waits for the other;
-it does nothing but sleep, and how late it wakes is the system's doing. The ratio is the loop's own.
+estimates are ready, on the paper's hexagon with 40 x 40 nodes, while a virtual skin sends what iCub
+boards would and other processes keep all processors busy. Where cyclictest of rt-tests is
+installed, it runs in the same seconds on the same processor, half a period apart and one step
+higher in priority, so that neither waits for the other; it does nothing but sleep, and how late it
+wakes is the system's doing. The ratio is the loop's own.
 
 \b
   skinfield bench
@@ -68,8 +69,9 @@ it does nothing but sleep, and how late it wakes is the system's doing. The rati
 @click.option("--busy", type=int, help="For --jitter: busy processes beside it.  [default: 2]")
 @click.option(
     "--load",
-    type=click.Choice(("engine", "none")),
-    help="For --jitter: what a cycle does; none wakes only.  [default: engine]",
+    type=click.Choice(("skin", "engine", "none")),
+    help="For --jitter: a virtual skin over UDP, readings made before, or none: the loop wakes "
+    "only.  [default: skin]",
 )
 @click.option(
     "--pair",

@@ -99,7 +99,7 @@ def _table(found: "Jitter") -> Table:
 
 
 def _loaded(found: "Jitter") -> bool:
-    return found.settings.load == "engine"
+    return found.settings.load != "none"
 
 
 def _row(found: "Quantiles | None") -> list[str]:

@@ -2,9 +2,10 @@
 
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.shared_memory import SharedMemory
@@ -13,11 +14,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.acquisition import Source
 from skinfield.errors import InputError
+from skinfield.layout import Skin
 from skinfield.realtime import Granted, PeriodicClock, RealTime, TimingTable
 from skinfield.realtime.timing import FIELDS
 
 if TYPE_CHECKING:
+    from skinfield.conditioning import Convention
     from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
@@ -122,29 +126,71 @@ class Engine:
 
 @contextmanager
 def engine_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
-    """The engine of the paper's hexagon on 40 x 40 nodes, with two fingers that move over it."""
+    """The engine of the paper's hexagon on 40 x 40 nodes, with two fingers that move over it.
+
+    Their readings were made before and cost nothing to receive.
+    """
     from skinfield.cli.jitter_source import Switch, fingers
     from skinfield.layout.generators import hexagon72
-    from skinfield.live.notes import read_notes
-    from skinfield.live.settings import LiveSettings
-    from skinfield.live.supervisor import Supervisor
 
     patch = hexagon72()
     with ExitStack() as stack:
         switch = Switch()
         stack.callback(switch.close)
-        settings = LiveSettings(
-            skin=patch,  # type: ignore[arg-type]  # a patch is taken for a skin
-            sources=(fingers(patch, switch),),
-            name=f"bench-{uuid.uuid4().hex[:8]}",
-            rungs=RUNGS,
-            rate=rate,
-            tare_seconds=0.5,
-            real_time=real_time,
-        )
-        supervisor = stack.enter_context(Supervisor(settings))
-        reader = supervisor.wait(PATIENCE)
-        stack.callback(reader.close)
-        switch.throw()
-        notes = read_notes(reader.status["notes"]) or {}
-        yield Engine(Granted.from_dict(notes["granted"]), reader)
+        source = fingers(patch, switch)
+        yield _engine(stack, Skin((patch,)), source, None, rate, real_time, switch.throw)
+
+
+@contextmanager
+def skin_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
+    """The same engine, which reads a virtual skin: messages of iCub boards, over UDP.
+
+    The skin has a process of its own and sends as often as the engine answers.
+    """
+    from skinfield.conditioning import ICubByte
+    from skinfield.layout.generators import hexagon72
+    from skinfield.sources.live.spec import source_from_options
+    from skinfield.virtual.process import start
+    from skinfield.virtual.settings import VirtualSettings
+
+    skin = Skin((hexagon72(),))
+    settings = VirtualSettings(
+        bus="udp", rate=rate, scene="idle", lead_in=0.0, priority=max(real_time.priority - 10, 0)
+    )
+    with ExitStack() as stack:
+        boards = stack.enter_context(start(settings))
+        source = source_from_options("icub", "udp", tuple(boards.channels), skin)
+        begin = partial(boards.scene, "slide")
+        yield _engine(stack, skin, source, ICubByte(), rate, real_time, begin)
+
+
+def _engine(
+    stack: ExitStack,
+    skin: Skin,
+    source: Source,
+    board: "Convention | None",
+    rate: float,
+    real_time: RealTime,
+    begin: Callable[[], object],
+) -> Engine:
+    """Start it; `begin` is called when it has its baseline."""
+    from skinfield.live.notes import read_notes
+    from skinfield.live.settings import LiveSettings
+    from skinfield.live.supervisor import Supervisor
+
+    settings = LiveSettings(
+        skin=skin,
+        sources=(source,),
+        name=f"bench-{uuid.uuid4().hex[:8]}",
+        board=board,
+        rungs=RUNGS,
+        rate=rate,
+        tare_seconds=0.5,
+        real_time=real_time,
+    )
+    supervisor = stack.enter_context(Supervisor(settings))
+    reader = supervisor.wait(PATIENCE)
+    stack.callback(reader.close)
+    begin()
+    notes = read_notes(reader.status["notes"]) or {}
+    return Engine(Granted.from_dict(notes["granted"]), reader)

@@ -5,19 +5,19 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from skinfield.cli.jitter_loops import Loop, bare_loop, engine_loop
+from skinfield.cli.jitter_loops import Loop, bare_loop, engine_loop, skin_loop
 from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
 from skinfield.experiments.bench.machine import Company, Watch
 from skinfield.realtime import Granted, Quantiles, RealTime, Timing
 from skinfield.realtime.cyclictest import Cyclictest, Running
 from skinfield.realtime.histogram import LAST_NS
 
-LOADS = ("engine", "none")
+LOADS = ("skin", "engine", "none")
 PAIRS = ("same", "other")
 SETTLE = 1.0  # s of company before times count
 BEFORE = 0.25  # s before a whole second at which cyclictest is started: it begins at the second
@@ -38,7 +38,8 @@ class JitterSettings:
     busy : int
         Processes that compute all the time beside it.
     load : str
-        "engine" or "none".
+        "skin": the engine reads a virtual skin over UDP; "engine": its readings were made before;
+        "none": it only wakes.
     pair : str
         Which processor cyclictest runs on: the "same" as the loop, or an "other".
     real_time : RealTime
@@ -47,7 +48,7 @@ class JitterSettings:
     seconds: float = 20.0
     rate: float = 1000.0
     busy: int = 2
-    load: str = "engine"
+    load: str = "skin"
     pair: str = "same"
     real_time: RealTime = field(default_factory=RealTime)
 
@@ -123,7 +124,7 @@ class Jitter:
     def targets(self) -> tuple[Target, ...]:
         """What is aimed at, and whether it is reached."""
         ready, settings = self.timing.ready, self.settings
-        idle = "" if settings.load == "engine" else "the loop ran without an engine"
+        idle = "" if settings.load != "none" else "the loop ran without an engine"
         other = "" if settings.rate == 1000 else "it is meant for 1000 cycles per second"
         why = idle or other or ("" if self.granted.real_time else "the loop ran without SCHED_FIFO")
         pair = self.no_pair or ("" if self.granted.real_time else why)
@@ -144,12 +145,18 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
     tell : function of str
         Is told what happens.
     """
-    make = engine_loop if settings.load == "engine" else bare_loop
     tell("starting the loop")
-    with make(settings.rate, settings.real_time) as loop, _busy(settings):
+    with _loop(settings) as loop, _busy(settings):
         time.sleep(SETTLE)
         tell(f"measuring for {settings.seconds:g} s")
         return _measured(settings, loop)
+
+
+def _loop(settings: JitterSettings) -> AbstractContextManager[Loop]:
+    rate, real_time = settings.rate, settings.real_time
+    if settings.load == "none":
+        return bare_loop(rate, real_time)
+    return skin_loop(rate, real_time) if settings.load == "skin" else engine_loop(rate, real_time)
 
 
 def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
