@@ -1,0 +1,125 @@
+"""Recordings as MCAP files: any bytes are read, or refused, and what is recovered is whole."""
+
+import atexit
+import contextlib
+import shutil
+import struct
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from mcap.reader import make_reader
+
+from skinfield.acquisition.recorded import CYCLE_HEAD, CycleLayout
+from skinfield.errors import FileError, InputError
+from skinfield.live.recorder_recover import recover
+from skinfield.sinks.mcap.compression import Lz4, NoCompression, Zstd
+from skinfield.sinks.mcap.container import Container
+from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_records import MAGIC
+from skinfield.sources.recordings.mcap_steps import Steps
+from skinfield.sources.recordings.mcap_summary import summary_of
+from skinfield.sources.recordings.mcap_table import collected_live, stream_of
+
+ROWS = CycleLayout(np.dtype([("track", "<i8")]), np.dtype([("force", "<f8")]))
+PORTS = b'{"ports": [["a", 9, "count"]]}'
+SHARED = Path("/dev/shm")
+FOLDER = Path(tempfile.mkdtemp(dir=SHARED if SHARED.is_dir() else None))
+atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
+
+
+class Kept:
+    """An output in memory."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+
+    @property
+    def end(self) -> int:
+        """Bytes so far."""
+        return len(self.data)
+
+    def append(self, piece: bytes) -> None:
+        """Add a piece."""
+        self.data += piece
+
+    def sync(self) -> None:
+        """Nothing to do."""
+
+    def close(self) -> None:
+        """Nothing to do."""
+
+
+def sample(compression: object, finish: bool) -> bytes:
+    """A recording of two cycles with the shortest schemas, without its first 8 bytes."""
+    kept = Kept()
+    container = Container(kept, compression, 1 << 20, "skinfield", "x")  # type: ignore[arg-type]
+    container.add_channel("/skin/blocks", "x", ("b", "", b""))
+    container.add_channel("/skin/cycles", "x", ("c", "", b""), ROWS.metadata())
+    container.add_channel("/skin/events", "json", ("e", "", b""))
+    container.add_attachment("configuration.json", "application/json", PORTS, 1)
+    for number in range(2):
+        block = struct.pack("<qIHBB8s", 10, 0, 8, 1, 0, bytes(range(8)))
+        container.add_message(1, number, 5, struct.pack("<q", 24 * number), block)
+        head = (1, CYCLE_HEAD.size, 1, number, 1, 2, 3, 4, 5, 24 * number + 24, 1, 2, 1, 8, 1, 8, 0)
+        container.add_message(2, number, 5, CYCLE_HEAD.pack(*head) + bytes(32))
+        container.add_message(3, number, 5, b'{"kind": "dropped", "bytes": 3}')
+        container.flush()
+    if finish:
+        container.finish()
+    return bytes(kept.data[len(MAGIC) :])
+
+
+SEEDS = [
+    sample(compression, finish)
+    for compression in (Zstd(), Lz4(), NoCompression())
+    for finish in (True, False)
+]
+
+
+def one_input(data: bytes) -> None:
+    """Take the bytes for the records of a file, then for a chunk of messages in a good one."""
+    check(MAGIC + data)
+    check(MAGIC + sample(NoCompression(), finish=False) + chunk_of(data))
+
+
+def chunk_of(data: bytes) -> bytes:
+    """A chunk whose lengths are right; each piece of the input becomes a record in it."""
+    inner = b""
+    for piece in data.split(b"\n"):
+        if len(piece) > 1:
+            channel = struct.pack("<HIQQ", piece[1] % 4, 0, 1, 1) if piece[0] % 2 else b""
+            opcode = 5 if channel else piece[0] % 16
+            body = channel + piece[2:]
+            inner += struct.pack("<BQ", opcode, len(body)) + body
+    body = struct.pack("<QQQII", 1, 1, len(inner), 0, 0) + struct.pack("<Q", len(inner)) + inner
+    return struct.pack("<BQ", 6, len(body)) + body
+
+
+def check(data: bytes) -> None:
+    """Read it by all ways; recover it, and have mcap read what came of it."""
+    bad, good = FOLDER / "bad.mcap", FOLDER / "good.mcap"
+    bad.write_bytes(data)
+    with contextlib.suppress(InputError):
+        read(bad)
+    try:
+        report = recover(bad, good, overwrite=True)
+    except FileError:
+        return
+    with good.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert len(list(reader.iter_messages())) == sum(report.messages.values())
+        assert reader.get_summary() is not None
+    assert recover(good, bad, overwrite=True).was_whole
+
+
+def read(path: Path) -> None:
+    """Everything that a recording offers."""
+    found = LiveRecording.open(path)
+    for step in Steps(found):
+        assert step.missing >= 0
+    summary_of(found)
+    collected_live(stream_of(found))
+
+
+INTERPRETED = False
