@@ -9,6 +9,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from skinfield.ring import RingReader
+
 FUZZ = Path(__file__).resolve().parents[1] / "fuzz"
 CHANGES = st.tuples(
     st.integers(0, 0xFFFF),
@@ -29,7 +31,6 @@ def fuzz() -> Iterator[ModuleType]:
         import fuzz_ring
 
         yield fuzz_ring
-        fuzz_ring.FOLDER.cleanup()
     finally:
         sys.path.remove(str(FUZZ))
 
@@ -53,10 +54,8 @@ def test_any_bytes(fuzz: ModuleType, data: bytes) -> None:
     fuzz.one_input(data)
 
 
-def test_the_sample_itself_is_read(fuzz: ModuleType) -> None:
-    from skinfield.ring import RingReader
-
-    (fuzz.PLACE / "skinfield.whole").write_bytes(fuzz.GOOD)
-    with RingReader("whole", folder=fuzz.PLACE) as reader:
+def test_the_sample_itself_is_read(fuzz: ModuleType, tmp_path: Path) -> None:
+    (tmp_path / "skinfield.whole").write_bytes(fuzz.GOOD)
+    with RingReader("whole", folder=tmp_path) as reader:
         fuzz.look(reader)
         assert reader.latest()["words"].tolist() == [[7, 7]] * 3

@@ -63,6 +63,7 @@ class PacketStream(LinkedStream):
         self.decoder = PacketDecoder(devices)
         self._command = command
         self._heard_ns = 0
+        self._new = True  # connection, over which nothing was told yet
 
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
         before = int(self.counters[Count.RECEIVED])
@@ -70,9 +71,9 @@ class PacketStream(LinkedStream):
         packets = int(self.counters[Count.RECEIVED]) - before
         if packets:
             self._heard_ns = now_ns
-        elif self._command and not 0 <= now_ns - self._heard_ns < SILENCE:
-            self._heard_ns = now_ns
-            if self._links[0].up:
+        if self._command and (self._new or not 0 <= now_ns - self._heard_ns < SILENCE):
+            self._new, self._heard_ns = not self._links[0].up, now_ns
+            if not self._new:
                 self._tell_device(START)
         return packets
 
@@ -83,7 +84,7 @@ class PacketStream(LinkedStream):
         raise NotImplementedError
 
     def _came_back(self, place: int, now_ns: int) -> None:
-        self._heard_ns = 0  # start it with the next poll
+        self._new = True
 
     def _stop(self) -> None:
         if self._command and self._links[0].up:

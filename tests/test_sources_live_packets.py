@@ -1,0 +1,204 @@
+"""Packets over UDP, TCP and serial: what goes wrong on the way, and who is told what."""
+
+import errno
+import socket
+import time
+from ctypes import set_errno
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bus_peers import free_port, pair, wait_for
+from live_devices import PacketServer, SerialLine, packet
+
+from skinfield.acquisition import Blocks, CanMessages, Channels, Count
+from skinfield.errors import InputError
+from skinfield.protocols.packet import PacketDevice
+from skinfield.protocols.packet.layout import PacketKind, packets_of
+from skinfield.sources.live import PacketSerial, PacketTcp, PacketUdp
+
+
+class Host:
+    """A stream and the channels that it fills."""
+
+    def __init__(self, stream: object) -> None:
+        self.stream, self.blocks = stream, Blocks()
+        self.channels = Channels(sum(port.channels for port in stream.ports))
+
+    def poll(self) -> int:
+        self.blocks.clear()
+        taken = self.stream.poll(self.blocks, 0, time.time_ns())
+        self.channels.apply(self.blocks)
+        return int(taken)
+
+    def until(self, condition: object) -> None:
+        wait_for(lambda: (self.poll(), condition())[1])
+
+    def count(self, what: Count) -> int:
+        return int(self.stream.counters[what])
+
+
+def test_a_server_that_dies_in_the_middle_of_a_packet_and_returns() -> None:
+    server = PacketServer()
+    host = Host(PacketTcp(72, port=server.port).open())
+    server.send()
+    host.until(lambda: host.channels.counts[5] == 5)
+    server.send(packet(1)[:50])
+    host.poll()
+    server.close()
+    host.until(lambda: not host.stream.up)
+    assert host.stream.filenos() == []
+    server.listen()
+    server.number = 1
+    host.until(lambda: host.stream.up)
+    server.send()
+    host.until(lambda: host.channels.counts[5] == 7)
+    assert host.count(Count.MALFORMED) == 0  # the half packet is forgotten, not mixed with others
+    assert host.count(Count.REOPENED) == 1
+    host.until(lambda: (server.connection(), server.told[-1:] == [PacketKind.START])[1])
+    host.stream.close()
+    wait_for(lambda: (server.connection(), server.told[-1:] == [PacketKind.STOP])[1])
+    server.close()
+
+
+def test_a_server_that_is_not_there_yet_is_waited_for() -> None:
+    port = free_port()
+    host = Host(PacketTcp(72, port=port).open())
+    assert not host.stream.up
+    assert host.stream.fault
+    host.poll()
+    server = PacketServer.__new__(PacketServer)
+    server.number, server.port, server.connections, server.told = -1, port, [], []
+    server.listen()
+    host.until(lambda: host.stream.up)
+    server.send()
+    host.until(lambda: host.count(Count.READINGS) == 1)
+    host.stream.close()
+    server.close()
+
+
+def test_packets_in_pieces_with_rubbish_between() -> None:
+    server = PacketServer()
+    host = Host(PacketTcp(72, port=server.port, command=False).open())
+    data = b"".join(b"rubbish SF" + packet(number) for number in range(20))
+    for start in range(0, len(data), 37):
+        server.send(data[start : start + 37])
+        host.poll()
+    host.until(lambda: host.count(Count.RECEIVED) == 20)
+    assert host.count(Count.MALFORMED) == 20
+    assert host.count(Count.BYTES) > 20 * 170
+    assert (host.channels.counts == np.arange(72) + 19).all()
+    host.stream.close()
+    server.close()
+
+
+def test_a_line_that_is_not_plugged_in_is_waited_for() -> None:
+    line = SerialLine()
+    line.unplug()
+    host = Host(PacketSerial(72, str(line.path)).open())
+    assert not host.stream.up
+    assert "No such file" in host.stream.fault
+    host.poll()
+    line.plug()
+    host.until(lambda: host.stream.up)
+    line.send()
+    host.until(lambda: host.count(Count.READINGS) == 1)
+    assert line.told in ([], [PacketKind.START])
+    host.stream.close()
+    line.send()
+    assert line.told[-1] == PacketKind.STOP
+    line.close()
+
+
+def test_a_line_whose_node_is_another_device_now() -> None:
+    line, other = SerialLine(), SerialLine()
+    host = Host(PacketSerial(72, str(line.path)).open())
+    host.until(lambda: host.stream.up)
+    line.path.unlink()
+    line.path.symlink_to(other.path.resolve())
+    host.until(lambda: not host.stream.up)
+    host.until(lambda: host.stream.up)
+    other.send()
+    host.until(lambda: host.count(Count.READINGS) == 1)
+    host.stream.close()
+    line.close()
+    other.close()
+
+
+def test_a_rate_that_no_line_has(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="baud"):
+        PacketSerial(72, "/dev/null", baud=3)
+    host = Host(PacketSerial(72, str(tmp_path / "none")).open())
+    assert not host.stream.up
+    (tmp_path / "none").write_text("no line")
+    for _ in range(3):
+        host.stream.poll(host.blocks, 0, time.time_ns() + 10**10)
+    assert not host.stream.up
+    host.stream.close()
+
+
+def test_a_device_is_told_to_start_until_it_sends_and_to_stop() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
+        device.bind(("127.0.0.1", 0))
+        device.settimeout(30)
+        peer = f"127.0.0.1:{device.getsockname()[1]}"
+        host = Host(PacketUdp((PacketDevice(1, 72),), port=0, peer=peer).open())
+        host.poll()
+        data, address = device.recvfrom(4096)
+        assert [each.kind for each in packets_of(data)] == [PacketKind.START]
+        host.stream.poll(host.blocks, 0, time.time_ns() + 2 * 10**9)
+        assert [each.kind for each in packets_of(device.recv(4096))] == [PacketKind.START]
+        device.sendto(packet(0) + packet(1), address)
+        host.until(lambda: host.count(Count.READINGS) == 2)
+        host.stream.close()
+        assert [each.kind for each in packets_of(device.recv(4096))] == [PacketKind.STOP]
+
+
+def test_ports_of_several_devices() -> None:
+    devices = (PacketDevice(1, 72), PacketDevice(9, 12))
+    stream = PacketUdp(devices, port=0, unit="Pa").open()
+    assert [(port.name, port.channels, port.unit) for port in stream.ports] == [
+        ("device1", 72, "Pa"),
+        ("device9", 12, "Pa"),
+    ]
+    stream.close()
+    with pytest.raises(InputError, match="expected 2: one for each"):
+        PacketUdp(devices, port=0, names=("one",)).open()
+    with pytest.raises(InputError, match="host is 'nowhere"):
+        PacketUdp(72, "nowhere.invalid").open()
+
+
+@pytest.mark.parametrize("code", [errno.EAGAIN, errno.ENOBUFS, errno.EINTR, errno.ECONNREFUSED])
+def test_errors_that_pass_by(code: int) -> None:
+    with pair() as (host, board):
+        board.send(1, b"")
+        receive, send = host._in._receive, board._out._send
+
+        def failing(*_: object) -> int:
+            set_errno(code)
+            return -1
+
+        host._in._receive = board._out._send = failing
+        assert host.receive(CanMessages(4)) == 0
+        assert not board.send(2, b"")
+        assert host.up
+        assert board.up
+        host._in._receive, board._out._send = receive, send
+        wait_for(lambda: host.receive(CanMessages(4)))
+
+
+@pytest.mark.parametrize("code", [errno.ENETDOWN, errno.ENODEV, errno.EBADF])
+def test_errors_that_break_the_bus(code: int) -> None:
+    with pair() as (host, board):
+
+        def failing(*_: object) -> int:
+            set_errno(code)
+            return -1
+
+        host._in._receive = board._out._send = failing
+        assert host.receive(CanMessages(4)) == 0
+        assert not board.send(2, b"")
+        assert not host.up
+        assert not board.up
+        assert host.fault
+        assert host.reopen()
