@@ -7,6 +7,7 @@ public, so it is a setting: take `matching_checksums` with packets of your board
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,6 @@ from skinfield.errors import InputError, check_count
 
 Table = NDArray[np.int64]
 SUM, CRC, UNCHECKED = 0, 1, 2  # how a kernel goes about it
-BEGINS = (0x00, 0xFF)
 POLYNOMIALS_8 = (0x07, 0x31, 0x9B, 0xD5, 0x1D, 0x2F, 0x39, 0xA7)
 POLYNOMIALS_16 = (0x1021, 0x8005, 0x3D65, 0x8BB7)
 
@@ -51,22 +51,7 @@ class Crc:
     @property
     def table(self) -> Table:
         """What each octet contributes (256,)."""
-        width = 8 * self.octets
-        table = np.zeros(256, np.int64)
-        for octet in range(256):
-            table[octet] = self._shifted(octet, width)
-        return table
-
-    def _shifted(self, octet: int, width: int) -> int:
-        if self.reflected:
-            polynomial = int(f"{self.polynomial:0{width}b}"[::-1], 2)
-            for _ in range(8):
-                octet = octet >> 1 ^ (polynomial if octet & 1 else 0)
-            return octet
-        rest = octet << (width - 8)
-        for _ in range(8):
-            rest = rest << 1 ^ (self.polynomial if rest >> (width - 1) & 1 else 0)
-        return rest & ((1 << width) - 1)
+        return _crc_table(self.octets, self.polynomial, self.reflected).copy()
 
     @property
     def numbers(self) -> Table:
@@ -74,6 +59,21 @@ class Crc:
         return np.array(
             [CRC, self.octets, self.begin, self.final, self.reflected, self.high_first], np.int64
         )
+
+
+@cache
+def _crc_table(octets: int, polynomial: int, reflected: bool) -> Table:
+    width, table = 8 * octets, np.zeros(256, np.int64)
+    mirrored = int(f"{polynomial:0{width}b}"[::-1], 2)
+    for octet in range(256):
+        rest = octet if reflected else octet << (width - 8)
+        for _ in range(8):
+            if reflected:
+                rest = rest >> 1 ^ (mirrored if rest & 1 else 0)
+            else:
+                rest = rest << 1 ^ (polynomial if rest >> (width - 1) & 1 else 0)
+        table[octet] = rest & ((1 << width) - 1)
+    return table
 
 
 @dataclass(frozen=True)

@@ -155,8 +155,12 @@ class ModuleDetails:
 
     @property
     def module(self) -> CySkinModule:
-        """As a part of a board; raises InputError if it has no sensor."""
-        return CySkinModule(self.sui, self.uncut & 0xFFF)
+        """As a part of a board; raises InputError if it has no sensor.
+
+        With the low 16 bits of the sui: the maker's tools make uids of no more, and so have layouts
+        and recordings.
+        """
+        return CySkinModule(self.sui & 0xFFFF, self.uncut & 0xFFF)
 
 
 DETAILS = 11  # octets

@@ -22,6 +22,7 @@ from skinfield.protocols.cyskin.snapshot import (
     Words32,
     data_words,
     snapshot_of,
+    words_from_uids,
 )
 
 IPC_CREAT, IPC_RMID, IPC_STAT, SHM_RDONLY = 0o1000, 0, 2, 0o10000
@@ -67,6 +68,7 @@ class Area:
         self._address = address
         # A page holds 4096 bytes, so 40 are there even where the area says that it has 10.
         self.words: Words32 = np.ctypeslib.as_array((ctypes.c_uint32 * words).from_address(address))
+        self.words.flags.writeable = create  # the system would end the process instead
 
     def close(self) -> None:
         """Unmap it; `words` must not be used after that."""
@@ -240,7 +242,7 @@ class SharedMemoryWriter:
     def __init__(self, uids: ArrayLike, key: int = HEADER_KEY, data_key: int = DATA_KEY) -> None:
         check_count("key", key, 1, HIGHEST_KEY, "of the header's shared memory")
         check_count("data_key", data_key, 1, HIGHEST_KEY, "of the data's shared memory")
-        self._uids = np.asarray(uids).astype(np.uint32)
+        self._uids = words_from_uids(uids)
         count = len(self._uids)
         check_count("uids", count, 1, MOST, "one for each sensor")
         self._header = Area(key, HEADER_WORDS, create=True)

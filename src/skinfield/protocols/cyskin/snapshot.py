@@ -25,7 +25,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.acquisition import Blocks
 from skinfield.errors import InputError, Ints
@@ -42,6 +42,23 @@ Words32 = NDArray[np.uint32]
 def data_words(sensors: int) -> int:
     """Words of the data of so many sensors."""
     return 2 * sensors + DATA_HEAD
+
+
+def words_from_uids(uids: ArrayLike) -> Words32:
+    """Uids (N,) as the memory holds them.
+
+    Raises
+    ------
+    InputError
+        If one has more than 32 bits.
+    """
+    values = np.asarray(uids, np.uint64)
+    if (values >> np.uint64(32)).any():
+        raise InputError(
+            f"uid {int(values.max())} has more than 32 bits, expected sui << 4 | sensor with a sui "
+            "of 28: the shared memory holds no more"
+        )
+    return values.astype(np.uint32)
 
 
 class Snapshot(NamedTuple):
@@ -94,7 +111,7 @@ class SensorOrder:
         boards = checked_boards(boards)
         uids, channels = uids_of(boards)
         order = np.argsort(uids)
-        self._known, self._channels = uids[order].astype(np.uint32), channels[order]
+        self._known, self._channels = words_from_uids(uids[order]), channels[order]
         self.channels = channels_of(boards)
         self.unknown = 0
         self._uids: Words32 = np.zeros(0, np.uint32)

@@ -1,0 +1,193 @@
+"""CySkin's messages lost, doubled, swapped and damaged: against plain Python, and any bytes."""
+
+import numpy as np
+from cyskin_reference import Reference, crc8
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skinfield.acquisition import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.protocols.cyskin import (
+    CySkinBoard,
+    CySkinDecoder,
+    CySkinEncoder,
+    CySkinModule,
+    CySkinWire,
+    Unchecked,
+)
+
+BOARDS = (
+    CySkinBoard(1, tuple(CySkinModule(i) for i in range(5))),
+    CySkinBoard(7, tuple(CySkinModule(10 + i) for i in range(3))),
+)
+CHANNELS = 12 * 8
+Rows = list[tuple[int, bytes]]
+
+
+def sent_rows(readings: int, per_packet: int, seed: int) -> Rows:
+    encoder, messages = CySkinEncoder(BOARDS, per_packet=per_packet), CanMessages(4000)
+    rng, count = np.random.default_rng(seed), 0
+    for _ in range(readings):
+        encoder.counts[:] = rng.integers(0, 65536, CHANNELS)
+        count = encoder.encode(messages, count, 0)
+    return [
+        (int(messages.ids[i]), messages.data[i, : messages.lengths[i]].tobytes())
+        for i in range(count)
+    ]
+
+
+def damaged(rows: Rows, faults: list[tuple[str, int, int]]) -> Rows:
+    rows = list(rows)
+    for what, where, how in faults:
+        at = where % len(rows) if rows else 0
+        identifier, data = rows[at] if rows else (0, b"")
+        if not rows:
+            break
+        if what == "lose":
+            del rows[at]
+        elif what == "double":
+            rows.insert(at, rows[at])
+        elif what == "swap":
+            rows[at], rows[at - 1] = rows[at - 1], rows[at]
+        elif what == "bit" and data:
+            place = how % len(data)
+            data = data[:place] + bytes([data[place] ^ 1 << how % 8]) + data[place + 1 :]
+            rows[at] = identifier, data
+        elif what == "identifier":
+            rows[at] = identifier ^ 1 << how % 11, data
+        elif what == "shorten":
+            rows[at] = identifier, data[: how % 8]
+        elif what == "reboot":
+            del rows[at : at + how % 9]
+        elif what == "own":
+            body = bytes([0x43, 2 + 2 * (how % 3), how % 7, how % 13]) + bytes(2 * (how % 3))
+            rows.insert(at, (0x501, (body + bytes([crc8(body)]))[:8]))
+    return rows
+
+
+FAULT = st.tuples(
+    st.sampled_from(["lose", "double", "swap", "bit", "identifier", "shorten", "reboot", "own"]),
+    st.integers(0, 10_000),
+    st.integers(0, 200),
+)
+
+
+@given(
+    st.integers(1, 3),
+    st.sampled_from([1, 3, 12, 40, 126]),
+    st.integers(0, 9),
+    st.lists(FAULT, max_size=12),
+    st.integers(1, 40),
+)
+def test_damage_is_seen_as_plain_python_sees_it(
+    readings: int, per_packet: int, seed: int, faults: list, batch: int
+) -> None:
+    rows = damaged(sent_rows(readings, per_packet, seed), faults)
+    reference = Reference({1: 5, 7: 3}, {1: 0, 7: 60})
+    for identifier, data in rows:
+        reference.take(identifier, data)
+    decoder, seen, state = CySkinDecoder(BOARDS), counters(), Channels(CHANNELS)
+    readings_of_blocks = 0
+    for first in range(0, len(rows), batch):
+        messages = CanMessages(batch)
+        for row, (identifier, data) in enumerate(rows[first : first + batch]):
+            messages.ids[row], messages.lengths[row] = identifier, len(data)
+            messages.data[row, : len(data)] = list(data)
+        blocks = Blocks(1 << 16)
+        count = min(batch, len(rows) - first)
+        assert decoder.decode(messages, count, blocks, 0, seen) == count
+        readings_of_blocks += len(list(blocks_of(blocks.data)))
+        state.apply(blocks)
+    expected = np.full(CHANNELS, np.nan)
+    for channel, value in reference.values.items():
+        expected[channel] = value
+    np.testing.assert_array_equal(state.counts, expected)
+    assert seen[Count.RECEIVED] == reference.received
+    assert seen[Count.FOREIGN] == reference.foreign
+    assert seen[Count.MALFORMED] == reference.malformed
+    assert seen[Count.LOST] == reference.lost
+    assert seen[Count.READINGS] == reference.blocks == readings_of_blocks
+    assert [(r.board, r.command, r.data) for r in decoder.replies()] == reference.replies
+
+
+@given(st.integers(0, 60), st.integers(1, 30))
+def test_each_lost_message_of_a_long_packet_is_counted(which: int, many: int) -> None:
+    rows = sent_rows(2, 126, 1)
+    which %= len(rows) - 20  # whole packets follow, so that the loss shows
+    many = min(many, len(rows) - 18 - which)
+    decoder, seen, blocks = CySkinDecoder(BOARDS), counters(), Blocks(1 << 16)
+    messages = CanMessages(len(rows))
+    kept = rows[:which] + rows[which + many :]
+    for row, (identifier, data) in enumerate(kept):
+        messages.ids[row], messages.lengths[row] = identifier, len(data)
+        messages.data[row, : len(data)] = list(data)
+    decoder.decode(messages, len(kept), blocks, 0, seen)
+    noticed = int(seen[Count.LOST] + seen[Count.MALFORMED])
+    assert noticed <= many
+    if not any(rows[i][0] >> 8 == 1 for i in range(which, which + many)):
+        assert noticed >= 1  # whole packets may go without a trace, as they have no numbers
+
+
+def test_sequence_numbers_count_lost_packets() -> None:
+    wire = CySkinWire(numbered=True)
+    encoder, messages = CySkinEncoder(BOARDS[1:], wire=wire, per_packet=36), CanMessages(400)
+    count, rows = 0, []
+    for _ in range(20):
+        start, count = count, encoder.encode(messages, count, 0)
+        rows.append(range(start, count))
+    decoder, seen, blocks = CySkinDecoder(BOARDS[1:], wire=wire), counters(), Blocks(1 << 16)
+    for number, part in enumerate(rows):
+        if number not in (4, 5, 11):
+            decoder.decode(messages, part.stop, blocks, 0, seen, part.start)
+    assert seen[Count.LOST] == 3
+    assert seen[Count.READINGS] == 17
+    decoder = CySkinDecoder(BOARDS[1:])  # without the setting they are nothing that is known
+    decoder.decode(messages, count, blocks, 0, seen := counters())
+    assert seen[Count.FOREIGN] == 20
+    assert seen[Count.READINGS] == 0
+
+
+def test_without_room_it_goes_on_where_it_stopped() -> None:
+    rows = sent_rows(6, 20, 3)
+    messages = CanMessages(len(rows))
+    for row, (identifier, data) in enumerate(rows):
+        messages.ids[row], messages.lengths[row] = identifier, len(data)
+        messages.data[row, : len(data)] = list(data)
+    whole, small = Blocks(1 << 16), Blocks(1100)
+    CySkinDecoder(BOARDS).decode(messages, len(rows), whole, 0, counters())
+    decoder, seen, at, found = CySkinDecoder(BOARDS), counters(), 0, b""
+    while at < len(rows):
+        small.clear()
+        then = decoder.decode(messages, len(rows), small, 0, seen, at)
+        assert then > at
+        at, found = then, found + small.data.tobytes()
+    assert found == whole.data.tobytes()
+    assert seen[Count.RECEIVED] == len(rows)
+
+
+ANY_ROW = st.tuples(
+    st.one_of(st.sampled_from([0x101, 0x201, 0x401, 0x501, 0x407]), st.integers(0, 2**32 - 1)),
+    st.integers(0, 255),
+    st.one_of(
+        st.binary(min_size=8, max_size=8),
+        st.binary(min_size=6, max_size=6).map(lambda b: b"\x43" + b[:1] + b),
+    ),
+)
+
+
+@given(st.lists(ANY_ROW, max_size=60), st.booleans())
+def test_any_messages_are_decoded_or_counted(drawn: list, numbered: bool) -> None:
+    wire = CySkinWire(checksum=Unchecked(1), numbered=numbered)  # lets more of it through
+    decoder, seen, blocks = CySkinDecoder(BOARDS, wire=wire), counters(), Blocks(1 << 14)
+    blocks.words[:] = 0x55
+    messages = CanMessages(60)
+    for row, (identifier, length, data) in enumerate(drawn):
+        messages.ids[row], messages.lengths[row] = identifier, length
+        messages.data[row] = list(data)
+    assert decoder.decode(messages, len(drawn), blocks, 3, seen) == len(drawn)
+    state = Channels(3 + CHANNELS)
+    state.apply(blocks)
+    assert np.isnan(state.counts[:3]).all()
+    assert (blocks.words[blocks.end[0] :] == 0x55).all()
+    assert (seen >= 0).all()
+    decoder.replies()
+    decoder.reset()
