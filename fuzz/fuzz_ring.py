@@ -9,29 +9,34 @@ import numpy as np
 from skinfield.errors import InputError
 from skinfield.ring import Field, Ring, RingReader
 
-FOLDER = tempfile.TemporaryDirectory(prefix="skinfield-fuzz-")
-PLACE = Path(FOLDER.name)
+PLACE, NAME = Path(tempfile.gettempdir()), f"fuzz-{os.getpid()}"
 FIELDS = [Field("number", "<i8"), Field("words", "<u4", (3, 2)), Field("valid", "?", (70,))]
 CUT = 0xFFFF  # where, in place of a change: the file ends there
 
 
 def sample() -> bytes:
     """A ring of which everything is in use, as small as can be."""
-    with Ring.create("good", FIELDS, FIELDS[:2], {"a": 1}, 2, 4096, folder=PLACE) as ring:
+    with Ring.create(NAME, FIELDS, FIELDS[:2], {"a": 1}, 2, 4096, folder=PLACE) as ring:
         for _ in range(3):
             ring.begin()["words"][:] = 7
             ring.log(np.arange(1500, dtype=np.uint64).view(np.uint8), 3000)
             ring.publish()
-        return ring.path.read_bytes()
+        data = ring.path.read_bytes()
+        ring.unlink()
+    return data
 
 
 GOOD = sample()
 ENDS = np.frombuffer(GOOD[24:120], "<u8").astype(int)  # offsets and sizes, as `header` says
 
 
+SEEDS = [GOOD[:640], b"", (128).to_bytes(2, "little") + bytes([6]) + b"\x08" * 8]
+
+
 def one_input(data: bytes) -> None:
-    """Read the bytes as a file, and as changes of a good one."""
+    """Read the bytes as a file, as the beginning of a good one, and as changes of that."""
     read(data)
+    read(data + GOOD[len(data) :])
     read(changed(data))
 
 
@@ -51,10 +56,10 @@ def changed(data: bytes) -> bytes:
 
 def read(data: bytes) -> None:
     """Everything that a reader offers, on a file of these bytes."""
-    path = PLACE / f"skinfield.fuzz{os.getpid()}"
+    path = PLACE / f"skinfield.{NAME}"
     path.write_bytes(data)
     try:
-        with RingReader(path.name.removeprefix("skinfield."), folder=PLACE) as reader:
+        with RingReader(NAME, folder=PLACE) as reader:
             look(reader)
     except InputError:
         pass
