@@ -7,6 +7,7 @@ from skinfield.acquisition import Channels
 from skinfield.acquisition.recorded import Cycle as Recorded
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.conditioning import Convention
+from skinfield.contacts.live import CONTACT
 from skinfield.engine import Engine
 from skinfield.engine.state import Answer
 from skinfield.errors import Floats, Ints, check_shape
@@ -19,7 +20,8 @@ from skinfield.live.touches import Touches
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 KEY, LATE = int(CycleFlag.KEY), int(CycleFlag.LATE)
-MISSING, IDLE, FEASIBLE = int(Answer.MISSING), int(Answer.IDLE), int(Answer.FEASIBLE)
+FEASIBLE = int(Answer.FEASIBLE)
+CONTACT_WORDS = CONTACT.itemsize // 8
 
 
 class Cycle:
@@ -54,21 +56,25 @@ class Cycle:
         tracks: Ints | None = None,
     ) -> None:
         from skinfield.live.condition_kernel import condition
+        from skinfield.live.settle_kernel import copy_out, sum_up, take_over
 
         self.recipe, self.stale_ns = recipe, stale_ns
         self.engine: Engine = recipe.engine(noise_std)
         self.sizes = Sizes.of(recipe.skin, recipe.rungs, recipe.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
         self._binding, self._condition = binding, condition
+        self._take_over, self._sum_up, self._copy_out = take_over, sum_up, copy_out
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
-        self._given, self._counts = np.zeros(taxels, np.bool_), np.zeros(taxels)
+        self._given = np.zeros(taxels, np.bool_)
+        self._sides = np.array(recipe.rungs, np.int64)
         self._newest, self._arrived = np.zeros((2, patches), np.int64)
-        self._mask = np.zeros(patches, np.bool_)
+        self._touched = np.zeros(patches, np.int64)
         self._how, self._scale = quantity_scale(recipe.quantity, recipe.layer, binding.unit)
         self._lowest = float(recipe.quantity.lowest)
         board = recipe.board
         self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
         self._kept = Slot.empty(self.sizes)
+        self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
         self._touches = Touches(recipe.skin, self.engine, recipe.rows, self.tracks)
         self.calibrate(calibration)
@@ -135,16 +141,13 @@ class Cycle:
         head[Head.FLAGS] = KEY if key else 0
         head[Head.FRESH] = fresh
         head[Head.SCRIPT] = 0
-        kept.patches["fresh"] = self._arrived
         if fresh:
             self.engine.run(self._values, self._given, budget=budget, script=script)
             rows = self.engine.script
             head[Head.SCRIPT] = len(rows)
             slot.script[: len(rows)] = rows
-            self._keep(now_ns)
-        self._forget_stale(now_ns)
-        head[Head.CONTACTS] = int(kept.patches["contacts"].sum())
-        self._kept.patches["tracks"] = self.tracks
+        self._answered(now_ns)
+        head[Head.CONTACTS] = self._sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
         self._publish(channels, slot)
         return fresh > 0
 
@@ -176,65 +179,50 @@ class Cycle:
             )
         )
 
-    def _keep(self, now_ns: int) -> None:
-        """Take over the answers of the patches that had a new reading."""
-        results, patches, mask = self.engine.results, self._kept.patches, self._mask
-        np.greater(self._arrived, 0, out=mask)
-        for name in ("answer", "iterations", "invalid", "gap"):
-            np.copyto(patches[name], getattr(results, name), where=mask, casting="same_kind")
-        np.copyto(patches["stamp_ns"], self._newest, where=mask)
-        np.copyto(patches["answered_ns"], now_ns, where=mask)
-        for patch in np.flatnonzero(mask).tolist():
-            answer = int(results.answer[patch])
-            rung = int(results.rung[patch])
-            patches["rung"][patch] = self.recipe.rungs[rung] if rung >= 0 else 0
-            if answer > IDLE:
-                self._touched(patch, rung, now_ns)
-            else:
-                self._untouched(patch)
-
-    def _touched(self, patch: int, rung: int, now_ns: int) -> None:
-        """Pressure and contacts of a patch with something on it."""
-        kept, pressure = self._kept, self.engine.results.pressure_of(patch)
-        kept.pressure[patch, : len(pressure)] = pressure
-        rows, row = kept.contacts[patch], kept.patches[patch]
-        searched = kept.patches["answer"][patch] == FEASIBLE
-        found = self._touches.find(patch, rung, searched, pressure, int(self._newest[patch]), rows)
-        found = min(found, len(rows))
-        row["contacts"] = found
-        row["force"] = rows["normal_force"][:found].sum()
-        row["peak_pressure"] = rows["peak_pressure"][:found].max() if found else 0.0
-
-    def _untouched(self, patch: int) -> None:
-        row = self._kept.patches[patch]
-        if row["contacts"] or row["force"]:
-            row["contacts"], row["force"], row["peak_pressure"] = 0, 0.0, 0.0
-
-    def _forget_stale(self, now_ns: int) -> None:
-        """What nothing new came of for too long is missing."""
-        patches = self._kept.patches
-        np.less(patches["stamp_ns"], now_ns - self.stale_ns, out=self._mask)
-        np.logical_and(self._mask, patches["answer"] > MISSING, out=self._mask)
-        if not self._mask.any():
-            return
-        for patch in np.flatnonzero(self._mask).tolist():
-            row = patches[patch]
-            row["answer"], row["rung"], row["gap"] = MISSING, 0, np.nan
-            self._untouched(patch)
+    def _answered(self, now_ns: int) -> None:
+        """Keep the answers of the patches with a new reading, and drop what is too old."""
+        results, kept = self.engine.results, self._kept
+        count = self._take_over(
+            self._arrived,
+            self._newest,
+            results.answer,
+            results.rung,
+            results.gap,
+            results.iterations,
+            results.invalid,
+            self._sides,
+            now_ns,
+            now_ns - self.stale_ns,
+            kept.patches,
+            self._touched,
+        )
+        for patch in self._touched[:count].tolist():
+            pressure, rung = results.pressure_of(patch), int(results.rung[patch])
+            kept.pressure[patch, : len(pressure)] = pressure
+            rows, searched = kept.contacts[patch], results.answer[patch] == FEASIBLE
+            stamp = int(self._newest[patch])
+            found = self._touches.find(patch, rung, searched, pressure, stamp, rows)
+            kept.patches["contacts"][patch] = min(found, len(rows))
 
     def _publish(self, channels: Channels, slot: Slot) -> None:
         """Copy what is kept into the slot."""
         kept = self._kept
-        slot.patches[:] = kept.patches
-        np.take(channels.counts, self._binding.channel, out=self._counts, mode="clip")
-        slot.counts[:] = self._counts
-        slot.values[:] = self._values
-        slot.valid[:] = self._valid
-        for patch in np.flatnonzero(kept.patches["contacts"]).tolist():
-            slot.contacts[patch] = kept.contacts[patch]
-        for patch in np.flatnonzero(kept.patches["answer"] > IDLE).tolist():
-            nodes = int(kept.patches["rung"][patch]) ** 2
-            slot.pressure[patch, :nodes] = kept.pressure[patch, :nodes]
+        self._copy_out(
+            kept.patches,
+            self._kept_words,
+            kept.pressure,
+            CONTACT_WORDS,
+            self._binding.channel,
+            channels.counts,
+            self._values,
+            self._valid,
+            slot.patches,
+            slot.contact_words,
+            slot.pressure,
+            slot.counts,
+            slot.values,
+            slot.valid,
+        )
 
     def _rehearse(self) -> None:
         """Load what is compiled, and know nothing afterwards."""

@@ -116,6 +116,8 @@ class Slot:
     valid : (L,) uint8 array
     pressure : (P, K) float32 array, Pa
         As many of each row as the patch's grid has nodes; an idle or missing patch has none.
+    contact_words : (P, R words) int64 array
+        The memory of `contacts`.
     """
 
     head: Array
@@ -126,6 +128,7 @@ class Slot:
     values: Array
     valid: Array
     pressure: Array
+    contact_words: Array
 
     @classmethod
     def of(cls, arrays: Mapping[str, Array]) -> "Slot":
@@ -133,7 +136,14 @@ class Slot:
         patches = arrays["patches"].view(PATCH)
         contacts = arrays["contacts"].view(CONTACT).reshape(len(patches), -1)
         plain = {name: arrays[name] for name in ("head", "script", "counts", "values", "valid")}
-        return cls(patches=patches, contacts=contacts, pressure=arrays["pressure"], **plain)
+        words = arrays["contacts"].view(np.int64).reshape(len(patches), -1)
+        return cls(
+            patches=patches,
+            contacts=contacts,
+            pressure=arrays["pressure"],
+            contact_words=words,
+            **plain,
+        )
 
     @classmethod
     def empty(cls, sizes: Sizes) -> "Slot":
