@@ -135,6 +135,21 @@ print(json.dumps(dict(before=before, inside=inside, after=now())))
 
 
 @pytest.mark.skipif(not LINUX, reason="asks Linux")
+def test_a_process_that_was_started_in_real_time_says_so() -> None:
+    found = child("""
+try:
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(7))
+except PermissionError as error:
+    raise SystemExit(print(json.dumps(dict(impossible=str(error)))))
+granted = RealTime(priority=0, lock_memory=False, keep_awake=False).apply()
+print(json.dumps(granted.as_dict()))
+""")
+    if "impossible" in found:
+        pytest.skip(found["impossible"])
+    assert (found["scheduler"], found["priority"]) == ("SCHED_FIFO", 7)
+
+
+@pytest.mark.skipif(not LINUX, reason="asks Linux")
 def test_a_processor_that_is_not_there_is_refused_and_said() -> None:
     found = child("""
 before = sorted(os.sched_getaffinity(0))
@@ -152,7 +167,7 @@ def test_another_system_grants_nothing_and_says_so(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(system, "LIBRARY", None)
     monkeypatch.setattr(requests.sys, "platform", "darwin")
     for name in ("sched_setscheduler", "sched_getscheduler", "sched_setaffinity"):
-        monkeypatch.delattr(os, name, raising=False)
+        monkeypatch.delattr(os, name, raising=False)  # as it is there
     granted = RealTime(freeze_gc=False).apply()
     assert not granted.real_time
     assert (granted.cpu, granted.memory, granted.timer_slack_ns) == (None, "not locked", None)

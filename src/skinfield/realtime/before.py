@@ -33,7 +33,7 @@ class Before:
         slack, policy, priority, cpus = None, None, 0, None
         with suppress(OSError):
             slack = system.call("prctl", system.PR_GET_TIMERSLACK, 0, 0, 0, 0)
-        if hasattr(os, "sched_getscheduler"):
+        if system.LINUX:
             policy, priority = os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
             cpus = frozenset(os.sched_getaffinity(0))
         return cls(policy, priority, cpus, slack, gc.isenabled())

@@ -46,8 +46,11 @@ def ask(wanted: "RealTime") -> Found:
 
 
 def _schedule(wanted: "RealTime", found: Found) -> None:
-    found.granted.update(scheduler=_policy(), priority=0)
-    if not wanted.priority or not hasattr(os, "sched_setscheduler"):
+    found.granted.update(scheduler="of this system", priority=0)
+    if not system.LINUX:
+        return
+    found.granted.update(scheduler=_policy(), priority=os.sched_getparam(0).sched_priority)
+    if not wanted.priority:
         return
     error: OSError | None = None
     for priority in dict.fromkeys((wanted.priority, min(_permitted_priority(), wanted.priority))):
@@ -82,8 +85,6 @@ def _remedy(limit: str, capability: str) -> str:
 
 
 def _policy() -> str:
-    if not hasattr(os, "sched_getscheduler"):
-        return "of this system"
     number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
     names = ("SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH", "SCHED_IDLE")
     known = {getattr(os, name): name for name in names}
@@ -110,7 +111,7 @@ def _raise_limit(name: str) -> tuple[int, int]:
 
 def _pin(wanted: "RealTime", found: Found) -> None:
     found.granted.update(cpu=None, isolated=False)
-    if not hasattr(os, "sched_setaffinity"):
+    if not system.LINUX:
         return
     allowed = os.sched_getaffinity(0)
     isolated = cpus_of(read_text("/sys/devices/system/cpu/isolated"))
