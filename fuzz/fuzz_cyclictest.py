@@ -12,3 +12,9 @@ def one_input(data: bytes) -> None:
         return
     assert found.count > 0
     assert found.quantiles().count == found.count
+
+
+SEEDS = [
+    b"# Histogram\n000000 000000\n000001 000007\n000004 000001\n# Total: 000000010\n"
+    b"# Max Latencies: 02402\n# Histogram Overflows: 00002\n# Thread 0: 00146 00329\n"
+]
