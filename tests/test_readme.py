@@ -94,6 +94,8 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
         ("engine", 5),
         ("batch", 2),
         ("icub", 4),
+        ("packet", 2),
+        ("cyskin", 3),
     ],
 )
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:
