@@ -15,6 +15,9 @@ from skinfield.virtual.hardware import Hardware
 from skinfield.virtual.place import patch_index
 
 
+MOST = 10_000  # to come
+
+
 @dataclass
 class FaultClock:
     """Begins and ends faults when their time comes.
@@ -46,6 +49,8 @@ class FaultClock:
             If there is no such triangle, board, bus or taxel.
         """
         self.check(fault)
+        if len(self._queue) >= MOST:
+            raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
         heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
 
     def check(self, fault: Fault) -> None:

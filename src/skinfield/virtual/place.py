@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError, check_range
+from skinfield.errors import FileError, InputError
 from skinfield.layout import Patch, Skin, load_layout
 from skinfield.layout.generators import by_name
 from skinfield.layout.generators.names import GENERATORS
@@ -40,13 +40,14 @@ def patch_index(skin: Skin, key: Any) -> int:
     if key is None:
         return 0
     if isinstance(key, bool) or not isinstance(key, int | str):
-        raise InputError(f"patch is {key!r}, expected its name, or its number from 0")
+        raise InputError(f"patch is {key!r:.60}, expected its name, or its number from 0")
     patch = skin[key]
     return next(i for i, each in enumerate(skin.patches) if each is patch)
 
 
-def number(given: Mapping[str, Any], key: str, default: float | None, low: float, high: float,
-           why: str) -> float:  # fmt: skip
+def number(
+    given: Mapping[str, Any], key: str, default: float | None, low: float, high: float, why: str
+) -> float:
     """Finite number of a command.
 
     Raises
@@ -55,9 +56,11 @@ def number(given: Mapping[str, Any], key: str, default: float | None, low: float
         If there is none where one is needed, or it is out of range.
     """
     value = given.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{key} is {value!r}, expected a number: {why}")
-    check_range(key, value, low, high, why)
+    plain = isinstance(value, int | float) and not isinstance(value, bool)
+    if not plain or not low <= value <= high:
+        raise InputError(
+            f"{key} is {value!r:.60}, expected a number from {low:g} to {high:g}: {why}"
+        )
     return float(value)
 
 
@@ -96,5 +99,5 @@ def _weights(given: Any) -> Any:
     except (TypeError, ValueError, OverflowError):
         weights = np.zeros(0)
     if weights.shape != (3,) or not (weights >= 0).all() or not 0 < weights.sum() < math.inf:
-        raise InputError(f"weights is {given!r}, expected three numbers from 0, of the corners")
+        raise InputError(f"weights is {given!r:.60}, expected three numbers from 0, of the corners")
     return weights / weights.sum()

@@ -1,0 +1,240 @@
+import numpy as np
+import pytest
+from virtual_host import START, Host, Stepped, byte_of, bytes_by_channel
+
+from skinfield.errors import InputError
+from skinfield.layout.generators import by_name
+from skinfield.mechanics import Layer
+from skinfield.protocols.icub import triangle_payloads
+from skinfield.simulate import Sphere, press
+from skinfield.virtual import Fault, Temperature, VirtualSettings, VirtualSkin, Wires
+
+REST = [bytes.fromhex("40 f0f0f0f0f0f0f0"), bytes.fromhex("c0 f0f0f0f0f0 0000")]
+COUNTS_PER_CHANGE = 0.16689e-12 / (16e-12 / 65536)  # pad of 4 mm, converter of 16 pF in 16 bits
+
+
+def test_a_skin_at_rest_sends_the_golden_bytes():
+    with Stepped(at_once=True) as stepped:
+        messages = stepped.step()
+        assert [identifier for identifier, _ in messages] == [0x410 + i // 2 for i in range(12)]
+        assert [data for _, data in messages] == REST * 6
+
+
+def test_boards_are_silent_until_they_are_configured_and_started():
+    with Stepped() as stepped:
+        assert stepped.step() == []
+        stepped.tell("4D 02 01 F5")
+        assert stepped.step() == []
+        stepped.tell("50 00 02 02 01 00 22")
+        assert stepped.step() == []
+        stepped.tell("07 00")
+        messages = stepped.step()
+        assert {identifier for identifier, _ in messages} == {0x410, 0x411, 0x412}
+        assert all(set(data[1:6]) == {0xF5} for _, data in messages)  # the rest that was told
+        stepped.tell("07 01")
+        assert stepped.step() == []
+
+
+def test_the_host_sets_the_period_unless_a_rate_is_given():
+    with Stepped(rate=None) as stepped:
+        stepped.tell("4D 02 05 F0", *START[1:])
+        heads = [m for _ in range(20) for m in stepped.step(0.001) if m[0] == 0x410]
+        assert len(heads) == 2 * 4  # 20 ms at 5 ms
+    with Stepped(rate=1000.0) as stepped:
+        stepped.tell("4D 02 05 F0", *START[1:])
+        heads = [m for _ in range(20) for m in stepped.step(0.001) if m[0] == 0x410]
+        assert len(heads) == 2 * 20
+
+
+def test_a_press_reads_as_the_forward_model_says():
+    with Stepped(at_once=True) as stepped:
+        stepped.step()
+        patch = stepped.skin.skin.patches[0]
+        place = patch.plane[40] + [1.3e-3, -0.7e-3]
+        stepped.skin.world.press({"x": place[0], "y": place[1], "force": 2.5, "radius": 4e-3})
+        found = bytes_by_channel(stepped.step())[patch.channel]
+    made = press(Layer(), [Sphere(radius=4e-3, force=2.5)], cell=0.25e-3, extent=30e-3)
+    exact = made.capacitance(patch.plane - place, patch.pad_diameter)
+    expected = [byte_of(round(COUNTS_PER_CHANGE * each)) for each in exact]
+    assert np.abs(found - expected).max() <= 1  # a step, where rounding tips over
+    assert min(expected) < 200
+    assert np.mean(found != expected) < 0.2
+
+
+def test_presses_that_are_apart_add_up():
+    with Stepped(at_once=True) as stepped:
+        world, change = stepped.skin.world, stepped.skin.hardware.converters.change
+        world.press({"taxel": 3, "id": "one"})
+        world.update(-1.0, change)
+        one = change.copy()
+        world.press({"taxel": 60, "force": 0.5, "id": "two"})
+        world.update(-1.0, change)
+        both = change.copy()
+        world.release({"id": "one"})
+        world.update(-1.0, change)
+        np.testing.assert_allclose(both, one + change, atol=1e-12)
+        world.release({})
+        world.update(-1.0, change)
+        assert not change.any()
+
+
+def test_an_unplugged_triangle_says_so():
+    with Stepped(skin="ten_pad_triangle", at_once=True, faults=(Fault("unplug", "0", 0.1),)) as one:
+        assert one.step()[1][1][7] & 2 == 0
+        for _ in range(12):
+            messages = one.step()
+        base = one.skin.hardware._lines[0].encoder.base[0]
+        expected = triangle_payloads(np.full(12, 0xFFFF), base)
+        assert tuple(data for _, data in messages) == expected
+        assert messages[1][1][7] & 2
+
+
+def test_a_board_that_boots_is_silent_and_wants_to_be_configured_again():
+    with Stepped(faults=(Fault("reboot", "0", 0.2, 0.1),)) as stepped:
+        stepped.tell(*START)
+        sent = [len(stepped.step()) for _ in range(40)]
+        assert sent[:19] == [12] * 19
+        assert sent[21:] == [0] * 19
+        assert stepped.skin.counts()["reboots"] == 1
+        stepped.tell(*START)
+        assert len(stepped.step()) == 12
+
+
+def test_a_board_that_boots_hears_nothing_while_it_does():
+    with Stepped(faults=(Fault("reboot", "0", 0.0, 0.5),)) as stepped:
+        stepped.tell(*START)
+        stepped.step()
+        stepped.step()
+        commands = stepped.skin.counts()["commands"]
+        stepped.host.tell(*START)
+        for _ in range(50):
+            stepped.skin.hardware.listen(stepped.now_ns, 0.0)
+        assert stepped.skin.counts()["commands"] == commands
+        assert stepped.step(1.0) == []
+
+
+def test_a_bus_that_is_gone_counts_what_it_withholds():
+    with Stepped(at_once=True, faults=(Fault("bus-off", "0", 0.095, 0.1),)) as stepped:
+        sent = [len(stepped.step()) for _ in range(30)]
+        counts = stepped.skin.counts()
+        assert sum(sent) == counts["messages"]
+        assert counts["withheld"] == 12 * 30 - counts["messages"] == 12 * sent.count(0)
+        assert sent.count(0) == 10
+        assert sent[-1] == 12
+
+
+@pytest.mark.parametrize(
+    ("kind", "byte"), [("dead", 240), ("saturated", 0), ("no-ack", 255), ("stuck", None)]
+)
+def test_a_taxel_with_a_fault_does_not_feel(kind, byte):
+    with Stepped(at_once=True) as stepped:
+        stepped.step()
+        stepped.skin.world.press({"taxel": 7, "force": 0.4})
+        pressed = bytes_by_channel(stepped.step())
+        stepped.skin.faults.add(Fault(kind, "7", 0.03, 0.05))
+        for _ in range(4):
+            stepped.step()
+        stepped.skin.world.press({"taxel": 7, "force": 2.0, "id": "press-1"})
+        stepped.skin.faults.add(Fault("dead", "*", 1e6))  # far away: changes nothing
+        messages = stepped.step()
+        found = bytes_by_channel(messages)
+        assert found[7] == (pressed[7] if byte is None else byte)
+        tail = next(
+            data for identifier, data in messages if identifier == 0x410 and data[0] == 0xC0
+        )
+        assert (tail[7] & 1) == (kind == "no-ack")
+        for _ in range(5):
+            found = bytes_by_channel(stepped.step())
+        assert found[7] < pressed[7] - 10  # it feels again
+
+
+def test_noise_has_the_spread_that_is_asked_for():
+    with Stepped(at_once=True, noise=1.0, seed=5) as stepped:
+        converters = stepped.skin.hardware.converters
+        rows = []
+        for _ in range(2000):
+            converters.convert(0.0)
+            rows.append(converters.counts.copy())
+        measured, asked = np.std(rows, axis=0), converters.white
+        np.testing.assert_allclose(measured, np.hypot(asked, 12**-0.5), rtol=0.12)
+        assert np.median(asked) == pytest.approx(4 * 3.1, rel=0.3)
+
+
+def test_common_noise_is_shared_by_a_triangle():
+    with Stepped(at_once=True, common_noise=2.0) as stepped:
+        converters = stepped.skin.hardware.converters
+        rows = []
+        for _ in range(2000):
+            converters.convert(0.0)
+            rows.append(converters.counts[:24].copy())
+        together = np.corrcoef(np.array(rows).T)
+        assert together[0, 11] > 0.95
+        assert abs(together[0, 12]) < 0.1
+
+
+def test_thermal_pads_take_the_drift_off_and_without_them_it_stays():
+    warm = Temperature(25.0, 10.0, 1e-3)
+    for pads, reach in ((True, 1), (False, 200)):
+        with Stepped(skin="ten_pad_triangle", at_once=True, temperature=warm, pads=pads) as one:
+            one.step()
+            bytes_ = bytes_by_channel(one.step(1.0))[one.skin.skin.patches[0].channel]
+            assert np.abs(bytes_ - 240).max() <= reach
+            assert (np.abs(bytes_ - 240).max() > 1) == (not pads)
+
+
+def test_the_base_that_a_board_takes_has_the_press_in_it():
+    with Stepped(at_once=True) as stepped:
+        stepped.step()
+        stepped.skin.world.press({"taxel": 7, "force": 1.0})
+        stepped.step()
+        stepped.tell("50 00 0F 02 01 00 22", "07 00")
+        assert set(bytes_by_channel(stepped.step())[:72]) == {240}
+        stepped.skin.world.release({})
+        assert bytes_by_channel(stepped.step())[7] == 255
+
+
+def test_every_fault_of_the_wire_is_counted_exactly():
+    wires = Wires(lose=0.05, duplicate=0.04, swap=0.03)
+    with Stepped(at_once=True, wires=wires, seed=3) as stepped:
+        received = [m for _ in range(300) for m in stepped.step()]
+        counts = stepped.skin.counts()
+        assert counts["readings"] == 300
+        assert len(received) == counts["messages"]
+        made = 300 * 12
+        kept_back = int(stepped.skin.hardware.wires[0].fates.kept[0] != -2)
+        assert made == len(received) + counts["lost"] - counts["duplicated"] + kept_back
+        for name, chance in (("lost", 0.05), ("duplicated", 0.04), ("swapped", 0.03)):
+            assert counts[name] == pytest.approx(made * chance, rel=0.3)
+
+
+def test_readings_that_are_too_late_are_skipped_and_counted():
+    with Stepped(at_once=True, wires=Wires(jitter=0.0)) as stepped:
+        assert len(stepped.step()) == 12
+        assert len(stepped.step(0.155)) == 12  # one burst, not fifteen
+        counts = stepped.skin.counts()
+        assert counts["readings"] == 2
+        assert 13 <= counts["skipped"] <= 15
+
+
+def test_a_whole_robot_needs_several_buses():
+    skin = "rectangular:rows=40,columns=60"  # 2400 channels: 13 boards
+    with pytest.raises(InputError, match="expected 1, one for each bus"):
+        VirtualSkin(VirtualSettings(skin=skin, bus="udp", channels=("a", "b"), control=""))
+    with Stepped(skin="rectangular:rows=60,columns=60", at_once=True) as stepped:  # 19 boards
+        assert len(stepped.skin.hardware.addresses) == 2
+        other = Host(stepped.skin.hardware.addresses[1])
+        stepped.meet(1)
+        first = {m[0] >> 4 & 15 for m in stepped.step()}
+        second = {m[0] >> 4 & 15 for m in other.wait_for(stepped.skin.hardware.wires[1].sent)}
+        other.close()
+    assert first == set(range(1, 15))
+    assert second == set(range(1, 6))
+
+
+def test_boards_that_are_spread_send_one_after_the_other():
+    skin = "rectangular:rows=20,columns=40"
+    with Stepped(skin=skin, at_once=True, spread=True, wires=Wires(jitter=0.0)) as stepped:
+        bursts = [{m[0] >> 4 & 15 for m in stepped.step(0.001)} for _ in range(40)]
+    assert by_name(skin).n_channels == 800
+    assert max(len(burst) for burst in bursts) <= 2
+    assert set().union(*bursts) == {1, 2, 3, 4, 5}

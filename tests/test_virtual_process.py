@@ -1,0 +1,225 @@
+"""Virtual skins in processes of their own, over real sockets."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from virtual_host import LONG, START, Host, bytes_by_channel
+
+from skinfield.acquisition import Blocks, Channels, Count
+from skinfield.cli.main import main
+from skinfield.errors import InputError
+from skinfield.layout import Skin
+from skinfield.layout.generators import by_name
+from skinfield.protocols.cyskin import on_boards
+from skinfield.sources.buses import BusSettings
+from skinfield.sources.live.cyskin import CySkinCan
+from skinfield.sources.live.packet_serial import PacketSerial
+from skinfield.sources.live.packet_tcp import PacketTcp
+from skinfield.sources.live.packet_udp import PacketUdp
+from skinfield.virtual import VirtualSettings, Wires
+from skinfield.virtual.process import start
+
+PATCH = by_name("hexagon72")
+STILL = {"scene": "idle", "noise": 0.0, "rate": 100.0}
+
+
+def until(condition):
+    end = time.monotonic() + LONG
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+
+
+def gone(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def test_what_arrives_is_what_it_says_it_sent():
+    wires = Wires(lose=0.02, duplicate=0.02, swap=0.02)
+    with start(VirtualSettings(bus="udp", wires=wires, **STILL)) as skin:
+        host = Host(skin.channels[0])
+        host.tell(*START)
+        messages = host.wait_for(3000)
+        host.tell("07 01")
+        until(lambda: skin.counts()["commands"] == 4)
+        counts = skin.counts()
+        messages += host.wait_for(counts["messages"] - len(messages))
+        assert len(messages) == counts["messages"]
+        made = 12 * counts["readings"]
+        kept = made - (counts["messages"] + counts["lost"] - counts["duplicated"])
+        assert kept in (0, 1)  # a swapped one may wait for the next
+        assert min(counts["lost"], counts["duplicated"], counts["swapped"]) > 10
+        assert bytes_by_channel(messages)[:72].tolist() == [240] * 72
+        host.close()
+        final = skin.stop()
+    assert final["messages"] - counts["messages"] == kept
+    assert gone(skin.pid)
+
+
+def test_presses_from_outside_are_felt_and_known():
+    with start(VirtualSettings(bus="udp", **STILL)) as skin:
+        host = Host(skin.channels[0])
+        host.tell(*START)
+        host.wait_for(12)
+        name = skin.press(taxel=30, force=1.0)
+        until(lambda: bytes_by_channel(host.wait_for(12))[30] < 230)
+        x, y = PATCH.plane[60]
+        skin.move(name, x, y, force=2.0)
+        until(lambda: bytes_by_channel(host.wait_for(24))[30] == 240)
+        assert bytes_by_channel(host.wait_for(24))[60] < 220
+        skin.release(name)
+        until(lambda: bytes_by_channel(host.wait_for(24))[60] == 240)
+        lines = skin.truth()
+        presses = [[(p["id"], p["force"]) for p in line["presses"]] for line in lines]
+        assert presses == [[], [(name, 1.0)], [(name, 2.0)], []]
+        np.testing.assert_allclose(lines[2]["presses"][0]["position"], PATCH.positions[60])
+        stamps = [line["stamp_ns"] for line in lines]
+        assert stamps == sorted(stamps)
+        assert abs(stamps[-1] - time.time_ns()) < LONG * 1e9
+        with pytest.raises(InputError, match="id is 'nobody'"):
+            skin.move("nobody", 0.0, 0.0)
+        with pytest.raises(InputError, match="expected above 0 and at most"):
+            skin.press(taxel=1, force=5000.0)
+        host.close()
+
+
+def test_faults_and_scenes_from_outside():
+    with start(VirtualSettings(bus="udp", at_once=True, **STILL)) as skin:
+        host = Host(skin.channels[0])
+        host.wait_for(12)
+        skin.fault("dead 3-5")
+        skin.fault("unplug 2")
+        until(lambda: bytes_by_channel(host.wait_for(12))[24] == 0)
+        skin.clear("unplug")
+        until(lambda: bytes_by_channel(host.wait_for(12))[24] == 240)
+        skin.wires(lose=1.0)
+        until(lambda: skin.counts()["lost"] > 100)
+        skin.wires(lose=0.0)
+        skin.scene("press")
+        assert skin.ask({"do": "describe"})["scene"] == "press"
+        assert skin.counts()["faults"] == {"dead": 1, "unplug": 1}
+        for text in ("unplug 9", "explode 1", "dead 72"):
+            with pytest.raises(InputError, match="expected"):
+                skin.fault(text)
+        host.close()
+
+
+@pytest.mark.parametrize("bus", ["tcp", "serial", "udp"])
+def test_packets_arrive_by_every_road(bus, tmp_path):
+    channels = {"tcp": "127.0.0.1:0", "serial": str(tmp_path / "skin"), "udp": "listen"}
+    settings = VirtualSettings(hardware="packet", bus=bus, channels=(channels[bus],), **STILL)
+    with start(settings) as skin:
+        where = skin.channels[0]
+        source = {
+            "tcp": lambda: PacketTcp(72, port=int(where.rpartition(":")[2])),
+            "serial": lambda: PacketSerial(72, path=where),
+            "udp": lambda: PacketUdp(72, port=0, peer=where),
+        }[bus]()
+        feels(source, skin, rest=1000.0)
+    assert not (tmp_path / "skin").is_symlink()
+
+
+def test_cyskin_is_configured_and_streams():
+    settings = VirtualSettings(hardware="cyskin", bus="udp", **STILL)
+    boards = on_boards(Skin((PATCH,)))[1]
+    with start(settings) as skin:
+        source = CySkinCan(boards, (BusSettings("udp", port=0, peer=skin.channels[0]),))
+        feels(source, skin, rest=0.0)
+
+
+def feels(source, skin, rest):
+    """The stream of a source shows a press where it is, and loses nothing."""
+    stream = source.open()
+    channels, blocks = Channels(72), Blocks()
+
+    def read():
+        blocks.clear()
+        stream.poll(blocks, 0, time.time_ns())
+        channels.apply(blocks)
+        return channels.counts
+
+    until(lambda: np.nan_to_num(read(), nan=-1.0).min() >= 0.0)
+    assert (channels.counts == rest).all()
+    skin.press(taxel=33, force=1.0)
+    until(lambda: read()[33] > rest + 3000)
+    assert np.argmax(channels.counts) == 33
+    assert stream.counters[Count.LOST] == stream.counters[Count.MALFORMED] == 0
+    stream.close()
+
+
+def test_it_ends_when_the_process_that_started_it_is_killed():
+    script = (
+        "import sys, time; from skinfield.virtual import VirtualSettings;"
+        "from skinfield.virtual.process import start;"
+        "skin = start(VirtualSettings(bus='udp', scene='idle'));"
+        "print(skin.pid, flush=True); time.sleep(600)"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE) as parent:
+        pid = int(parent.stdout.readline())
+        assert not gone(pid)
+        parent.kill()
+    until(lambda: gone(pid))
+
+
+def test_settings_that_cannot_be_used_are_said_where_it_was_started():
+    with pytest.raises(InputError, match=r"did not start: skim: no such file"):
+        start(VirtualSettings(skin="skim"))
+    with pytest.raises(InputError, match="triangle is '9'"):
+        start(VirtualSettings(bus="udp", faults=("unplug 9",)))
+
+
+def test_the_command_says_what_it_sent(tmp_path):
+    truth = tmp_path / "truth.jsonl"
+    words = ["emulate", "--hardware", "packet", "--channel", "127.0.0.1:9", "--duration", "0.5"]
+    words += ["--rate", "100", "--unplug", "1@0.1s", "--truth", str(truth), "--json"]
+    result = CliRunner().invoke(main, words)
+    assert result.exit_code == 0, result.output
+    said = json.loads(result.stdout.splitlines()[-1])
+    assert said["readings"] > 0
+    assert said["messages"] == said["readings"] + 1  # and the hello
+    assert said["faults"] == {"unplug": 1}
+    assert [json.loads(line)["number"] for line in truth.read_text().splitlines()] == [0]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_command_ends_with_a_summary_when_it_is_told_to(number):
+    words = [sys.executable, "-c", "from skinfield.cli.main import main; main()"]
+    words += ["emulate", "--bus", "udp", "--scene", "idle"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as command:
+        said = [command.stderr.readline()]
+        while "JSON by UDP" not in said[-1]:
+            assert said[-1]
+            said.append(command.stderr.readline())
+        command.send_signal(number)
+        rest = command.stderr.read()
+    assert command.returncode == 0
+    assert "0 messages of 0 readings sent" in rest
+    assert "Traceback" not in rest
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--unplug", "9"], "triangle is '9', expected a number from 0 to 5"),
+        (["--scene", "dance"], "scene is 'dance', expected one of idle"),
+        (["--hardware", "packet", "--bus", "can"], "bus is 'can', expected one of"),
+        (["--temperature", "hot"], "temperature is 'hot', expected 25"),
+        (["--reboot", "0@soon"], "reboot is '0@soon', expected WHAT[@START][+SECONDS]"),
+        (["--skin", "skim"], "skim: no such file"),
+        (["--rate", "0"], "rate is 0"),
+    ],
+)
+def test_what_the_command_cannot_use_is_said(words, said):
+    result = CliRunner().invoke(main, ["emulate", "--bus", "udp", *words])
+    assert result.exit_code == 2
+    assert said in " ".join(result.output.split())
