@@ -182,10 +182,10 @@ class Live:
     @property
     def models(self) -> Models:
         """What turns pressure into deformation and uncertainty, for the calibration in force."""
-        status = self.reader.status
+        status = self.reader.status_view
         tares = int(status["tares"][0])
         if self._models is None or self._models[0] != tares:
-            noise = status["noise_std"]
+            noise = status["noise_std"].copy()
             typical = self.recipe.quantity.typical_noise
             self._models = tares, Models(self.recipe, np.where(noise > 0, noise, typical))
         return self._models[1]

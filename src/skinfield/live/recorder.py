@@ -21,6 +21,7 @@ from skinfield.live.recorder_drain import Drain
 from skinfield.live.recorder_queue import Queue, Told
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import RecorderState, forget_state
+from skinfield.live.recorder_views import shower_of
 from skinfield.live.recorder_watch import Watch, enclosed_of, layout_of
 from skinfield.ring import RingReader
 from skinfield.sinks.mcap import RecordingWriter
@@ -66,13 +67,19 @@ class Recorder:
         self._began, self._began_ns = time.monotonic(), time.time_ns()
         layout = layout_of(self._reader)
         enclosed = enclosed_of(self._reader)
+        shower = shower_of(self._reader, settings)
         self._writer = RecordingWriter(
-            settings.path, enclosed, layout=layout, settings=settings.file, output=output
+            settings.path,
+            enclosed,
+            layout=layout,
+            settings=settings.file,
+            output=output,
+            views=shower.views,
         )
         self._queue = Queue(settings.queue_bytes)
         sources = [str(each) for each in self._reader.description.get("sources", [])]
         self._watch = Watch(self._reader, self._queue)
-        self._drain = Drain(self._reader, self._queue, layout, sources)
+        self._drain = Drain(self._reader, self._queue, layout, sources, shower)
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
         self._ended = ""

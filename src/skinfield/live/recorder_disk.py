@@ -5,7 +5,7 @@ import time
 from dataclasses import dataclass
 
 from skinfield.errors import FileError
-from skinfield.live.recorder_queue import Attached, Entry, Queue, Told
+from skinfield.live.recorder_queue import Item, Queue, Told
 from skinfield.sinks.mcap import RecordingWriter
 
 RETRY = 0.2  # s between attempts to write to a disk that refuses
@@ -105,7 +105,7 @@ class Disk(threading.Thread):
         for entry in self._queue.take(timeout):
             self._put(entry)
 
-    def _put(self, entry: Entry | Told | Attached) -> None:
+    def _put(self, entry: Item) -> None:
         try:
             entry.put(self._writer)
         except FileError as error:  # it waits in the writer

@@ -5,7 +5,8 @@ import time
 from skinfield.acquisition.block import Kind
 from skinfield.acquisition.recorded import CycleLayout
 from skinfield.live.recorder_kernel import told_in
-from skinfield.live.recorder_queue import Entry, Queue, Told
+from skinfield.live.recorder_queue import Entry, Queue, Shown, Told
+from skinfield.live.recorder_views import Shower
 from skinfield.live.slots import Slot
 from skinfield.ring import RingReader
 
@@ -22,6 +23,7 @@ class Drain:
     layout : CycleLayout
     sources : sequence of str
         Names of the sources, for what is told of them.
+    shower : Shower
 
     Attributes
     ----------
@@ -31,8 +33,14 @@ class Drain:
     """
 
     def __init__(
-        self, reader: RingReader, queue: Queue, layout: CycleLayout, sources: list[str]
+        self,
+        reader: RingReader,
+        queue: Queue,
+        layout: CycleLayout,
+        sources: list[str],
+        shower: Shower,
     ) -> None:
+        self._shower = shower
         self._reader, self._queue, self._layout, self._sources = reader, queue, layout, sources
         told_in(b"")  # loads what is compiled: the ring would not wait for it later
         self._number = reader.number  # before the log's end is looked at: no cycle without blocks
@@ -59,11 +67,17 @@ class Drain:
             if cycle.log_position >= self._first:
                 self._queue.put(Entry(cycle.wall_ns, -1, self._layout.encode(cycle)))
                 self.cycles += 1
+                if self._shower.due(cycle.wall_ns):
+                    self._show(cycle.wall_ns)
         self._number = max(head, self._number)
         if missing:
             self._tell_missing(missing)
         if self._reader.generation != self.generation:
             self._restarted()
+
+    def _show(self, time_ns: int) -> None:
+        for message in self._shower.messages(time_ns, self._cycle):
+            self._queue.show(Shown(time_ns, message))
 
     def _take_log(self) -> None:
         while True:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from skinfield.acquisition.recorded import Enclosed
 from skinfield.sinks.mcap import RecordingWriter
+from skinfield.sinks.mcap.views import ViewMessage
 
 
 class Entry(NamedTuple):
@@ -60,6 +61,20 @@ class Attached(NamedTuple):
         writer.enclose(self.time_ns, self.enclosed)
 
 
+class Shown(NamedTuple):
+    """A message for other programs: dropped first, and not missed."""
+
+    time_ns: int
+    message: ViewMessage
+
+    def put(self, writer: RecordingWriter) -> None:
+        """Write it."""
+        writer.show(self.message)
+
+
+Item = Entry | Told | Attached | Shown
+
+
 @dataclass
 class Dropped:
     """What did not fit, since it was last told.
@@ -102,7 +117,7 @@ class Queue:
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._entries: deque[Entry | Told | Attached] = deque()
+        self._entries: deque[Item] = deque()
         self._bytes = 0
         self._ready = threading.Condition()
         self._ended = False
@@ -146,7 +161,14 @@ class Queue:
             self._entries.append(told)
             self._ready.notify()
 
-    def take(self, timeout: float) -> list[Entry | Told | Attached]:
+    def show(self, shown: Shown) -> None:
+        """Append something that is only shown, if there is plenty of room."""
+        with self._ready:
+            if self._bytes + len(shown.message.data) < self._most // 4:
+                self._entries.append(shown)
+                self._bytes += len(shown.message.data)
+
+    def take(self, timeout: float) -> list[Item]:
         """Everything that is there, as soon as there is something; empty after `timeout` s."""
         with self._ready:
             if not self._entries and not self._ended:

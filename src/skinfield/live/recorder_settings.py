@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from skinfield.errors import check_count, check_range
-from skinfield.sinks.mcap import RecordingSettings
+from skinfield.sinks.mcap import FoxgloveViews, RecordingSettings, RosViews
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +24,10 @@ class RecorderSettings:
         After so long it is on the disk, and survives power loss.
     queue_bytes : int
         That may wait for the disk; what comes beyond is dropped and counted.
+    views : tuple of classes
+        Channels for other programs: `RosViews`, `FoxgloveViews`.
+    view_rate : float, 1/s
+        Of these.
     """
 
     name: str
@@ -32,8 +36,11 @@ class RecorderSettings:
     flush: float = 0.15
     sync: float = 1.5
     queue_bytes: int = 1 << 26
+    views: tuple[type[RosViews] | type[FoxgloveViews], ...] = ()
+    view_rate: float = 20.0
 
     def __post_init__(self) -> None:
+        check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
         check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
         check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
         check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")

@@ -22,6 +22,8 @@ from skinfield.ring import Field, Ring, RingReader
 VERSION = 1
 ROOM = 1 << 26  # bytes for slots
 FEWEST, MOST = 64, 1024  # slots
+SECONDS = 4.0  # of readings in the log
+BYTES_PER_TAXEL = 6.0  # of a reading, heads of blocks among them
 
 
 def status_fields(sources: int, taxels: int) -> list[Field]:
@@ -77,6 +79,12 @@ def slots_for(fields: list[Field]) -> int:
     return int(min(max(ROOM // size, FEWEST), MOST))
 
 
+def log_for(taxels: int, rate: float | None) -> int:
+    """Bytes of the log: a power of two that holds some seconds of readings."""
+    wanted = SECONDS * BYTES_PER_TAXEL * taxels * (rate or 1000.0)
+    return 1 << int(min(max(math.ceil(math.log2(wanted)), 24), 28))
+
+
 def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     """The ring of this skin: that of an engine that died, if it fits, else a new one.
 
@@ -89,14 +97,15 @@ def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     sizes = Sizes.of(settings.skin, settings.rungs, settings.rows)
     slot, status = sizes.fields(), status_fields(len(settings.sources), sizes.taxels)
     wanted, slots = description_of(settings, recipe), settings.slots or slots_for(slot)
+    log = settings.log_bytes or log_for(sizes.taxels, settings.rate)
     try:
-        ring = Ring.reopen(settings.name, slot, status, slots, settings.log_bytes)
+        ring = Ring.reopen(settings.name, slot, status, slots, log)
         if ring.description.get("recipe") == wanted["recipe"]:
             return ring, False
         ring.close()
     except InputError:  # there is none, or one of another skin: if it is in use, the next says so
         pass
-    made = Ring.create(settings.name, slot, status, wanted, slots, settings.log_bytes)
+    made = Ring.create(settings.name, slot, status, wanted, slots, log)
     return made, True
 
 

@@ -55,8 +55,9 @@ class LiveSettings:
         Contacts told of each patch, at most.
     slots : int
         Cycles that the ring holds.
-    log_bytes : int
-        Of the ring's log of readings: a power of two.
+    log_bytes : int, optional
+        Of the ring's log of readings: a power of two. Default some seconds of all taxels at the
+        engine's rate, 16 to 256 MB.
     real_time : RealTime
     """
 
@@ -79,7 +80,7 @@ class LiveSettings:
     key_seconds: float = 5.0
     rows: int = 8
     slots: int | None = None
-    log_bytes: int = 1 << 26
+    log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
 
     def __post_init__(self) -> None:
