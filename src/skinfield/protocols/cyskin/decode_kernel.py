@@ -96,29 +96,24 @@ def decode_messages(
     for i in range(first, count):
         row, part = board_of(int(ids[i]), extended, numbers)
         length = min(int(lengths[i]), 8)
-        if row < 0:
-            counters[FOREIGN] += 1
-            counters[OCTETS] += length
-            continue
-        if part not in (FIRST, MID, LAST, SINGLE):
-            counters[MALFORMED] += 1
-            counters[OCTETS] += length
-            continue
-        before = used[row]
-        if part in (LAST, SINGLE):  # the blocks must fit before anything is counted
-            rest = 0 if part == SINGLE else max(before, 0)
+        if row >= 0 and part in (LAST, SINGLE):  # blocks must fit before anything is counted
+            rest = 0 if part == SINGLE else max(used[row], 0)
             if end[0] + 3 * (rest + length) > len(words):
                 return i
-        counters[RECEIVED] += 1
         counters[OCTETS] += length
-        if not assemble(packets[row], used, row, part, data, i, length, counters):
-            continue
-        take_packet(
-            packets[row], used[row], row, stamps[i], big_endian, numbered, check, table, channels,
-            begins, counts, last_number, replies, reply_heads, words, payloads, end, channel,
-            counters,
-        )  # fmt: skip
-        used[row] = IDLE
+        if row < 0:
+            counters[FOREIGN] += 1
+        elif part not in (FIRST, MID, LAST, SINGLE):
+            counters[MALFORMED] += 1
+        else:
+            counters[RECEIVED] += 1
+            if assemble(packets[row], used, row, part, data, i, length, counters):
+                take_packet(
+                    packets[row], used[row], row, stamps[i], big_endian, numbered, check, table,
+                    channels, begins, counts, last_number, replies, reply_heads, words, payloads,
+                    end, channel, counters,
+                )  # fmt: skip
+                used[row] = IDLE
     return count
 
 
