@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.engine.clockwork import Clockwork
@@ -12,8 +11,7 @@ from skinfield.engine.search_stages import (
     search_again,
     start_linearly,
     take_in,
-    tested_anew,
-    with_contact,
+    test_all,
 )
 from skinfield.engine.state import MASKED, TEST
 from skinfield.errors import Ints
@@ -43,14 +41,14 @@ def _answered_again(work: Clockwork, script: Sequence[Row]) -> Ints:
 
 
 def _searched_again(work: Clockwork, script: Sequence[Row]) -> Ints:
-    hot = with_contact(work)[:0]
+    hot = work.hot[:0]
     for at, (entry, patch, rung, ending, settled) in enumerate(script):
         if entry == TEST:
-            hot = tested_anew(work, rung, hot, _masked_after(script, at))
+            hot = test_all(work, rung, _masked_after(script, at))
         elif entry == SEARCH:
-            take_in(work, [search_again(work, patch, rung, ending, settled > 0)])
+            take_in(work, [search_again(work, patch, rung, ending, settled > 0)], hot)
     start_linearly(work)
-    return np.asarray(hot)
+    return hot
 
 
 def _masked_after(script: Sequence[Row], at: int) -> dict[int, int]:

@@ -83,6 +83,12 @@ class Atlas:
         return int(self.values.nbytes + self.taxels.nbytes)
 
     @cached_property
+    def arrays(self) -> tuple[Any, ...]:
+        """All of them, as `cycle_kernel.test_idle` takes them."""
+        stamps = self.values, self.taxels, self.firsts, self.cells, self.table
+        return *stamps, self.dropped, self.thresholds, self.scores
+
+    @cached_property
     def _kernels(self) -> tuple[Any, Any]:
         from skinfield.engine.atlas_kernel import idle_patches, products
 

@@ -144,17 +144,22 @@ class Clockwork:
         self.logging = True
         self.masked, self.before = np.zeros((2, patches), dtype=np.int64)
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
+        self.hot: Ints = np.zeros(patches, dtype=np.int64)
+        self.waited, self._lowest = 0, float(intake.quantity.lowest)
+        self._whitening = intake.per_noise, intake.valid, self.starts, self.fills
+        state = self.state
+        arrays = state.invalid, state.integers, state.numbers, state.settled, state.was_hot
+        self._opened = intake.linear, intake.white, intake.present, *arrays
         self._load()
 
     def _load(self) -> None:
         """Compiled functions, which are slow to import again and again."""
         from skinfield.engine import cycle_kernel
         from skinfield.engine.atlas_kernel import idle_without
-        from skinfield.engine.learning_kernel import take_in
         from skinfield.engine.spending_kernel import plan_within
 
         self.kernel: Any = cycle_kernel
-        self._take_in, self._plan, self._idle_without = take_in, plan_within, idle_without
+        self._plan, self._idle_without = plan_within, idle_without
 
     def begin(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle."""
@@ -171,35 +176,41 @@ class Clockwork:
         self._open()
 
     def _open(self) -> None:
-        """Whiten what was taken in, and forget the answers of the cycle before."""
-        state, intake = self.state, self.intake
-        self.kernel.open_cycle(
-            intake.straight,
-            intake.per_noise,
-            intake.valid,
-            self.starts,
-            self.fills,
-            intake.linear,
-            intake.white,
-            intake.present,
-            state.invalid,
-            state.integers,
-            state.numbers,
-            state.settled,
-            state.was_hot,
-        )
+        """Linearise and whiten what was taken in, and forget the answers of the cycle before."""
+        intake = self.intake
+        if intake.how > 1:
+            intake.linearise()
+            self.kernel.open_cycle(intake.straight, *self._whitening[:4], *self._opened)
+        else:
+            intake.all_valid = self.kernel.take_and_open(
+                intake.given,
+                intake.asked,
+                intake.places,
+                self._lowest,
+                intake.how == 1,
+                *self._whitening[:4],
+                intake.straight,
+                *self._opened,
+            )
 
-    def close(self, hot: Ints) -> None:
+    def close(self, hot: Ints, around: CostModel) -> None:
         """Remember which patches had a contact, and let predictions come down a little."""
         state = self.state
-        self.kernel.close_cycle(hot, state.integers, state.age, state.was_hot)
+        self.waited = self.kernel.close_cycle(
+            hot,
+            state.integers,
+            state.age,
+            state.was_hot,
+            *self._relaxing,
+            around.steps,
+            around.base,
+        )
         state.unforced += 1
-        self.kernel.relax(*self._relaxing)
 
     def reset(self) -> None:
         """Forget the readings before; what steps take stays known."""
         self.state.reset()
-        self.script.count = 0
+        self.script.count = self.waited = 0
         for group in self.groups:
             group.reset()
 
@@ -212,6 +223,32 @@ class Clockwork:
         """Patches on which nothing stands out of the noise on a rung, (P,); see `NonNegative`."""
         self.tests[rung].find_idle(self.intake.white, self._idle)
         return self._idle
+
+    def test_idle(self, rung: int) -> int:
+        """Sort patches by `find_idle`; how many are listed in `masked`: see `sort_idle`."""
+        state = self.state
+        return int(
+            self.kernel.test_idle(
+                *self.tests[rung].arrays,
+                self.intake.white,
+                self._idle,
+                rung,
+                self.intake.present,
+                state.invalid,
+                state.integers,
+                state.numbers,
+                self.masked,
+                self.before,
+            )
+        )
+
+    def touched(self) -> Ints:
+        """Patches with a contact: a view, until this is asked again."""
+        state = self.state
+        count = self.kernel.list_touched(
+            self.intake.white, self.starts, state.integers, state.numbers, self.hot
+        )
+        return self.hot[:count]
 
     def is_idle(self, patch: int, rung: int) -> bool:
         """As `find_idle`, of one patch by its valid taxels alone."""
@@ -249,13 +286,16 @@ class Clockwork:
         self.typical.observe(which, seconds)
         return seconds
 
-    def searched(self, each: Sequence[tuple[float, ...]]) -> None:
-        """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns."""
+    def searched(self, each: Sequence[tuple[float, ...]], hot: Ints) -> bool:
+        """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns.
+
+        Whether all of the patches in `hot` are then solved on the finest rung.
+        """
         state, found = self.state, self._found[: len(each)]
         for row, one in enumerate(each):
             found[row] = one
         kinds = state.kind[found[:, 0].astype(np.int64)] if self.logging else None
-        self._take_in(
+        settled = self.kernel.learn(
             found,
             state.group,
             state.integers,
@@ -264,9 +304,12 @@ class Clockwork:
             self.unresolved,
             self._times,
             self._moves,
+            hot,
+            self.rungs - 1,
         )
         if kinds is not None:
             self.log.append((kinds, found.copy()))
+        return bool(settled)
 
     def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
         """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`.

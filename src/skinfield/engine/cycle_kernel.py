@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from skinfield.engine.atlas_kernel import idle_patches
 from skinfield.engine.cost import FORGET
 from skinfield.engine.learning_kernel import (
     ANSWER,
@@ -18,6 +19,7 @@ from skinfield.engine.learning_kernel import (
     ITS_GAP,
     KIND,
     ON,
+    take_in,
 )
 from skinfield.engine.state import COLD, FEASIBLE, IDLE, LINEAR, MISSING, WARM
 from skinfield.errors import Floats, Ints
@@ -79,6 +81,78 @@ def open_cycle(
 
 
 @njit(cache=True, nogil=True)
+def take_and_open(
+    given: Floats,
+    asked: Flags,
+    places: Ints,
+    lowest: float,
+    strain: bool,
+    per_noise: Floats,
+    valid: Flags,
+    starts: Ints,
+    fills: bool,
+    straight: Floats,
+    linear: Floats,
+    white: Any,
+    present: Flags,
+    invalid: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    settled: Flags,
+    was_hot: Flags,
+) -> bool:
+    """`take` and `open_cycle`; between them readings c become c / (1 + c) if they are a `strain`'s.
+
+    Whether all readings are valid.
+    """
+    complete = take(given, asked, places, lowest, straight, valid)
+    if strain:
+        for taxel in range(len(straight)):
+            straight[taxel] /= straight[taxel] + 1.0
+    open_cycle(
+        straight,
+        per_noise,
+        valid,
+        starts,
+        fills,
+        linear,
+        white,
+        present,
+        invalid,
+        integers,
+        numbers,
+        settled,
+        was_hot,
+    )
+    return bool(complete)
+
+
+@njit(cache=True, nogil=True)
+def test_idle(
+    values: Any,
+    taxels: Any,
+    firsts: Any,
+    cells: Any,
+    table: Ints,
+    dropped: Any,
+    thresholds: Any,
+    scores: Any,
+    white: Any,
+    idle: Flags,
+    rung: int,
+    present: Flags,
+    invalid: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    masked: Ints,
+    before: Ints,
+) -> int:
+    """Idle test of all patches, by an `Atlas`, and `sort_idle`."""
+    idle_patches(values, taxels, firsts, cells, table, dropped, thresholds, white, scores, idle)
+    return int(sort_idle(idle, rung, present, invalid, integers, numbers, masked, before))
+
+
+@njit(cache=True, nogil=True)
 def sort_idle(
     idle: Flags,
     rung: int,
@@ -124,13 +198,25 @@ def answered(
 
 
 @njit(cache=True, nogil=True)
-def feel(fresh: Ints, white: Any, starts: Ints, numbers: NDArray[np.float64]) -> None:
-    """Set what an answer of 0 would cost of patches whose contact was just seen."""
-    for patch in fresh:
-        square = 0.0
-        for taxel in range(starts[patch], starts[patch + 1]):
-            square += white[taxel] * white[taxel]
-        numbers[ENERGY, patch] = numbers[EXCESS, patch] = 0.5 * square
+def list_touched(
+    white: Any, starts: Ints, integers: Ints, numbers: NDArray[np.float64], hot: Ints
+) -> int:
+    """List the patches with a contact; how many there are.
+
+    Of those whose contact was just seen, what an answer of 0 would cost is set.
+    """
+    count = 0
+    for patch in range(len(starts) - 1):
+        if integers[ANSWER, patch] < LINEAR:
+            continue
+        hot[count] = patch
+        count += 1
+        if numbers[ENERGY, patch] == 0.0:
+            square = 0.0
+            for taxel in range(starts[patch], starts[patch + 1]):
+                square += white[taxel] * white[taxel]
+            numbers[ENERGY, patch] = numbers[EXCESS, patch] = 0.5 * square
+    return count
 
 
 @njit(cache=True, nogil=True)
@@ -153,15 +239,50 @@ def longest_waiting(hot: Ints, age: Ints) -> int:
 
 
 @njit(cache=True, nogil=True)
-def close_cycle(hot: Ints, integers: Ints, age: Ints, was_hot: Flags) -> None:
-    """Remember which patches had a contact, and which of them were served."""
+def learn(
+    found: Floats,
+    group: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    settled: Flags,
+    unresolved: Floats,
+    times: Floats,
+    moves: Floats,
+    hot: Ints,
+    top: int,
+) -> bool:
+    """`learning_kernel.take_in`, and whether all contacts are then solved on the finest rung."""
+    take_in(found, group, integers, numbers, settled, unresolved, times, moves)
+    return bool(all_settled(hot, settled, integers, top))
+
+
+@njit(cache=True, nogil=True)
+def close_cycle(
+    hot: Ints,
+    integers: Ints,
+    age: Ints,
+    was_hot: Flags,
+    steps: Floats,
+    base: Floats,
+    around: Floats,
+    around_base: Floats,
+) -> int:
+    """Remember which patches had a contact and which were served, and `relax` all predictions.
+
+    Returns how long the one waited that waited longest.
+    """
     was_hot[:] = False
     for patch in hot:
         was_hot[patch] = True
         age[patch] = 0 if integers[ANSWER, patch] == FEASIBLE else age[patch] + 1
+    longest = 0
     for patch in range(len(age)):
         if not was_hot[patch]:
             age[patch] = 0
+        longest = max(longest, age[patch])
+    relax(steps, base)
+    relax(around, around_base)
+    return int(longest)
 
 
 @njit(cache=True, nogil=True)

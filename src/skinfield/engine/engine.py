@@ -266,14 +266,13 @@ class Engine:
         """Remember who was served, and learn how long the end of a cycle takes."""
         work, around = self._work, self._around
         before, left = work.clock(), work.left
-        work.close(hot)
+        work.close(hot, around)
         self.cycle += 1
         self.results.update()
         snapshot = Snapshot.of(work, left, self.rungs) if report else None
         end = work.clock()
         around.observe(RETURN, (end - before) * NS)
         around.observe(BEYOND, max(-left, 0.0))
-        work.kernel.relax(around.steps, around.base)
         self.spent, self.first = (end - start) * NS, (first - start) * NS
         return snapshot
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.engine.products import Singles
 from skinfield.errors import Floats, InputError, Ints, as_floats
 from skinfield.layout import Patch
-from skinfield.observation import Quantity
+from skinfield.observation import Capacitance, Quantity
 
 Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]
 
@@ -39,8 +39,12 @@ class Intake:
         Not NaN, not left out, and a number that a skin reads: finite, and not too low.
     present : (P,) bool array
         Patches that gave a reading.
+    given, asked, places : (N,) arrays
+        What was given, whether to use it, and where there each taxel stands.
+    how : int
+        How it is linearised: see `_linearised_how`.
     straight : (N,) array
-        What was taken in, linearised.
+        Room for what was taken in, linearised.
     per_noise : (N,) array
     """
 
@@ -58,8 +62,7 @@ class Intake:
         self.sizes = [len(patch) for patch in patches]
         self.starts = [0, *np.cumsum(self.sizes).tolist()]
         taxels = self.starts[-1]
-        self.raw, self.linear, self._room, self._given = np.zeros((4, taxels))
-        self.straight: Floats = self._room
+        self.raw, self.linear, self.straight, self.given = np.zeros((4, taxels))
         self.white: Singles = np.zeros(taxels, np.float32)
         self.valid, self._every, self._asked = np.ones((3, taxels), np.bool_)
         self.present = np.ones(len(patches), np.bool_)
@@ -68,6 +71,8 @@ class Intake:
         self._nothing = [np.zeros(size) for size in self.sizes]
         self._in_skin, self._here = self._places_in_skin(), np.arange(taxels)
         self._gather = gather
+        self.asked, self.places = self._every, self._here
+        self.how = _linearised_how(quantity, self.raw)
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle.
@@ -80,14 +85,15 @@ class Intake:
         rows = self._rows(readings)
         try:
             sized = list(map(len, rows)) == self.sizes
-            np.concatenate(rows, out=self._given)
+            np.concatenate(rows, out=self.given)
         except (TypeError, ValueError):
             sized = False
         if not sized:
             self._blame(rows)
         if valid is not None:
             self._leave_out(valid)
-        self._take(self._every if valid is None else self._asked, self._here)
+        self.asked = self._every if valid is None else self._asked
+        self.places = self._here
 
     def take_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
         """Take the readings (N,) of all taxels, patch by patch in the skin's order.
@@ -97,23 +103,22 @@ class Intake:
         InputError
             For another number of taxels, or type.
         """
-        _check_flat("readings", readings, self._given)
-        self._given[:] = readings
+        _check_flat("readings", readings, self.given)
+        self.given[:] = readings
         if valid is not None:
             _check_flat("valid", valid, self._asked)
             self._asked[:] = valid
         self.present[:] = True
-        self._take(self._every if valid is None else self._asked, self._in_skin)
+        self.asked = self._every if valid is None else self._asked
+        self.places = self._in_skin
 
-    def _take(self, asked: NDArray[np.bool_], places: Ints) -> None:
-        """Gather what was given, 0 for what is not valid, and linearise it."""
-        lowest = self.quantity.lowest
-        self.all_valid = self._gather(self._given, asked, places, lowest, self.raw, self.valid)
-        straight = self.quantity.linearise(self.raw, self._room)
-        if straight is not self._room and straight is not self.raw:
-            self._room[:] = straight
-            straight = self._room
-        self.straight = straight
+    def linearise(self) -> None:
+        """Gather what was given into `straight` as the quantity says; 0 for what is not valid."""
+        given, lowest = self.given, self.quantity.lowest
+        self.all_valid = self._gather(given, self.asked, self.places, lowest, self.raw, self.valid)
+        straight = self.quantity.linearise(self.raw, self.straight)
+        if straight is not self.straight:
+            self.straight[:] = straight
 
     def _places_in_skin(self) -> Ints:
         """Where each taxel stands among those of the skin, patch by patch in its order."""
@@ -168,7 +173,7 @@ class Intake:
                     f"readings[{name!r}] has shape {shape}, expected ({size},): one per taxel; "
                     "an engine takes one reading of each patch in a cycle"
                 )
-        np.concatenate([as_floats("readings", row) for row in rows], out=self._given)
+        np.concatenate([as_floats("readings", row) for row in rows], out=self.given)
 
     def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
         self._check_names(valid)
@@ -195,3 +200,10 @@ def _check_flat(name: str, given: NDArray[Any], like: NDArray[Any]) -> None:
             f"{name} has shape {given.shape} of {given.dtype}, expected {like.shape} of "
             f"{like.dtype}: one per taxel, patch by patch in the skin's order"
         )
+
+
+def _linearised_how(quantity: Quantity, example: Floats) -> int:
+    """0 if readings are linear as they are, 1 if c becomes c / (1 + c), 2 if the quantity knows."""
+    if type(quantity) is Capacitance and quantity.order != 1:
+        return 1
+    return 0 if quantity.linearise(example, np.zeros_like(example)) is example else 2

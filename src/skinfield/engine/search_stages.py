@@ -18,22 +18,19 @@ SELDOM = 10  # cycles, at least, between two such
 ROWS = 4  # patches with a contact, of one kind, from which one product for all is quicker
 
 
-def test_all(work: Clockwork, rung: int, told: Mapping[int, int] | None) -> None:
-    """Test on a rung which patches are idle; the others have a contact.
+def test_all(work: Clockwork, rung: int, told: Mapping[int, int] | None) -> Ints:
+    """Test on a rung which patches are idle; returns the others, which have a contact.
 
     `told` are the rungs of masked patches that had another one, if this is done again.
     """
     work.script.add(TEST, -1, rung)
-    state, start = work.state, work.clock()
-    idle = work.find_idle(rung)
+    start = work.clock()
+    count = work.test_idle(rung)
     work.done(TEST, 0, -1, rung, start)
-    present, masked, before = work.intake.present, work.masked, work.before
-    count = work.kernel.sort_idle(
-        idle, rung, present, state.invalid, state.integers, state.numbers, masked, before
-    )
     work.tested = rung
     if count:
-        test_masked(work, masked[:count], before[:count], rung, told)
+        test_masked(work, work.masked[:count], work.before[:count], rung, told)
+    return work.touched()
 
 
 def test_masked(
@@ -97,18 +94,9 @@ def time_to_start(work: Clockwork, hot: Ints) -> float:
     return float(costs[counts > 0].sum())
 
 
-def with_contact(work: Clockwork) -> Ints:
-    """Patches that are not idle."""
-    return (work.state.answer >= LINEAR).nonzero()[0]
-
-
 def begin_search(work: Clockwork) -> Ints:
     """First of all, for every patch, an idle test; returns the patches with a contact."""
-    test_all(work, first_tested(work), None)
-    hot = with_contact(work)
-    if len(hot):
-        work.kernel.feel(hot, work.intake.white, work.starts, work.state.numbers)
-    return hot
+    return test_all(work, first_tested(work), None)
 
 
 def first_tested(work: Clockwork) -> int:
@@ -139,26 +127,16 @@ def spend(work: Clockwork, hot: Ints) -> Ints:
     """
     serve_longest_waiting(work, hot)
     for _ in range(ROUNDS):
-        served = serve(work, hot) if len(hot) else 0
-        if not is_settled(work, hot):
+        served, settled = serve(work, hot) if len(hot) else (0, True)
+        if not (settled if served else is_settled(work, hot)):
             if not served:
                 break
             continue
         finer = finest_testable(work)
         if finer == work.tested:
             break
-        hot = tested_anew(work, finer, hot, None)
+        hot = test_all(work, finer, None)
     start_linearly(work)
-    return hot
-
-
-def tested_anew(work: Clockwork, rung: int, before: Ints, told: Mapping[int, int] | None) -> Ints:
-    """Idle test on another rung; returns the patches with a contact, also those of `before`."""
-    test_all(work, rung, told)
-    hot = with_contact(work)
-    if len(hot) > len(before):
-        fresh = np.setdiff1d(hot, before, assume_unique=True)
-        work.kernel.feel(fresh, work.intake.white, work.starts, work.state.numbers)
     return hot
 
 
@@ -168,7 +146,7 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
     On the coarsest rung, and so seldom that most cycles stay within their budget.
     """
     state = work.state
-    if not len(hot) or state.unforced < SELDOM:
+    if work.waited < PATIENCE or state.unforced < SELDOM or not len(hot):
         return
     patch = work.kernel.longest_waiting(hot, state.age)
     if state.age[patch] < PATIENCE or patch in work.plan(hot, work.left)[0]:
@@ -176,7 +154,7 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
     cost = float(work.costs[state.group[patch], state.kind[patch], 0])
     now = work.clock()
     allowance = max((work.end - now) * NS, 2.0 * cost)
-    take_in(work, [search(work, patch, 0, cost, allowance, now)])
+    take_in(work, [search(work, patch, 0, cost, allowance, now)], hot)
     state.unforced = 0
 
 
@@ -189,8 +167,11 @@ def is_settled(work: Clockwork, hot: Ints) -> bool:
     return bool(work.kernel.all_settled(hot, state.settled, state.integers, top))
 
 
-def serve(work: Clockwork, hot: Ints) -> int:
-    """Search the patches that a plan chooses, each within what the others leave it; how many."""
+def serve(work: Clockwork, hot: Ints) -> tuple[int, bool]:
+    """Search the patches that a plan chooses, each within what the others leave it.
+
+    Returns how many, and whether all contacts are then solved on the finest rung.
+    """
     state, found, now, reserve = work.state, [], work.clock(), 0.0
     left = (work.end - now) * NS
     chosen, target = work.plan(hot, left)
@@ -213,9 +194,7 @@ def serve(work: Clockwork, hot: Ints) -> int:
                 continue
         found.append(search(work, patch, rung, cost, allowance, now))
         now = found[-1][-1]  # what a search takes begins where the one before ended
-    if found:
-        take_in(work, found)
-    return len(found)
+    return len(found), take_in(work, found, hot) if found else False
 
 
 def cheaper(work: Clockwork, patch: int, rung: int, allowance: float) -> tuple[int, float]:
@@ -277,8 +256,12 @@ def search_again(work: Clockwork, patch: int, rung: int, ending: int, settled: b
     )
 
 
-def take_in(work: Clockwork, found: list[Found]) -> None:
-    """Learn from searches, each of another patch, and keep their answers where they are better."""
+def take_in(work: Clockwork, found: list[Found], hot: Ints) -> bool:
+    """Learn from searches, each of another patch, and keep their answers where they are better.
+
+    Whether all contacts are then solved on the finest rung.
+    """
     start = work.clock()
-    work.searched(found)
+    settled = work.searched(found, hot)
     work.after.observe(0, (work.clock() - start) * NS / len(found))
+    return settled
