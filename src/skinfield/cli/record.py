@@ -80,14 +80,35 @@ def record(name: str, output: Path, duration: float | None, **options: Any) -> N
 
 def _settings(name: str, output: Path, options: dict[str, Any]) -> Any:
     from skinfield.live.recorder_settings import RecorderSettings
-    from skinfield.sinks.mcap import Lz4, NoCompression, RecordingSettings, Zstd
+    from skinfield.sinks.mcap import (
+        FoxgloveViews,
+        Lz4,
+        NoCompression,
+        RecordingSettings,
+        RosViews,
+        Zstd,
+    )
 
+    if options["ros"] and options["foxglove"]:
+        raise InputError(
+            "--ros and --foxglove are both given, expected one: readers of ROS 2 bags refuse files "
+            "with Foxglove's channels, and Foxglove shows those of ROS too"
+        )
     if output.suffix.lower() != ".mcap":
         raise InputError(f"--output is {str(output)!r}, expected a name that ends in .mcap")
     kinds = dict(zip(COMPRESSIONS, (Zstd, Lz4, NoCompression), strict=True))
     return RecorderSettings(
         name=name,
         path=output,
+        views=tuple(
+            kind
+            for kind, wanted in (
+                (RosViews, options["ros"]),
+                (FoxgloveViews, options["foxglove"]),
+            )
+            if wanted
+        ),
+        view_rate=options["view_rate"],
         file=RecordingSettings(kinds[options["compression"]](), overwrite=options["overwrite"]),
     )
 

@@ -3,7 +3,7 @@
 import json
 import math
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -31,6 +31,7 @@ from skinfield.sinks.mcap.schemas import (
     EVENT_SCHEMA,
     TIMING_SCHEMA,
 )
+from skinfield.sinks.mcap.views import ViewMessage, Views
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,8 @@ class RecordingWriter:
     settings : RecordingSettings
     output : Output, optional
         Instead of a file of this path.
+    views : sequence of Views
+        Channels for programs that do not know skinfield; `show` writes them.
 
     Raises
     ------
@@ -89,27 +92,31 @@ class RecordingWriter:
         layout: CycleLayout,
         settings: RecordingSettings | None = None,
         output: Output | None = None,
+        views: Sequence[Views] = (),
     ) -> None:
         self.path = Path(path)
         self.layout = layout
         settings = settings or RecordingSettings()
         self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
+        profile = next((each.profile for each in views if each.profile), PROFILE)
+        library = f"skinfield {version('skinfield')}"
         self.container = Container(
-            self._output,
-            settings.compression,
-            settings.chunk_bytes,
-            PROFILE,
-            f"skinfield {version('skinfield')}",
+            self._output, settings.compression, settings.chunk_bytes, profile, library
         )
         add = self.container.add_channel
-        self._blocks = add(BLOCKS, BLOCKS_ENCODING, BLOCKS_SCHEMA)
-        self._cycles = add(CYCLES, CYCLE_ENCODING, CYCLE_SCHEMA, self.layout.metadata())
-        self._timing = add(TIMING, "json", TIMING_SCHEMA)
-        self._events = add(EVENTS, "json", EVENT_SCHEMA)
+        # Readers of ROS 2 bags refuse files with a schema whose language they do not know.
+        told = _untyped if profile != PROFILE else _as_is
+        self._blocks = add(BLOCKS, BLOCKS_ENCODING, told(BLOCKS_SCHEMA))
+        self._cycles = add(CYCLES, CYCLE_ENCODING, told(CYCLE_SCHEMA), self.layout.metadata())
+        self._timing = add(TIMING, "json", told(TIMING_SCHEMA))
+        self._events = add(EVENTS, "json", told(EVENT_SCHEMA))
+        shown = [channel for each in views for channel in each.channels()]
+        self._views = {each.topic: add(*each) for each in shown}
         self.open = True
         for each in enclosed:
             self.enclose(time.time_ns(), each)
-        self._numbers = dict.fromkeys((self._blocks, self._cycles, self._timing, self._events), 0)
+        own = (self._blocks, self._cycles, self._timing, self._events)
+        self._numbers = dict.fromkeys((*own, *self._views.values()), 0)
         self.flush()
 
     @property
@@ -148,6 +155,10 @@ class RecordingWriter:
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
         """Add what was measured of the last second; raises as `write_blocks`."""
         self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
+
+    def show(self, message: ViewMessage) -> None:
+        """Add a message of one of `views`; raises as `write_blocks`."""
+        self._add(self._views[message.topic], message.time_ns, message.data)
 
     def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
         """Add a small file."""
@@ -222,6 +233,15 @@ class RecordingWriter:
             f"{self.path} cannot be written: {error.strerror or error}; "
             f"{self.waiting} bytes wait, {self.bytes_written} are in the file"
         )
+
+
+def _untyped(schema: tuple[str, str, bytes]) -> tuple[str, str, bytes]:
+    name, _, text = schema
+    return name, "", text
+
+
+def _as_is(schema: tuple[str, str, bytes]) -> tuple[str, str, bytes]:
+    return schema
 
 
 def _json(value: Mapping[str, Any]) -> bytes:
