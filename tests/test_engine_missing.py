@@ -143,7 +143,9 @@ def test_masked_idle_test_differs_from_that_of_all_taxels(searching: Engine) -> 
     work.begin(readings_of(SKIN, ()) | {"other": np.where(valid, readings, np.nan)}, None)
     patch = work.intake.names.index("other")
     assert whole < 0.99  # by the lengths of whole rows nothing stands out
-    assert work.find_idle(len(RUNGS) - 1)[patch]
+    idle = np.zeros(len(work.places), np.bool_)
+    work.tests[len(RUNGS) - 1].find_idle(work.intake.white, idle)
+    assert idle[patch]
     assert not work.is_idle(patch, len(RUNGS) - 1)
 
 

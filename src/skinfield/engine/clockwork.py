@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.engine.cost import CostModel
+from skinfield.engine.done import Logged
 from skinfield.engine.group import Group
 from skinfield.engine.intake import Intake, Readings
 from skinfield.engine.script import Script
@@ -21,39 +22,6 @@ TYPICAL = 0.6  # quantile of a step's time that is about its mean, as few are mu
 AFTER = 2e-6  # s: what is done about a search after it, until it is measured
 KINDS = len(Step)
 ROUNDS = 6  # of planning in a cycle, at most
-
-
-Logged = tuple[int, int, int, int, int, int, float] | tuple[Ints, Floats]
-
-
-class Done(NamedTuple):
-    """One step that was taken.
-
-    Attributes
-    ----------
-    step : int
-        Of `Step`; see `kind`.
-    group : int
-    patch : int
-        Row of the patch; -1 for a step of all patches of a kind.
-    rung : int
-    start, end : int, ns
-        Of the engine's clock.
-    predicted : float, s
-    """
-
-    step: int
-    group: int
-    patch: int
-    rung: int
-    start: int
-    end: int
-    predicted: float
-
-    @property
-    def kind(self) -> Step:
-        """What kind of step it was."""
-        return Step(self.step)
 
 
 @dataclass(eq=False)
@@ -87,11 +55,8 @@ class Clockwork:
     planned : as `costs`
         Of searches as the last plan took them to be.
     log : list of tuples
-        Of the steps of this cycle, see `Done`; of searches their kinds, and what they came to.
-    script : Script
-        What of this cycle depended on time.
-    logging : bool
-        Whether the log is kept.
+        Of the steps of this cycle, see `Done`; of searches their kinds, and what they came to. Kept
+        while `logging`.
     """
 
     groups: Sequence[Group]
@@ -105,52 +70,55 @@ class Clockwork:
 
     def __post_init__(self) -> None:
         counts = [group.count for group in self.groups]
-        rungs = len(self.groups[0].rungs.steps)
+        first = self.groups[0].rungs
         self.state = State(np.repeat(np.arange(len(counts)), counts))
-        self._times = np.full((2, len(counts), len(Step), rungs), GUESS)
+        self.rungs, self.linear, self.fills = len(first.steps), first.linear, first.bayesian
+        self.tests = idle_tests(self.groups)
+        self.answers = linear_answers(self.groups) if self.linear else []
+        self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
+        self.places = [(group, place) for group in self.groups for place in range(group.count)]
+        self._guess_costs()
+        self._make_views()
+        self._make_room(len(self.places))
+        self._load()
+
+    def _guess_costs(self) -> None:
+        """Times of steps, until they are measured."""
+        self._times = np.full((2, len(self.groups), len(Step), self.rungs), GUESS)
+        bases = self._times.reshape(2, -1).copy()
         self.costs, self._typical = self._times
         self.model = CostModel(self.costs.reshape(-1))
         self.typical = CostModel(self._typical.reshape(-1), quantile=TYPICAL)
-        bases = self._times.reshape(2, -1).copy()
         self.model.base, self.typical.base = bases
         self._relaxing = self._times.reshape(-1), bases.reshape(-1)
         self._moves = np.array([self.model.moves, self.typical.moves])
         self.after = CostModel(np.array([AFTER]))
-        self.planned = self.costs.copy()
-        self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
-        self.rungs = rungs
-        self.linear = self.groups[0].rungs.linear
-        self.tests = idle_tests(self.groups)
-        self.answers = linear_answers(self.groups) if self.linear else []
-        self.tested = 0
-        self._idle = np.zeros(len(self.state.group), np.bool_)
         self.costs[1:, TEST] = 0.0
         if self.answers:
             self.costs[1:, PRODUCT] = 0.0
-        self.fills = self.groups[0].rungs.bayesian
-        self.white = [
-            self.intake.views(self.intake.white, group.first, group.count) for group in self.groups
-        ]
-        intake = self.intake
+        self.planned = self.costs.copy()
+
+    def _make_views(self) -> None:
+        """What belongs to each kind and each patch."""
+        intake, state = self.intake, self.state
+        self.white = [intake.views(intake.white, group.first, group.count) for group in self.groups]
         rows = [intake.rows_of(patch) for patch in range(len(intake.names))]
         self.linear_rows = [intake.linear[each] for each in rows]
         self.valid_rows = [intake.valid[each] for each in rows]
-        self.places = [(group, place) for group in self.groups for place in range(group.count)]
-        patches = len(rows)
-        self.script = Script((rungs + ROUNDS) * (patches + 1) + 1)
-        self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
-        self._ratios = np.zeros(patches)
-        self._found = np.zeros((patches + 1, 10))
-        self.logging = True
-        self.masked, self.before = np.zeros((2, patches), dtype=np.int64)
         self.starts: Ints = np.array(intake.starts, dtype=np.int64)
-        self.hot: Ints = np.zeros(patches, dtype=np.int64)
-        self.waited, self._lowest = 0, float(intake.quantity.lowest)
+        self._lowest = float(intake.quantity.lowest)
         self._whitening = intake.per_noise, intake.valid, self.starts, self.fills
-        state = self.state
         arrays = state.invalid, state.integers, state.numbers, state.settled, state.was_hot
         self._opened = intake.linear, intake.white, intake.present, *arrays
-        self._load()
+
+    def _make_room(self, patches: int) -> None:
+        """Where a cycle stands, and room to work in."""
+        self.tested, self.waited, self.logging = 0, 0, True
+        self.script = Script((self.rungs + ROUNDS) * (patches + 1) + 1)
+        self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
+        self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
+        self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
+        self._found = np.zeros((patches + 1, 10))
 
     def _load(self) -> None:
         """Compiled functions, which are slow to import again and again."""
@@ -180,7 +148,7 @@ class Clockwork:
         intake = self.intake
         if intake.how > 1:
             intake.linearise()
-            self.kernel.open_cycle(intake.straight, *self._whitening[:4], *self._opened)
+            self.kernel.open_cycle(intake.straight, *self._whitening, *self._opened)
         else:
             intake.all_valid = self.kernel.take_and_open(
                 intake.given,
@@ -188,7 +156,7 @@ class Clockwork:
                 intake.places,
                 self._lowest,
                 intake.how == 1,
-                *self._whitening[:4],
+                *self._whitening,
                 intake.straight,
                 *self._opened,
             )
@@ -219,13 +187,8 @@ class Clockwork:
         """Time until the end, s."""
         return (self.end - self.clock()) * NS
 
-    def find_idle(self, rung: int) -> NDArray[np.bool_]:
-        """Patches on which nothing stands out of the noise on a rung, (P,); see `NonNegative`."""
-        self.tests[rung].find_idle(self.intake.white, self._idle)
-        return self._idle
-
     def test_idle(self, rung: int) -> int:
-        """Sort patches by `find_idle`; how many are listed in `masked`: see `sort_idle`."""
+        """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
         state = self.state
         return int(
             self.kernel.test_idle(
@@ -251,7 +214,7 @@ class Clockwork:
         return self.hot[:count]
 
     def is_idle(self, patch: int, rung: int) -> bool:
-        """As `find_idle`, of one patch by its valid taxels alone."""
+        """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
         group, place = self.places[patch]
         rows, valid = group.searches[rung][0].problem.rows, self.valid_rows[patch]
         white = self.white[group.index][place]

@@ -31,6 +31,7 @@ from skinfield.observation import Capacitance, Quantity
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
 MOST_KEPT = 0.1  # of the budget, for each of these
 ENDLESS = 1e6  # s: no cycle takes longer, and its end fits into 64 bits of ns
+FOR_ALL = "seconds for all patches of a cycle"
 KEPT = 4096  # grids of patches that were asked for
 
 
@@ -89,7 +90,7 @@ class Engine:
         finder: ContactFinder | None = None,
         clock: Callable[[], int] = time.perf_counter_ns,
     ) -> None:
-        check_positive("budget", budget, "seconds for all patches of a cycle")
+        check_positive("budget", budget, FOR_ALL)
         self.skin, self.budget, self.rungs = one_skin(skin), float(budget), tuple(rungs)
         self.mechanics = BondedLayer() if mechanics is None else mechanics
         self.quantity = Capacitance() if quantity is None else quantity
@@ -228,27 +229,25 @@ class Engine:
         """Set the end of a cycle; returns its start, ns."""
         work, around = self._work, self._around
         start = work.clock()
-        self._granted = budget = self.budget if budget is None else self._checked(budget)
-        most = MOST_KEPT * budget
+        check_positive("budget", given := self.budget if budget is None else budget, FOR_ALL)
+        self._granted = given = float(given)
+        most = MOST_KEPT * given
         reserve = min(around.predict(RETURN), most) + min(around.predict(BEYOND), most)
-        work.end = start + int((min(budget, ENDLESS) - reserve) / NS)
+        work.end = start + int((min(given, ENDLESS) - reserve) / NS)
         return start
 
     def _answer(self) -> tuple[Ints, int]:
         """Patches with a contact, and when every patch had its first answer, ns."""
         work = self._work
         if work.linear:
-            rung = finest_for_all(work)
-            answer_linearly(work, rung)
+            answer_linearly(work, rung := finest_for_all(work))
             first = work.clock()
             return refine_linearly(work, rung), first
-        hot = begin_search(work)
-        first = work.clock()
+        hot, first = begin_search(work), work.clock()
         return spend(work, hot), first
 
     def _close(self, hot: Ints, start: int, first: int) -> CycleReport:
         """End a cycle and report."""
-        work = self._work
         snapshot = self._finish(hot, start, first, report=True)
         assert snapshot is not None
         return CycleReport(
@@ -258,7 +257,7 @@ class Engine:
             started=start,
             overrun=self.spent > self._granted,
             names=self._ordered,
-            _log=tuple(work.log),
+            _log=tuple(self._work.log),
             _snapshot=snapshot,
         )
 
@@ -284,10 +283,6 @@ class Engine:
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""
         self._work.reset()
-
-    def _checked(self, budget: float) -> float:
-        check_positive("budget", budget, "seconds for all patches of a cycle")
-        return float(budget)
 
     def _new_grid(self, patch: int, rung: int) -> Grid:
         group = self.groups[self._work.state.group[patch]]

@@ -21,7 +21,7 @@ def measure(work: Clockwork) -> None:
     work.intake.white[:] = 0.0
     for rung in range(work.rungs):
         if work.tests:
-            _lap(work, work.groups[0], TEST, rung, partial(work.find_idle, rung))
+            _lap(work, work.groups[0], TEST, rung, partial(work.test_idle, rung))
         if work.answers:
             _lap(work, work.groups[0], PRODUCT, rung, partial(work.answer_all, rung))
         for group in work.groups:

@@ -6,7 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from skinfield.engine.clockwork import Clockwork, Done, Logged
+from skinfield.engine.clockwork import Clockwork
+from skinfield.engine.done import Done, Logged
 from skinfield.engine.state import Answer, Step
 from skinfield.errors import Floats, InputError, Ints
 
