@@ -11,22 +11,24 @@ from skinfield.sinks.mcap.chunk import OpenChunk
 from skinfield.sinks.mcap.compression import Zstd
 from skinfield.sinks.mcap.container import Container
 from skinfield.sinks.mcap.output import FileOutput
-from skinfield.sources.recordings.mcap_records import (
+from skinfield.sources.recordings.mcap_bodies import (
     CHUNK_HEAD,
-    Damage,
     Damaged,
-    Frame,
     Message,
     Op,
-    Record,
     attachment_of,
-    body_of,
     chunk_content,
-    frame_of,
     inner_records,
     message_of,
-    open_file,
     parsed,
+)
+from skinfield.sources.recordings.mcap_records import (
+    Damage,
+    Frame,
+    Record,
+    body_of,
+    frame_of,
+    open_file,
     right_end,
 )
 

@@ -1,7 +1,9 @@
 """Recordings of a live skin, whole or cut: what they hold, message by message."""
 
 import json
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -24,22 +26,24 @@ from skinfield.acquisition.recorded import (
 from skinfield.conditioning import Calibration
 from skinfield.errors import FileError, InputError
 from skinfield.layout import Skin
-from skinfield.sources.recordings.mcap_records import (
+from skinfield.sources.recordings.mcap_bodies import (
     Attached,
     Channel,
-    Damage,
     Damaged,
-    Frame,
     Message,
     Op,
-    Record,
     attachment_of,
-    body_of,
     channel_of,
     chunk_content,
-    frame_of,
     inner_records,
     message_of,
+)
+from skinfield.sources.recordings.mcap_records import (
+    Damage,
+    Frame,
+    Record,
+    body_of,
+    frame_of,
     open_file,
 )
 
@@ -261,11 +265,8 @@ class LiveRecording:
         """Channels that other writers put into the first chunk."""
         for record in self.frame.records:
             if record.opcode == Op.CHUNK and not self._has_channels():
-                try:
-                    for _ in self._messages_in(file, record):
-                        pass
-                except Damaged as error:
-                    self._note(record.start, str(error))
+                with suppress(Damaged):  # told when its messages are read
+                    deque(self._messages_in(file, record), 0)
 
     def _add_channel(self, body: bytes) -> None:
         channel = channel_of(body)

@@ -9,8 +9,9 @@ import numpy as np
 
 from skinfield.acquisition.recorded import BLOCKS, CYCLES, Cycle, CycleFlag
 from skinfield.errors import FileError, InputError
+from skinfield.sources.recordings.mcap_bodies import Damaged, Op
 from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_records import Damaged, Op, chunk_size, open_file
+from skinfield.sources.recordings.mcap_records import chunk_size, open_file
 from skinfield.sources.recordings.mcap_table import Scan, port_of, ports_of
 
 Progress = Callable[[int, int], None]
