@@ -4,7 +4,9 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -23,10 +25,11 @@ from skinfield.sources.live.cyskin import CySkinCan
 from skinfield.sources.live.packet_serial import PacketSerial
 from skinfield.sources.live.packet_tcp import PacketTcp
 from skinfield.sources.live.packet_udp import PacketUdp
-from skinfield.virtual import VirtualSettings, Wires
+from skinfield.virtual import VirtualSettings, VirtualSkin
 from skinfield.virtual.process import start
 
 PATCH = by_name("hexagon72")
+MISHAPS = ("lost", "duplicated", "swapped")
 STILL = {"scene": "idle", "noise": 0.0, "rate": 100.0}
 
 
@@ -44,82 +47,108 @@ def gone(pid):
         return True
 
 
-def test_what_arrives_is_what_it_says_it_sent():
-    wires = Wires(lose=0.02, duplicate=0.02, swap=0.02)
-    with start(VirtualSettings(bus="udp", wires=wires, **STILL)) as skin:
-        host = Host(skin.channels[0])
-        host.tell(*START)
-        messages = host.wait_for(3000)
-        host.tell("07 01")
-        until(lambda: skin.counts()["commands"] == 4)
-        counts = skin.counts()
-        messages += host.wait_for(counts["messages"] - len(messages))
-        assert len(messages) == counts["messages"]
-        made = 12 * counts["readings"]
-        kept = made - (counts["messages"] + counts["lost"] - counts["duplicated"])
-        assert kept in (0, 1)  # a swapped one may wait for the next
-        assert min(counts["lost"], counts["duplicated"], counts["swapped"]) > 10
-        assert bytes_by_channel(messages)[:72].tolist() == [240] * 72
-        host.close()
-        final = skin.stop()
-    assert final["messages"] - counts["messages"] == kept
-    assert gone(skin.pid)
-
-
-def test_presses_from_outside_are_felt_and_known():
+@pytest.fixture(scope="module")
+def icub():
+    """One process for several tests; each leaves it as it was."""
     with start(VirtualSettings(bus="udp", **STILL)) as skin:
-        host = Host(skin.channels[0])
-        host.tell(*START)
-        host.wait_for(12)
-        name = skin.press(taxel=30, force=1.0)
-        until(lambda: bytes_by_channel(host.wait_for(12))[30] < 230)
-        x, y = PATCH.plane[60]
-        skin.move(name, x, y, force=2.0)
-        until(lambda: bytes_by_channel(host.wait_for(24))[30] == 240)
-        assert bytes_by_channel(host.wait_for(24))[60] < 220
-        skin.release(name)
-        until(lambda: bytes_by_channel(host.wait_for(24))[60] == 240)
-        lines = skin.truth()
-        presses = [[(p["id"], p["force"]) for p in line["presses"]] for line in lines]
-        assert presses == [[], [(name, 1.0)], [(name, 2.0)], []]
-        np.testing.assert_allclose(lines[2]["presses"][0]["position"], PATCH.positions[60])
-        stamps = [line["stamp_ns"] for line in lines]
-        assert stamps == sorted(stamps)
-        assert abs(stamps[-1] - time.time_ns()) < LONG * 1e9
-        with pytest.raises(InputError, match="id is 'nobody'"):
-            skin.move("nobody", 0.0, 0.0)
-        with pytest.raises(InputError, match="expected above 0 and at most"):
-            skin.press(taxel=1, force=5000.0)
-        host.close()
+        yield skin
 
 
-def test_faults_and_scenes_from_outside():
-    with start(VirtualSettings(bus="udp", at_once=True, **STILL)) as skin:
-        host = Host(skin.channels[0])
-        host.wait_for(12)
-        skin.fault("dead 3-5")
-        skin.fault("unplug 2")
-        until(lambda: bytes_by_channel(host.wait_for(12))[24] == 0)
-        skin.clear("unplug")
-        until(lambda: bytes_by_channel(host.wait_for(12))[24] == 240)
-        skin.wires(lose=1.0)
-        until(lambda: skin.counts()["lost"] > 100)
-        skin.wires(lose=0.0)
-        skin.scene("press")
-        assert skin.ask({"do": "describe"})["scene"] == "press"
-        assert skin.counts()["faults"] == {"dead": 1, "unplug": 1}
-        for text in ("unplug 9", "explode 1", "dead 72"):
-            with pytest.raises(InputError, match="expected"):
-                skin.fault(text)
-        host.close()
+@pytest.fixture
+def host(icub):
+    host = Host(icub.channels[0])
+    host.tell(*START)
+    host.wait_for(12)
+    yield host
+    commands = icub.counts()["commands"]
+    host.tell("07 01")
+    until(lambda: icub.counts()["commands"] > commands)
+    icub.release()
+    host.close()
+
+
+def test_what_arrives_is_what_it_says_it_sent(icub, host):
+    commands = icub.counts()["commands"]
+    host.tell("07 01")
+    until(lambda: icub.counts()["commands"] > commands)
+    time.sleep(0.1)
+    host.messages()
+    before = icub.counts()
+    icub.wires(lose=0.02, duplicate=0.02, swap=0.02)
+    host.tell("07 00")
+    messages = host.wait_for(3000)
+    host.tell("07 01")
+    until(lambda: icub.counts()["commands"] == before["commands"] + 2)
+    counts = icub.counts()
+    icub.wires(lose=0.0, duplicate=0.0, swap=0.0)
+    more = {name: counts[name] - before[name] for name in ("messages", "readings", *MISHAPS)}
+    messages += host.wait_for(more["messages"] - len(messages))
+    assert len(messages) == more["messages"]
+    kept = 12 * more["readings"] - more["messages"] - more["lost"] + more["duplicated"]
+    assert kept in (0, 1)  # a swapped one may wait for the next
+    assert min(more[name] for name in MISHAPS) > 10
+    assert bytes_by_channel(messages)[:72].tolist() == [240] * 72
+
+
+def test_presses_from_outside_are_felt_and_known(icub, host):
+    made = len(icub.truth())
+    name = icub.press(taxel=30, force=1.0)
+    until(lambda: bytes_by_channel(host.wait_for(12))[30] < 230)
+    x, y = PATCH.plane[60]
+    icub.move(name, x, y, force=2.0)
+    until(lambda: bytes_by_channel(host.wait_for(24))[30] == 240)
+    assert bytes_by_channel(host.wait_for(24))[60] < 220
+    icub.release(name)
+    until(lambda: bytes_by_channel(host.wait_for(24))[60] == 240)
+    lines = icub.truth(made)
+    presses = [[(p["id"], p["force"]) for p in line["presses"]] for line in lines]
+    assert presses == [[(name, 1.0)], [(name, 2.0)], []]
+    np.testing.assert_allclose(lines[1]["presses"][0]["position"], PATCH.positions[60])
+    stamps = [line["stamp_ns"] for line in lines]
+    assert stamps == sorted(stamps)
+    assert abs(stamps[-1] - time.time_ns()) < LONG * 1e9
+    with pytest.raises(InputError, match="id is 'nobody'"):
+        icub.move("nobody", 0.0, 0.0)
+    with pytest.raises(InputError, match="expected above 0 and at most"):
+        icub.press(taxel=1, force=5000.0)
+
+
+def test_faults_and_scenes_from_outside(icub, host):
+    icub.fault("dead 3-5")
+    icub.fault("unplug 2")
+    until(lambda: bytes_by_channel(host.wait_for(12))[24] == 0)
+    icub.clear("unplug")
+    until(lambda: bytes_by_channel(host.wait_for(12))[24] == 240)
+    icub.clear()
+    icub.scene("press")
+    assert icub.ask({"do": "describe"})["scene"] == "press"
+    icub.scene("idle")
+    assert icub.counts()["faults"] == {"dead": 1, "unplug": 1}
+    for text in ("unplug 9", "explode 1", "dead 72"):
+        with pytest.raises(InputError, match="expected"):
+            icub.fault(text)
+
+
+@contextmanager
+def beside(settings):
+    """A virtual skin in a thread of this process, which costs no start of another one."""
+    skin = VirtualSkin(settings)
+    thread = threading.Thread(target=skin.run)
+    thread.start()
+    try:
+        yield skin
+    finally:
+        skin.stop()
+        thread.join()
+        skin.close()
 
 
 @pytest.mark.parametrize("bus", ["tcp", "serial", "udp"])
 def test_packets_arrive_by_every_road(bus, tmp_path):
     channels = {"tcp": "127.0.0.1:0", "serial": str(tmp_path / "skin"), "udp": "listen"}
     settings = VirtualSettings(hardware="packet", bus=bus, channels=(channels[bus],), **STILL)
-    with start(settings) as skin:
-        where = skin.channels[0]
+    with beside(settings) as skin:
+        where = skin.hardware.addresses[0]
         source = {
             "tcp": lambda: PacketTcp(72, port=int(where.rpartition(":")[2])),
             "serial": lambda: PacketSerial(72, path=where),
@@ -132,8 +161,9 @@ def test_packets_arrive_by_every_road(bus, tmp_path):
 def test_cyskin_is_configured_and_streams():
     settings = VirtualSettings(hardware="cyskin", bus="udp", **STILL)
     boards = on_boards(Skin((PATCH,)))[1]
-    with start(settings) as skin:
-        source = CySkinCan(boards, (BusSettings("udp", port=0, peer=skin.channels[0]),))
+    with beside(settings) as skin:
+        peer = skin.hardware.addresses[0]
+        source = CySkinCan(boards, (BusSettings("udp", port=0, peer=peer),))
         feels(source, skin, rest=0.0)
 
 
@@ -150,7 +180,7 @@ def feels(source, skin, rest):
 
     until(lambda: np.nan_to_num(read(), nan=-1.0).min() >= 0.0)
     assert (channels.counts == rest).all()
-    skin.press(taxel=33, force=1.0)
+    skin.world.press({"taxel": 33, "force": 1.0})
     until(lambda: read()[33] > rest + 3000)
     assert np.argmax(channels.counts) == 33
     assert stream.counters[Count.LOST] == stream.counters[Count.MALFORMED] == 0
@@ -174,8 +204,6 @@ def test_it_ends_when_the_process_that_started_it_is_killed():
 def test_settings_that_cannot_be_used_are_said_where_it_was_started():
     with pytest.raises(InputError, match=r"did not start: skim: no such file"):
         start(VirtualSettings(skin="skim"))
-    with pytest.raises(InputError, match="triangle is '9'"):
-        start(VirtualSettings(bus="udp", faults=("unplug 9",)))
 
 
 def test_the_command_says_what_it_sent(tmp_path):
