@@ -2,7 +2,7 @@
 
   python docs/real_time_figures.py [SECONDS]
 
-Takes four times as long, by default four minutes. Nothing else should run meanwhile. SCHED_FIFO
+Takes five times as long, by default five minutes. Nothing else should run meanwhile. SCHED_FIFO
 must be permitted and cyclictest installed.
 """
 
@@ -19,12 +19,14 @@ from skinfield.cli.report import say_notes
 from skinfield.experiments.bench.machine import this_machine
 from skinfield.figures import save
 from skinfield.figures.lateness import Late, draw_lateness
+from skinfield.inverse import GaussianField
 from skinfield.realtime import Quantiles, RealTime
 
 DOCS = Path(__file__).parent
 ROWS = {
     "wakes only": {"load": "none"},
     "engine": {},
+    "engine, linear": {"solver": GaussianField()},
     "engine, nothing beside it": {"busy": 0},
     "engine, ordinary scheduling": {"real_time": RealTime(priority=0)},
 }

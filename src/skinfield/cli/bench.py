@@ -74,6 +74,11 @@ wakes is the system's doing. The ratio is the loop's own.
     "only.  [default: skin]",
 )
 @click.option(
+    "--solver",
+    type=click.Choice(("nonnegative", "gaussian")),
+    help="For --jitter: of the engine.  [default: nonnegative]",
+)
+@click.option(
     "--pair",
     type=click.Choice(("same", "other")),
     help="For --jitter: on which CPU cyclictest runs.  [default: same]",
@@ -84,25 +89,14 @@ wakes is the system's doing. The ratio is the loop's own.
     help="For --jitter: of SCHED_FIFO; 0 for ordinary scheduling.  [default: 80]",
 )
 def bench(
-    size: str,
-    seed: int,
-    output: str,
-    as_json: bool,
-    jitter: bool,
-    seconds: float | None,
-    rate: float | None,
-    busy: int | None,
-    load: str | None,
-    pair: str | None,
-    priority: int | None,
+    size: str, seed: int, output: str, as_json: bool, jitter: bool, **of_jitter: float | str | None
 ) -> None:
     """Measure, print and draw."""
-    settings = {"seconds": seconds, "rate": rate, "busy": busy, "load": load, "pair": pair}
-    given = {name: value for name, value in settings.items() if value is not None}
-    if _jitter(jitter, given if priority is None else {**given, "priority": priority}):
+    given = {name: value for name, value in of_jitter.items() if value is not None}
+    if _jitter(jitter, given):
         from skinfield.cli.bench_jitter import jitter_settings, measure_jitter
 
-        measure_jitter(jitter_settings(seconds, rate, busy, load, pair, priority), as_json)
+        measure_jitter(jitter_settings(given), as_json)
         return
     from skinfield.experiments.bench.files import bench_as_json
     from skinfield.experiments.bench.settings import BenchSettings, bench_size

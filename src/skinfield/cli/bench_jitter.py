@@ -1,7 +1,7 @@
 """`skinfield bench --jitter`: how late the live loop wakes, and when its estimates are ready."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -25,27 +25,18 @@ MEANING = {
 }
 
 
-def jitter_settings(
-    seconds: float | None,
-    rate: float | None,
-    busy: int | None,
-    load: str | None,
-    pair: str | None,
-    priority: int | None,
-) -> "JitterSettings":
-    """Settings, where None stands for what is usual."""
+def jitter_settings(given: Mapping[str, object]) -> "JitterSettings":
+    """Settings of what was given; the others are as usual."""
     from skinfield.cli.jitter_run import JitterSettings
+    from skinfield.cli.options import SOLVERS
     from skinfield.realtime import RealTime
 
-    usual = JitterSettings()
-    return JitterSettings(
-        usual.seconds if seconds is None else seconds,
-        usual.rate if rate is None else rate,
-        usual.busy if busy is None else busy,
-        usual.load if load is None else load,
-        usual.pair if pair is None else pair,
-        usual.real_time if priority is None else RealTime(priority=priority),
-    )
+    more: dict[str, Any] = dict(given)
+    if "solver" in more:
+        more["solver"] = SOLVERS[more["solver"]]()
+    if "priority" in more:
+        more["real_time"] = RealTime(priority=more.pop("priority"))
+    return JitterSettings(**more)
 
 
 def measure_jitter(settings: "JitterSettings", as_json: bool) -> None:
@@ -81,8 +72,8 @@ class _Silent:
 def _table(found: "Jitter") -> Table:
     settings = found.settings
     table = Table(
-        title=f"{settings.rate:g} cycles per second for {settings.seconds:g} s beside "
-        f"{settings.busy} busy processes",
+        title=f"{_what(found)}, {settings.rate:g} cycles per second for {settings.seconds:g} s "
+        f"beside {settings.busy} busy processes",
         title_justify="left",
     )
     table.add_column("time")
@@ -96,6 +87,13 @@ def _table(found: "Jitter") -> Table:
     words = [NONE if each is None else f"{each:.2f}" for each in ratios]
     table.add_row("wake over cyclictest", *words)
     return table
+
+
+def _what(found: "Jitter") -> str:
+    if not _loaded(found):
+        return "waking only"
+    source = {"skin": "virtual skin over UDP", "engine": "readings made before"}
+    return f"{type(found.settings.solver).__name__}, {source[found.settings.load]}"
 
 
 def _loaded(found: "Jitter") -> bool:
@@ -158,6 +156,7 @@ def jitter_as_json(found: "Jitter") -> dict[str, Any]:
         "rate_hz": settings.rate,
         "busy": settings.busy,
         "load": settings.load,
+        "solver": type(settings.solver).__name__,
         "pair": settings.pair,
         "granted": found.granted.as_dict(),
         "loop": found.timing.as_dict(),

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from skinfield.acquisition import Source
 from skinfield.errors import InputError
+from skinfield.inverse import Solver
 from skinfield.layout import Skin
 from skinfield.realtime import Granted, PeriodicClock, RealTime, TimingTable
 from skinfield.realtime.timing import FIELDS
 
 if TYPE_CHECKING:
     from skinfield.conditioning import Convention
+    from skinfield.live.settings import LiveSettings
     from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
@@ -125,7 +127,7 @@ class Engine:
 
 
 @contextmanager
-def engine_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
+def engine_loop(rate: float, solver: Solver, real_time: RealTime) -> Iterator[Engine]:
     """The engine of the paper's hexagon on 40 x 40 nodes, with two fingers that move over it.
 
     Their readings were made before and cost nothing to receive.
@@ -138,11 +140,12 @@ def engine_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
         switch = Switch()
         stack.callback(switch.close)
         source = fingers(patch, switch)
-        yield _engine(stack, Skin((patch,)), source, None, rate, real_time, switch.throw)
+        settings = engine_settings(Skin((patch,)), source, None, rate, solver, real_time)
+        yield _engine(stack, settings, switch.throw)
 
 
 @contextmanager
-def skin_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
+def skin_loop(rate: float, solver: Solver, real_time: RealTime) -> Iterator[Engine]:
     """The same engine, which reads a virtual skin: messages of iCub boards, over UDP.
 
     The skin has a process of its own and sends as often as the engine answers.
@@ -160,34 +163,39 @@ def skin_loop(rate: float, real_time: RealTime) -> Iterator[Engine]:
     with ExitStack() as stack:
         boards = stack.enter_context(start(settings))
         source = source_from_options("icub", "udp", tuple(boards.channels), skin)
-        begin = partial(boards.scene, "slide")
-        yield _engine(stack, skin, source, ICubByte(), rate, real_time, begin)
+        live = engine_settings(skin, source, ICubByte(), rate, solver, real_time)
+        yield _engine(stack, live, partial(boards.scene, "slide"))
 
 
-def _engine(
-    stack: ExitStack,
+def engine_settings(
     skin: Skin,
     source: Source,
     board: "Convention | None",
     rate: float,
+    solver: Solver,
     real_time: RealTime,
-    begin: Callable[[], object],
-) -> Engine:
-    """Start it; `begin` is called when it has its baseline."""
-    from skinfield.live.notes import read_notes
+) -> "LiveSettings":
+    """Of an engine under a name that nobody else has."""
     from skinfield.live.settings import LiveSettings
-    from skinfield.live.supervisor import Supervisor
 
-    settings = LiveSettings(
+    return LiveSettings(
         skin=skin,
         sources=(source,),
         name=f"bench-{uuid.uuid4().hex[:8]}",
         board=board,
+        solver=solver,
         rungs=RUNGS,
         rate=rate,
         tare_seconds=0.5,
         real_time=real_time,
     )
+
+
+def _engine(stack: ExitStack, settings: "LiveSettings", begin: Callable[[], object]) -> Engine:
+    """Start it; `begin` is called when it has its baseline."""
+    from skinfield.live.notes import read_notes
+    from skinfield.live.supervisor import Supervisor
+
     supervisor = stack.enter_context(Supervisor(settings))
     reader = supervisor.wait(PATIENCE)
     stack.callback(reader.close)

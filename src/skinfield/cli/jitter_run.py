@@ -13,6 +13,7 @@ import numpy as np
 from skinfield.cli.jitter_loops import Loop, bare_loop, engine_loop, skin_loop
 from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
 from skinfield.experiments.bench.machine import Company, Watch
+from skinfield.inverse import NonNegative, Solver
 from skinfield.realtime import Granted, Quantiles, RealTime, Timing
 from skinfield.realtime.cyclictest import Cyclictest, Running
 from skinfield.realtime.histogram import LAST_NS
@@ -40,6 +41,8 @@ class JitterSettings:
     load : str
         "skin": the engine reads a virtual skin over UDP; "engine": its readings were made before;
         "none": it only wakes.
+    solver : Solver
+        Of the engine.
     pair : str
         Which processor cyclictest runs on: the "same" as the loop, or an "other".
     real_time : RealTime
@@ -49,6 +52,7 @@ class JitterSettings:
     rate: float = 1000.0
     busy: int = 2
     load: str = "skin"
+    solver: Solver = field(default_factory=NonNegative)
     pair: str = "same"
     real_time: RealTime = field(default_factory=RealTime)
 
@@ -153,10 +157,10 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
 
 
 def _loop(settings: JitterSettings) -> AbstractContextManager[Loop]:
-    rate, real_time = settings.rate, settings.real_time
     if settings.load == "none":
-        return bare_loop(rate, real_time)
-    return skin_loop(rate, real_time) if settings.load == "skin" else engine_loop(rate, real_time)
+        return bare_loop(settings.rate, settings.real_time)
+    make = skin_loop if settings.load == "skin" else engine_loop
+    return make(settings.rate, settings.solver, settings.real_time)
 
 
 def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
