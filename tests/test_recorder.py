@@ -207,3 +207,18 @@ def test_it_ends_with_the_ring(engine, tmp_path):
     state = recorder.run(threading.Event(), 30.0)
     assert state.ended.startswith("the ring was taken away")
     assert len(list(LiveRecording.open(path).cycles())) == 1
+
+
+def test_a_new_baseline_is_enclosed(engine, tmp_path):
+    path = tmp_path / "a.mcap"
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    engine.cycle()
+    recorder.step()
+    engine.ring.status["calibration"][:, 0] = 199.0
+    engine.ring.status["tares"][0] = 2
+    engine.cycle()
+    recorder.close()
+    found = LiveRecording.open(path)
+    assert {"tare-1.npz", "tare-2.npz"} <= set(found.attached)
+    assert found.calibrations["arm"].baseline.tolist() == [199.0] * 24
+    assert [each["kind"] for each in found.events()][1:-1] == ["calibrated"]

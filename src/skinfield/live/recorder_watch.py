@@ -37,17 +37,22 @@ def enclosed_of(reader: RingReader) -> tuple[Enclosed, ...]:
     """Everything that makes the recording self-contained."""
     said = dict(reader.description)
     text = said.pop("recipe", None)
-    skin = None
+    skin = skin_of(reader)
     made: list[Enclosed] = []
     if isinstance(text, str):
         made.append(Enclosed(CONFIGURATION, JSON, text.encode()))
-        skin = Recipe.from_json(text).skin
     status = reader.status
     calibrations = {}
     if skin is not None and int(status["tares"][0]) > 0:
         calibrations = calibrations_of(skin, status["calibration"])
         made.append(tare_of(status))
     return (*enclosures(skin, calibrations, None, said), *made)
+
+
+def skin_of(reader: RingReader) -> Skin | None:
+    """The skin that a ring says it is of; None where it does not say."""
+    text = reader.description.get("recipe")
+    return Recipe.from_json(text).skin if isinstance(text, str) else None
 
 
 def tare_of(status: dict[str, Array]) -> Enclosed:
@@ -94,7 +99,7 @@ class Watch:
     """
 
     def __init__(self, reader: RingReader, queue: Queue) -> None:
-        self._reader, self._queue = reader, queue
+        self._reader, self._queue, self._skin = reader, queue, skin_of(reader)
         status = reader.status
         self._before = (status["times"], status["totals"])
         Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
@@ -117,9 +122,16 @@ class Watch:
         self._queue.tell(Told(now, "timing", "", told))
         if int(status["tares"][0]) != self._tares:
             self._tares = int(status["tares"][0])
-            self._queue.tell(Attached(now, tare_of(status)))
+            for each in self._calibrated(status):
+                self._queue.tell(Attached(now, each))
             self._tell("calibrated", "the baseline was taken anew", tares=self._tares)
         self._engine()
+
+    def _calibrated(self, status: dict[str, Array]) -> Iterator[Enclosed]:
+        """What was enclosed of the calibration before stands for what was read until then."""
+        if self._skin is not None:
+            yield from enclosures(calibrations=calibrations_of(self._skin, status["calibration"]))
+        yield tare_of(status)
 
     def _engine(self) -> None:
         try:

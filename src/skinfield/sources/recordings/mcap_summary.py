@@ -165,6 +165,7 @@ class _Cycles:
     wake: list[int] = field(default_factory=list)
     ready: list[int] = field(default_factory=list)
     flags: Counter[CycleFlag] = field(default_factory=Counter)
+    count: int = 0
     first: int = 0
     last: int = 0
     touched: int = 0
@@ -173,9 +174,12 @@ class _Cycles:
 
     def add(self, cycle: Cycle) -> None:
         """Count one."""
-        if not self.wake:
+        if not self.count:
             self.first = cycle.number
         self.last = cycle.number
+        self.count += 1
+        if cycle.flags & CycleFlag.KEY and not self.flags[CycleFlag.KEY]:
+            self.wake, self.ready = [], []  # until then an engine starts: other times than later
         self.wake.append(cycle.wake_ns - cycle.due_ns)
         self.ready.append(cycle.done_ns - cycle.wake_ns)
         for flag in CycleFlag:
@@ -188,7 +192,7 @@ class _Cycles:
 
     def summary(self, seconds: float) -> dict[str, Any]:
         """All of it."""
-        count = len(self.wake)
+        count = self.count
         expected = self.last - self.first + 1 if count else 0
         return {
             "cycles": count,
