@@ -105,6 +105,7 @@ def test_it_is_run_with_these_words(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert words.read_text() == ("-q -m -t 1 -a 3 -p 81 -i 500 -D 2 --secaligned=250 -h 20000")
     assert "--policy=other" in Cyclictest(None, 0).command()
     assert "-a" not in Cyclictest(None, 0).command()
+    assert "-m" not in Cyclictest(None, 0, lock_memory=False).command()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="scripts that run by themselves")

@@ -211,7 +211,9 @@ def _paired(settings: JitterSettings, granted: Granted) -> tuple[Running | None,
     priority = min(granted.priority + 1, 99) if granted.real_time else 0
     try:
         cpu = granted.cpu if settings.pair == "same" else _other_cpu(granted.cpu)
-        return Cyclictest(cpu, priority, period, settings.seconds, period // 2).start(), ""
+        locked = granted.memory == "locked"
+        wanted = Cyclictest(cpu, priority, period, settings.seconds, period // 2, locked)
+        return wanted.start(), ""
     except InputError as error:
         return None, str(error)
 

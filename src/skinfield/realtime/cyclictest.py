@@ -35,6 +35,8 @@ class Cyclictest:
     seconds : float, s
     offset_ns : int, ns
         From the whole seconds of the clock, at which it begins.
+    lock_memory : bool
+        It fails where that is not permitted.
     """
 
     cpu: int | None
@@ -42,6 +44,7 @@ class Cyclictest:
     period_ns: int = 1_000_000
     seconds: float = 20.0
     offset_ns: int = 0
+    lock_memory: bool = True
 
     def __post_init__(self) -> None:
         check_count("priority", self.priority, 0, 99, "of SCHED_FIFO, 0 for ordinary scheduling")
@@ -54,7 +57,8 @@ class Cyclictest:
         how = ["-p", str(self.priority)] if self.priority else ["--policy=other"]
         times = ["-i", str(self.period_ns // 1000), "-D", str(max(round(self.seconds), 1))]
         aligned = f"--secaligned={self.offset_ns // 1000}"
-        return ["cyclictest", "-q", "-m", "-t", "1", *where, *how, *times, aligned, *HISTOGRAM]
+        lock = ["-m"] if self.lock_memory else []
+        return ["cyclictest", "-q", *lock, "-t", "1", *where, *how, *times, aligned, *HISTOGRAM]
 
     def start(self) -> "Running":
         """Run it beside this process.
