@@ -15,8 +15,6 @@ from skinfield.sources.buses import BusSettings
 from skinfield.sources.live.board_care import ICubCare
 from skinfield.sources.live.cared_stream import CaredStream
 
-SAME_READING = 1e-3  # s: parts of one reading come nearer than half of that; copies, too, as boards
-# may send faster than they were told, and then the same bytes a period later are no copy
 NOWHERE = 255  # bus of boards that a port has room for and this device lacks
 
 
@@ -60,7 +58,7 @@ class ICubCan:
         """
         boards, ports = ports_of(self.configuration)  # refuses before anything is open
         places = range(len(self.buses))
-        period = min(self.configuration.period, SAME_READING)
+        period = self.configuration.period
         return CaredStream(
             ports,
             self.buses,
@@ -76,24 +74,25 @@ def ports_of(configuration: ICubConfiguration) -> tuple[Boards, tuple[Port, ...]
     """Boards in the order of the ports' channels, and the ports.
 
     Without ports in the configuration there is one, of all its boards and of its name. Boards that
-    no port takes are a port of their own, "... without a port".
+    no port takes are a port of their own, "... without a port". A run that ends within a board
+    takes the whole of it: wrappers of boards that are not full count only the triangles there are.
 
     Raises
     ------
     InputError
-        If a port's run begins or ends within a board.
+        If a port's run begins within a board.
     """
     addresses = configuration.addresses
     if not configuration.ports:
         return addresses, (Port(configuration.name, configuration.channels),)
     places: dict[str, dict[int, int]] = {}
     for run in configuration.ports:
-        if (run.first | run.count | run.port_first) % BOARD_CHANNELS:
+        if any(first % BOARD_CHANNELS for first in (run.first, run.port_first)):
             raise InputError(
-                f"port {run.port!r} takes {run.count} channels from {run.first} on to its "
-                f"channel {run.port_first}, expected multiples of {BOARD_CHANNELS}: whole boards"
+                f"port {run.port!r} takes channels from {run.first} on as its channels from "
+                f"{run.port_first} on, expected multiples of {BOARD_CHANNELS}: where boards begin"
             )
-        for step in range(run.count // BOARD_CHANNELS):
+        for step in range(-(-run.count // BOARD_CHANNELS)):
             place = run.port_first // BOARD_CHANNELS + step
             places.setdefault(run.port, {})[place] = run.first // BOARD_CHANNELS + step
     boards: list[tuple[int, int]] = []

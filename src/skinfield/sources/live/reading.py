@@ -6,6 +6,7 @@ from select import select
 from time import monotonic, time_ns
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.acquisition import Blocks, Channels, Stream
 from skinfield.acquisition.block import UNUSABLE
@@ -37,10 +38,12 @@ class StreamReader:
     stream: Stream
     channels: Channels = field(init=False)
     _blocks: Blocks = field(init=False)
+    _new: NDArray[np.bool_] = field(init=False)  # channels of the reading that is under way
 
     def __post_init__(self) -> None:
         self._blocks = Blocks()
         self.channels = Channels(sum(port.channels for port in self.stream.ports))
+        self._new = np.zeros(len(self.channels), bool)
 
     def take(self) -> int:
         """Take in what has arrived; how many messages. Never waits."""
@@ -67,16 +70,18 @@ class StreamReader:
         """
         check_range("timeout", timeout, 0.0, 1e9, "seconds to wait at most")
         end = monotonic() + timeout
-        stamps = self.channels.stamp_ns
+        stamps, new = self.channels.stamp_ns, self._new
         known = stamps > 0
-        new = np.zeros(len(stamps), bool)
         while True:
             before = stamps.copy()
             self.take()
             came = stamps != before
-            again = (came & new).any()
+            if (came & new).any():
+                new[:] = came
+                return self._reading()
             new |= came
-            if again or (known.any() and new[known].all()):
+            if known.any() and new[known].all():
+                new[:] = False
                 return self._reading()
             left = end - monotonic()
             if left <= 0:

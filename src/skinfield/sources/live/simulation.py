@@ -12,8 +12,9 @@ from skinfield.layout import Patch, Skin
 from skinfield.mechanics import Layer
 from skinfield.sources.live.table import TableStream
 
-LADDER = 6  # forces that are solved; those between are interpolated
+LADDER = 3  # forces that are solved; those between are interpolated
 RADIUS = 6e-3  # m, of the ball that presses
+REST, NOISE = 1000.0, 20.0  # counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +68,11 @@ def pressed(
     period: float = 4.0,
     rest: float = 2.0,
     rate: float = 50.0,
+    seed: int = 0,
 ) -> SimulationSource:
-    """A ball that presses into the middle of each patch in turn, again and again, without noise.
+    """A ball that presses into the middle of each patch in turn, again and again.
+
+    Counts of 16 bits, which grow under pressure, of the gain that CySkin has, with white noise.
 
     Parameters
     ----------
@@ -81,16 +85,21 @@ def pressed(
     rest : float, s
         Without touch, at first and between two patches.
     rate : float, 1/s
+    seed : int
+        Of the noise.
 
     Returns
     -------
     SimulationSource
-        Of ΔC/C₀, with a port for each patch; NaN on channels that no taxel has.
+        With a port for each patch; NaN on channels that no taxel has.
     """
+    from skinfield.simulate.electronics import CySkinBoard
+
     for name, value in (("period", period), ("rest", rest), ("rate", rate)):
         check_positive(name, value, "of the presses")
     patches = (skin,) if isinstance(skin, Patch) else tuple(skin)
     ladder = _ladder(layer or Layer(), force, patches)
+    gain, rng = CySkinBoard().gain, np.random.default_rng(seed)
     steps, idle = max(2, round(period * rate)), max(1, round(rest * rate))
     loads = force * np.sin(np.pi * np.arange(steps) / steps) ** 2
     columns = []
@@ -101,8 +110,9 @@ def pressed(
         forces = np.linspace(0.0, force, LADDER + 1)
         for taxel, channel in enumerate(patch.channel):
             table[first : first + steps, channel] = np.interp(loads, forces, rungs[:, taxel])
-        columns.append(table)
-    ports = tuple(Port(patch.name, patch.n_channels, "dC/C0") for patch in patches)
+        noise = NOISE * rng.standard_normal(table.shape)
+        columns.append(np.clip(np.rint(REST + gain * table + noise), 0.0, 65535.0))
+    ports = tuple(Port(patch.name, patch.n_channels) for patch in patches)
     return SimulationSource(np.hstack(columns), rate, ports)
 
 

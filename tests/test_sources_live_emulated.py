@@ -1,0 +1,85 @@
+"""Sources against the virtual skin in another process: what it sent is what was taken in."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from bus_peers import PATIENCE, free_port, group
+from live_devices import HEXAGON
+
+from skinfield.acquisition import Blocks, Channels, Count, Stream
+from skinfield.sources.live import matched, skin_for, source_from_options
+from skinfield.virtual.process import VirtualProcess, start
+from skinfield.virtual.settings import VirtualSettings
+
+
+class Host:
+    """Takes in whatever comes."""
+
+    def __init__(self, stream: Stream) -> None:
+        self.stream, self.blocks = stream, Blocks()
+        self.channels = Channels(sum(port.channels for port in stream.ports))
+
+    def until(self, condition: Callable[[], object]) -> None:
+        end = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < end, self.stream.counters
+            self.blocks.clear()
+            self.stream.poll(self.blocks, 0, time.time_ns())
+            self.channels.apply(self.blocks)
+            time.sleep(1e-3)
+
+    def count(self, what: Count) -> int:
+        return int(self.stream.counters[what])
+
+
+def started(hardware: str, bus: str, *channels: str, **options: str) -> tuple[VirtualProcess, Host]:
+    settings = VirtualSettings(hardware=hardware, bus=bus, channels=channels, scene="idle")
+    skin = start(settings)
+    try:
+        source = source_from_options(
+            hardware, bus, tuple(skin.channels), skin_for(hardware, HEXAGON), options
+        )
+        stream = source.open()
+        assert matched(skin_for(hardware, HEXAGON), stream.ports) == (0,)
+    except BaseException:
+        skin.stop()
+        raise
+    return skin, Host(stream)
+
+
+def test_icub_that_boots_again_is_told_again() -> None:
+    skin, host = started(
+        "icub", "udp_multicast", f"{group()}:{free_port()}", period_ms="5", no_load="245"
+    )
+    try:
+        host.until(lambda: host.count(Count.RECEIVED) > 500)
+        assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0
+        skin.fault("reboot 0+100ms")
+        host.until(lambda: host.stream.told_again == 1)  # type: ignore[attr-defined]
+        before = host.count(Count.RECEIVED)
+        host.until(lambda: host.count(Count.RECEIVED) > before + 200)
+        assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0
+        host.stream.close()
+        counts = skin.stop()
+        assert counts["reboots"] == 1
+        for what in (Count.LOST, Count.OVERFLOWED, Count.MALFORMED, Count.FOREIGN):
+            assert host.count(what) == 0, what.name
+        assert host.count(Count.RECEIVED) <= counts["messages"]
+    finally:
+        skin.stop()
+
+
+@pytest.mark.parametrize(("hardware", "bus"), [("cyskin", "udp"), ("packet", "serial")])
+def test_all_of_a_skin_arrives(hardware: str, bus: str) -> None:
+    skin, host = started(hardware, bus)
+    try:
+        host.until(lambda: host.count(Count.READINGS) > 20)
+        placed = skin_for(hardware, HEXAGON)[0]
+        assert np.isfinite(host.channels.counts[placed.channel]).all()
+        for what in (Count.OVERFLOWED, Count.MALFORMED, Count.FOREIGN):
+            assert host.count(what) == 0, what.name
+        host.stream.close()
+    finally:
+        skin.stop()
