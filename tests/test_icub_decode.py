@@ -1,48 +1,17 @@
 """iCub's messages to blocks: what was encoded, what was lost on the way, and any bytes at all."""
 
 from collections import Counter
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from icub_streams import BOARDS, MS, decoded, filled, head, regular
 
 from skinfield.acquisition import Blocks, CanMessages, Channels, Count, Kind, blocks_of, counters
 from skinfield.acquisition.can import ERROR, EXTENDED, REMOTE
 from skinfield.errors import InputError
 from skinfield.protocols.icub import ICubDecoder, ICubEncoder, MessageClass, port_of
-
-MS = 1_000_000
-BOARDS = ((0, 13), (1, 3), (0, 2))
-
-
-def filled(rows):
-    """Messages of (identifier, data, stamp in ms)."""
-    messages = CanMessages(max(len(rows), 1))
-    for row, (identifier, data, stamp) in enumerate(rows):
-        messages.ids[row], messages.lengths[row] = identifier, len(data)
-        messages.data[row, : len(data)] = list(data[:8])
-        messages.stamp_ns[row] = round(stamp * MS)
-    return messages, len(rows)
-
-
-def decoded(rows, channel=0, **settings):
-    decoder = ICubDecoder(BOARDS, **settings)
-    messages, count = filled(rows)
-    blocks, counts = Blocks(1 << 16), counters()
-    assert decoder.decode(messages, count, blocks, channel, counts) == count
-    return list(blocks_of(blocks.data)), Counter(
-        {each.name: int(counts[each]) for each in Count if counts[each]}
-    )
-
-
-def head(k, board=13, triangle=0):
-    return 0x400 | board << 4 | triangle, bytes([0x40, *([k & 255] * 7)])
-
-
-def tail(k, board=13, triangle=0):
-    return 0x400 | board << 4 | triangle, bytes([0xC0, *([k & 255] * 5), 0, 0])
 
 
 def test_a_triangle_becomes_counts_and_status():
@@ -128,78 +97,6 @@ def test_classes_are_those_asked_for():
     rows = [(0x3D0, bytes([0x40] * 8), 0.0), (0x4D0, bytes([0x40] * 8), 9.0)]
     assert decoded(rows, classes=[MessageClass.SKIN])[1]["FOREIGN"] == 1
     assert decoded(rows)[1]["FOREIGN"] == 0
-
-
-def regular(readings, triangles=1, period=10.0):
-    """Rows of readings, each part with data of its own, in the order of sending."""
-    return [
-        (*part(reading * 3 + triangle, 13, triangle), reading * period + triangle * 0.2 + after)
-        for reading in range(readings)
-        for triangle in range(triangles)
-        for part, after in ((head, 0.0), (tail, 0.1))
-    ]
-
-
-def test_nothing_is_amiss_with_what_is_in_order():
-    assert set(decoded(regular(50, 16), period=0.01)[1]) == {"RECEIVED", "READINGS", "BYTES"}
-    rest = [(*part(0), 10.0 * k) for k in range(50) for part in (head, tail)]  # never changes
-    assert set(decoded(rest, period=0.01)[1]) == {"RECEIVED", "READINGS", "BYTES"}
-    poll = [(i, data, 0.0) for i, data, _ in rest]  # all of them with the stamp of one poll
-    assert set(decoded(poll, period=0.01)[1]) == {"RECEIVED", "READINGS", "BYTES"}
-
-
-@given(st.sets(st.integers(0, 38)))
-def test_a_part_that_is_missing_is_counted(missing):
-    """Two of one kind in a row are one lost: what is missing in pairs cannot be seen."""
-    rows = [row for k, row in enumerate(regular(20)) if k not in missing]
-    rows += [(*head(77), 300.0), (*tail(77), 300.1), (*head(78), 310.0)]
-    kinds = [data[0] for _, data, _ in rows]
-    expected = sum(a == b for a, b in pairwise(kinds))
-    found = decoded(rows, period=0.01)[1]
-    assert found["LOST"] == expected
-    assert found["DUPLICATED"] == found["SWAPPED"] == 0
-
-
-@given(st.sets(st.integers(0, 39)), st.integers(0, 2))
-def test_a_part_that_comes_again_is_a_copy(again, later):
-    """At once, or after the other part, or after the next one."""
-    rows = []
-    for k, row in enumerate(regular(20, period=10.0)):
-        rows.append((row, k))
-        if k in again:
-            identifier, data, stamp = row
-            rows.append(((identifier, data, stamp + 0.15 * later + 0.01), k))
-    rows = [row for row, _ in sorted(rows, key=lambda each: each[0][2])]
-    blocks, found = decoded(rows, period=0.01)
-    assert found["DUPLICATED"] == len(again)
-    assert found["LOST"] == found["SWAPPED"] == 0
-    assert found["READINGS"] == 40 == found["RECEIVED"] - len(again)
-    assert sum(block.kind == Kind.BYTES for block in blocks) == 40
-
-
-@given(st.sets(st.integers(1, 18)))
-def test_a_tail_before_its_head_is_swapped(swapped):
-    rows = regular(20)
-    for k in swapped:
-        (a, b, s), (c, d, t) = rows[2 * k : 2 * k + 2]
-        rows[2 * k : 2 * k + 2] = [(c, d, s), (a, b, t)]
-    found = decoded(rows, period=0.01)[1]
-    assert found["SWAPPED"] == len(swapped)
-    assert found["LOST"] == found["DUPLICATED"] == 0
-    assert found["READINGS"] == 40
-
-
-def test_a_tail_after_the_next_head_is_swapped():
-    rows = regular(6)
-    rows[3], rows[4] = (
-        (*rows[4][:2], rows[3][2]),
-        (*rows[3][:2], rows[4][2]),
-    )  # head 2 before tail 1
-    found = decoded(rows, period=0.05)[1]
-    assert (found["SWAPPED"], found["LOST"]) == (1, 0)
-    rows[5] = (*rows[5][:2], rows[5][2] + 30)
-    found = decoded(sorted(rows, key=lambda row: row[2]), period=0.05)[1]
-    assert found["LOST"] > 0  # too late for its reading
 
 
 def test_what_does_not_fit_stays_for_the_next_call():

@@ -14,14 +14,12 @@ from skinfield.protocols.cyskin import CySkinWire, start_messages, stop_messages
 from skinfield.protocols.icub import (
     BoardSettings,
     ICubConfiguration,
-    PortRun,
     configuration_for,
     load_configuration,
 )
 from skinfield.sources.buses import BusSettings
 from skinfield.sources.live import CySkinCan, ICubCan
 from skinfield.sources.live.board_care import AT_ONCE, CySkinCare, ICubCare
-from skinfield.sources.live.icub import ports_of
 
 SECOND = 1_000_000_000
 NOW = 1_700_000_000 * SECOND
@@ -217,32 +215,6 @@ def test_two_buses_bring_one_port_each_its_boards() -> None:
     stream.close()
     for each in devices:
         each.close()
-
-
-def test_ports_follow_the_robots_wrapper() -> None:
-    boards = tuple(BoardSettings(0, address) for address in range(1, 8))
-    runs = (
-        PortRun("hand", 192, 192, 0),
-        PortRun("arm", 384, 384, 0),
-        PortRun("forearm", 0, 192, 192),  # channels 0 to 191 are another device's
-        PortRun("arm", 960, 192, 384),
-    )
-    found, ports = ports_of(ICubConfiguration(boards, (0,), "left_arm", runs))
-    assert [(port.name, port.channels) for port in ports] == [
-        ("hand", 192),
-        ("arm", 576),
-        ("forearm", 384),
-        ("left_arm without a port", 384),
-    ]
-    assert found[:4] == ((0, 2), (0, 3), (0, 4), (0, 6))
-    assert found[4:] == ((255, 0), (0, 1), (0, 5), (0, 7))
-
-
-def test_a_port_of_parts_of_boards_is_refused() -> None:
-    boards = (BoardSettings(0, 1), BoardSettings(0, 2))
-    configuration = ICubConfiguration(boards, (0,), "x", (PortRun("p", 96, 192, 0),))
-    with pytest.raises(InputError, match="whole boards"):
-        ICubCan(configuration).open()
 
 
 def test_the_robots_own_files(shared_data: object) -> None:

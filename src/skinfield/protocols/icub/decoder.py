@@ -9,6 +9,7 @@ from skinfield.acquisition.block import Octets
 from skinfield.errors import InputError, Ints, check_count, check_range
 from skinfield.protocols.icub.numbers import BOARD_CHANNELS, BOARDS, TRIANGLES, MessageClass
 
+MESSAGES, PERIOD = 0, 2  # columns of what is learned of each board, as in `order_kernel`
 BOTH = (MessageClass.ANALOG, MessageClass.SKIN)
 
 
@@ -28,19 +29,19 @@ class ICubDecoder:
     classes : iterable of MessageClass
         That carry readings: configured boards send class 4, others class 3. Default both.
     period : float, s
-        Of the boards' readings. Within half of it a part that comes again with the same data is a
-        copy, and a tail and a head that come in the wrong order are of one reading.
+        Of the boards' readings, as they were told; what they really keep is learned.
 
     Notes
     -----
     Every message counts as one of RECEIVED, MALFORMED and FOREIGN. FOREIGN are other boards, other
     classes, extended identifiers, and the debug messages with identifier 0x100.
 
-    A triangle sends head, tail, head, tail. A part that comes again with the same data within half
-    a period is DUPLICATED and makes no block. Two heads in a row are one LOST tail, two tails one
-    LOST head; unless the missing part comes within half a period after, which is SWAPPED. That a
-    part is missing shows by the next reading of its triangle. A whole reading that is missing
-    leaves no trace here, other than the age of its channels.
+    A triangle sends head, tail, head, tail. While that order holds, nothing is counted. A part of
+    the same kind and data again, of the same reading, is DUPLICATED and makes no block. Else two
+    heads in a row are one LOST tail, two tails one LOST head; unless the missing part comes within
+    the same reading after, which is SWAPPED. That a part is missing shows by the next reading of
+    its triangle. A whole reading that is missing leaves no trace here, other than the age of its
+    channels. How a reading is told from the next one, see `order_kernel`.
     """
 
     def __init__(
@@ -54,23 +55,29 @@ class ICubDecoder:
         self.boards = checked_boards(boards)
         check_range("period", period, 1e-4, 10.0, "seconds between two readings of a triangle")
         self._classes = sum(1 << int(MessageClass(each)) for each in set(classes))
-        self._window_ns = int(period * 0.5e9)
         self._positions = np.full(BOARDS, -1, np.int64)
         for place, (its_bus, address) in enumerate(self.boards):
             if its_bus == bus:
                 self._positions[address] = place
         self._state = np.zeros(BOARDS * TRIANGLES, np.uint8)
-        self._owed_ns: Ints = np.zeros(BOARDS * TRIANGLES, np.int64)
+        self._seen: Ints = np.zeros((3 * BOARDS * TRIANGLES, 2), np.int64)
+        self._learned: Ints = np.zeros((BOARDS, 3), np.int64)
+        self._learned[:, PERIOD] = round(period * 1e9)
         self._newest: Octets = np.zeros((2 * BOARDS * TRIANGLES, 8), np.uint8)
-        self._last_ns: Ints = np.zeros(2 * BOARDS * TRIANGLES, np.int64)
 
     @property
     def channels(self) -> int:
         """Of the whole port: 192 per board."""
         return BOARD_CHANNELS * len(self.boards)
 
+    @property
+    def periods(self) -> dict[int, float]:
+        """Between two readings, s, by the addresses of the boards that sent on this bus."""
+        heard = np.flatnonzero(self._learned[:, MESSAGES])
+        return {int(board): float(self._learned[board, PERIOD]) * 1e-9 for board in heard}
+
     def reset(self) -> None:
-        """Forget what came last, as after a break of the connection."""
+        """Forget what came last, as after a break of the connection; not what was learned."""
         self._state[:] = 0
         self._newest[:] = 0
 
@@ -121,11 +128,10 @@ class ICubDecoder:
                 count,
                 self._positions,
                 self._classes,
-                self._window_ns,
                 self._state,
-                self._owed_ns,
+                self._seen,
+                self._learned,
                 self._newest,
-                self._last_ns,
                 blocks.words,
                 blocks.octets,
                 blocks.end,
