@@ -57,7 +57,7 @@ def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> I
 
 
 def test_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    assert follow(README) == (1, 9)
+    assert follow(README) == (1, 11)
     printed = capsys.readouterr().out
     assert "(1600,) (1600, 3)" in printed
     for picture in ("press.png", "hexagon.png", "truth.png"):
