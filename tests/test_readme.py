@@ -96,6 +96,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
         ("icub", 4),
         ("packet", 2),
         ("cyskin", 3),
+        ("sources", 2),
     ],
 )
 def test_page_runs_from_top_to_bottom(page: str, snippets: int) -> None:

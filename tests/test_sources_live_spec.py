@@ -65,7 +65,7 @@ def test_cyskin() -> None:
     source = made("cyskin", "udp", ":5000", extended="yes", checked="no", period_ms="20")
     assert isinstance(source, CySkinCan)
     assert tuple(source.boards) == CYSKIN_BOARDS
-    assert tuple(source.buses) == (BusSettings("udp", port=5000),)
+    assert tuple(source.buses) == (BusSettings("udp", "127.0.0.1", 5000),)
     assert source.wire.extended
     assert source.period_ms == 20
     source = made("shm", "", "1234", boards="1,2")
@@ -85,6 +85,9 @@ def test_packets() -> None:
     assert (source.host, source.port, source.peer, source.unit) == ("127.0.0.1", 5000, "", "Pa")
     assert source.names == ("hexagon72",)
     assert source.devices[0].channels == 72
+    source = made("packet", "udp", "0.0.0.0:5000")
+    assert isinstance(source, PacketUdp)
+    assert (source.host, source.port, source.peer) == ("0.0.0.0", 5000, "")
     source = made("packet", "", "192.0.2.9:5000")
     assert isinstance(source, PacketUdp)
     assert (source.host, source.port, source.peer) == ("0.0.0.0", 0, "192.0.2.9:5000")
@@ -138,9 +141,7 @@ def test_sources_of_other_packages() -> None:
         made("broken")
     with pytest.raises(InputError, match=r"expected an object with open"):
         made("nothing")
-    with pytest.raises(
-        InputError, match=r"expected one of icub, .*: broken, .*mine, .*nothing"
-    ):
+    with pytest.raises(InputError, match=r"expected one of icub, .*: broken, .*mine, .*nothing"):
         made("else")
 
 

@@ -40,7 +40,8 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
         One for each, or none for the usual ones. Of `udp_multicast`: ``group:port``, or
         ``group:port@local`` with the address of an interface of one's own (``@127.0.0.1``: what is
         sent stays on this machine). Of `udp`: ``host:port`` of the boards, or
-        ``:port`` to wait for them at a port of one's own. Of others: the name of the channel.
+        ``:port`` to wait for them at a port of one's own, ``0.0.0.0:port`` for those of other
+        machines, too. Of others: the name of the channel.
     count : int
         Buses that the boards are on.
 
@@ -66,14 +67,19 @@ def _bus(bus: str, channel: str, number: int, bitrate: int) -> BusSettings:
         group, port = host_and_port(place, GROUP, PORT + number)
         return BusSettings(bus, group, port, local=local)
     if bus == "udp":
-        if channel.startswith(":") or not channel:
-            return BusSettings(bus, port=host_and_port(channel, "", PORT + number)[1])
         host, port = host_and_port(channel, "127.0.0.1", PORT + number)
+        if listens(channel, host):
+            return BusSettings(bus, host, port)
         named = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         return BusSettings(bus, own_address(host), 0, named)
     if bus == "socketcan":
         return BusSettings(bus, channel or f"can{number}")
     return BusSettings(bus, channel, bitrate=bitrate)
+
+
+def listens(text: str, host: str) -> bool:
+    """Whether a place is one's own: none, a port alone, or all of one's addresses."""
+    return not text or text.startswith(":") or host in ("0.0.0.0", "::")
 
 
 def own_address(host: str) -> str:

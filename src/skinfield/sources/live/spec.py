@@ -20,7 +20,7 @@ from skinfield.sources.live.packet_tcp import PORT as TCP_PORT
 from skinfield.sources.live.packet_tcp import PacketTcp
 from skinfield.sources.live.packet_udp import PORT as UDP_PORT
 from skinfield.sources.live.packet_udp import PacketUdp
-from skinfield.sources.live.places import bus_settings, host_and_port, own_address
+from skinfield.sources.live.places import bus_settings, host_and_port, listens, own_address
 from skinfield.sources.live.replay import ReplaySource
 from skinfield.sources.live.simulation import pressed
 
@@ -197,8 +197,9 @@ def _on_boards(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
 def packet(asked: Asked) -> Source:
     """Skinfield's own packets; patch k is device k, from 1 on.
 
-    Channels: of `udp` ``:port`` to listen at or ``host:port`` of the device; of `tcp` ``host:port``
-    of the server; of `serial` the path of the line. Options: `unit`, `baud`, `listen`.
+    Channels: of `udp` ``:port`` or ``0.0.0.0:port`` to listen at, or ``host:port`` of the device;
+    of `tcp` ``host:port`` of the server; of `serial` the path of the line. Options: `unit`, `baud`,
+    `listen`.
     """
     read, bus = asked.options, asked.bus or "udp"
     devices = tuple(
@@ -215,10 +216,9 @@ def packet(asked: Asked) -> Source:
     if bus != "udp":
         raise InputError(f"bus is {bus!r}, expected one of {', '.join(STREAMS)}: for packets")
     where = asked.one_channel("")
-    if where.startswith(":") or not where:
-        host, port = host_and_port(read.text("host", ""), "127.0.0.1", 0)[0], UDP_PORT
-        return PacketUdp(devices, host, host_and_port(where, "", port)[1], "", names, unit)
     host, port = host_and_port(where, "127.0.0.1", UDP_PORT)
+    if listens(where, host):
+        return PacketUdp(devices, host, port, "", names, unit)
     peer = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
     return PacketUdp(devices, own_address(host), 0, peer, names, unit)
 
