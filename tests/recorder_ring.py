@@ -59,10 +59,11 @@ class FakeEngine:
         self.ring = Ring.reopen(self.ring.name, *self.fields, *self.sizes)
         self.ring.set_state(State.RUNNING)
 
-    def cycle(self, kind: Kind = Kind.SHORTS, extra=lambda blocks, now: None) -> None:
+    def cycle(self, kind: Kind = Kind.SHORTS, extra=lambda blocks, now: None, counts=None) -> None:
         now = time.time_ns()
         self.blocks.clear()
-        counts = self.rng.integers(0, 256 if kind == Kind.BYTES else 65536, self.taxels)
+        if counts is None:
+            counts = self.rng.integers(0, 256 if kind == Kind.BYTES else 65536, self.taxels)
         self.blocks.put(now, 0, counts, kind)
         extra(self.blocks, now)
         data = self.blocks.data
@@ -102,8 +103,10 @@ def main() -> None:
     sys.stdin.readline()
     start, period = time.monotonic(), 1.0 / float(rate)
     total = int(float(rate) * float(seconds))
+    noise = engine.rng.normal(20000.0, 2.0, (64, engine.taxels))
+    place = np.linspace(0.0, 6.0, engine.taxels)
     for i in range(total):
-        engine.cycle()
+        engine.cycle(counts=(noise[i % 64] + 300.0 * np.sin(place + 2e-3 * i)).astype(np.uint16))
         left = start + (i + 1) * period - time.monotonic()
         if left > 0:
             time.sleep(left)

@@ -7,6 +7,7 @@ counted, and told in the file, in the state beside the ring and to whoever liste
 """
 
 import argparse
+import contextlib
 import os
 import signal
 import sys
@@ -29,7 +30,8 @@ from skinfield.sinks.mcap.output import Output
 
 PAUSE = 0.005  # s between looks at the ring
 SECOND = 1.0  # s between looks at everything else
-NICE = -10  # of both threads, where it is permitted
+LOWEST = 1  # of the real-time priorities
+NICE = -10  # where that is not granted
 
 
 class Recorder:
@@ -207,12 +209,24 @@ class Recorder:
                 self._say("the file can be written again")
 
 
-def gentle_priority() -> None:
-    """Come before ordinary work where that is permitted: the ring holds some 60 cycles only."""
-    try:
+def come_first() -> str:
+    """Have this process come before ordinary work, where that is permitted.
+
+    The ring holds some 60 cycles only, and on a busy machine an ordinary process may wait longer
+    than that for a processor. It sleeps most of the time, and the engine's priority is far above.
+
+    Returns
+    -------
+    str
+        What was granted.
+    """
+    with contextlib.suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOWEST))
+        return f"SCHED_FIFO {LOWEST}"
+    with contextlib.suppress(OSError, AttributeError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    except (OSError, AttributeError):
-        return  # as everyone else, then
+        return f"nice {NICE}"
+    return "ordinary"
 
 
 def _say(text: str) -> None:
@@ -230,7 +244,7 @@ def main() -> None:
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
-    gentle_priority()
+    come_first()
     try:
         recorder = Recorder(
             RecorderSettings(name=given.name, path=given.path),
