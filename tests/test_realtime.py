@@ -11,7 +11,9 @@ import pytest
 
 from skinfield.errors import InputError
 from skinfield.realtime import Granted, RealTime, requests, surroundings, system
-from skinfield.realtime.requests import cpus_of
+from skinfield.realtime import rivals as rivals_module
+from skinfield.realtime.rivals import rivals
+from skinfield.realtime.system import cpus_of
 
 LINUX = sys.platform == "linux"
 ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
@@ -242,6 +244,7 @@ def machine(monkeypatch: pytest.MonkeyPatch, files: dict[str, str]) -> None:
     read = lambda path: files.get(str(path), "")
     monkeypatch.setattr(surroundings, "read_text", read)
     monkeypatch.setattr(requests, "read_text", read)
+    monkeypatch.setattr(surroundings, "rivals", lambda: ())
     monkeypatch.setattr(system, "LINUX", True)
 
 
@@ -305,6 +308,55 @@ def test_isolated_processors_are_taken_but_a_narrower_choice_is_kept(
 def test_lists_of_processors() -> None:
     assert cpus_of("0-2,5\n") == {0, 1, 2, 5}
     assert cpus_of("\n") == cpus_of("(null)") == cpus_of("1-x") == set()
+
+
+def thread(folder: Path, number: int, stat: str, cpus: str) -> None:
+    place = folder / str(number) / "task" / str(number)
+    place.mkdir(parents=True)
+    (place / "stat").write_text(stat)
+    (place / "status").write_text(f"Name: x\nCpus_allowed_list:\t{cpus}\n")
+
+
+def test_rivals_are_pinned_real_time_programs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = "{} ({}) S 1 1 1 0 -1 {} " + "0 " * 30 + "{} 1 0"
+    thread(tmp_path, 11, line.format(11, "an engine) (2", 0x400, 80), "3")
+    thread(tmp_path, 12, line.format(12, "free", 0x400, 80), "0-3")
+    thread(tmp_path, 13, line.format(13, "usual", 0x400, 0), "3")
+    thread(tmp_path, 14, line.format(14, "migration/3", 0x200000, 99), "3")
+    thread(tmp_path, 15, "damaged", "3")
+    monkeypatch.setattr(rivals_module, "PROCESSES", tmp_path)
+    (found,) = rivals()
+    assert (found.process, found.priority, found.cpu) == (11, 80, 3)
+
+
+@pytest.mark.skipif(not LINUX, reason="asks Linux")
+def test_a_rival_is_found_and_its_processor_avoided() -> None:
+    found = child(
+        """
+import subprocess, sys
+from skinfield.realtime.rivals import rivals
+first = RealTime(lock_memory=False, keep_awake=False).apply()
+told = subprocess.run([sys.executable, "-c", '''
+import json, os, sys
+from skinfield.realtime import RealTime
+from skinfield.realtime.rivals import rivals
+os.sched_setaffinity(0, json.loads(sys.argv[1]))
+mine = [each.cpu for each in rivals() if each.process == os.getppid()]
+taken = [each.cpu for each in rivals()]
+second = RealTime(lock_memory=False, keep_awake=False).apply()
+print(json.dumps([mine, taken, second.as_dict()]))
+''', json.dumps(cpus)], stdout=subprocess.PIPE, text=True, check=True)
+print(json.dumps([first.as_dict(), *json.loads(told.stdout)]))
+""".replace("import subprocess", "cpus = sorted(os.sched_getaffinity(0))\nimport subprocess", 1)
+    )
+    first, mine, taken, second = found
+    if not first["priority"]:
+        pytest.skip("real time is not permitted")
+    assert mine == [first["cpu"]]
+    said = any(f"CPU {second['cpu']} is also that of" in each for each in second["disturbances"])
+    assert second["cpu"] not in taken or said
 
 
 @pytest.mark.parametrize("wrong", [{"priority": 100}, {"priority": -1}, {"cpu": -1}])

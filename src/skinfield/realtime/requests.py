@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinfield.realtime import system
+from skinfield.realtime.rivals import rivals
+from skinfield.realtime.system import cpus_of, read_text
 
 if TYPE_CHECKING:
     from skinfield.realtime.settings import RealTime
@@ -118,7 +120,10 @@ def _pin(wanted: "RealTime", found: Found) -> None:
     if wanted.cpu is not None:
         choices = [wanted.cpu]
     else:
-        choices = [*sorted(_isolated_choices(allowed, isolated), reverse=True), max(allowed)]
+        wished = _isolated_choices(allowed, isolated)
+        taken = {each.cpu for each in rivals()}
+        choices = sorted(wished, reverse=True) + sorted(allowed - wished, reverse=True)
+        choices.sort(key=lambda cpu: (cpu in taken, cpu not in wished))  # else it stays as it is
     for cpu in choices:
         try:
             os.sched_setaffinity(0, {cpu})
@@ -224,22 +229,3 @@ def capabilities() -> int:
         if line.startswith("CapEff:"):
             return int(line.split()[1], 16)
     return 0
-
-
-def cpus_of(text: str) -> set[int]:
-    """Processors of a list such as "0-3,6"; empty for what is no such list."""
-    found: set[int] = set()
-    for part in filter(None, text.strip().split(",")):
-        first, _, last = part.partition("-")
-        if not first.isdigit() or not (last or first).isdigit():
-            return set()
-        found.update(range(int(first), int(last or first) + 1))
-    return found
-
-
-def read_text(path: str) -> str:
-    """A file that the system writes; empty where there is none."""
-    try:
-        return Path(path).read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""

@@ -21,7 +21,8 @@ class RealTime:
         Of SCHED_FIFO, 1 to 99; a lower one is taken where only that is permitted. 0: not asked for.
     cpu : int, optional
         To pin the process to. By default an isolated one where the system has any, else the last
-        of those that the process may use.
+        of those that the process may use; in either case, if it can be, one that no other program
+        is pinned to at real-time priority.
     lock_memory : bool
         Keep all memory in RAM, also what is allocated later, and freed memory in the process.
     freeze_gc : bool

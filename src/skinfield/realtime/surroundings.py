@@ -6,7 +6,8 @@ import threading
 from collections.abc import Iterator
 
 from skinfield.realtime import system
-from skinfield.realtime.requests import cpus_of, read_text
+from skinfield.realtime.rivals import rivals
+from skinfield.realtime.system import cpus_of, read_text
 
 
 def kernel() -> str:
@@ -38,6 +39,12 @@ def _disturbances(cpu: int | None) -> Iterator[str]:
         )
     if not system.LINUX:
         return
+    for rival in rivals():
+        if rival.cpu == cpu:
+            yield (
+                f"CPU {cpu} is also that of {rival.name}, process {rival.process}, at real-time "
+                f"priority {rival.priority}: give one of them another CPU"
+            )
     yield from _throttling()
     yield from _governor(cpu)
     yield from _sibling(cpu)

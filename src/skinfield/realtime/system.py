@@ -3,6 +3,7 @@
 import ctypes
 import os
 import sys
+from pathlib import Path
 
 MCL_CURRENT, MCL_FUTURE = 1, 2
 PR_SET_TIMERSLACK, PR_GET_TIMERSLACK = 29, 30
@@ -27,3 +28,22 @@ def call(name: str, *arguments: int) -> int:
         number = ctypes.get_errno()
         raise OSError(number, os.strerror(number))
     return found
+
+
+def cpus_of(text: str) -> set[int]:
+    """Processors of a list such as "0-3,6"; empty for what is no such list."""
+    found: set[int] = set()
+    for part in filter(None, text.strip().split(",")):
+        first, _, last = part.partition("-")
+        if not first.isdigit() or not (last or first).isdigit():
+            return set()
+        found.update(range(int(first), int(last or first) + 1))
+    return found
+
+
+def read_text(path: str) -> str:
+    """A file that the system writes; empty where there is none."""
+    try:
+        return Path(path).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
