@@ -31,6 +31,8 @@ class Reference:
     lost: int = 0
     blocks: int = 0
     replies: list = field(default_factory=list)
+    duplicated: int = 0
+    before: dict = field(default_factory=dict)  # whole packet and its last message
 
     def take(self, identifier: int, data: bytes) -> None:
         board, part = identifier & 0xFF, identifier >> 8
@@ -42,6 +44,14 @@ class Reference:
             return
         self.received += 1
         open_packet = self.parts.get(board)
+        if (part == 1 and open_packet == data) or (
+            part == 4 and open_packet is None and self.before.get(board) == data != b""
+        ):
+            self.duplicated += 1
+            return
+        skipped = not isinstance(open_packet, bytes) and part in (2, 4)
+        if not skipped:
+            self.before[board] = None
         if part in (1, 5):
             if isinstance(open_packet, bytes):
                 if len(open_packet) >= 2:
@@ -50,7 +60,7 @@ class Reference:
                     self.lost += 1
             self.parts[board] = data
         elif isinstance(open_packet, bytes):
-            if len(open_packet) + len(data) > 264:
+            if len(open_packet) + len(data) > 280:
                 self.malformed += 1
                 self.parts[board] = None if part == 4 else "skip"
                 return
@@ -61,6 +71,9 @@ class Reference:
             return
         if part in (4, 5):
             self.packet(board, self.parts[board])
+            whole = len(self.parts[board])
+            if whole > 8 and len(data) == (whole - 1) % 8 + 1:
+                self.before[board] = data
             self.parts[board] = None
 
     def packet(self, board: int, packet: bytes) -> None:
@@ -74,6 +87,13 @@ class Reference:
         if len(packet) < 3 + size:
             self.lost += -(-(3 + size - len(packet)) // 8)
             return
+        if len(packet) == 11 + size:
+            for at in range(8, len(packet) - 8, 8):
+                shorter = packet[:at] + packet[at + 8 :]
+                if packet[at - 8 : at] == packet[at : at + 8] and shorter[-1] == crc8(shorter[:-1]):
+                    packet = shorter
+                    self.duplicated += 1
+                    break
         if len(packet) > 3 + size or packet[-1] != crc8(packet[:-1]):
             self.malformed += 1
             return

@@ -105,6 +105,7 @@ def test_damage_is_seen_as_plain_python_sees_it(
     assert seen[Count.FOREIGN] == reference.foreign
     assert seen[Count.MALFORMED] == reference.malformed
     assert seen[Count.LOST] == reference.lost
+    assert seen[Count.DUPLICATED] == reference.duplicated
     assert seen[Count.READINGS] == reference.blocks == readings_of_blocks
     assert [(r.board, r.command, r.data) for r in decoder.replies()] == reference.replies
 
@@ -125,6 +126,24 @@ def test_each_lost_message_of_a_long_packet_is_counted(which: int, many: int) ->
     assert noticed <= many
     if not any(rows[i][0] >> 8 == 1 for i in range(which, which + many)):
         assert noticed >= 1  # whole packets may go without a trace, as they have no numbers
+
+
+@given(st.integers(0, 10_000), st.sampled_from([4, 20, 126]), st.integers(0, 9))
+def test_a_message_that_comes_twice_spoils_nothing(which: int, per_packet: int, seed: int) -> None:
+    rows = sent_rows(1, per_packet, seed)
+    at = which % len(rows)
+    rows.insert(at, rows[at])
+    messages, blocks = CanMessages(len(rows)), Blocks(1 << 16)
+    for row, (identifier, data) in enumerate(rows):
+        messages.ids[row], messages.lengths[row] = identifier, len(data)
+        messages.data[row, : len(data)] = list(data)
+    decoder, seen, state = CySkinDecoder(BOARDS), counters(), Channels(CHANNELS)
+    decoder.decode(messages, len(rows), blocks, 0, seen)
+    state.apply(blocks)
+    assert np.isfinite(state.counts).all()
+    assert seen[Count.DUPLICATED] == 1
+    assert seen[Count.RECEIVED] == len(rows)
+    assert not seen[[Count.LOST, Count.MALFORMED]].any()
 
 
 def test_sequence_numbers_count_lost_packets() -> None:

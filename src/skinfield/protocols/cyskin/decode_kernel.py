@@ -9,11 +9,11 @@ from skinfield.errors import Ints
 from skinfield.protocols.cyskin.checksum_kernel import is_summed
 from skinfield.protocols.cyskin.runs_kernel import put_pairs, words_of_runs
 
-RECEIVED, LOST, MALFORMED, FOREIGN, OCTETS = 0, 2, 4, 5, 10  # as `Count`
+RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as `Count`
 EXTENDED, REMOTE_OR_ERROR = 0x80000000, 0x60000000
 FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
 SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
-ROOM = 264  # octets of a packet: 1 of number, 2 of head, 255 of data, 2 of checksum, and more
+ROOM = 280  # octets of a packet: 1 of number, 2 of head, 255 of data, 2 of checksum, and copies
 IDLE, SKIPPING = -1, -2  # instead of how many octets came
 NONE, DONE, FULL = 0, 1, 2  # of a packet
 
@@ -54,6 +54,7 @@ def decode_messages(
     counts: Ints,
     packets: Octets,
     used: Ints,
+    done: Ints,
     last_number: Ints,
     replies: Octets,
     reply_heads: Ints,
@@ -83,6 +84,8 @@ def decode_messages(
     packets : (B, ROOM) uint8 array
     used : (B,) int64 array
         Octets of the packet that is coming in, or IDLE, or SKIPPING.
+    done : (B,) int64 array
+        Octets of the packet that came before, which still stands in `packets`; 0 of none.
     last_number : (B,) int64 array
     replies : (R, ROOM) uint8 array
         Packets that are no sensor data, for whoever asked.
@@ -107,13 +110,13 @@ def decode_messages(
             counters[MALFORMED] += 1
         else:
             counters[RECEIVED] += 1
-            if assemble(packets[row], used, row, part, data, i, length, counters):
+            if assemble(packets[row], used, done, row, part, data, i, length, counters):
                 take_packet(
                     packets[row], used[row], row, stamps[i], big_endian, numbered, check, table,
                     channels, begins, counts, last_number, replies, reply_heads, words, payloads,
                     end, channel, counters,
                 )  # fmt: skip
-                used[row] = IDLE
+                used[row], done[row] = IDLE, used[row]
     return count
 
 
@@ -121,6 +124,7 @@ def decode_messages(
 def assemble(
     packet: Octets,
     used: Ints,
+    done: Ints,
     row: int,
     part: int,
     data: Octets,
@@ -130,6 +134,9 @@ def assemble(
 ) -> bool:
     """Add a message to its board's packet; whether that is complete."""
     so_far = used[row]
+    if is_copy(packet, so_far, done[row], part, data, message, length):
+        counters[DUPLICATED] += 1
+        return False
     if part in (FIRST, SINGLE):
         if so_far >= 0:
             counters[LOST] += missing(packet, so_far)
@@ -139,6 +146,7 @@ def assemble(
             counters[LOST] += 1  # the message with which it began, at least
         used[row] = IDLE if part == LAST else SKIPPING
         return False
+    done[row] = 0
     if so_far + length > ROOM:
         counters[MALFORMED] += 1
         used[row] = IDLE if part == LAST else SKIPPING
@@ -147,6 +155,43 @@ def assemble(
         packet[so_far + k] = data[message, k]
     used[row] = so_far + length
     return part in (LAST, SINGLE)
+
+
+@njit(cache=True, nogil=True)
+def is_copy(
+    packet: Octets, so_far: int, done: int, part: int, data: Octets, message: int, length: int
+) -> bool:
+    """Whether a first or last message is the one before it, once more."""
+    if part == FIRST and so_far == length:
+        at = 0
+    elif part == LAST and so_far == IDLE and done > 8 and length == ((done - 1) & 7) + 1:
+        at = done - length
+    else:
+        return False
+    same = True
+    for k in range(length):
+        same = same and packet[at + k] == data[message, k]
+    return same
+
+
+@njit(cache=True, nogil=True)
+def drop_copy(packet: Octets, length: int, tail: int, check: Table, table: Table) -> bool:
+    """Take out eight octets that repeat those before, where the checksum is right without them."""
+    for at in range(8, length - 8, 8):
+        same = True
+        for k in range(8):
+            same = same and packet[at + k] == packet[at + k - 8]
+        if not same:
+            continue
+        for k in range(at, length - 8):
+            packet[k] = packet[k + 8]
+        if is_summed(packet, 0, length - 8 - tail, check, table):
+            return True
+        for k in range(length - 9, at - 1, -1):
+            packet[k + 8] = packet[k]
+        for k in range(8):
+            packet[at + k] = packet[at + k - 8]
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -193,6 +238,9 @@ def take_packet(
     if stated > length:
         counters[LOST] += (stated - length + 7) >> 3
         return
+    if stated == length - 8 and drop_copy(packet, length, tail, check, table):
+        counters[DUPLICATED] += 1
+        length = stated
     if stated < length or not is_summed(packet, 0, length - tail, check, table):
         counters[MALFORMED] += 1
         return

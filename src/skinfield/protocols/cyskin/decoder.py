@@ -110,8 +110,9 @@ class CySkinDecoder:
     - `FOREIGN`: sensor data of a module or sensor that the board does not have, and packets that
       begin with a sequence number without `numbered`.
 
-    A message that is doubled or comes late spoils its packet, which no protocol of this kind can
-    tell from loss.
+    A message that comes twice is `DUPLICATED` too: a first or last one that repeats the one before
+    it, and a middle one without which length and checksum of its packet are right. One that comes
+    after a later one spoils its packet, which shows as lost or malformed.
     """
 
     def __init__(
@@ -127,6 +128,7 @@ class CySkinDecoder:
         self._sums = self.wire.checksum.table
         self._packets: Octets = np.zeros((count, ROOM), np.uint8)
         self._used: Ints = np.full(count, IDLE, np.int64)
+        self._done: Ints = np.zeros(count, np.int64)
         self._number: Ints = np.full(count, -1, np.int64)
         self._replies: Octets = np.zeros((REPLIES, ROOM), np.uint8)
         self._heads: Ints = np.zeros((REPLIES + 1, 2), np.int64)
@@ -139,6 +141,7 @@ class CySkinDecoder:
     def reset(self) -> None:
         """Forget half packets, as after a break of the connection."""
         self._used[:] = self._number[:] = -1
+        self._done[:] = 0
 
     def decode(
         self,
@@ -183,8 +186,8 @@ class CySkinDecoder:
                 messages.ids, messages.lengths, messages.data, messages.stamp_ns, first, count,
                 table.numbers, wire.extended, wire.big_endian, wire.numbered, self._check,
                 self._sums, table.channels, table.begins, table.counts, self._packets, self._used,
-                self._number, self._replies, self._heads, blocks.words, blocks.octets, blocks.end,
-                channel, counters,
+                self._done, self._number, self._replies, self._heads, blocks.words, blocks.octets,
+                blocks.end, channel, counters,
             )
         )  # fmt: skip
 
