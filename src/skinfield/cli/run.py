@@ -21,6 +21,7 @@ from skinfield.cli.run_options import (
 )
 
 REFRESH = 0.25  # s
+RECENT = 1.0  # s that the table calls the last
 STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solved
 
 
@@ -109,7 +110,8 @@ def _watch(
     from skinfield.live.seen import Watch
     from skinfield.live.status import Observer
 
-    watch, observer = Watch([patch.name for patch in live.skin]), Observer(live.reader)
+    watch = Watch([patch.name for patch in live.skin])
+    observer = Observer(live.reader, window=RECENT)
     screen = None if given["headless"] else _screen(console)
     try:
         began = _wait_running(supervisor, observer, screen)
@@ -137,7 +139,7 @@ def _watch(
 def _screen(console: Console) -> Any:
     from rich.live import Live as Screen
 
-    screen = Screen(console=console, refresh_per_second=8, transient=False)
+    screen = Screen(console=console, refresh_per_second=8, vertical_overflow="crop")
     screen.start()
     return screen
 
@@ -145,7 +147,8 @@ def _screen(console: Console) -> Any:
 def _show(screen: Any, observer: Any) -> None:
     from skinfield.cli.run_table import shown
 
-    screen.update(shown(observer.look()))
+    size = screen.console.size
+    screen.update(shown(observer.look(), size.width, size.height))
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any) -> float:

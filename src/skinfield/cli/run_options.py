@@ -29,7 +29,7 @@ def source_options(function: F) -> F:
             multiple=True,
             help="Of the bus: can0, an address and port, a device; again for several buses.",
         ),
-        click.option("--bus", help="How it is connected: socketcan, udp_multicast, udp, serial ..."),
+        click.option("--bus", help="How it is connected: socketcan, udp_multicast, serial ..."),
         click.option(
             "--hardware",
             help="Whose boards: icub, cyskin, packet, ... Without it a virtual skin is started.",
@@ -81,7 +81,7 @@ def answer_options(function: F) -> F:
 def system_options(function: F) -> F:
     """What is asked of the system."""
     for option in (
-        click.option("--cpu", type=int, help="To pin the engine to. Default the last, or isolated."),
+        click.option("--cpu", type=int, help="To pin the engine to. Default an isolated one."),
         click.option(
             "--priority", default=80, show_default=True,
             help="Of SCHED_FIFO, where it is granted; 0: not asked for.",

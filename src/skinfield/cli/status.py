@@ -15,7 +15,7 @@ from skinfield.errors import SkinfieldError
 @click.option("--watch", is_flag=True, help="Go on until Ctrl-C.")
 @click.option("--json", "as_json", is_flag=True, help="As one JSON object, times in µs.")
 def status(name: str | None, seconds: float, watch: bool, as_json: bool) -> None:
-    r"""Tell what a running skin does: times, losses, contacts, sources, and what the system granted.
+    r"""Tell what a running skin does: times, losses, contacts, sources, what the system granted.
 
     NAME is the one that `skinfield run --name` was given; without it the only one that runs.
 
@@ -44,7 +44,7 @@ def status(name: str | None, seconds: float, watch: bool, as_json: bool) -> None
         return
     from skinfield.cli.run_table import shown
 
-    console.print(shown(found))
+    console.print(shown(found, console.width))
     for sentence in notes_of(found.notes):
         console.print(f" {sentence}", style="dim", highlight=False)
     for event in (found.beside.get("supervisor") or {}).get("events", []):
@@ -60,10 +60,10 @@ def _watch(console: Console, observer: object, seconds: float) -> None:
 
     assert isinstance(observer, Observer)  # for the type checker: the import is late
     try:
-        with Screen(console=console, refresh_per_second=4) as screen:
+        with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
             while True:
                 time.sleep(max(seconds, 0.1))
-                screen.update(shown(observer.look()))
+                screen.update(shown(observer.look(), console.width, console.height))
     except KeyboardInterrupt:
         return
     except SkinfieldError as error:

@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,15 +46,18 @@ class Status:
     since : Timing
         Since the engine's start.
     lately : Timing
-        Since the look before.
+        Since an earlier look: the one before, or that of a second ago, as the `Observer` has it.
     seconds : float, s
         Between both looks.
     rate : float, 1/s
         Cycles lately.
     sources : dict of str to dict of str to int
         What each source counted, by its kind.
+    sources_lately : dict of str to dict of str to int
+        The same, since the earlier look.
     patches : list of dict
-        Name, answer, age (s), force (N), contacts, invalid.
+        Name, answer, age (s), stale (whether the age is more than is usual), force (N), contacts,
+        invalid.
     contacts : list of dict
     notes : dict
         What the engine says in words: phase, what was granted, how the baseline was taken.
@@ -72,6 +76,7 @@ class Status:
     seconds: float
     rate: float
     sources: dict[str, dict[str, int]]
+    sources_lately: dict[str, dict[str, int]]
     patches: list[dict[str, Any]]
     contacts: list[dict[str, Any]]
     notes: dict[str, Any]
@@ -100,32 +105,51 @@ class Observer:
     ----------
     reader : RingReader
         Of a live skin.
+    window : float, s
+        Each look tells what happened since the newest look that is at least as old as this, or
+        since the first one; 0: since the look before.
     """
 
-    def __init__(self, reader: RingReader) -> None:
+    def __init__(self, reader: RingReader, window: float = 0.0) -> None:
         if "skinfield_live" not in reader.description:
             raise InputError(f"ring {reader.name!r} is of something else, expected a live skin's")
-        self._reader = reader
-        self._before = self._moment()
+        self._reader, self._window = reader, window
+        self._slot = reader.slot()
+        self._moments = deque([self._moment()])
 
     def _moment(self) -> Moment:
-        status = self._reader.status
+        status = self._reader.status_view
         return Moment(
             time.monotonic(),
             self._reader.number,
-            status["times"],
-            status["totals"],
-            status["sources"],
+            status["times"].copy(),
+            status["totals"].copy(),
+            status["sources"].copy(),
         )
+
+    def _earlier(self, now: Moment) -> Moment:
+        """The moment from which on things count as recent."""
+        moments = self._moments
+        if (now.totals < moments[-1].totals).any():  # of another ring under the same name
+            moments.clear()
+            nothing = now.times * 0, now.totals * 0, now.sources
+            moments.append(Moment(now.time, now.number, *nothing))
+        while len(moments) > 1 and moments[1].time <= now.time - self._window:
+            moments.popleft()
+        earlier = moments[0]
+        moments.append(now)
+        return earlier
+
+    @property
+    def _stale_ns(self) -> int:
+        return int(self._reader.status_view["stale_ns"][0])
 
     def look(self) -> Status:
         """What there is now, and what happened since the last look."""
-        reader, before, now = self._reader, self._before, self._moment()
-        if reader.generation and (now.totals < before.totals).any():
-            before = Moment(before.time, before.number, now.times * 0, now.totals * 0, now.sources)
-        self._before = now
-        told = reader.description
-        slot = reader.latest()
+        reader, now = self._reader, self._moment()
+        before, told = self._earlier(now), reader.description
+        copied = reader.latest(self._slot)
+        slot = None if copied is None else Slot.of(copied.arrays)
         seconds = max(now.time - before.time, 1e-9)
         state = reader.state
         if not reader.alive and state != State.STOPPED:
@@ -140,9 +164,10 @@ class Observer:
             seconds=seconds,
             rate=(now.number - before.number) / seconds,
             sources=_sources(told["sources"], now.sources),
-            patches=[] if slot is None else _patches(told, Slot.of(slot.arrays)),
-            contacts=[] if slot is None else contacts_of(told["patches"], Slot.of(slot.arrays)),
-            notes=read_notes(reader.status["notes"]) or {},
+            sources_lately=_sources(told["sources"], now.sources - before.sources),
+            patches=[] if slot is None else _patches(told, slot, self._stale_ns),
+            contacts=[] if slot is None else contacts_of(told["patches"], slot),
+            notes=read_notes(reader.status_view["notes"]) or {},
             beside={what: _beside(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
         )
@@ -156,8 +181,8 @@ def _sources(names: list[str], counted: Array) -> dict[str, dict[str, int]]:
     return found
 
 
-def _patches(told: dict[str, Any], slot: Slot) -> list[dict[str, Any]]:
-    wall = int(slot.head[Head.WALL_NS])
+def _patches(told: dict[str, Any], slot: Slot, stale_ns: int) -> list[dict[str, Any]]:
+    wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots make old readings
     rows = []
     for name, row in zip(told["patches"], slot.patches, strict=True):
         stamp = int(row["stamp_ns"])
@@ -166,6 +191,7 @@ def _patches(told: dict[str, Any], slot: Slot) -> list[dict[str, Any]]:
                 "name": name,
                 "answer": told["answers"][int(row["answer"])],
                 "age": (wall - stamp) * 1e-9 if stamp else None,
+                "stale": 0 < stale_ns < wall - stamp,
                 "force": float(row["force"]),
                 "contacts": int(row["contacts"]),
                 "invalid": int(row["invalid"]),
