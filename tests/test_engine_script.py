@@ -208,3 +208,22 @@ def test_flat_readings_are_answered_as_those_by_name(solver: str) -> None:
         assert np.array_equal(flat.results.pressure_of(index), estimates[patch.name].pressure)
         assert RUNGS[flat.results.rung[index]] == row.rung
         assert flat.results.invalid[index] == row.invalid == (patch.name == "other")
+
+
+@pytest.mark.parametrize("solver", list(SOLVERS))
+def test_a_rehearsal_changes_nothing(solver: str) -> None:
+    """Not what was answered, nor what follows."""
+    live, other = engines(solver)
+    readings, valid = moving(40, seed=5)
+    live.reset()
+    other.reset()
+    for cycle in range(40):
+        live.run(readings[cycle], valid[cycle], budget=1e-3)
+        before, script, number = digest(live), live.script.copy(), live.cycle
+        live.rehearse()
+        live.rehearse(1e-4)
+        assert digest(live) == before
+        assert np.array_equal(live.script, script)
+        assert live.cycle == number
+        other.run(readings[cycle], valid[cycle], script=script)
+        assert digest(other) == before

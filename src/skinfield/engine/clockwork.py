@@ -12,15 +12,12 @@ from skinfield.engine.done import Logged
 from skinfield.engine.group import Group
 from skinfield.engine.intake import Intake, Readings
 from skinfield.engine.script import Script
-from skinfield.engine.state import PRODUCT, TEST, State, Step
+from skinfield.engine.state import State
+from skinfield.engine.times import NS as NS
+from skinfield.engine.times import Times
 from skinfield.engine.whole_skin import idle_tests, linear_answers
 from skinfield.errors import Floats, Ints
 
-GUESS = 20e-6  # s: of every step, until it is measured
-NS = 1e-9
-TYPICAL = 0.6  # quantile of a step's time that is about its mean, as few are much slower
-AFTER = 2e-6  # s: what is done about a search after it, until it is measured
-KINDS = len(Step)
 ROUNDS = 6  # of planning in a cycle, at most
 
 
@@ -77,26 +74,9 @@ class Clockwork:
         self.answers = linear_answers(self.groups) if self.linear else []
         self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
         self.places = [(group, place) for group in self.groups for place in range(group.count)]
-        self._guess_costs()
-        self._make_views()
         self._make_room(len(self.places))
+        self._make_views()
         self._load()
-
-    def _guess_costs(self) -> None:
-        """Times of steps, until they are measured."""
-        self._times = np.full((2, len(self.groups), len(Step), self.rungs), GUESS)
-        bases = self._times.reshape(2, -1).copy()
-        self.costs, self._typical = self._times
-        self.model = CostModel(self.costs.reshape(-1))
-        self.typical = CostModel(self._typical.reshape(-1), quantile=TYPICAL)
-        self.model.base, self.typical.base = bases
-        self._relaxing = self._times.reshape(-1), bases.reshape(-1)
-        self._moves = np.array([self.model.moves, self.typical.moves])
-        self.after = CostModel(np.array([AFTER]))
-        self.costs[1:, TEST] = 0.0
-        if self.answers:
-            self.costs[1:, PRODUCT] = 0.0
-        self.planned = self.costs.copy()
 
     def _make_views(self) -> None:
         """What belongs to each kind and each patch."""
@@ -114,11 +94,22 @@ class Clockwork:
     def _make_room(self, patches: int) -> None:
         """Where a cycle stands, and room to work in."""
         self.tested, self.waited, self.logging = 0, 0, True
+        self.times = Times(len(self.groups), self.rungs, bool(self.answers))
+        self.costs, self.planned = self.times.costs, self.times.costs.copy()
         self.script = Script((self.rungs + ROUNDS) * (patches + 1) + 1)
         self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
         self._found = np.zeros((patches + 1, 10))
+
+    def renew(self, other: "Clockwork") -> None:
+        """Have costs and room of its own, as a copy of another that has its own groups and intake.
+
+        Costs begin as the other's.
+        """
+        self._make_room(len(self.places))
+        self._make_views()
+        self.times.start_as(other.times)
 
     def _load(self) -> None:
         """Compiled functions, which are slow to import again and again."""
@@ -169,7 +160,7 @@ class Clockwork:
             state.integers,
             state.age,
             state.was_hot,
-            *self._relaxing,
+            *self.times.relaxing,
             around.steps,
             around.base,
         )
@@ -225,28 +216,18 @@ class Clockwork:
         atlas, fields = self.answers[rung]
         atlas.apply(self.intake.white, fields)
 
-    def which(self, step: int, group: int, rung: int) -> int:
-        """Place of a step in the cost model."""
-        return (group * KINDS + step) * self.rungs + rung
-
     def predict(self, step: int, group: int, rung: int) -> float:
         """Time that a step will hardly exceed, s."""
-        return self.model.predict(self.which(step, group, rung))
-
-    def start(self, which: int, laps: Floats) -> None:
-        """Start predictions of a step from measured laps, s."""
-        self.model.start(which, laps)
-        self.typical.start(which, laps)
+        return self.times.model.predict(self.times.which(step, group, rung))
 
     def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
-        end, which = self.clock(), self.which(step, group, rung)
+        end, which = self.clock(), self.times.which(step, group, rung)
         if self.logging:
-            predicted = self.model.predict(which)
+            predicted = self.times.model.predict(which)
             self.log.append((step, group, patch, rung, start, end, predicted))
         seconds = (end - start) * NS
-        self.model.observe(which, seconds)
-        self.typical.observe(which, seconds)
+        self.times.observe(which, seconds)
         return seconds
 
     def searched(self, each: Sequence[tuple[float, ...]], hot: Ints) -> bool:
@@ -265,8 +246,8 @@ class Clockwork:
             state.numbers,
             state.settled,
             self.unresolved,
-            self._times,
-            self._moves,
+            self.times.both,
+            self.times.moves,
             hot,
             self.rungs - 1,
         )
@@ -286,8 +267,8 @@ class Clockwork:
             state.integers,
             state.numbers,
             state.age,
-            self._times,
-            0.0 if self.linear else self.after.predict(0),
+            self.times.both,
+            0.0 if self.linear else self.times.after.predict(0),
             self.unresolved,
             left,
             self.planned,

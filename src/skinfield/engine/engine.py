@@ -2,14 +2,14 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
 from skinfield.engine.again import done_again, told_by
-from skinfield.engine.answers import estimate_of, grid_on
+from skinfield.engine.answers import estimate_of, grid_of
 from skinfield.engine.clockwork import NS
 from skinfield.engine.cost import CostModel
 from skinfield.engine.estimates import Estimates
@@ -17,14 +17,15 @@ from skinfield.engine.intake import Readings
 from skinfield.engine.interning import check_names, one_skin
 from skinfield.engine.linear_stages import answer_linearly, finest_for_all, refine_linearly
 from skinfield.engine.making import clockwork_of, groups_of
-from skinfield.engine.measure import measure, rehearsed_cycle
+from skinfield.engine.measure import run_in
 from skinfield.engine.report import CycleReport, Snapshot
 from skinfield.engine.results import Results
 from skinfield.engine.search_stages import begin_search, spend
+from skinfield.engine.shadow import Shadow
 from skinfield.errors import Floats, Ints, check_offers, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import NonNegative, Solver
-from skinfield.layout import Grid, Patch, Skin
+from skinfield.layout import Patch, Skin
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Quantity
 
@@ -111,8 +112,9 @@ class Engine:
         self._around = CostModel(np.array([20e-6, 5e-6]))
         self.results = Results(self._work, [self._ordered.index(name) for name in self.names])
         self.spent = self.first = 0.0
-        self._grid_of = lru_cache(KEPT)(self._new_grid)
-        self._run_in()
+        self._grid_of = lru_cache(KEPT)(partial(grid_of, self._work))
+        self._shadow: Shadow | None = None
+        run_in(self)
 
     def __call__(
         self,
@@ -280,20 +282,15 @@ class Engine:
         patch = self._ordered.index(name)
         return estimate_of(self._work, self.finder, patch, self._grid_of, stamp_ns, report)
 
+    def rehearse(self, budget: float | None = None) -> None:
+        """Answer a rehearsed touch elsewhere: nothing changes, and the next cycle is quick.
+
+        What a processor has not used for some milliseconds it fetches anew, which may take longer
+        than a cycle. For loops with more time than readings; the first call prepares it.
+        """
+        self._shadow = Shadow(self) if self._shadow is None else self._shadow
+        self._shadow.run(budget)
+
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""
         self._work.reset()
-
-    def _new_grid(self, patch: int, rung: int) -> Grid:
-        group = self.groups[self._work.state.group[patch]]
-        return grid_on(group, patch - group.first, rung)
-
-    def _run_in(self) -> None:
-        """Load what is compiled and time every step, so that the first cycle is as the next."""
-        measure(self._work)
-        touch = rehearsed_cycle(self._work)
-        for _ in range(3):
-            self(touch, budget=60.0)
-        self.run(np.zeros(len(self._work.intake.raw)), budget=60.0)
-        self.reset()
-        self.cycle = 0

@@ -263,5 +263,5 @@ def take_in(work: Clockwork, found: list[Found], hot: Ints) -> bool:
     """
     start = work.clock()
     settled = work.searched(found, hot)
-    work.after.observe(0, (work.clock() - start) * NS / len(found))
+    work.times.after.observe(0, (work.clock() - start) * NS / len(found))
     return settled
