@@ -21,14 +21,14 @@ The raw counts of every patch over time, one row per scan and empty where a taxe
 contacts; each patch's answer in each cycle; the cycles' times; and what happened. In the order of
 the layout's taxels, stamps in ns since the epoch, all else in SI units.
 
-\\b
+\b
   out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, patch_cycles, cycles, events
   out.parquet, .csv    the counts; beside it out.contacts.*, out.patch_cycles.*, out.cycles.*
                        and out.events.json
 
 It is read and written piece by piece: a recording may be longer than memory.
 
-\\b
+\b
   skinfield export touch.mcap -o touch.h5
   skinfield export touch.mcap -o touch.parquet --patch left_forearm
 """,

@@ -52,7 +52,7 @@ Ctrl-C finishes the file. After a crash, 'skinfield recover' makes a whole file 
 )
 def record(name: str, output: Path, duration: float | None, **options: Any) -> None:
     """Run the command."""
-    from skinfield.live.recorder import Recorder, come_first
+    from skinfield.live.recorder import Recorder
     from skinfield.live.recorder_state import RecorderState, forget_state
 
     settings = _settings(name, output, options)
@@ -62,7 +62,6 @@ def record(name: str, output: Path, duration: float | None, **options: Any) -> N
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
-    come_first()
     before: list[RecorderState] = []
 
     def told(state: RecorderState) -> None:
@@ -70,7 +69,9 @@ def record(name: str, output: Path, duration: float | None, **options: Any) -> N
             shown.print(_line(state, before[-1] if before else None), end="\r", highlight=False)
         before[:] = [state]
 
-    recorder = Recorder(settings, lambda text: shown.print(f"{text:<100}", style="yellow"))
+    recorder = Recorder(
+        settings, lambda text: shown.print(f"{text:<100}", style="yellow"), first=True
+    )
     try:
         state = recorder.run(stop, duration, told)
     finally:

@@ -44,6 +44,9 @@ class Recorder:
         Told what goes wrong, and when it is well again.
     output : Output, optional
         Instead of a file.
+    first : bool
+        Whether this thread and the one that writes shall come before ordinary work from now on,
+        where that is permitted.
 
     Raises
     ------
@@ -63,6 +66,8 @@ class Recorder:
         settings: RecorderSettings,
         say: Callable[[str], None] = lambda text: None,
         output: Output | None = None,
+        *,
+        first: bool = False,
     ) -> None:
         self.settings, self._say = settings, say
         self._reader = RingReader(settings.name)
@@ -87,6 +92,8 @@ class Recorder:
         self._ended = ""
         text = f"recording {settings.name} of process {self._reader.pid}"
         self._queue.tell(Told(self._began_ns, "recording_started", text, {}))
+        if first:  # now, as all that must be loaded is: the other thread inherits it
+            come_first()
         self._disk.start()
         self._next = self._began
         self.state = self._state()
@@ -210,7 +217,7 @@ class Recorder:
 
 
 def come_first() -> str:
-    """Have this process come before ordinary work, where that is permitted.
+    """Have this thread come before ordinary work, where that is permitted.
 
     The ring holds some 60 cycles only, and on a busy machine an ordinary process may wait longer
     than that for a processor. It sleeps most of the time, and the engine's priority is far above.
@@ -244,11 +251,11 @@ def main() -> None:
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
-    come_first()
     try:
         recorder = Recorder(
             RecorderSettings(name=given.name, path=given.path),
             _say,
+            first=True,
         )
         state = recorder.run(stop, given.seconds)
         forget_state(given.name)
