@@ -51,9 +51,9 @@ def test_a_press_reads_as_the_forward_model_says():
         stepped.step()
         patch = stepped.skin.skin.patches[0]
         place = patch.plane[40] + [1.3e-3, -0.7e-3]
-        stepped.skin.world.press({"x": place[0], "y": place[1], "force": 2.5, "radius": 4e-3})
+        stepped.skin.world.press({"x": place[0], "y": place[1], "force": 5.0})
         found = bytes_by_channel(stepped.step())[patch.channel]
-    made = press(Layer(), [Sphere(radius=4e-3, force=2.5)], cell=0.25e-3, extent=30e-3)
+    made = press(Layer(), [Sphere(radius=10e-3, force=5.0)], cell=0.25e-3, extent=30e-3)
     exact = made.capacitance(patch.plane - place, patch.pad_diameter)
     expected = [byte_of(round(COUNTS_PER_CHANGE * each)) for each in exact]
     assert np.abs(found - expected).max() <= 1  # a step, where rounding tips over

@@ -37,7 +37,7 @@ SKIN = Skin((by_name("hexagon72"),))
 MS = 1_000_000
 
 
-@pytest.mark.parametrize(("tool", "share"), [(Tool(4e-3), 0.1), (Tool(3e-3, "flat"), 0.02)])
+@pytest.mark.parametrize(("tool", "share"), [(Tool(), 0.1), (Tool(3e-3, "flat"), 0.02)])
 def test_tables_hold_what_a_press_reads(tool, share):
     table = table_for(tool, Layer(), 4e-3)
     force = share * table.highest_force

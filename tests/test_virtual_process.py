@@ -180,7 +180,7 @@ def feels(source, skin, rest):
 
     until(lambda: np.nan_to_num(read(), nan=-1.0).min() >= 0.0)
     assert (channels.counts == rest).all()
-    skin.world.press({"taxel": 33, "force": 1.0})
+    skin.world.press({"taxel": 33, "force": 4.0})
     until(lambda: read()[33] > rest + 3000)
     assert np.argmax(channels.counts) == 33
     assert stream.counters[Count.LOST] == stream.counters[Count.MALFORMED] == 0

@@ -14,7 +14,6 @@ from skinfield.virtual.faults import FOREVER, KINDS, Fault, numbers_of
 from skinfield.virtual.hardware import Hardware
 from skinfield.virtual.place import patch_index
 
-
 MOST = 10_000  # to come
 
 

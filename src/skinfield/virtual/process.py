@@ -13,6 +13,7 @@ from typing import Any
 from skinfield.errors import InputError
 from skinfield.virtual.buses import host_and_port
 from skinfield.virtual.settings import VirtualSettings
+from skinfield.virtual.tool import FINGER
 
 READY = 120.0  # s: presses may have to be solved first, and kernels compiled
 ANSWER = 5.0  # s
@@ -183,7 +184,7 @@ class VirtualProcess:
         y: float | None = None,
         *,
         force: float = 1.0,
-        radius: float = 4e-3,
+        radius: float = FINGER,
         shape: str = "ball",
         patch: str | int = 0,
         taxel: int | None = None,

@@ -11,7 +11,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.layout import Skin
 from skinfield.virtual.place import number, patch_index, place_of
 from skinfield.virtual.scenes import RAMP, SCENES, scene_by_name
-from skinfield.virtual.tool import Tool
+from skinfield.virtual.tool import FINGER, Tool
 from skinfield.virtual.touch import Point, Scene, Track
 
 LATEST = 1e7  # s
@@ -81,7 +81,7 @@ def _track(given: Any, where: str, skin: Skin) -> Track:
         shape = given.get("shape", "ball")
         if not isinstance(shape, str):
             raise InputError(f"shape is {shape!r}, expected 'ball' or 'flat'")
-        radius = number(given, "radius_mm", 4.0, 0.5, 30.0, "millimetres") * 1e-3
+        radius = number(given, "radius_mm", FINGER * 1e3, 0.5, 30.0, "millimetres") * 1e-3
         tool = Tool(radius, shape)
         path = given.get("path")
         if path is not None:

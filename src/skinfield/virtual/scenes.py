@@ -11,8 +11,9 @@ from skinfield.virtual.touch import Point, Scene, Track
 
 SCENES = ("idle", "press", "slide", "two-balls", "tap", "random")
 RANDOM_SECONDS = 600.0  # after which the random scene begins again
-RANDOM_TOOLS = (Tool(4e-3), Tool(3e-3), Tool(6e-3))
+RANDOM_TOOLS = (Tool(), Tool(6e-3))
 RANDOM_FORCES = (0.2, 3.0)  # N
+BESIDE = (-2e-3, 2e-3)  # m: from the taxel, in x and y
 RAMP = 0.1  # s of pressing and of lifting off
 
 
@@ -36,9 +37,14 @@ def scene_by_name(name: str, skin: Skin, seed: int) -> Scene:
 
 def middle_of(patch: Patch) -> tuple[float, float]:
     """Place of the taxel nearest to the middle of all, m."""
-    centre = np.median(patch.plane, axis=0)
-    x, y = patch.plane[np.argmin(np.hypot(*(patch.plane - centre).T))]
-    return float(x), float(y)
+    x, y = np.median(patch.plane, axis=0)
+    return taxel_near(patch, float(x), float(y))
+
+
+def taxel_near(patch: Patch, x: float, y: float) -> tuple[float, float]:
+    """Place of the taxel nearest to a point of the plane, m."""
+    near = patch.plane[np.argmin(np.hypot(*(patch.plane - [x, y]).T))]
+    return float(near[0]), float(near[1])
 
 
 def _held(patch: int, tool: Tool, x: float, y: float, force: float, start: float,
@@ -52,12 +58,12 @@ def _held(patch: int, tool: Tool, x: float, y: float, force: float, start: float
 
 def _press(patch: Patch) -> tuple[tuple[Track, ...], float]:
     x, y = middle_of(patch)
-    return (_held(0, Tool(4e-3), x, y, 1.0, 1.0, 3.0),), 5.0
+    return (_held(0, Tool(), x, y, 1.0, 1.0, 3.0),), 5.0
 
 
 def _tap(patch: Patch) -> tuple[tuple[Track, ...], float]:
     x, y = middle_of(patch)
-    return (_held(0, Tool(4e-3), x, y, 0.8, 0.5, 0.08, 0.02),), 1.0
+    return (_held(0, Tool(), x, y, 0.8, 0.5, 0.08, 0.02),), 1.0
 
 
 def _slide(patch: Patch) -> tuple[tuple[Track, ...], float]:
@@ -69,14 +75,14 @@ def _slide(patch: Patch) -> tuple[tuple[Track, ...], float]:
         Point(4.8, x + half, y, 1.0),
     ]
     back = [Point(8.8, x - half, y, 1.0), Point(9.1, x - half, y, 0.0)]
-    return (Track(0, Tool(4e-3), (*there, *back)),), 10.0
+    return (Track(0, Tool(), (*there, *back)),), 10.0
 
 
 def _two_balls(patch: Patch) -> tuple[tuple[Track, ...], float]:
     x, y = middle_of(patch)
     half = max(0.25 * float(np.ptp(patch.plane[:, 0])), 10e-3)
-    one = _held(0, Tool(4e-3), x - half, y, 1.0, 0.5, 4.0)
-    other = _held(0, Tool(4e-3), x + half, y, 0.6, 1.5, 4.0)
+    one = _held(0, Tool(), *taxel_near(patch, x - half, y), 1.0, 0.5, 4.0)
+    other = _held(0, Tool(), *taxel_near(patch, x + half, y), 0.6, 1.5, 4.0)
     return (one, other), 6.5
 
 
@@ -89,7 +95,7 @@ def _random(skin: Skin, rng: np.random.Generator) -> Scene:
         for late in (0.0, 0.1)[: 2 if rng.random() < 0.25 else 1]:
             patch = int(rng.choice(len(taxels), p=taxels / taxels.sum()))
             tool = RANDOM_TOOLS[rng.integers(len(RANDOM_TOOLS))]
-            x, y = skin.patches[patch].plane[rng.integers(taxels[patch])]
+            x, y = skin.patches[patch].plane[rng.integers(taxels[patch])] + rng.uniform(*BESIDE, 2)
             force = math.exp(rng.uniform(*np.log(RANDOM_FORCES)))
             tracks.append(_held(patch, tool, float(x), float(y), force, time + late, seconds))
         time += seconds + 0.2 + rng.exponential(0.4)

@@ -7,6 +7,7 @@ from skinfield.errors import check_choice, check_positive, check_range
 from skinfield.simulate import Cylinder, Sphere
 
 SHAPES = ("ball", "flat")
+FINGER = 10e-3  # m: about that of a fingertip
 EDGE = 0.5e-3  # m: rounding of a flat end, at most
 LARGEST = 30e-3  # m
 STEP = 0.1e-3  # m: radii are rounded to it, so that a dragged slider makes no thousand tables
@@ -19,12 +20,12 @@ class Tool:
     Parameters
     ----------
     radius : float, m
-        0.5 to 30 mm; rounded to 0.1 mm.
+        0.5 to 30 mm; rounded to 0.1 mm. The default is about a fingertip's.
     shape : "ball" or "flat"
         A sphere, or the flat end of a cylinder with a rounded edge.
     """
 
-    radius: float = 4e-3
+    radius: float = FINGER
     shape: str = "ball"
 
     def __post_init__(self) -> None:

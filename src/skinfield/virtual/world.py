@@ -15,7 +15,7 @@ from skinfield.virtual.electronics import starts_of
 from skinfield.virtual.place import PLACE_KEYS, number, patch_index, place_of
 from skinfield.virtual.solving import Solving
 from skinfield.virtual.tables import FORCES, SPACING, PressTable
-from skinfield.virtual.tool import Tool
+from skinfield.virtual.tool import FINGER, Tool
 from skinfield.virtual.touch import Scene, Touch, Track
 
 MOST = 64  # presses at once, by hand
@@ -143,7 +143,7 @@ class World:
         shape = given.get("shape", "ball")
         if not isinstance(shape, str):
             raise InputError(f"shape is {shape!r:.40}, expected 'ball' or 'flat'")
-        radius = number(given, "radius", 4e-3, 0.5e-3, 30e-3, "of the body, in metres")
+        radius = number(given, "radius", FINGER, 0.5e-3, 30e-3, "of the body, in metres")
         tool = Tool(radius, shape)
         force = number(given, "force", 1.0, 1e-6, 1e4, "newtons")
         name = given.get("id") or f"press-{next(self._numbers)}"
