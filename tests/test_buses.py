@@ -41,10 +41,10 @@ def test_python_can_in_another_process_hears_and_answers() -> None:
     context = multiprocessing.get_context("spawn")
     channel, port, ready = group(), free_port(), context.Event()
     other = context.Process(target=echo, args=(channel, port, ready), daemon=True)
-    other.start()
     try:
-        assert ready.wait(60)
         with opened(BusSettings("udp_multicast", channel, port)) as (bus,):
+            other.start()
+            assert ready.wait(60)
             assert bus.up
             before = time.time_ns()
             for row in range(20):
@@ -62,8 +62,9 @@ def test_python_can_in_another_process_hears_and_answers() -> None:
         other.join(30)
         assert other.exitcode == 0
     finally:
-        other.kill()
-        other.join()
+        if other.pid is not None:
+            other.kill()
+            other.join()
 
 
 @pytest.mark.parametrize("singly", [False, True])

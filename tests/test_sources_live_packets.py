@@ -131,9 +131,9 @@ def test_a_rate_that_no_line_has(tmp_path: Path) -> None:
     host = Host(PacketSerial(72, str(tmp_path / "none")).open())
     assert not host.stream.up
     (tmp_path / "none").write_text("no line")
-    for _ in range(3):
-        host.stream.poll(host.blocks, 0, time.time_ns() + 10**10)
-    assert not host.stream.up
+    host.poll()
+    assert not host.stream._links[0].reopen()
+    assert "none" in host.stream.fault
     host.stream.close()
 
 

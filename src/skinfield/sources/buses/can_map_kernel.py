@@ -47,6 +47,7 @@ NOTHING = (BAD, 0, 0, 0)
 EXTENDED, REMOTE, ERROR = 0x80000000, 0x40000000, 0x20000000  # as in acquisition.can
 LONGEST = 8  # octets of a classic message
 MALFORMED, ERRORS = 0, 1  # of `counts`
+IPV6 = 10  # AF_INET6 of Linux
 
 
 @njit(cache=True, nogil=True, forceinline=True)
@@ -169,7 +170,7 @@ def unpack_messages(
     stamp_ns: Ints,
     counts: Ints,
 ) -> int:
-    """Read `count` datagrams into the arrays of `CanMessages` from `first` on.
+    """Read `count` datagrams into the arrays of `CanMessages` from `first` on; the next free row.
 
     Parameters
     ----------
@@ -181,11 +182,6 @@ def unpack_messages(
         Address whose datagrams are left out, being ours; its first octet 0: none.
     counts : (2,) int64 array
         Written: see `MALFORMED` and `ERRORS`. Empty datagrams only announce their sender.
-
-    Returns
-    -------
-    int
-        First row that is free now.
     """
     for i in range(count):
         length = lengths[i]
@@ -211,10 +207,14 @@ def unpack_messages(
 
 @njit(cache=True, nogil=True, forceinline=True)
 def is_own(names: Octets, row: int, own: Octets) -> bool:
-    """Whether the row's address is `own`: family, port and, of IPv4, host."""
+    """Whether the row's address is `own`."""
     if own[0] == 0:
         return False
+    # family and port, then the host: behind the flow in IPv6, whose sockaddr is the longer one
+    first, last = (8, 24) if own[0] == IPV6 else (4, 8)
     different = 0
-    for i in range(8):
+    for i in range(4):
+        different += names[row, i] != own[i]
+    for i in range(first, last):
         different += names[row, i] != own[i]
     return different == 0

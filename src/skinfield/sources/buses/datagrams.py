@@ -123,10 +123,13 @@ class Datagrams:
         if self._receive is None:
             return self._receive_singly(sock, limit)
         count = self._receive(sock.fileno(), self._pointer, limit, socket.MSG_DONTWAIT, None)
-        if count <= 0:
-            return 0 if count == 0 else _verdict(ctypes.get_errno())
-        self._take(count, time_ns())
-        return count
+        if count > 0:
+            self._take(count, time_ns())
+            return count
+        code = ctypes.get_errno() if count < 0 else 0
+        if code == errno.ENOSYS:  # the library has it, the system does not
+            self._receive = None
+        return _verdict(code) if code != errno.ENOSYS else 0
 
     def _receive_singly(self, sock: socket.socket, limit: int) -> int:
         self.bytes = 0
@@ -174,7 +177,11 @@ class Datagrams:
                 sock.fileno(), self._pointer + done * HEADER, count - done, socket.MSG_DONTWAIT
             )
             if sent <= 0:
-                return done or _verdict(ctypes.get_errno())
+                code = ctypes.get_errno()
+                if code == errno.ENOSYS:
+                    self._send = None
+                    return self._send_singly(sock, count, connected)
+                return done or _verdict(code)
             done += sent
         return done
 
@@ -192,4 +199,4 @@ class Datagrams:
 
 
 def _verdict(code: int) -> int:
-    return 0 if code in TRANSIENT else -code
+    return 0 if code == 0 or code in TRANSIENT else -code

@@ -17,7 +17,7 @@ from skinfield.errors import InputError, Ints
 from skinfield.sources.buses.datagrams import Datagrams
 from skinfield.sources.buses.rows import check_rows, fill
 from skinfield.sources.buses.settings import BusSettings
-from skinfield.sources.buses.system import set_options
+from skinfield.sources.buses.system import buffer_note, set_options
 from skinfield.sources.buses.udp_sockets import let_go
 
 BATCH = 256  # frames of one system call
@@ -74,6 +74,11 @@ class SocketCanBus:
     def errors(self) -> int:
         """Error frames."""
         return int(self._counts[1])
+
+    @property
+    def note(self) -> str:
+        """What should be known of it, in words."""
+        return buffer_note(self.settings.label, self.buffer_bytes)
 
     def reopen(self) -> bool:
         """Open the socket anew."""

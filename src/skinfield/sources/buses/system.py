@@ -78,6 +78,17 @@ def set_options(sock: socket.socket) -> int:
     return sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
 
 
+def buffer_note(label: str, size: int) -> str:
+    """What to say of a receive buffer of `size` bytes; empty if it is as large as was asked for."""
+    if size == 0 or size >= RECEIVE_BUFFER:
+        return ""
+    return (
+        f"{label}: its receive buffer has {size // 1024} kB, expected {RECEIVE_BUFFER // 1024}: "
+        "what comes while the engine is late may be dropped, which is counted; "
+        f"sysctl net.core.rmem_max={RECEIVE_BUFFER} allows more"
+    )
+
+
 def _enlarge(sock: socket.socket, force: int, ordinary: int, size: int) -> None:
     """Without the system's limit where that is permitted, else up to it."""
     if not (sys.platform == "linux" and _try(sock, force, size)):

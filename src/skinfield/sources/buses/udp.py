@@ -12,7 +12,7 @@ from skinfield.errors import InputError, Ints
 from skinfield.sources.buses.datagrams import Datagrams
 from skinfield.sources.buses.rows import check_rows, fill
 from skinfield.sources.buses.settings import BusSettings
-from skinfield.sources.buses.system import NAME, address_octets
+from skinfield.sources.buses.system import NAME, address_octets, buffer_note
 from skinfield.sources.buses.udp_sockets import (
     Place,
     group_of,
@@ -90,6 +90,11 @@ class UdpBus:
             return "", 0
         host, port = self._receiver.getsockname()[:2]
         return str(host), int(port)
+
+    @property
+    def note(self) -> str:
+        """What should be known of it, in words."""
+        return buffer_note(self.settings.label, self.buffer_bytes)
 
     def reopen(self) -> bool:
         """Open the sockets anew."""

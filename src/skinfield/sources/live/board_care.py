@@ -96,7 +96,10 @@ class BoardCare:
 
     def attend(self, bus: Bus, now_ns: int, at_once: int = AT_ONCE) -> None:
         """Look who is silent, and send what is to be sent."""
-        if now_ns >= self._look or now_ns < self._look - 2e9 * LOOK:  # the clock was set back
+        if now_ns < self._look - 2e9 * LOOK:  # the clock was set back
+            np.minimum(self.heard_ns, now_ns, out=self.heard_ns)
+            self._due, self._look = [0] * len(self._due), now_ns
+        if now_ns >= self._look:
             self._look = now_ns + round(1e9 * LOOK)
             if not self._queue:
                 for row in self._each:

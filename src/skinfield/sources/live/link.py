@@ -1,6 +1,7 @@
 """Streams over connections that come and go: noticed, told, and tried again without waiting."""
 
 from collections.abc import Sequence
+from time import monotonic_ns
 from typing import Protocol
 
 from skinfield.acquisition import Blocks, Count, Kind, Port, Retry, counters
@@ -73,6 +74,11 @@ class LinkedStream:
         return "; ".join(link.fault for link in self._links if not link.up)
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What should be known of it beside that, in sentences."""
+        return tuple(note for link in self._links if (note := getattr(link, "note", "")))
+
+    @property
     def channels(self) -> int:
         """Of all ports."""
         return sum(port.channels for port in self.ports)
@@ -92,14 +98,14 @@ class LinkedStream:
 
     def _follow(self, place: int, link: Link, now_ns: int) -> bool:
         """Note that a link broke, try it again, note that it is back; whether it is up."""
-        retry = self._retries[place]
+        retry, steady_ns = self._retries[place], monotonic_ns()  # that nobody sets back
         if not link.up and not retry.down_since:
-            retry.broke(now_ns)
+            retry.broke(steady_ns)
             self._went_down(place)
-        elif not link.up and retry.due(now_ns):
+        elif not link.up and retry.due(steady_ns):
             link.reopen()
         if link.up and retry.down_since:
-            retry.came_back(now_ns)
+            retry.came_back(steady_ns)
             self._came_back(place, now_ns)
         return link.up
 

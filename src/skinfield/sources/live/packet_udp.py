@@ -12,7 +12,7 @@ from skinfield.errors import check_count
 from skinfield.protocols.packet import PacketDevice
 from skinfield.sources.buses.datagrams import Datagrams
 from skinfield.sources.buses.settings import BusSettings
-from skinfield.sources.buses.system import address_octets
+from skinfield.sources.buses.system import address_octets, buffer_note
 from skinfield.sources.buses.udp_sockets import let_go, peer_of, resolved, unicast_socket
 from skinfield.sources.live.packet_stream import PacketStream, checked_devices
 
@@ -88,6 +88,11 @@ class UdpLink:
             return "", 0
         host, port = self._socket.getsockname()[:2]
         return str(host), int(port)
+
+    @property
+    def note(self) -> str:
+        """What should be known of it, in words."""
+        return buffer_note(f"udp {self._own.address}", self.buffer_bytes)
 
     def reopen(self) -> bool:
         """Bind anew."""

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,9 @@ from skinfield.layout import Patch, Skin
 from skinfield.reading import UNITS, Recording
 from skinfield.sources.live.table import ALL_AT_ONCE, TableStream
 from skinfield.sources.live.tape import TapeStream
+
+if TYPE_CHECKING:
+    from skinfield.sources.recordings.mcap_live import LiveRecording
 
 MCAP = b"\x89MCAP0\r\n"
 
@@ -37,7 +41,7 @@ class ReplaySource:
         To whose channels the columns belong: found by uid where the recording has uids. Without
         it, columns are channels of one port. Not for MCAP files, which hold channels.
     ports : sequence of Port
-        Of an MCAP file's channels, where they are other than one port of all.
+        Of an MCAP file's channels, in place of those that it names; one of all where it names none.
     """
 
     path: str | Path
@@ -63,7 +67,8 @@ class ReplaySource:
         """
         path = Path(self.path)
         if _begins_as_mcap(path):
-            return TapeStream(self.ports, tape_of(path), self.speed, self.loop, str(path))
+            ports, tape = tape_of(path)
+            return TapeStream(self.ports or ports, tape, self.speed, self.loop, str(path))
         from skinfield.sources.recordings import open_recording
 
         ports, counts, stamps = self._columns(open_recording(path))
@@ -111,17 +116,27 @@ def _begins_as_mcap(path: Path) -> bool:
         return False  # whoever reads it next says why
 
 
-def tape_of(path: Path) -> Words:
-    """All blocks of a live skin's recording, from the first whole one on.
+def tape_of(path: Path) -> tuple[tuple[Port, ...], Words]:
+    """Ports of a live skin's recording, none if it does not say, and all its blocks.
 
     Raises
     ------
     FileError
-        If it has none.
+        If it has no whole blocks.
     """
     from skinfield.sources.recordings.mcap_live import LiveRecording
 
-    data = b"".join(logged.data for logged in LiveRecording.open(path).blocks())
+    recording = LiveRecording.open(path)
+    data = b"".join(logged.data for logged in recording.blocks())
     if not data or len(data) % WORD:
         raise FileError(f"{path} has {len(data)} bytes of readings, expected whole blocks")
-    return np.frombuffer(data, np.int64)
+    return _ports_in(recording), np.frombuffer(data, np.int64)
+
+
+def _ports_in(recording: "LiveRecording") -> tuple[Port, ...]:
+    """Ports that the enclosed configuration names; none if there is none, or of another kind."""
+    try:
+        rows = recording.configuration.get("ports", [])
+        return tuple(Port(str(name), channels, str(unit)) for name, channels, unit in rows)
+    except (InputError, TypeError, ValueError):
+        return ()

@@ -93,27 +93,35 @@ def pressed(
     SimulationSource
         With a port for each patch; NaN on channels that no taxel has.
     """
-    from skinfield.simulate.electronics import CySkinBoard
-
     for name, value in (("period", period), ("rest", rest), ("rate", rate)):
         check_positive(name, value, "of the presses")
     patches = (skin,) if isinstance(skin, Patch) else tuple(skin)
-    ladder = _ladder(layer or Layer(), force, patches)
-    gain, rng = CySkinBoard().gain, np.random.default_rng(seed)
     steps, idle = max(2, round(period * rate)), max(1, round(rest * rate))
-    loads = force * np.sin(np.pi * np.arange(steps) / steps) ** 2
-    columns = []
-    for place, (patch, rungs) in enumerate(zip(patches, ladder, strict=True)):
-        table = np.full((len(patches) * (steps + idle), patch.n_channels), np.nan)
-        table[:, patch.channel] = 0.0
-        first = place * (steps + idle) + idle
-        forces = np.linspace(0.0, force, LADDER + 1)
-        for taxel, channel in enumerate(patch.channel):
-            table[first : first + steps, channel] = np.interp(loads, forces, rungs[:, taxel])
-        noise = NOISE * rng.standard_normal(table.shape)
-        columns.append(np.clip(np.rint(REST + gain * table + noise), 0.0, 65535.0))
+    loads = np.zeros((len(patches), len(patches), idle + steps))  # of each patch, turn by turn
+    turns = np.arange(len(patches))
+    loads[turns, turns, idle:] = force * np.sin(np.pi * np.arange(steps) / steps) ** 2
+    rng, forces = np.random.default_rng(seed), np.linspace(0.0, force, LADDER + 1)
+    tables = [
+        _counts(patch, loads[place].ravel(), forces, rungs, rng)
+        for place, (patch, rungs) in enumerate(
+            zip(patches, _ladder(layer or Layer(), force, patches), strict=True)
+        )
+    ]
     ports = tuple(Port(patch.name, patch.n_channels) for patch in patches)
-    return SimulationSource(np.hstack(columns), rate, ports)
+    return SimulationSource(np.hstack(tables), rate, ports)
+
+
+def _counts(
+    patch: Patch, loads: Floats, forces: Floats, rungs: Floats, rng: np.random.Generator
+) -> Floats:
+    """Counts (T, C) of a patch under loads (T,), between the rungs of its ladder."""
+    from skinfield.simulate.electronics import CySkinBoard
+
+    table = np.full((len(loads), patch.n_channels), np.nan)
+    for taxel, channel in enumerate(patch.channel):
+        table[:, channel] = np.interp(loads, forces, rungs[:, taxel])
+    noise = NOISE * rng.standard_normal(table.shape)
+    return np.asarray(np.clip(np.rint(REST + CySkinBoard().gain * table + noise), 0.0, 65535.0))
 
 
 def _ladder(layer: Layer, force: float, patches: Sequence[Patch]) -> list[Floats]:

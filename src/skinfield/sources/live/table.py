@@ -83,7 +83,7 @@ class TableStream:
         self._step_by_step = speed == ALL_AT_ONCE
         self._loop, self._pause = loop, round(pause_ns / speed)
         self._start = 0  # ns, of the round; 0 before the first poll
-        self._next = self._column = 0
+        self._next = self._column = self._now = 0
 
     @property
     def fault(self) -> str:
@@ -94,7 +94,9 @@ class TableStream:
         """Append the readings whose time has come."""
         if not self._start:
             self._start = now_ns
-        taken = 0
+        elif now_ns < self._now:  # the clock was set back
+            self._start -= self._now - now_ns
+        self._now, taken = now_ns, 0
         while not self.ended:
             stamp = now_ns if self._step_by_step else self._start + int(self._after[self._next])
             if stamp > now_ns or not self._append(blocks, channel, stamp):

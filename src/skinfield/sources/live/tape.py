@@ -62,7 +62,7 @@ class TapeStream:
             )
         self.counters, self.index, self.up, self.ended = counters(), 0, True, False
         self._tape, self._speed, self._loop = tape, speed, loop
-        self._at, self._start = 0, 0
+        self._at, self._start, self._now = 0, 0, 0
         self._taken: Ints = np.zeros(4, np.int64)
         self._copy(Blocks(64), 0, 0, -1)  # compiles
 
@@ -75,6 +75,9 @@ class TapeStream:
         """Append the blocks whose time has come."""
         if not self._start:
             self._start = now_ns
+        elif now_ns < self._now:  # the clock was set back
+            self._start -= self._now - now_ns
+        self._now = now_ns
         if self.ended:
             if self.up and int(blocks.end[0]) + 3 <= len(blocks.words):
                 blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)

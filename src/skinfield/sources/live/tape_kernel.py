@@ -45,31 +45,22 @@ def play(
     end: Words,
     taken: Ints,
 ) -> int:
-    """Copy blocks of counts and of status from word `at` on, as far as their time has come.
+    """Copy blocks of counts and status from word `at` on whose time has come; the first one left.
 
     Parameters
     ----------
     tape : (W,) int64 array
-        Whole blocks.
+        Whole blocks, the first of which is of `begin_ns` and played at `start_ns`.
     until_ns : int, ns
         Time of now.
     step_by_step : bool
-        Copy until a channel's time would come twice, whatever the time; stamps are `until_ns`.
-    begin_ns : int, ns
-        Of the recording's first block.
-    start_ns : int, ns
-        When that is played.
+        Copy until a channel would come twice, whatever the time; stamps are `until_ns`.
     channel : int
         Added to each.
     words, end : arrays
         Of `Blocks`.
     taken : (4,) int64 array
         Written: blocks; blocks of counts; first channel and stamp of a step's first block.
-
-    Returns
-    -------
-    int
-        Word of the first block that was left.
     """
     while at < len(tape):
         head, stamp = tape[at + 1], tape[at]
@@ -77,16 +68,12 @@ def play(
         size = HEADER_WORDS + payload_words(kind, count)
         if kind <= STATUS:
             if step_by_step:
-                if taken[1] and kind < STATUS and first == taken[2] and stamp != taken[3]:
+                if again(kind, first, stamp, taken):
                     break
-                if taken[1] == 0:
-                    taken[2], taken[3] = first, stamp
                 stamp = until_ns
             else:
                 stamp = start_ns + int((stamp - begin_ns) / speed)
-                if stamp > until_ns:
-                    break
-            if end[0] + size > len(words):
+            if stamp > until_ns or end[0] + size > len(words):
                 break
             words[end[0]] = stamp
             words[end[0] + 1] = (head & ~0xFFFFFFFF) | ((first + channel) & 0xFFFFFFFF)
@@ -97,3 +84,12 @@ def play(
             taken[1] += kind < STATUS
         at += size
     return int(at)
+
+
+@njit(cache=True, nogil=True)
+def again(kind: int, first: int, stamp: int, taken: Ints) -> bool:
+    """Whether the channel with which a step began comes once more; notes which that is."""
+    if taken[1] == 0:
+        taken[2], taken[3] = first, stamp
+        return False
+    return bool(kind < STATUS and first == taken[2] and stamp != taken[3])
