@@ -145,7 +145,7 @@ def found(load: str = "engine", ready_ns: int = 80_000, fifo: bool = True) -> Ji
     company = Company(0.1, 2.0, 0.0, 0.0, 0)
     late = np.array([12e-6]), np.array([0.0])
     settings = JitterSettings(load=load)
-    return Jitter(settings, granted, table.timing(), paired, "", company, late, late)
+    return Jitter(settings, granted, table.timing(), paired, "", company, 0, 0, late, late)
 
 
 def test_targets_are_judged_in_their_units() -> None:
@@ -218,6 +218,9 @@ def test_a_loop_that_only_wakes_is_measured_and_leaves_nothing() -> None:
     assert plain["loop"]["cycles"] >= 1
     assert plain["loop"]["cycles"] + plain["loop"]["skipped"] <= 400
     assert plain["targets"][1]["met"] is None
+    if sys.platform == "linux":
+        assert plain["page_faults"] >= 0
+        assert plain["interruptions"] >= 0
     assert plain["cyclictest_us"] is not None or plain["no_cyclictest"]
     assert "tracker" not in ended.stderr  # of shared memory that nobody took away
 

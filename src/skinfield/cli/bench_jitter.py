@@ -112,6 +112,9 @@ def _lines(found: "Jitter") -> Iterator[str]:
         f"{timing.cycles} cycles, {timing.late} late, {timing.overrun} ended after the next was "
         f"due, {timing.skipped} skipped"
     )
+    if found.faults is not None:
+        whom = "others, cyclictest among them" if found.paired else "others"
+        yield f"{found.faults} page faults, {found.interruptions} times interrupted by {whom}"
     yield f"granted: {found.granted.sentences()[0]}"
     for target in found.targets():
         yield f"target: {_target(target)}"
@@ -167,5 +170,7 @@ def jitter_as_json(found: "Jitter") -> dict[str, Any]:
             {"name": each.name, "limit": each.limit, "value": each.value, "met": each.met}
             for each in found.targets()
         ],
+        "page_faults": found.faults,
+        "interruptions": found.interruptions,
         "stolen_cores": found.company.stolen,
     }

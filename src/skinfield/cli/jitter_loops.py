@@ -35,6 +35,11 @@ class Loop(Protocol):
     """A loop that runs."""
 
     @property
+    def pid(self) -> int:
+        """Of its process."""
+        ...
+
+    @property
     def granted(self) -> Granted:
         """What the system gave to it."""
         ...
@@ -48,6 +53,7 @@ class Loop(Protocol):
 class Bare:
     """See `Loop`: it wakes and counts, and does nothing else."""
 
+    pid: int
     granted: Granted
     times: Words
     totals: Words
@@ -73,7 +79,7 @@ def bare_loop(rate: float, real_time: RealTime) -> Iterator[Bare]:
     try:
         if not ours.poll(PATIENCE):
             raise InputError(f"the loop did not start within {PATIENCE:g} s, expected less")
-        yield Bare(Granted.from_dict(ours.recv()), times, totals)
+        yield Bare(int(child.pid or 0), Granted.from_dict(ours.recv()), times, totals)
     finally:
         ours.close()  # which ends it
         child.join(10)
@@ -117,6 +123,7 @@ def _run_bare(name: str, period_ns: int, real_time: RealTime, parent: Connection
 class Engine:
     """See `Loop`: the engine of a live skin."""
 
+    pid: int
     granted: Granted
     reader: "RingReader"
 
@@ -193,12 +200,25 @@ def engine_settings(
 
 def _engine(stack: ExitStack, settings: "LiveSettings", begin: Callable[[], object]) -> Engine:
     """Start it; `begin` is called when it has its baseline."""
-    from skinfield.live.notes import read_notes
     from skinfield.live.supervisor import Supervisor
 
     supervisor = stack.enter_context(Supervisor(settings))
     reader = supervisor.wait(PATIENCE)
     stack.callback(reader.close)
     begin()
-    notes = read_notes(reader.status["notes"]) or {}
-    return Engine(Granted.from_dict(notes["granted"]), reader)
+    return Engine(reader.pid, _granted(reader), reader)
+
+
+def _granted(reader: "RingReader") -> Granted:
+    """From the engine's notes, which it may be writing just now."""
+    from skinfield.live.notes import read_notes
+
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        notes = read_notes(reader.status["notes"])
+        if notes is not None and "granted" in notes:
+            return Granted.from_dict(notes["granted"])
+        time.sleep(0.02)
+    raise InputError(
+        "the engine runs and does not say what was granted to it, expected that it did"
+    )

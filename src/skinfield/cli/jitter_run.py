@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -106,6 +107,9 @@ class Jitter:
     no_pair : str
         Why there is none.
     company : Company
+    faults, interruptions : int or None
+        Page faults of the loop's process, and times that it had to give its CPU away; None where
+        the system does not tell.
     late, paired_late : pairs of arrays (B,)
         Time (s) and share of wakes that were later: of the loop, and of cyclictest if there is one.
     """
@@ -116,6 +120,8 @@ class Jitter:
     paired: Quantiles | None
     no_pair: str
     company: Company
+    faults: int | None
+    interruptions: int | None
     late: tuple[Floats, Floats]
     paired_late: tuple[Floats, Floats] | None
 
@@ -170,9 +176,9 @@ def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
     running, missing = _paired(settings, loop.granted)
     try:
         _sleep_until(second)
-        before, watch = loop.snapshot(), Watch()
+        before, watch, usage = loop.snapshot(), Watch(), _usage(loop.pid)
         _sleep_until(second + settings.seconds)
-        after, company = loop.snapshot(), watch.company()
+        after, company, used = loop.snapshot(), watch.company(), _usage(loop.pid)
         lateness = None if running is None else running.finish()
     except InputError as error:
         lateness, missing = None, str(error)
@@ -189,9 +195,23 @@ def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
         None if lateness is None else lateness.quantiles(),
         missing,
         company,
+        None if usage is None or used is None else used[0] - usage[0],
+        None if usage is None or used is None else used[1] - usage[1],
         _later(ends, wakes),
         None if lateness is None else lateness.later(),
     )
+
+
+def _usage(pid: int) -> tuple[int, int] | None:
+    """Page faults and involuntary switches of a process so far, by Linux; else unknown."""
+    folder = Path("/proc") / str(pid)
+    try:
+        fields = (folder / "stat").read_text().rpartition(")")[2].split()
+        status = (folder / "status").read_text().splitlines()
+        switches = next(line for line in status if line.startswith("nonvoluntary_ctxt_switches"))
+        return int(fields[7]) + int(fields[9]), int(switches.split()[1])
+    except (OSError, ValueError, IndexError, StopIteration):
+        return None
 
 
 def _later(ends: Floats, counts: Floats) -> tuple[Floats, Floats]:
