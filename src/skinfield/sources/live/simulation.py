@@ -66,7 +66,7 @@ def pressed(
     *,
     force: float = 3.0,
     period: float = 4.0,
-    rest: float = 2.0,
+    rest: float = 6.0,
     rate: float = 50.0,
     seed: int = 0,
 ) -> SimulationSource:
