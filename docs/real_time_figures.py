@@ -96,7 +96,10 @@ def main(seconds: float = 60.0) -> None:
     )
     save(figure, DOCS / "images" / "lateness.png")
     page = DOCS / "real-time.md"
-    said = f"{seconds:g} s each at 1 kHz beside two busy processes, all on one CPU; {counts(found)}"
+    said = (
+        f"{seconds:g} s each at 1 kHz beside two busy processes, cyclictest on the same CPU; "
+        f"{counts(found)}; load of the machine before: {found['engine'].company.load:.1f}"
+    )
     text = f"{table(found)}\n\n{said}. {foot}."
     page.write_text(put(page.read_text(encoding="utf-8"), "jitter", text), encoding="utf-8")
     say_notes({each.no_pair for each in found.values() if each.no_pair})
