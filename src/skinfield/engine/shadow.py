@@ -5,9 +5,10 @@ itself. The double runs the same code over the same prepared arrays, and answers
 """
 
 from copy import copy
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.engine.clockwork import Clockwork
 from skinfield.engine.cost import CostModel
@@ -43,12 +44,39 @@ class Shadow:
         flat: Floats = np.concatenate([touch[name] for name in engine.names])
         self._readings = [change * flat for change in CHANGES]
         self._valid = np.ones(len(flat), np.bool_)
-        self._next = 0
+        self._next, self._engine = 0, engine
+        self._octets = [each.reshape(-1).view(np.uint8) for each in _arrays_of(engine._work)]
 
     def run(self, budget: float | None) -> None:
-        """Answer a rehearsed cycle."""
+        """Answer a rehearsed cycle, then touch what the engine itself will need."""
         self._next = (self._next + 1) % len(self._readings)
         self._double.run(self._readings[self._next], self._valid, budget=budget)
+        work = self._engine._work
+        for octets in self._octets:
+            work.kernel.touch(octets)
+        used = [last for group in work.groups for last in group._last if last is not None]
+        for each in (self._engine, work, work.state, work.intake, work.times, *used):
+            if hasattr(each, "__dict__"):
+                list(vars(each).values())  # counting references touches objects
+        for last in used:
+            for room in getattr(last, "rooms", ()):
+                work.kernel.touch(room)
+
+
+def _arrays_of(work: Clockwork) -> list[NDArray[Any]]:
+    """Small arrays of all patches."""
+    state, intake = work.state, work.intake
+    return [
+        state.integers,
+        state.numbers,
+        state.age,
+        intake.given,
+        intake.straight,
+        intake.linear,
+        intake.white,
+        work.times.both,
+        work.planned,
+    ]
 
 
 def _double_of(work: Clockwork) -> Clockwork:

@@ -101,6 +101,8 @@ class NonNegativeOperator:
         That of the last answer.
     deadline_met : bool
         Whether the last answer was there in time.
+    rooms : tuple of uint8 arrays
+        What it works in, to be touched so that a processor has it at hand.
     """
 
     problem: "Problem"
@@ -117,6 +119,7 @@ class NonNegativeOperator:
         room = room_for(nodes, width, self.problem.rows.dtype)
         self._memory = memory_in(nodes, width, room)
         self._packed, self._answer = packed(self.problem, room), answer
+        self.rooms = tuple(each.view(np.uint8) for each in room)
         self._readings = np.zeros(self.taxels)
 
     @property
