@@ -47,6 +47,8 @@ def recover(bad: Path, output: Path, overwrite: bool) -> None:
         + (f": {counts}" if counts else ""),
         highlight=False,
     )
+    if not found.was_whole and not found.dropped_bytes and not found.damage:
+        out.print(f"{bad} had no end; nothing had to be left out", highlight=False)
     if found.dropped_bytes:
         what = ", the beginning of a chunk that was never finished" if found.chunk_was_cut else ""
         out.print(

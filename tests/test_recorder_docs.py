@@ -1,0 +1,50 @@
+"""The page's programs, run on a recording."""
+
+import re
+import uuid
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorder_ring import FakeEngine
+
+from skinfield.live.recorder import Recorder
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import forget_state
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"
+PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    name = f"docs{uuid.uuid4().hex[:12]}"
+    folder = tmp_path_factory.mktemp("docs")
+    engine = FakeEngine(name)
+    recorder = Recorder(RecorderSettings(name=name, path=folder / "touch.mcap"))
+    for _ in range(30):
+        engine.cycle()
+    recorder.close()
+    engine.close()
+    forget_state(name)
+    return folder, engine
+
+
+def test_mcap_alone_is_enough(recorded, monkeypatch):
+    folder, engine = recorded
+    monkeypatch.chdir(folder)
+    assert "skinfield" not in PROGRAMS[0].replace("/skin/", "")
+    found: dict[str, object] = {}
+    exec(compile(PROGRAMS[0], "recorder.md", "exec"), found)
+    np.testing.assert_array_equal([values for _, _, values in found["readings"]], engine.counts)
+    assert found["log"] == b"".join(engine.written)
+    assert len(found["forces"]) == 30
+
+
+def test_with_skinfield(recorded, monkeypatch):
+    folder, engine = recorded
+    monkeypatch.chdir(folder)
+    found: dict[str, object] = {}
+    exec(compile(PROGRAMS[1], "recorder.md", "exec"), found)
+    np.testing.assert_array_equal(found["counts"].counts, engine.counts)
+    assert found["step"].data == engine.written[-1]
