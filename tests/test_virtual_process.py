@@ -208,8 +208,8 @@ def test_settings_that_cannot_be_used_are_said_where_it_was_started():
 
 def test_the_command_says_what_it_sent(tmp_path):
     truth = tmp_path / "truth.jsonl"
-    words = ["emulate", "--hardware", "packet", "--channel", "127.0.0.1:9", "--duration", "0.5"]
-    words += ["--rate", "100", "--unplug", "1@0.1s", "--truth", str(truth), "--json"]
+    words = ["emulate", "--hardware", "packet", "--channel", "127.0.0.1:9", "--duration", "1.5"]
+    words += ["--rate", "100", "--unplug", "1@1ms", "--truth", str(truth), "--json"]
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
     said = json.loads(result.stdout.splitlines()[-1])

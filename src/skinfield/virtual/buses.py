@@ -2,25 +2,9 @@
 
 from skinfield.errors import InputError
 from skinfield.sources.buses import Bus, BusSettings
+from skinfield.sources.buses.settings import GROUP
+from skinfield.sources.live.places import host_and_port
 from skinfield.virtual.settings import VirtualSettings
-
-HIGHEST = 65535  # port
-
-
-def host_and_port(text: str, default: tuple[str, int]) -> tuple[str, int]:
-    """Host and port from ``"127.0.0.1:5000"``, ``"[::1]:5000"``, ``"127.0.0.1"`` or ``":0"``.
-
-    Raises
-    ------
-    InputError
-        If the port is none.
-    """
-    host, colon, port = text.rpartition(":")
-    if not colon or ("]" in port) or (host.count(":") and not host.startswith("[")):
-        host, port = text, ""
-    if port and not (port.isdecimal() and int(port) <= HIGHEST):
-        raise InputError(f"port of {text!r} is {port!r}, expected a number from 0 to {HIGHEST}")
-    return host.strip("[]") or default[0], int(port) if port else default[1]
 
 
 def bus_settings(settings: VirtualSettings, count: int) -> list[BusSettings]:
@@ -43,10 +27,11 @@ def bus_settings(settings: VirtualSettings, count: int) -> list[BusSettings]:
 def _bus(interface: str, channel: str, number: int) -> BusSettings:
     if interface == "udp_multicast":
         usual = BusSettings()
-        host, port = host_and_port(channel, (usual.channel, usual.port + number))
-        return BusSettings(interface=interface, channel=host, port=port)
+        place, _, local = channel.partition("@")
+        group, port = host_and_port(place, GROUP, usual.port + number)
+        return BusSettings(interface=interface, channel=group, port=port, local=local)
     if interface == "udp":
-        host, port = host_and_port(channel, ("127.0.0.1", 0))
+        host, port = host_and_port(channel, "127.0.0.1", 0)
         return BusSettings(interface=interface, channel=host, port=port)
     usual_channel = f"can{number}" if interface == "socketcan" else ""
     return BusSettings(interface=interface, channel=channel or usual_channel)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.virtual.buses import host_and_port
+from skinfield.sources.live.places import host_and_port
 
 LONGEST = 4096  # bytes of a command
 ANSWER = 60_000  # bytes of an answer: one datagram
@@ -77,7 +77,7 @@ class Control:
     """
 
     def __init__(self, address: str, commands: Mapping[str, Command]) -> None:
-        place = host_and_port(address, ("127.0.0.1", 0))
+        place = host_and_port(address, "127.0.0.1", 0)
         self._commands = commands
         family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
         self._socket = socket.socket(family, socket.SOCK_DGRAM)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from skinfield.errors import FileError, InputError
-from skinfield.virtual.buses import host_and_port
+from skinfield.sources.live.places import host_and_port
 from skinfield.virtual.settings import VirtualSettings
 
 UDP_PORT, TCP_PORT = 43210, 43211  # at which `sources.live` listens and asks
@@ -86,9 +86,9 @@ class UdpLink:
         word, _, rest = channel.partition(":")
         try:
             if word == LISTEN:
-                self._socket.bind(host_and_port(rest, ("127.0.0.1", 0)))
+                self._socket.bind(host_and_port(rest, "127.0.0.1", 0))
             else:
-                self._peer = host_and_port(channel, ("127.0.0.1", UDP_PORT))
+                self._peer = host_and_port(channel, "127.0.0.1", UDP_PORT)
                 local = "127.0.0.1" if self._peer[0] in ("127.0.0.1", "localhost") else ""
                 self._socket.bind((local, 0))
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
@@ -170,7 +170,7 @@ class TcpLink(_Bytes):
         self._client: socket.socket | None = None
         try:
             self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            self._server.bind(host_and_port(channel, ("127.0.0.1", TCP_PORT)))
+            self._server.bind(host_and_port(channel, "127.0.0.1", TCP_PORT))
             self._server.listen(1)
             self._server.setblocking(False)
         except BaseException:

@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import Any
 
 from skinfield.errors import InputError
-from skinfield.virtual.buses import host_and_port
+from skinfield.sources.live.places import host_and_port
 from skinfield.virtual.settings import VirtualSettings
 from skinfield.virtual.tool import FINGER
 
@@ -111,7 +111,7 @@ class VirtualProcess:
         self._tag = 0
         self._socket: socket.socket | None = None
         if said.get("control"):
-            place = host_and_port(said["control"], ("127.0.0.1", 0))
+            place = host_and_port(said["control"], "127.0.0.1", 0)
             family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
             self._socket = socket.socket(family, socket.SOCK_DGRAM)
             self._socket.connect(place)

@@ -102,7 +102,7 @@ class VirtualSkin:
             Called about once a second, to show what happens.
         """
         watched = set(watch)
-        told = time.monotonic()
+        begun = told = time.monotonic()
         self.notes += ask_for_priority(self.settings.priority)
         while not self._ended:
             if self._wait(watched) & watched:
@@ -113,7 +113,7 @@ class VirtualSkin:
                 told = time.monotonic()
                 each_second(self)
             duration = self.settings.duration
-            if duration is not None and now_ns - self.started_ns >= duration * SECOND:
+            if duration is not None and time.monotonic() - begun >= duration:
                 break
 
     def _wait(self, watched: set[int]) -> set[int]:
