@@ -203,6 +203,20 @@ def test_a_source_that_was_opened_again_is_watched(waiter) -> None:
             os.close(end)
 
 
+def test_descriptors_of_a_function_are_asked_for_again(
+    waiter, pipe, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(events, "AGAIN_NS", 0)
+    there: list[int] = []
+    wait = waiter(lambda: there, longest_ms=1)
+    os.write(pipe[1], b"x")
+    wait.wait()
+    there.append(pipe[0])
+    due, wake = wait.wait()
+    assert due == wake
+    assert wait._watched == (pipe[0],)
+
+
 def test_waiting_leaves_no_memory_behind(pipe) -> None:
     os.write(pipe[1], b"x")
     event = EventWaiter([pipe[0]], longest_ns=MS, shortest_ns=0)

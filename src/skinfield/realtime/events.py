@@ -3,13 +3,14 @@
 import select
 import selectors
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 
 from skinfield.errors import check_count
 from skinfield.realtime.clock import Sleeper
 
 NS = 1e-9
+AGAIN_NS = 1_000_000_000  # between two looks at which descriptors there are
 REST = 10  # a rest after each cycle is one of so many parts of its time
 
 
@@ -24,8 +25,9 @@ class EventWaiter:
 
     Parameters
     ----------
-    filenos : iterable of int
-        Descriptors that readings arrive at.
+    filenos : iterable of int, or function that returns one
+        Descriptors that readings arrive at. A function is asked again once a second, for sources
+        that are opened anew.
     longest_ns : int, ns
         After the cycle before, when a cycle begins though nothing came; to a millisecond.
     shortest_ns : int, ns
@@ -40,7 +42,10 @@ class EventWaiter:
     skipped = 0
 
     def __init__(
-        self, filenos: Iterable[int], longest_ns: int = 10_000_000, shortest_ns: int = 200_000
+        self,
+        filenos: Iterable[int] | Callable[[], Iterable[int]],
+        longest_ns: int = 10_000_000,
+        shortest_ns: int = 200_000,
     ) -> None:
         check_count("longest_ns", longest_ns, 1000, 1 << 40, "longest time between cycles in ns")
         check_count("shortest_ns", shortest_ns, 0, longest_ns, "shortest time between cycles in ns")
@@ -48,8 +53,9 @@ class EventWaiter:
         self._sleeper = Sleeper()
         self._poll = _EPoll() if hasattr(select, "epoll") else _AnyPoll()
         self._watched: tuple[int, ...] = ()
-        self._woke = time.monotonic_ns()
-        self.watch(filenos)
+        self._woke = self._asked = time.monotonic_ns()
+        self._ask = filenos if callable(filenos) else None
+        self.watch(filenos() if callable(filenos) else filenos)
 
     def watch(self, filenos: Iterable[int]) -> None:
         """Wait for these descriptors from now on: after a source was opened again."""
@@ -72,6 +78,9 @@ class EventWaiter:
         """
         due = self._woke + self.longest_ns
         now = time.monotonic_ns()
+        if self._ask is not None and now - self._asked > AGAIN_NS:
+            self._asked = now
+            self.watch(self._ask())
         rested = now + (now - self._woke) // REST
         self._sleeper.sleep_until(max(self._woke + self.shortest_ns, rested))
         arrived = self._poll.wait((due - time.monotonic_ns()) * NS)
