@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from skinfield.acquisition.block import Octets, Words
 from skinfield.errors import Ints
 from skinfield.protocols.cyskin.checksum_kernel import is_summed
+from skinfield.protocols.cyskin.copies_kernel import drop_copies, is_copy
 from skinfield.protocols.cyskin.runs_kernel import put_pairs, words_of_runs
 
 RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as `Count`
@@ -158,43 +159,6 @@ def assemble(
 
 
 @njit(cache=True, nogil=True)
-def is_copy(
-    packet: Octets, so_far: int, done: int, part: int, data: Octets, message: int, length: int
-) -> bool:
-    """Whether a first or last message is the one before it, once more."""
-    if part == FIRST and so_far == length:
-        at = 0
-    elif part == LAST and so_far == IDLE and done > 8 and length == ((done - 1) & 7) + 1:
-        at = done - length
-    else:
-        return False
-    same = True
-    for k in range(length):
-        same = same and packet[at + k] == data[message, k]
-    return same
-
-
-@njit(cache=True, nogil=True)
-def drop_copy(packet: Octets, length: int, tail: int, check: Table, table: Table) -> bool:
-    """Take out eight octets that repeat those before, where the checksum is right without them."""
-    for at in range(8, length - 8, 8):
-        same = True
-        for k in range(8):
-            same = same and packet[at + k] == packet[at + k - 8]
-        if not same:
-            continue
-        for k in range(at, length - 8):
-            packet[k] = packet[k + 8]
-        if is_summed(packet, 0, length - 8 - tail, check, table):
-            return True
-        for k in range(length - 9, at - 1, -1):
-            packet[k + 8] = packet[k]
-        for k in range(8):
-            packet[at + k] = packet[at + k - 8]
-    return False
-
-
-@njit(cache=True, nogil=True)
 def missing(packet: Octets, so_far: int) -> int:
     """Messages that a packet still lacks, by the size that it states; at least 1."""
     if so_far < 2:
@@ -238,8 +202,9 @@ def take_packet(
     if stated > length:
         counters[LOST] += (stated - length + 7) >> 3
         return
-    if stated == length - 8 and drop_copy(packet, length, tail, check, table):
-        counters[DUPLICATED] += 1
+    extra = length - stated
+    if extra > 0 and extra & 7 == 0 and drop_copies(packet, length, stated, tail, check, table):
+        counters[DUPLICATED] += extra >> 3
         length = stated
     if stated < length or not is_summed(packet, 0, length - tail, check, table):
         counters[MALFORMED] += 1
