@@ -128,11 +128,10 @@ def test_sources_that_come_and_go_are_told(engine, tmp_path):
     engine.cycle(extra=each)
     recorder.close()
     events = list(LiveRecording.open(path).events())
-    assert [event["kind"] for event in events[1:-1]] == [
-        "source_down", "messages_lost", "source_up"
-    ]  # fmt: skip
-    assert events[2]["messages"] == 7
-    assert events[2]["text"] == "NoSource: 7 messages were lost"
+    kinds = [event["kind"] for event in events[1:-1]]
+    assert kinds == ["source_down", "source_up", "messages_lost"]
+    assert events[3]["messages"] == 7
+    assert events[3]["text"] == "NoSource: 7 messages were lost"
 
 
 def test_an_engine_that_is_started_again(engine, tmp_path):

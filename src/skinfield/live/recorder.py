@@ -127,6 +127,7 @@ class Recorder:
         if time.monotonic() < self._next:
             return
         self._next += SECOND
+        self._drain.tell_lost()
         self._watch.look()
         self.state = self._state()
         self.state.write(self.settings.name)
@@ -139,6 +140,7 @@ class Recorder:
     def close(self) -> RecorderState:
         """Take what is left, finish the file, and tell how it went."""
         self._drain.take()
+        self._drain.tell_lost()
         self._watch.look()
         text = f"the recording ends: {self._ended or 'closed'}"
         self._queue.tell(Told(time.time_ns(), "recording_ended", text, self._totals()))

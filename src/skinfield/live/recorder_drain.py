@@ -1,6 +1,7 @@
 """Takes everything new out of a ring, and counts what it came too late for."""
 
 import time
+from collections import Counter
 
 from skinfield.acquisition.block import Kind
 from skinfield.acquisition.recorded import CycleLayout
@@ -52,6 +53,7 @@ class Drain:
         self.bytes_read = self.cycles = self.overrun_bytes = self.overrun_cycles = 0
         queue.put(Entry(time.time_ns(), self._log.position, b""))
         self._first = self._log.position
+        self._lost: Counter[int] = Counter()
 
     def take(self) -> None:
         """Take all that is new."""
@@ -106,16 +108,23 @@ class Drain:
 
     def _tell_sources(self, data: bytes) -> None:
         for stamp, source, kind, number in told_in(data):
-            name = self._sources[source] if source < len(self._sources) else f"source {source}"
-            values: dict[str, object] = {"source": source}
             if kind == Kind.LOST:
-                values["messages"] = number
-                told = Told(stamp, "messages_lost", f"{name}: {number} messages were lost", values)
-            elif number:
-                told = Told(stamp, "source_up", f"{name} is connected", values)
-            else:
-                told = Told(stamp, "source_down", f"{name} is gone", values)
-            self._queue.tell(told)
+                self._lost[source] += number
+                continue
+            text = f"{self._name(source)} is {'connected' if number else 'gone'}"
+            what = "source_up" if number else "source_down"
+            self._queue.tell(Told(stamp, what, text, {"source": source}))
+
+    def tell_lost(self) -> None:
+        """Tell of the messages that were lost since the last call; a bad bus loses many."""
+        for source, number in self._lost.items():
+            text = f"{self._name(source)}: {number} messages were lost"
+            values: dict[str, object] = {"source": source, "messages": number}
+            self._queue.tell(Told(time.time_ns(), "messages_lost", text, values))
+        self._lost.clear()
+
+    def _name(self, source: int) -> str:
+        return self._sources[source] if source < len(self._sources) else f"source {source}"
 
     def _restarted(self) -> None:
         before, self.generation = self.generation, self._reader.generation

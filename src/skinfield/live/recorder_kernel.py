@@ -38,10 +38,10 @@ def find_told(words: Words, found: Words) -> int:
     return count
 
 
-def told_in(data: bytes, most: int = 256) -> list[tuple[int, int, int, int]]:
-    """Stamp, source, kind and number of each block of SOURCE and LOST, up to `most`."""
+def told_in(data: bytes) -> list[tuple[int, int, int, int]]:
+    """Stamp, source, kind and number of each block of SOURCE and LOST."""
     words = np.frombuffer(data, "<i8", len(data) // 8)
-    found = np.zeros(most, np.int64)
+    found = np.zeros(len(words) // (HEADER_WORDS + 1), np.int64)
     places = found[: find_told(words, found)]
     return [
         (int(words[at]), int(words[at + 1] & 0xFFFFFFFF), int(words[at + 1] >> 48 & 0xFF),

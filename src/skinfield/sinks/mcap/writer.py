@@ -221,6 +221,7 @@ class RecordingWriter:
     def _add(self, channel: int, time_ns: int, *parts: Bytes) -> None:
         if not self.open:
             raise InputError(f"{self.path} is closed, expected an open recording")
+        check_count("time_ns", time_ns, 0, (1 << 63) - 1, "ns since the epoch")
         number = self._numbers[channel]
         self._numbers[channel] = number + 1
         try:
