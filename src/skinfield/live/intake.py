@@ -99,6 +99,12 @@ class Member:
         self.retry.came_back(now_ns)
         blocks.put_number(now_ns, self.index, Kind.SOURCE, 1)
 
+    def go_on_from(self, row: Ints) -> None:
+        """Count on in this array, from what stands there."""
+        self._before += row
+        row += self.counters
+        self.counters = row
+
     @property
     def up(self) -> bool:
         """Whether it is connected, as far as is known."""
@@ -138,10 +144,9 @@ class Intake:
         self.damaged = 0
 
     def count_in(self, table: Ints) -> None:
-        """Count in the rows of an array (S, len(Count)) from now on."""
+        """Count on in the rows of an array (S, len(Count)): beyond what an engine before counted."""
         for member, row in zip(self.members, table, strict=True):
-            row[:] = member.counters
-            member.counters = row
+            member.go_on_from(row)
 
     def poll(self, now_ns: int) -> int:
         """Take in what has arrived from all sources; how many messages. Never waits."""

@@ -18,6 +18,7 @@ from skinfield.live.slots import Head, Slot
 from skinfield.realtime import Timing
 from skinfield.ring import RingReader, State
 
+SILENT = 3.0  # s without a word of a recorder, after which something is wrong
 Array = NDArray[Any]
 
 
@@ -221,9 +222,13 @@ def _plain(value: Any) -> Any:
 def _beside(name: str, what: str) -> Any:
     path: Path = beside(name, what)
     try:
-        return json.loads(path.read_text())
+        told = json.loads(path.read_text())
     except (OSError, ValueError):
         return None
+    if isinstance(told, dict) and "told_ns" in told:  # every second, as long as it lives
+        age = (time.time_ns() - int(told["told_ns"])) * 1e-9
+        told["silent"] = bool(age > SILENT and not told.get("finished"))
+    return told
 
 
 def _memory(pid: int) -> dict[str, int]:
