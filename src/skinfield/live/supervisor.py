@@ -53,6 +53,11 @@ class EngineFailed(InputError):
     """An engine that could not even start."""
 
 
+def nameless_file() -> IO[bytes]:
+    """For what an engine says; it goes with its last reader."""
+    return tempfile.TemporaryFile()
+
+
 @dataclass(eq=False)
 class Supervisor:
     """Runs the engine of a live skin as long as the `with` block lasts.
@@ -101,7 +106,9 @@ class Supervisor:
         self.stop()
 
     def _start(self) -> None:
-        self._said = tempfile.TemporaryFile()
+        if self._said is not None:
+            self._said.close()
+        self._said = nameless_file()
         self._child = subprocess.Popen(
             [sys.executable, "-m", "skinfield.live.engine_process"],
             stdin=subprocess.PIPE,
