@@ -144,7 +144,7 @@ class Intake:
         self.damaged = 0
 
     def count_in(self, table: Ints) -> None:
-        """Count on in the rows of an array (S, len(Count)), which an engine before may have filled."""
+        """Count on in the rows of an array (S, len(Count)), as an engine before left it."""
         for member, row in zip(self.members, table, strict=True):
             member.go_on_from(row)
 
