@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from skinfield.acquisition import Port, Stream
 from skinfield.acquisition.block import WORD, Words
-from skinfield.errors import FileError, InputError, as_floats, check_positive
+from skinfield.errors import FileError, InputError, as_floats, check_range
 from skinfield.layout import Patch, Skin
 from skinfield.reading import UNITS, Recording
 from skinfield.sources.live.table import ALL_AT_ONCE, TableStream
@@ -19,6 +19,7 @@ from skinfield.sources.live.tape import TapeStream
 if TYPE_CHECKING:
     from skinfield.sources.recordings.mcap_live import LiveRecording
 
+SLOWEST = 0.01
 MCAP = b"\x89MCAP0\r\n"
 
 
@@ -52,7 +53,7 @@ class ReplaySource:
 
     def __post_init__(self) -> None:
         if self.speed != ALL_AT_ONCE:
-            check_positive("speed", self.speed, "times real time, or infinite")
+            check_range("speed", self.speed, SLOWEST, 1e9, "times real time, or infinite")
         object.__setattr__(self, "ports", tuple(self.ports))
 
     def open(self) -> Stream:

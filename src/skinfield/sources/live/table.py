@@ -10,6 +10,7 @@ from skinfield.acquisition import Blocks, Count, Kind, Port, Status, counters
 from skinfield.acquisition.block import LONGEST, Octets
 from skinfield.errors import Floats, InputError, Ints, check_shape
 
+LONGEST_NS = 1 << 61  # that stamps can be added to
 ALL_AT_ONCE = float("inf")  # speed at which each poll brings the next reading
 
 

@@ -6,7 +6,7 @@ from skinfield.acquisition.block import Words
 from skinfield.acquisition.kernel import HEADER_WORDS, STATUS, payload_words
 from skinfield.errors import Ints
 
-BROKEN = -1
+SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64 bits
 
 
 @njit(cache=True, nogil=True)
@@ -16,7 +16,8 @@ def survey(words: Words, highest: Ints) -> int:
     Returns
     -------
     int
-        Less than there are words, if something there is no block.
+        Less than there are words, if something there is no block, or more than `SPAN` off the
+        first one's stamp.
     """
     at = 0
     while at + HEADER_WORDS <= len(words):
@@ -24,6 +25,8 @@ def survey(words: Words, highest: Ints) -> int:
         first, count, kind = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF, (head >> 48) & 0xFF
         size = payload_words(kind, count)
         if size < 0 or at + HEADER_WORDS + size > len(words):
+            break
+        if words[at] < 0 or words[0] < 0 or abs(words[at] - words[0]) > SPAN:
             break
         if kind <= STATUS:
             highest[0] = max(highest[0], first + count)
