@@ -117,6 +117,7 @@ class SensorOrder:
         self._uids: Words32 = np.zeros(0, np.uint32)
         self._take: Ints = np.zeros(0, np.int64)
         self._runs: Ints = np.zeros(0, np.int64)
+        self._long: Words32 = np.zeros(0, np.uint32)
         self._shorts: NDArray[np.uint16] = np.zeros(0, np.uint16)
 
     def follow(self, uids: Words32) -> None:
@@ -130,6 +131,7 @@ class SensorOrder:
         _, first = np.unique(channels, return_index=True)  # sorts, and of twins takes the first
         self._take = np.flatnonzero(found)[first]
         self._runs = channels[first]
+        self._long = np.zeros(len(first), np.uint32)
         self._shorts = np.zeros(len(first), np.uint16)
         self.unknown = len(uids) - len(first)
 
@@ -139,7 +141,10 @@ class SensorOrder:
         """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
         from skinfield.protocols.cyskin.runs_kernel import put_pairs
 
-        self._shorts[:] = responses[self._take]
+        np.take(
+            responses, self._take, out=self._long, mode="clip"
+        )  # which needs no room of its own
+        self._shorts[:] = self._long
         return bool(
             put_pairs(
                 blocks.words, blocks.octets, blocks.end, now_ns, channel, self._runs, 0,
