@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from test_readme import follow
 from virtual_host import LONG, START, Host, bytes_by_channel
 
 from skinfield.acquisition import Blocks, Channels, Count
@@ -251,3 +252,10 @@ def test_what_the_command_cannot_use_is_said(words, said):
     result = CliRunner().invoke(main, ["emulate", "--bus", "udp", *words])
     assert result.exit_code == 2
     assert said in " ".join(result.output.split())
+
+
+def test_the_page_runs_from_top_to_bottom(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = Path(__file__).resolve().parents[1] / "docs" / "virtual-skin.md"
+    assert follow(page) == (1, 1)
+    assert Path("truth.jsonl").read_text()

@@ -178,7 +178,8 @@ def emulate(**options: Any) -> None:
 
     settings = _settings(options)
     skin = VirtualSkin(settings)
-    for name in (signal.SIGINT, signal.SIGTERM):
+    before = {name: signal.getsignal(name) for name in (signal.SIGINT, signal.SIGTERM)}
+    for name in before:
         signal.signal(name, lambda *_: skin.stop())
     shown = Console(stderr=True)
     try:
@@ -188,6 +189,8 @@ def emulate(**options: Any) -> None:
     finally:
         counts = {**skin.description(), **skin.counts()}
         skin.close()
+        for name, handler in before.items():
+            signal.signal(name, handler)
     if options["as_json"]:
         click.echo(json.dumps(counts))
     else:
