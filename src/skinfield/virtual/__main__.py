@@ -27,15 +27,22 @@ def main() -> int:
     for name in (signal.SIGTERM, signal.SIGINT):
         signal.signal(name, lambda *_: skin.stop())
     _say({"ready": True, "pid": os.getpid(), **skin.description()})
+    parent = os.getppid()
     gc.collect()
     gc.freeze()
     try:
-        skin.run(watch=[sys.stdin.fileno()])
+        skin.run(watch=[sys.stdin.fileno()], each_second=lambda each: stop_if_alone(each, parent))
     finally:
         counts = skin.counts()
         skin.close()
         _say({"counts": counts})
     return 0
+
+
+def stop_if_alone(skin: VirtualSkin, parent: int) -> None:
+    """Stop once the parent is gone, even if a process that it forked keeps the pipe open."""
+    if os.getppid() != parent:
+        skin.stop()
 
 
 def _say(what: dict[str, Any]) -> None:
