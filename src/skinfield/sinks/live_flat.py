@@ -15,7 +15,7 @@ from skinfield.sinks.live_tables import Exported, LiveExport, Rows, flat_columns
 from skinfield.sinks.pending import explained, pending
 
 Column = tuple[str, np.dtype[Any]]
-HELD = 1 << 22  # bytes of a group of rows of Parquet
+HELD = 1 << 25  # bytes of a group of rows of Parquet
 
 
 class FlatFile(ABC):
@@ -55,7 +55,7 @@ class FlatFile(ABC):
 
     def discard(self) -> None:
         """Remove it."""
-        with suppress(OSError, ValueError):
+        with suppress(OSError, ValueError, SkinfieldError):
             self.end()
         self.place.discard()
 
@@ -102,7 +102,8 @@ class ParquetFile(FlatFile):
             [(name, pyarrow.from_numpy_dtype(kind)) for name, kind in self.columns],
             metadata=notes,
         )
-        self._schema = schema
+        self._schema, self._bytes = schema, 0
+        self._held: list[Any] = []
         self._writer = parquet.ParquetWriter(self.place.part, schema, compression="zstd")
 
     def add(self, values: list[NDArray[Any] | None], count: int) -> None:
@@ -114,12 +115,22 @@ class ParquetFile(FlatFile):
             else arrow.array(value, field.type, mask=_missing(value))
             for value, field in zip(values, self._schema, strict=True)
         ]
-        with explained(self.place.target):
-            self._writer.write_table(arrow.table(columns, schema=self._schema))
+        self._held.append(arrow.table(columns, schema=self._schema))
+        self._bytes += self._held[-1].nbytes
+        if self._bytes >= HELD:
+            self._write()
 
     def end(self) -> None:
         """See `FlatFile`."""
+        self._write()
         self._writer.close()
+
+    def _write(self) -> None:
+        """One group of rows: many small ones of many columns would take long, and much memory."""
+        held, self._held, self._bytes = self._held, [], 0
+        if held:
+            with explained(self.place.target):
+                self._writer.write_table(self._arrow.concat_tables(held).combine_chunks())
 
 
 class FlatExport(LiveExport):
