@@ -76,11 +76,13 @@ SEEDS = [
     for finish in (True, False)
 ]
 
+BEGINNING = MAGIC + sample(NoCompression(), finish=False)
+
 
 def one_input(data: bytes) -> None:
     """Take the bytes for the records of a file, then for a chunk of messages in a good one."""
     check(MAGIC + data)
-    check(MAGIC + sample(NoCompression(), finish=False) + chunk_of(data))
+    check(BEGINNING + chunk_of(data))
 
 
 def chunk_of(data: bytes) -> bytes:
@@ -120,6 +122,3 @@ def read(path: Path) -> None:
         assert step.missing >= 0
     summary_of(found)
     collected_live(stream_of(found))
-
-
-INTERPRETED = False
