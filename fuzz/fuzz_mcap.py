@@ -1,8 +1,7 @@
 """Recordings as MCAP files: any bytes are read, or refused, and what is recovered is whole."""
 
-import atexit
 import contextlib
-import shutil
+import os
 import struct
 import tempfile
 from pathlib import Path
@@ -23,9 +22,9 @@ from skinfield.sources.recordings.mcap_table import collected_live, stream_of
 
 ROWS = CycleLayout(np.dtype([("track", "<i8")]), np.dtype([("force", "<f8")]))
 PORTS = b'{"ports": [["a", 9, "count"]]}'
-SHARED = Path("/dev/shm")
-FOLDER = Path(tempfile.mkdtemp(dir=SHARED if SHARED.is_dir() else None))
-atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
+FOLDER = Path(tempfile.gettempdir()) / "skinfield-fuzz-mcap"
+FOLDER.mkdir(exist_ok=True)
+os.fdatasync = lambda _: None  # nothing here needs to outlast the machine
 
 
 class Kept:
@@ -100,7 +99,7 @@ def chunk_of(data: bytes) -> bytes:
 
 def check(data: bytes) -> None:
     """Read it by all ways; recover it, and have mcap read what came of it."""
-    bad, good = FOLDER / "bad.mcap", FOLDER / "good.mcap"
+    bad, good = (FOLDER / f"{os.getpid()}-{name}.mcap" for name in ("bad", "good"))
     bad.write_bytes(data)
     with contextlib.suppress(InputError):
         read(bad)
