@@ -11,9 +11,10 @@ from typing import Any
 import click
 from rich.console import Console
 
+from skinfield.cli.run_checks import check_given
 from skinfield.cli.run_options import (
+    NotYet,
     answer_options,
-    check_record,
     extra_settings,
     settings_from,
     source_options,
@@ -56,10 +57,15 @@ def run(**given: Any) -> None:
     Other programs get the estimates with `skinfield.connect()`, see docs/live.md. Ctrl-C ends all.
     """
     console = Console(stderr=True)
-    check_record(given["record"])
-    signal.signal(signal.SIGTERM, _interrupt)
+    check_given(given)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _interrupt)
     with ExitStack() as parts:
-        summary = _run(given, parts, console)
+        try:
+            summary = _run(given, parts, console)
+        finally:  # an impatient second Ctrl-C must not keep anything from ending
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, signal.SIG_IGN)
     if given["as_json"]:
         click.echo(json.dumps(summary))
 
@@ -82,6 +88,7 @@ def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str,
     handle = None
     with console.status("starting"):
         if hardware is None:
+            settings_from(given, skin, NotYet())  # refuses what it must before anything starts
             handle = parts.enter_context(virtual_skin(given))
             hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
         skin, extra = skin_for(hardware, skin), extra_settings(given["extra"])

@@ -1,7 +1,6 @@
 """Options of `skinfield run`, and the settings that they make."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -112,6 +111,14 @@ def extra_settings(texts: tuple[str, ...]) -> dict[str, str]:
     return found
 
 
+class NotYet:
+    """Stands for a source that is not there yet, while settings are checked."""
+
+    def open(self) -> Any:
+        """Nobody opens it."""
+        raise InputError("the source is not known yet")
+
+
 def settings_from(given: dict[str, Any], skin: Any, source: Any) -> Any:
     """`LiveSettings` of the options; the source is one of the live sources."""
     from skinfield.cli.options import layer_from_options
@@ -147,9 +154,3 @@ def board_of(hardware: str | None, no_load: int | None) -> Any:
     if no_load is not None:
         raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
     return CySkinCount() if hardware in ("cyskin", "shm") else None
-
-
-def check_record(path: Path | None) -> None:
-    """Refuse to write over a recording before anything is started."""
-    if path is not None and path.exists():
-        raise InputError(f"--record is {path}, which is there already, expected a new file")

@@ -1,5 +1,7 @@
 """The processes that `skinfield run` starts, and how they end."""
 
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -38,7 +40,8 @@ def recorder(name: str, path: Path | None) -> Iterator[None]:
     if path is None:
         yield
         return
-    child = subprocess.Popen([sys.executable, "-m", "skinfield.live.recorder", name, str(path)])
+    command = [sys.executable, "-m", "skinfield.live.recorder", name, str(path)]
+    child = subprocess.Popen([*command, "--parent", str(os.getpid())], process_group=0)
     try:
         yield
     finally:
@@ -49,7 +52,8 @@ def recorder(name: str, path: Path | None) -> Iterator[None]:
         except subprocess.TimeoutExpired:
             child.kill()
             code = child.wait()
-        if code:
+        unbegun = code == -signal.SIGTERM and not path.exists()  # told to end before it began
+        if code and not unbegun:
             raise InputError(
                 f"the recorder ended with status {code}: see what it said; "
                 f"`skinfield recover {path} -o GOOD.mcap` saves what is in the file"

@@ -4,8 +4,6 @@ It reads its settings from its standard input and answers until it is told to st
 it restarts it when it fails; the ring outlasts it.
 """
 
-import contextlib
-import ctypes
 import os
 import pickle
 import signal
@@ -23,6 +21,7 @@ from skinfield.live.control import Control
 from skinfield.live.cycle import Cycle
 from skinfield.live.intake import Intake
 from skinfield.live.notes import write_notes
+from skinfield.live.parent import end_with
 from skinfield.live.recipe import Recipe
 from skinfield.live.ring_fields import known_tare, open_ring, write_tare
 from skinfield.live.settings import LiveSettings
@@ -34,7 +33,6 @@ from skinfield.ring import State
 
 STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
 LISTEN = 8  # cycles from one look for orders to the next
-PARENT_DIED = 1  # PR_SET_PDEATHSIG of Linux
 REPORT_NS = 1_000_000_000  # between looks at what the sources have to say
 
 
@@ -230,10 +228,7 @@ class EngineProcess:
 
 def main() -> None:
     """Read the settings and run."""
-    with contextlib.suppress(AttributeError, OSError):
-        ctypes.CDLL(None).prctl(PARENT_DIED, signal.SIGTERM)
-    if os.getppid() == 1:
-        raise SystemExit("engine: whoever started it is gone")
+    end_with(int(sys.argv[1]) if len(sys.argv) > 1 else os.getppid())
     settings = pickle.load(sys.stdin.buffer)
     if not isinstance(settings, LiveSettings):
         raise InputError(f"settings are {type(settings).__name__}, expected LiveSettings")

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from skinfield.errors import SkinfieldError
+from skinfield.live.parent import end_with
 from skinfield.live.recorder_disk import Disk
 from skinfield.live.recorder_drain import Drain
 from skinfield.live.recorder_queue import Queue, Told
@@ -249,7 +250,10 @@ def main() -> None:
     parser.add_argument("name")
     parser.add_argument("path", type=Path)
     parser.add_argument("--seconds", type=float)
+    parser.add_argument("--parent", type=int, help="Process with which it ends.")
     given = parser.parse_args()
+    if given.parent is not None:
+        end_with(given.parent)
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())

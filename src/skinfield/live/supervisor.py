@@ -1,6 +1,7 @@
 """Keeps an engine running in its own process: starts it, watches it, starts it again."""
 
 import json
+import math
 import os
 import pickle
 import signal
@@ -17,11 +18,12 @@ from typing import IO, Self
 
 from skinfield.errors import InputError
 from skinfield.live.beside import beside
+from skinfield.live.control import address_of
 from skinfield.live.settings import LiveSettings
 from skinfield.ring import Ring, RingReader, State
 
 LOOK = 0.1  # s between looks
-HANGS = 3.0  # s without a sign of life, once it answers
+LIMITS = {State.RUNNING: 3.0, State.CALIBRATING: 60.0}  # s without a sign of life
 PAUSES = (0.1, 0.3, 1.0, 3.0)  # s before it is started again, the last for ever
 SETTLED = 30.0  # s after which a failure counts as the first one again
 TAIL = 4000  # characters of what it said last
@@ -93,8 +95,12 @@ class Supervisor:
         return beside(self.settings.name, "supervisor")
 
     def __enter__(self) -> Self:
-        self._start()
-        self._thread.start()
+        try:
+            self._start()
+            self._thread.start()
+        except BaseException:  # a Ctrl-C now must leave nothing behind
+            self.stop()
+            raise
         return self
 
     def __exit__(
@@ -110,10 +116,11 @@ class Supervisor:
             self._said.close()
         self._said = nameless_file()
         self._child = subprocess.Popen(
-            [sys.executable, "-m", "skinfield.live.engine_process"],
+            [sys.executable, "-m", "skinfield.live.engine_process", str(os.getpid())],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             stderr=self._said,
+            process_group=0,  # a terminal's Ctrl-C is meant for us: we end it
             env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         )
         assert self._child.stdin is not None  # it is a pipe
@@ -133,10 +140,10 @@ class Supervisor:
             code = child.poll()
             if code is not None:
                 self._gone(code)
-            elif self._hangs(child.pid):
+            elif silence := self._hangs(child.pid):
                 child.kill()
                 child.wait()
-                self._tell("hung", f"no sign of life for {HANGS:g} s: killed")
+                self._tell("hung", f"no sign of life for {silence:g} s: killed")
                 self._again()
 
     def _gone(self, code: int) -> None:
@@ -158,14 +165,15 @@ class Supervisor:
         self.restarts += 1
         self._start()
 
-    def _hangs(self, pid: int) -> bool:
+    def _hangs(self, pid: int) -> float:
+        """How long it has been silent, s, if that is too long; else 0."""
         try:
             with RingReader(self.settings.name) as reader:
-                if reader.pid != pid or reader.state not in (State.RUNNING, State.CALIBRATING):
-                    return False
-                return time.monotonic_ns() - reader.heartbeat_ns > HANGS * 1e9
+                limit = LIMITS.get(reader.state, math.inf)
+                silence = (time.monotonic_ns() - reader.heartbeat_ns) * 1e-9
+                return silence if reader.pid == pid and silence > limit else 0.0
         except InputError:
-            return False
+            return 0.0
 
     def _tail(self) -> str:
         said = self._said
@@ -241,4 +249,5 @@ class Supervisor:
         if self._said is not None:
             self._said.close()
         self.status_path.unlink(missing_ok=True)
+        address_of(self.settings.name).unlink(missing_ok=True)  # of an engine that was killed
         Ring.remove(self.settings.name)

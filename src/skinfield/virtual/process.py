@@ -44,7 +44,10 @@ def start(settings: VirtualSettings | None = None, timeout: float = READY) -> "V
     """
     settings = VirtualSettings() if settings is None else settings
     child = subprocess.Popen(
-        [sys.executable, "-m", "skinfield.virtual"], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, "-m", "skinfield.virtual"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        process_group=0,  # a terminal's Ctrl-C is meant for whoever started it, and ends it
     )
     assert child.stdin is not None
     try:
