@@ -258,6 +258,8 @@ def test_a_schedule_keeps_to_absolute_times():
     schedule.due(16 * MS + 2)
     assert schedule.skipped == 2 * 3
     assert schedule.next_ns == 17 * MS
+    schedule.begin(40 * MS - 1)  # nothing was due before
+    assert (schedule.next_ns, schedule.skipped) == (40 * MS, 2 * 3)
 
 
 def test_jitter_never_moves_a_reading_behind_the_next():

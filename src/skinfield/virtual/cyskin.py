@@ -66,6 +66,7 @@ class CySkinBoards(CanBoards):
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
         super().__init__(converters, schedule, [can], settings.rate)
         self._asked: list[int] = []
+        self._encode(0)  # compiles before the first reading
 
     def _count(self) -> int:
         return len(self.boards)
@@ -112,16 +113,20 @@ class CySkinBoards(CanBoards):
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
+        self._encoder.sends[:] = False
+        self._encoder.sends[list(members)] = True
+        self.readings += len(members)
+        self.wires[0].send(self._encode(now_ns))
+
+    def _encode(self, now_ns: int) -> int:
+        """Write the messages of the boards that send; how many."""
         from skinfield.virtual.world_kernel import scatter
 
-        encoder, wire = self._encoder, self.wires[0]
+        encoder = self._encoder
         scatter(self.converters.counts, self._channel, encoder.counts)
         for module in self._unplugged:
             encoder.counts[module * SENSORS : (module + 1) * SENSORS] = 0
-        encoder.sends[:] = False
-        encoder.sends[list(members)] = True
-        self.readings += len(members)
-        wire.send(encoder.encode(wire.made, 0, now_ns))
+        return encoder.encode(self.wires[0].made, 0, now_ns)
 
     def check(self, kind: str, what: str) -> None:
         """See `Hardware`."""

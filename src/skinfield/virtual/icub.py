@@ -1,6 +1,6 @@
 """Skin boards of an iCub: they obey the host's messages, and send two messages per triangle."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -89,6 +89,7 @@ class ICubBoards(CanBoards):
         for board in range(len(self.boards)):
             self._base(board, settings.temperature.warmth(0.0))
             self._configure(board)
+        self._encode(range(len(self._lines)), 0)  # compiles before the first reading
 
     def _line(
         self,
@@ -159,8 +160,6 @@ class ICubBoards(CanBoards):
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
-        from skinfield.virtual.world_kernel import scatter
-
         for line in self._lines:
             line.encoder.sends[:] = False
         used = set()
@@ -172,12 +171,21 @@ class ICubBoards(CanBoards):
                 sends[row] = playing.state.triangles[triangle].enabled
             used.add(board.bus)
         self.readings += len(members)
-        for bus in used:
+        for bus, count in zip(used, self._encode(used, now_ns), strict=True):
+            self._lines[bus].wire.send(count)
+
+    def _encode(self, buses: Iterable[int], now_ns: int) -> list[int]:
+        """Write the messages of the boards that send; how many, on each bus."""
+        from skinfield.virtual.world_kernel import scatter
+
+        counts = []
+        for bus in buses:
             line = self._lines[bus]
             scatter(self.converters.counts, line.slots, line.encoder.raw.reshape(-1))
             for row in line.unplugged:
                 line.encoder.raw[row] = UNPLUGGED
-            line.wire.send(line.encoder.encode(line.wire.made, 0, now_ns))
+            counts.append(line.encoder.encode(line.wire.made, 0, now_ns))
+        return counts
 
     def check(self, kind: str, what: str) -> None:
         """See `Hardware`."""

@@ -53,6 +53,8 @@ def device_of(patch: Patch, number: int) -> Device:
             "packets: split it up"
         )
     encoder = PacketEncoder(patch.n_channels, device=number)
+    encoder.encode(np.zeros(patch.n_channels), 0)  # compiles before the first reading
+    encoder.sequence = encoder.reading = 0
     return Device(patch, number, encoder, np.full(patch.n_channels, REST))
 
 

@@ -72,6 +72,10 @@ class Schedule:
                 alike.setdefault(period, []).append(board)
             each = [(tuple(members), period, 0) for period, members in alike.items()]
         self.groups = [Group(members, period, phase) for members, period, phase in each]
+        self.begin(now_ns)
+
+    def begin(self, now_ns: int) -> None:
+        """Aim all groups at their next times, as if nothing had been due before."""
         for group in self.groups:
             self._aim(group, -(-(now_ns - group.phase_ns) // group.period_ns))
 

@@ -102,6 +102,7 @@ class VirtualSkin:
             Called about once a second, to show what happens.
         """
         watched = set(watch)
+        self.hardware.schedule.begin(time.time_ns())
         begun = told = time.monotonic()
         self.notes += ask_for_priority(self.settings.priority)
         while not self._ended:

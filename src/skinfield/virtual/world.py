@@ -46,8 +46,16 @@ class World:
         self._numbers = itertools.count(1)
         self._shown: tuple[Shown, ...] | None = None
         self.notes: list[str] = []
+        self._warm()
         self.play(scene)
         self._table(skin.patches[0].pad_diameter, Tool())
+
+    def _warm(self) -> None:
+        """Compile before the first press."""
+        from skinfield.virtual.world_kernel import add_press
+
+        nothing = np.zeros((2, 2))
+        add_press(np.zeros(0), self._plane, 0, 0, nothing, SPACING, 0.0, 0.0, 0.0)
 
     def play(self, scene: Scene) -> None:
         """Play another scene from now on.
