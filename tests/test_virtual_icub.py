@@ -3,6 +3,7 @@ import pytest
 from virtual_host import START, Host, Stepped, byte_of, bytes_by_channel
 
 from skinfield.errors import InputError
+from skinfield.layout import Skin, save_layout
 from skinfield.layout.generators import by_name
 from skinfield.mechanics import Layer
 from skinfield.protocols.icub import triangle_payloads
@@ -238,3 +239,22 @@ def test_boards_that_are_spread_send_one_after_the_other():
     assert by_name(skin).n_channels == 800
     assert max(len(burst) for burst in bursts) <= 2
     assert set().union(*bursts) == {1, 2, 3, 4, 5}
+
+
+def test_patches_are_on_boards_of_their_own(tmp_path):
+    one, other = by_name("hexagon72"), by_name("ten_pad_triangle")
+    path = tmp_path / "two.toml"
+    save_layout(Skin((one, other), name="two"), path)
+    fault = Fault("dead", "ten_pad_triangle/0")
+    with Stepped(skin=str(path), at_once=True, faults=(fault,)) as stepped:
+        assert {m[0] >> 4 & 15 for m in stepped.step()} == {1, 2}
+        for taxel in (0, 3):
+            stepped.skin.world.press({"patch": "ten_pad_triangle", "taxel": taxel, "force": 3.0})
+        messages = stepped.step()
+        assert set(bytes_by_channel(messages, board=1)[:72]) == {240}
+        second = bytes_by_channel(messages, board=2)[other.channel]
+        assert second[0] == 240  # dead
+        assert second[3] < 200
+        stepped.skin.hardware.check("unplug", "1.0")
+        with pytest.raises(InputError, match="triangle is '1', expected a number from 0 to 0"):
+            stepped.skin.hardware.check("unplug", "1.1")
