@@ -75,6 +75,7 @@ def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
     until(lambda: process.flushed()[-1:] == [50], "a flush")
     code, _ = process.end(signal.SIGKILL)
     assert code == -signal.SIGKILL
+    assert "is gone" in read_state(process.name).ended
     assert not LiveRecording.open(process.path).finished
     good = tmp_path / "good.mcap"
     report = recover(process.path, good)

@@ -96,6 +96,8 @@ def state_path(name: str) -> Path:
 def read_state(name: str) -> RecorderState | None:
     """What the recorder of the ring `name` last told; None if there is none.
 
+    Of one that was killed, `ended` says so.
+
     Raises
     ------
     FileError
@@ -103,11 +105,24 @@ def read_state(name: str) -> RecorderState | None:
     """
     path = state_path(name)
     try:
-        return RecorderState(**json.loads(path.read_text()))
+        state = RecorderState(**json.loads(path.read_text()))
     except FileNotFoundError:
         return None
     except (OSError, ValueError, TypeError) as error:
         raise FileError(f"{path} is no state of a recorder: {error}") from error
+    if not state.ended and not _lives(state.pid):
+        state.ended = f"its process {state.pid} is gone: skinfield recover mends the file"
+    return state
+
+
+def _lives(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # another user's
+        return True
+    return True
 
 
 def forget_state(name: str) -> None:

@@ -1,5 +1,7 @@
 """Where readings come from: the edge of the package."""
 
+from skinfield.sources.recordings import LiveRecording as LiveRecording
+from skinfield.sources.recordings import Steps as Steps
 from skinfield.sources.recordings import open_recording as open_recording
 from skinfield.sources.recordings import readings_for as readings_for
 from skinfield.sources.recordings import stream_recording as stream_recording
