@@ -15,11 +15,12 @@ from skinfield.layout import Skin
 from skinfield.layout.generators import by_name
 from skinfield.protocols.cyskin import CySkinEncoder, SharedMemoryWriter, on_boards
 from skinfield.protocols.icub import ICubConfiguration, configuration_for
-from skinfield.protocols.packet import packets_of
+from skinfield.protocols.packet import encode_command, packets_of
 from skinfield.protocols.packet.encode import encode_counts
 from skinfield.protocols.packet.layout import Packet, PacketKind
 from skinfield.sources.buses import BusSettings, open_bus
 
+COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
 HEXAGON = Skin((by_name("hexagon72"),))
 ON_CYSKIN, CYSKIN_BOARDS = on_boards(HEXAGON)
 
@@ -170,6 +171,7 @@ class SerialLine:
         self.path = Path(gettempdir()) / f"skinfield-{uuid.uuid4().hex}"
         self.number, self.master = -1, -1
         self.told: list[int] = []
+        self._heard = b""
         self.plug()
 
     def plug(self) -> None:
@@ -183,9 +185,17 @@ class SerialLine:
         os.close(self.master)
         self.path.unlink()
 
-    def send(self) -> int:
+    def listen(self) -> list[int]:
+        """Kinds of all packets that it was told until now."""
         with suppress(OSError):
-            self.told += [each.kind for each in packets_of(os.read(self.master, 4096))]
+            self._heard += os.read(self.master, 4096)
+        while len(self._heard) >= COMMAND:
+            self.told += [each.kind for each in packets_of(self._heard[:COMMAND])]
+            self._heard = self._heard[COMMAND:]
+        return self.told
+
+    def send(self) -> int:
+        self.listen()
         self.number += 1
         os.write(self.master, packet(self.number))
         return 1

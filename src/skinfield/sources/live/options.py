@@ -20,7 +20,8 @@ class Options:
     """
 
     def __init__(self, given: Mapping[str, str], whose: str) -> None:
-        self._given, self._whose, self._asked = dict(given), whose, [""][:0]
+        self._given, self._whose = dict(given), whose
+        self._asked: list[str] = []
 
     def text(self, name: str, default: str) -> str:
         """As it is."""

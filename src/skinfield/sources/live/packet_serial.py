@@ -7,6 +7,7 @@ import termios
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from time import monotonic
 from types import ModuleType
 from typing import Any
@@ -116,7 +117,7 @@ class SerialLink:
     def _open(self) -> bool:
         self.close()
         try:
-            node = os.stat(self._path)  # noqa: PTH116
+            node = Path(self._path).stat()
             self._port = self._serial.Serial(
                 self._path, self._baud, timeout=0, write_timeout=0, exclusive=True
             )
@@ -152,7 +153,7 @@ class SerialLink:
     def _check_node(self) -> None:
         """Raise OSError if the node is gone, or another one."""
         self._look = monotonic() + LOOK
-        node = os.stat(self._path)  # noqa: PTH116
+        node = Path(self._path).stat()
         if (node.st_dev, node.st_ino) != self._node:
             raise OSError(f"{self._path} is another device now")
 
