@@ -222,8 +222,9 @@ class Recorder:
 def come_first() -> str:
     """Have this thread come before ordinary work, where that is permitted.
 
-    The ring holds some 60 cycles only, and on a busy machine an ordinary process may wait longer
-    than that for a processor. It sleeps most of the time, and the engine's priority is far above.
+    The ring holds a limited number of cycles, and on a busy machine an ordinary process may wait
+    longer than that for a processor. It sleeps most of the time, and the engine's priority is far
+    above.
 
     Returns
     -------
