@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts.finder import EXACT, ContactFinder
 from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape
@@ -81,8 +81,19 @@ def level_of(
     error: PressureError | None = None,
     model_error: ModelError = EXACT,
     finder: ContactFinder | None = None,
+    *,
+    signatures: ArrayLike | None = None,
+    threshold: float = 0.0,
 ) -> "Level":
     """What is known of the answers on one grid, for `LiveContacts`; arguments as `ContactFinder`.
+
+    Parameters
+    ----------
+    signatures : (K, L) array, 1/Pa, optional
+        What each cell's pressure reads on the taxels, in units of their noise.
+    threshold : float
+        Standard deviations that each further contact must stand out of the noise by; 0: it is as
+        the regions say, as for linear answers, whose noise is in their heights.
 
     Raises
     ------
@@ -97,20 +108,35 @@ def level_of(
     heights = known.sigmas(noise), known.relative_height, known.prominence, known.edge
     numbers = [grid.shape[1], grid.pitch, *grid.origin, *heights]
     numbers += [model_error.force, model_error.place, sign]
-    arrays = noise.std, grid.positions, grid.normals, factor, prior, np.array(numbers)
-    return Level(*(np.require(each, np.float64, ("C", "W")) for each in arrays))
+    told = signatures is not None and threshold > 0.0
+    numbers.append(threshold if told else 0.0)
+    read = np.zeros((1, 1)) if signatures is None else signatures
+    return Level(
+        std=_as_compiled(noise.std),
+        positions=_as_compiled(grid.positions),
+        normals=_as_compiled(grid.normals),
+        factor=factor,
+        prior=_as_compiled(prior),
+        signatures=np.array(read, np.float32, order="C"),
+        numbers=np.array(numbers, dtype=np.float64),
+    )
 
 
-def _covariance(grid: Grid, error: PressureError) -> tuple[Floats, Floats, float]:
+def _as_compiled(array: Floats) -> Floats:
+    """As the kernels are compiled for: others would be compiled for anew."""
+    return np.require(array, np.float64, ("C", "W"))
+
+
+def _covariance(grid: Grid, error: PressureError) -> tuple[NDArray[np.float32], Floats, float]:
     """Factor (K, L), prior by offset, and the sign of what the factor tells; 0 if not known."""
     if isinstance(error, PressureNoise):
-        return error.factor, np.zeros((1, 1)), 1.0
+        return error.single, np.zeros((1, 1)), 1.0
     if isinstance(error, PressurePosterior):
         steps = np.stack(np.divmod(np.arange(len(grid)), grid.shape[1]), axis=1)
         covers = min(len(error.prior) - grid.shape[0], error.prior.shape[1] - grid.shape[1]) >= 0
         if covers and np.array_equal(error.steps, steps):
-            return error.factor, error.prior, -1.0
-    return np.zeros((len(grid), 1)), np.zeros((1, 1)), 0.0
+            return error.single, error.prior, -1.0
+    return np.zeros((len(grid), 1), np.float32), np.zeros((1, 1)), 0.0
 
 
 class LiveContacts:
@@ -162,7 +188,14 @@ class LiveContacts:
         self._rooms = [_room_for(level, rows) for level in self.levels]
         self._tell = tell
 
-    def __call__(self, level: int, pressure: Floats, stamp_ns: int, out: NDArray[np.void]) -> int:
+    def __call__(
+        self,
+        level: int,
+        pressure: Floats,
+        stamp_ns: int,
+        out: NDArray[np.void],
+        whitened: NDArray[Any] | None = None,
+    ) -> int:
         """Write the contacts of a field into `out`; how many there are, which may be more.
 
         Parameters
@@ -176,6 +209,8 @@ class LiveContacts:
             By falling force; those after the last contact keep what they had. `position` (m, in
             the patch's frame) lies on the skin, `x` and `y` are its place in the plane, `moments`
             the second moments xx, yy, xy of the pressure about it there (m²).
+        whitened : (L,) array, optional
+            The readings in units of their noise, 0 where left out, for a level with signatures.
 
         Raises
         ------
@@ -186,10 +221,13 @@ class LiveContacts:
         if pressure.shape != known.std.shape or len(out) > self.most:
             check_shape("pressure", pressure, known.std.shape, "one per node of the grid")
             raise InputError(f"out has {len(out)} rows, expected at most {self.most}")
+        room = self._rooms[level]
+        if whitened is not None and known.signatures.shape[1] == len(whitened):
+            room.residual[:] = whitened
         told = self._tell(
             pressure,
             known,
-            self._rooms[level],
+            room,
             self._habits,
             self.memory,
             self.ids,
@@ -218,4 +256,6 @@ def _room_for(level: "Level", rows: int) -> "Room":
         forces=np.zeros(rows),
         moved=np.zeros((3, level.factor.shape[1])),
         picked=np.zeros((2, CELLS)),
+        residual=np.zeros(level.signatures.shape[1]),
+        signature=np.zeros(level.signatures.shape[1]),
     )

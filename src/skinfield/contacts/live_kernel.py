@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from skinfield.contacts.flood_kernel import (
     REGIONS,
@@ -15,14 +16,14 @@ from skinfield.contacts.flood_kernel import (
     flood,
     highest_of,
     keep_high,
-    reaches,
 )
 from skinfield.errors import Floats, Ints
 
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 NS = 1e-9
-COLUMNS, PITCH, X, Y, SIGMAS, HEIGHT, PROMINENCE, EDGE, FORCE_PART, PLACE, SIGN = range(11)
+COLUMNS, PITCH, X, Y, SIGMAS, HEIGHT, PROMINENCE, EDGE = range(8)  # of a level's numbers
+FORCE_PART, PLACE, SIGN, THRESHOLD = range(8, 12)
 REACH, SPEED, HOLD, SMOOTH = range(4)  # of `habits`: m, m/s, s, s
 
 
@@ -32,8 +33,9 @@ class Level(NamedTuple):
     std: Floats
     positions: Floats
     normals: Floats
-    factor: Floats
+    factor: NDArray[np.float32]
     prior: Floats
+    signatures: NDArray[np.float32]
     numbers: Floats
 
 
@@ -47,6 +49,8 @@ class Room(NamedTuple):
     forces: Floats
     moved: Floats
     picked: Floats
+    residual: Floats
+    signature: Floats
 
 
 @njit(cache=True, nogil=True)
@@ -65,6 +69,9 @@ def tell(
     work: Work = (room.wet, room.values, room.tables)
     count = regions(pressure, level, work)
     told = strongest(pressure, count, level, room, len(out))
+    if told > 1 and level.numbers[THRESHOLD] > 0.0:
+        kept = standing_out(pressure, told, level, room)
+        told, count = kept, count - (told - kept)
     for place in range(told):
         describe(pressure, room.strongest[place], level, room, out[place])
         out[place].patch = patch
@@ -73,15 +80,64 @@ def tell(
 
 
 @njit(cache=True, nogil=True)
+def standing_out(pressure: Floats, told: int, level: Level, room: Room) -> int:
+    """Drop listed regions that noise explains as well, given the others; how many are kept.
+
+    A field that is nowhere negative fits what it can of the noise. What a region reads, s in units
+    of the noise, is looked for in the residual r without that region: s (r + s) / |s| is the
+    matched filter's answer, and must exceed the threshold by which an idle patch is told. The
+    strongest region is that for which the patch is not idle: it stays.
+    """
+    residual, signature, listed = room.residual, room.signature, room.strongest
+    cells, starts = room.tables[REGIONS], room.tables[STARTS]
+    for cell in range(len(pressure)):
+        if pressure[cell] > 0.0:
+            add_to(residual, level.signatures[cell], -pressure[cell])
+    kept = 1
+    for place in range(1, told):
+        region = listed[place]
+        signature[:] = 0.0
+        for cell in cells[starts[region] : starts[region + 1]]:
+            add_to(signature, level.signatures[cell], pressure[cell])
+        across, square = 0.0, 0.0
+        for taxel in range(len(signature)):
+            across += signature[taxel] * residual[taxel]
+            square += signature[taxel] * signature[taxel]
+        if across + square >= level.numbers[THRESHOLD] * np.sqrt(square):
+            listed[kept] = region
+            kept += 1
+    return kept
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def add_to(total: Floats, row: NDArray[np.float32], weight: float) -> None:
+    """Add a row, weighted."""
+    for taxel in range(len(total)):
+        total[taxel] += weight * row[taxel]
+
+
+@njit(cache=True, nogil=True)
 def regions(pressure: Floats, level: Level, work: Work) -> int:
     """Find regions as a `ContactFinder` does; how many there are."""
     known, std = level.numbers, level.std
     least = known[HEIGHT] * highest_of(pressure)
-    if not reaches(pressure, std, known[SIGMAS], least):
+    if not stands_out(pressure, std, known[SIGMAS], least):
         return 0
     edge, columns, sigmas = known[EDGE], int(known[COLUMNS]), known[SIGMAS]
     count = flood(pressure, std, columns, sigmas, known[PROMINENCE], edge * least, edge, work)
     return int(keep_high(pressure, std, sigmas, least, count, work))
+
+
+@njit(cache=True, nogil=True)
+def stands_out(pressure: Floats, std: Floats, sigmas: float, least: float) -> bool:
+    """Whether any cell is above its noise and above `least`.
+
+    The noise is only read where the pressure is that high: elsewhere it need not be at hand.
+    """
+    for cell in range(len(pressure)):
+        if pressure[cell] > least and pressure[cell] > sigmas * std[cell]:
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True)

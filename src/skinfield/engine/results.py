@@ -48,6 +48,7 @@ class Results:
         self.invalid: Ints = self._in_order(state.invalid)
         self.age: Ints = self._in_order(state.age)
         self._fields = [self._fields_of(row) for row in self._rows]
+        self._whites = [work.intake.white[work.intake.rows_of(row)] for row in self._rows]
 
     def _in_order(self, array: NDArray[Any]) -> NDArray[Any]:
         """The array itself, or room for its numbers in the skin's order."""
@@ -72,6 +73,10 @@ class Results:
         answer, rung = self._work.state.answer[row], int(self._work.state.rung[row])
         fields = linear if answer == LINEAR else feasible if answer == FEASIBLE else nothing
         return fields[rung]
+
+    def whitened_of(self, patch: int) -> NDArray[Any]:
+        """Readings (L,) of a patch in units of their noise, 0 where not valid: a view."""
+        return self._whites[patch]
 
     def _fields_of(
         self, row: int

@@ -27,6 +27,8 @@ class SkinContacts:
         Contacts that are told of each patch, at most.
     habits : Habits, optional
         By which a contact is known again.
+    ids : (1,) int64 array, optional
+        See below; may lie where others see it.
 
     Attributes
     ----------
@@ -39,10 +41,17 @@ class SkinContacts:
         The last number that was given to a contact; they are unique over the skin.
     """
 
-    def __init__(self, engine: Engine, *, rows: int = 8, habits: Habits | None = None) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        *,
+        rows: int = 8,
+        habits: Habits | None = None,
+        ids: Ints | None = None,
+    ) -> None:
         self._engine = engine
         self._searched = 0 if engine.groups[0].rungs.linear else 1  # where their levels begin
-        self.ids: Ints = np.zeros(1, np.int64)
+        self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
         known = [_beliefs(group) for group in engine.groups]
         self.patches: list[LiveContacts] = []
         for index, patch in enumerate(engine.skin):
@@ -70,20 +79,24 @@ class SkinContacts:
             Receives how many contacts each patch has, which may be more than rows; rows beyond keep
             what they had.
         """
-        results, searched = self._engine.results, self._searched
+        results = self._engine.results
         if out.shape != self._shape or counts.shape != self._shape[:1]:
             check_shape("out", out, self._shape, "rows of contacts for each patch")
             check_shape("counts", counts, self._shape[:1], "one per patch")
         counts[:] = 0
         for patch in (results.answer >= LINEAR).nonzero()[0].tolist():
-            rung, pressure = int(results.rung[patch]), results.pressure_of(patch)
-            if results.answer[patch] == FEASIBLE:
-                level = searched + rung
-            else:
-                level, double = rung, self._doubles[rung]
-                np.copyto(double, pressure)
-                pressure = double
-            counts[patch] = self.patches[patch](level, pressure, stamp_ns, out[patch])
+            counts[patch] = self.find(patch, stamp_ns, out[patch])
+
+    def find(self, patch: int, stamp_ns: int, out: NDArray[np.void]) -> int:
+        """Write the contacts of one patch that was touched in the last cycle; how many."""
+        results = self._engine.results
+        rung, pressure = int(results.rung[patch]), results.pressure_of(patch)
+        if results.answer[patch] == FEASIBLE:
+            white = results.whitened_of(patch)
+            return self.patches[patch](self._searched + rung, pressure, stamp_ns, out, white)
+        double = self._doubles[rung]
+        np.copyto(double, pressure)
+        return self.patches[patch](rung, double, stamp_ns, out)
 
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
@@ -106,15 +119,21 @@ def _place_of(engine: Engine, name: str) -> tuple[Group, int]:
     raise AssertionError(name)
 
 
-def _beliefs(group: Group) -> list[tuple[int, Beliefs]]:
-    """Rungs on which a patch may be answered, and what is then known of the answer."""
+def _beliefs(group: Group) -> list[tuple[int, Beliefs, bool]]:
+    """Rungs on which a patch may be answered, what is then known of it, whether it is searched."""
     steps = group.rungs.steps
     if group.rungs.linear:
-        return [(rung, linear_beliefs(step)) for rung, step in enumerate(steps)]
-    searched = [(rung, searched_beliefs(step)) for rung, step in enumerate(steps)]
-    return [(0, linear_beliefs(steps[0])), *searched]
+        return [(rung, linear_beliefs(step), False) for rung, step in enumerate(steps)]
+    searched = [(rung, searched_beliefs(step), True) for rung, step in enumerate(steps)]
+    return [(0, linear_beliefs(steps[0]), False), *searched]
 
 
-def _level(engine: Engine, group: Group, place: int, rung: int, known: Beliefs) -> "Level":
-    grid = grid_on(group, place, rung)
-    return level_of(grid, known.noise, known.posterior, known.model_error, engine.finder)
+def _level(
+    engine: Engine, group: Group, place: int, rung: int, known: Beliefs, searched: bool
+) -> "Level":
+    grid, step = grid_on(group, place, rung), group.rungs.steps[rung]
+    told = (grid, known.noise, known.posterior, known.model_error, engine.finder)
+    if not searched or step.model is None:
+        return level_of(*told)
+    signatures = (step.model.matrix / group.kind.noise_std[:, None]).T
+    return level_of(*told, signatures=signatures, threshold=group.thresholds[rung])

@@ -57,6 +57,11 @@ class PressureNoise:
         return np.asarray(compiled().of_factor(self._factor, cells, weights))
 
     @cached_property
+    def single(self) -> NDArray[np.float32]:
+        """`factor` in single precision, for loops that have half the time to read it."""
+        return np.require(self.factor, np.float32, ("C", "W"))
+
+    @cached_property
     def _factor(self) -> Floats:
         return np.ascontiguousarray(self.factor, dtype=np.float64)
 

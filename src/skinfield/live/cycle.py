@@ -9,7 +9,6 @@ from skinfield.acquisition.recorded import CycleFlag
 from skinfield.conditioning import Convention
 from skinfield.contacts.live import CONTACT
 from skinfield.engine import Engine
-from skinfield.engine.state import Answer
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.live.binding import Binding
 from skinfield.live.recipe import Recipe
@@ -20,7 +19,6 @@ from skinfield.live.touches import Touches
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 KEY, LATE = int(CycleFlag.KEY), int(CycleFlag.LATE)
-FEASIBLE = int(Answer.FEASIBLE)
 CONTACT_WORDS = CONTACT.itemsize // 8
 
 
@@ -76,7 +74,7 @@ class Cycle:
         self._kept = Slot.empty(self.sizes)
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
-        self._touches = Touches(recipe.skin, self.engine, recipe.rows, self.tracks)
+        self._touches = Touches(self.engine, recipe.rows, self.tracks)
         self.calibrate(calibration)
         self._rehearse()
 
@@ -197,11 +195,9 @@ class Cycle:
             self._touched,
         )
         for patch in self._touched[:count].tolist():
-            pressure, rung = results.pressure_of(patch), int(results.rung[patch])
+            pressure, rows = results.pressure_of(patch), kept.contacts[patch]
             kept.pressure[patch, : len(pressure)] = pressure
-            rows, searched = kept.contacts[patch], results.answer[patch] == FEASIBLE
-            stamp = int(self._newest[patch])
-            found = self._touches.find(patch, rung, searched, pressure, stamp, rows)
+            found = self._touches.find(patch, int(self._newest[patch]), rows)
             kept.patches["contacts"][patch] = min(found, len(rows))
 
     def _publish(self, channels: Channels, slot: Slot) -> None:
