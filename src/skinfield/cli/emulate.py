@@ -290,5 +290,11 @@ def _sum_up(counts: dict[str, Any], shown: Console) -> None:
             highlight=False,
             soft_wrap=True,
         )
+    if counts["refused"] and not counts["messages"]:
+        shown.print(
+            f"nothing went out: no host has spoken to {', '.join(counts['channels'])}",
+            style="yellow",
+            highlight=False,
+        )
     for note in counts["notes"]:
         shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
