@@ -7,6 +7,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_readme import blocks
 
+from skinfield.cli import jitter_run
 from skinfield.cli.bench import bench
 from skinfield.cli.bench_jitter import _table, _target, jitter_as_json
 from skinfield.cli.jitter_run import Jitter, JitterSettings
@@ -223,6 +225,30 @@ def test_a_loop_that_only_wakes_is_measured_and_leaves_nothing() -> None:
         assert plain["interruptions"] >= 0
     assert plain["cyclictest_us"] is not None or plain["no_cyclictest"]
     assert "tracker" not in ended.stderr  # of shared memory that nobody took away
+
+
+@dataclass(frozen=True)
+class Gone:
+    """A loop that stands still."""
+
+    granted: Granted
+    table: TimingTable
+    pid: int = os.getpid()
+
+    def snapshot(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.table.times.copy(), self.table.totals.copy()
+
+    def failure(self) -> str:
+        return "ValueError: a bug"
+
+
+def test_a_loop_that_ended_is_no_measurement(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jitter_run, "_paired", lambda *_: (None, "none"))
+    loop = Gone(found().granted, TimingTable(1_000_000))
+    with pytest.raises(
+        InputError, match="after 0 cycles, expected it to run on: ValueError: a bug"
+    ):
+        jitter_run._measured(JitterSettings(seconds=1.0), loop)
 
 
 def test_fingers_move_over_the_patch_once_they_are_on() -> None:

@@ -30,3 +30,6 @@ def test_each_loop_has_its_line_down_to_the_last_wake() -> None:
 def test_an_empty_panel_is_refused() -> None:
     with pytest.raises(InputError, match="no loops"):
         draw_lateness(("A", "", []), ("B", "", [late("loop", 0)]))
+    never = Late("never", TIME[:0], SHARE[:0], 0)
+    with pytest.raises(InputError, match="never has no wakes"):
+        draw_lateness(("A", "", [never]), ("B", "", [late("loop", 0)]))

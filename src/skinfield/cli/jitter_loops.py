@@ -24,6 +24,7 @@ from skinfield.realtime.timing import FIELDS
 if TYPE_CHECKING:
     from skinfield.conditioning import Convention
     from skinfield.live.settings import LiveSettings
+    from skinfield.live.supervisor import Supervisor
     from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
@@ -48,6 +49,10 @@ class Loop(Protocol):
         """Copies of its histograms and totals."""
         ...
 
+    def failure(self) -> str:
+        """What went wrong with it, in words; empty where nothing did."""
+        ...
+
 
 @dataclass(frozen=True)
 class Bare:
@@ -61,6 +66,10 @@ class Bare:
     def snapshot(self) -> tuple[Words, Words]:
         """Copies of its histograms and totals."""
         return self.times.copy(), self.totals.copy()
+
+    def failure(self) -> str:
+        """Nothing is known of it."""
+        return ""
 
 
 @contextmanager
@@ -126,11 +135,16 @@ class Engine:
     pid: int
     granted: Granted
     reader: "RingReader"
+    supervisor: "Supervisor"
 
     def snapshot(self) -> tuple[Words, Words]:
         """Copies of its histograms and totals."""
         status = self.reader.status
         return status["times"].copy(), status["totals"].copy()
+
+    def failure(self) -> str:
+        """Why the engine had to be started again, or is gone."""
+        return self.supervisor.failure
 
 
 @contextmanager
@@ -206,7 +220,7 @@ def _engine(stack: ExitStack, settings: "LiveSettings", begin: Callable[[], obje
     reader = supervisor.wait(PATIENCE)
     stack.callback(reader.close)
     begin()
-    return Engine(reader.pid, _granted(reader), reader)
+    return Engine(reader.pid, _granted(reader), reader, supervisor)
 
 
 def _granted(reader: "RingReader") -> Granted:

@@ -186,6 +186,11 @@ def _measured(settings: JitterSettings, loop: Loop) -> Jitter:
         if running is not None:
             running.stop()
     timing = Timing.of(*after, before=before)
+    if loop.failure() or not timing.cycles:
+        raise InputError(
+            f"the loop ended while it was measured, after {timing.cycles} cycles, expected it to "
+            f"run on: {loop.failure() or 'it did not say why'}"
+        )
     wakes = (after[0][0] - before[0][0])[: len(LAST_NS)].astype(np.float64)
     ends = LAST_NS.astype(np.float64) / 1e9
     return Jitter(

@@ -50,10 +50,13 @@ def draw_lateness(
     Raises
     ------
     InputError
-        If a panel has no loop.
+        If a panel has no loop, or a loop no wakes.
     """
     if not (left[2] and right[2]):
         raise InputError("a panel has no loops, expected one or more: there is nothing to draw")
+    for each in (*left[2], *right[2]):
+        if not len(each.time):
+            raise InputError(f"{each.name} has no wakes, expected some: was it measured?")
     latest = max(float(each.time[-1]) for _, _, loops in (left, right) for each in loops)
     with style():
         figure = new_figure(WIDTH, HEIGHT)
@@ -80,7 +83,7 @@ def draw_lateness(
             axes.set_xticks(shown, [TIMES[time] for time in shown])
             axes.minorticks_off()
             axes.set(xlabel="time after it was due", ylabel="wakes that are later")
-            axes.legend(frameon=False, fontsize=8, loc="upper right")
+            axes.legend(frameon=False, fontsize=8, loc="lower left")
             add_title(axes, letter, title, note)
         figure.text(0.985, 0.012, foot, ha="right", va="bottom", fontsize=6.5, color=QUIET)
     return figure
