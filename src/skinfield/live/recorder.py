@@ -74,6 +74,7 @@ class Recorder:
         self._reader = RingReader(settings.name)
         self._began, self._began_ns = time.monotonic(), time.time_ns()
         layout = layout_of(self._reader)
+        tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader)
         shower = shower_of(self._reader, settings)
         self._writer = RecordingWriter(
@@ -86,7 +87,7 @@ class Recorder:
         )
         self._queue = Queue(settings.queue_bytes)
         sources = [str(each) for each in self._reader.description.get("sources", [])]
-        self._watch = Watch(self._reader, self._queue)
+        self._watch = Watch(self._reader, self._queue, tares)
         self._drain = Drain(self._reader, self._queue, layout, sources, shower)
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}

@@ -96,14 +96,16 @@ class Watch:
     ----------
     reader : RingReader
     queue : Queue
+    tares : int
+        Calibrations so far that are enclosed already.
     """
 
-    def __init__(self, reader: RingReader, queue: Queue) -> None:
+    def __init__(self, reader: RingReader, queue: Queue, tares: int = 0) -> None:
         self._reader, self._queue, self._skin = reader, queue, skin_of(reader)
         status = reader.status
         self._before = (status["times"], status["totals"])
         Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
-        self._tares = int(status["tares"][0])
+        self._tares = tares
         self._state: State | None = reader.state
         self._silent = False
 
