@@ -210,18 +210,9 @@ class CycleLayout:
         patch_rows = np.frombuffer(data, self.patch, patches, at + sizes[1])
         number, due, wake, acquired, done, wall, position = times
         return Cycle(
-            number,
-            CycleFlag(flags),
-            due,
-            wake,
-            acquired,
-            done,
-            wall,
-            position,
-            script,
-            contact_rows,
-            patch_rows,
-        )
+            number, CycleFlag(flags), due, wake, acquired, done, wall, position,
+            script, contact_rows, patch_rows,
+        )  # fmt: skip
 
     def metadata(self) -> dict[str, str]:
         """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""

@@ -172,3 +172,21 @@ def text_at(body: bytes, at: int) -> tuple[str, int]:
         return body[at + 4 : end].decode(), end
     except UnicodeDecodeError as error:
         raise Damaged("a text that is not UTF-8") from error
+
+
+class Logged(NamedTuple):
+    """A run of the ring's log.
+
+    Attributes
+    ----------
+    position : int, bytes
+        Of its first byte in the log.
+    time_ns : int, ns
+        When it was taken from the log, since the epoch.
+    data : bytes
+        Blocks, see `skinfield.acquisition.blocks_of`.
+    """
+
+    position: int
+    time_ns: int
+    data: bytes

@@ -68,16 +68,11 @@ def scan(
                 put_row(row, fresh, status, out[rows])
                 stamps[rows] = newest[0]
                 rows += 1
+            payload = at + HEADER_WORDS
             for i in range(count):
                 k = column[first + i]
                 if k >= 0:
-                    place = at + HEADER_WORDS
-                    if kind == BYTES:
-                        row[k] = np.float64(octets[8 * place + i])
-                    elif kind == SHORTS:
-                        row[k] = np.float64(shorts[4 * place + i])
-                    else:
-                        row[k] = np.float64(singles[2 * place + i])
+                    row[k] = count_at(octets, shorts, singles, kind, payload, i)
                     fresh[k] = 1
                     newest[0] = words[at]
                     if bits:
@@ -88,6 +83,23 @@ def scan(
                     status[column[first + i]] = bits
         at += HEADER_WORDS + size
     return at, rows
+
+
+@njit(cache=True, nogil=True, inline="always")
+def count_at(
+    octets: Octets,
+    shorts: NDArray[np.uint16],
+    singles: NDArray[np.float32],
+    kind: int,
+    payload: int,
+    i: int,
+) -> float:
+    """Count `i` of a block whose payload begins at word `payload`."""
+    if kind == BYTES:
+        return np.float64(octets[8 * payload + i])
+    if kind == SHORTS:
+        return np.float64(shorts[4 * payload + i])
+    return np.float64(singles[2 * payload + i])
 
 
 @njit(cache=True, nogil=True)

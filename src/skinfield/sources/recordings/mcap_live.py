@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, BinaryIO, NamedTuple, Self, TypeVar
+from typing import Any, BinaryIO, Self, TypeVar
 
 from skinfield.acquisition.recorded import (
     BLOCKS,
@@ -30,6 +30,7 @@ from skinfield.sources.recordings.mcap_bodies import (
     Attached,
     Channel,
     Damaged,
+    Logged,
     Message,
     Op,
     attachment_of,
@@ -48,24 +49,6 @@ from skinfield.sources.recordings.mcap_records import (
 )
 
 T = TypeVar("T")
-
-
-class Logged(NamedTuple):
-    """A run of the ring's log.
-
-    Attributes
-    ----------
-    position : int, bytes
-        Of its first byte in the log.
-    time_ns : int, ns
-        When it was taken from the log, since the epoch.
-    data : bytes
-        Blocks, see `skinfield.acquisition.blocks_of`.
-    """
-
-    position: int
-    time_ns: int
-    data: bytes
 
 
 @dataclass

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from skinfield.acquisition.recorded import BLOCKS, CYCLES, Cycle
-from skinfield.sources.recordings.mcap_live import LiveRecording, Logged
+from skinfield.sources.recordings.mcap_bodies import Logged
+from skinfield.sources.recordings.mcap_live import LiveRecording
 
 
 class Step(NamedTuple):
