@@ -1,10 +1,16 @@
 """Which channels of an iCub's boards go to which port."""
 
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+from bus_peers import wait_for
 
+from skinfield.acquisition import Blocks, Channels, Count
 from skinfield.errors import InputError
+from skinfield.layout import Skin
+from skinfield.layout.generators import by_name
 from skinfield.protocols.icub import (
     BoardSettings,
     ICubConfiguration,
@@ -13,6 +19,9 @@ from skinfield.protocols.icub import (
 )
 from skinfield.sources.live import ICubCan
 from skinfield.sources.live.icub import ports_of
+from skinfield.sources.live.spec import source_from_options
+from skinfield.virtual import VirtualSettings
+from skinfield.virtual.process import start
 
 
 def test_ports_follow_the_robots_wrapper() -> None:
@@ -81,3 +90,61 @@ def test_a_run_that_begins_within_a_board_is_refused(run: PortRun) -> None:
     boards = (BoardSettings(0, 1), BoardSettings(0, 2))
     with pytest.raises(InputError, match="where boards begin"):
         ICubCan(ICubConfiguration(boards, (0,), "x", (run,))).open()
+
+
+WRAPPER = """
+<device name="left_arm-wrapper" type="skinWrapper">
+    <param name="total_taxels"> 384 </param>
+    <paramlist name="ports"> <elem name="rectangular"> 0 {last} 0 {last} </elem> </paramlist>
+</device>
+"""
+SPEC = """
+<params robot="mine" build="1">
+    <group name="defaultCfgBoard">
+        <param name="period"> 20 </param> <param name="skinType"> 2 </param>
+        <param name="noLoad"> 0xeb </param> <param name="diagnostic"> true </param>
+    </group>
+    <group name="defaultCfgTriangle">
+        <param name="enabled"> true </param> <param name="shift"> 2 </param>
+        <param name="cdcOffset"> 0x2200 </param>
+    </group>
+    <group name="specialCfgTriangles">
+        <param name="numOfSets"> 1 </param>
+        <param name="triangleSetCfg1"> 1 2 3 3 0 2 0x2200 </param>
+    </group>
+</params>
+"""
+
+
+def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:
+    """Two boards, of which the second has four triangles; the last of them is switched off."""
+    files = {
+        "arm-skin.xml": BOARDS_OF_ARM.replace("14 2 3", "1 2"),
+        "arm-skinSpec.xml": SPEC,
+        "arm-skin_wrapper.xml": WRAPPER.replace("{last}", "239"),
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    text = "rectangular:rows=12,columns=20"
+    config = ",".join(str(tmp_path / name) for name in files)
+    with start(VirtualSettings(skin=text, bus="udp", scene="idle", noise=0.0)) as boards:
+        skin = Skin((by_name(text),))
+        stream = source_from_options(
+            "icub", "udp", boards.channels, skin, {"config": config}
+        ).open()
+        assert [(port.name, port.channels) for port in stream.ports] == [("rectangular", 384)]
+        channels, blocks = Channels(384), Blocks()
+
+        def came() -> bool:
+            blocks.clear()
+            stream.poll(blocks, 0, time.time_ns())
+            channels.apply(blocks)
+            return stream.counters[Count.RECEIVED] > 600
+
+        wait_for(came)
+        stream.close()
+    assert (channels.counts[:228] == 0xEB).all()
+    assert np.isnan(channels.counts[240:]).all()
+    assert (channels.stamp_ns[228:240] < channels.stamp_ns[:228].min()).all()
+    lost = [stream.counters[each] for each in (Count.LOST, Count.DUPLICATED, Count.SWAPPED)]
+    assert lost == [0, 0, 0]
