@@ -62,7 +62,7 @@ def encode_reading(
     return packets
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def _put(out: Octets, at: int, number: int, count: int) -> None:
     for i in range(count):
         out[at + i] = (number >> (8 * i)) & 0xFF

@@ -266,8 +266,10 @@ def decode_datagrams(
             return i
         torn[0] = 0
         counters[OCTETS] += length
+        # A plain 0 and True are types of their own to Numba, which would compile all once more.
+        start, final = int(np.int64(0)), length >= 0
         decode_run(
-            datagrams[i], 0, length, True, torn, words, payloads, singles, end, channel,
+            datagrams[i], start, length, final, torn, words, payloads, singles, end, channel,
             stamps[i], slots, state, seen, marks, hellos, counters,
         )  # fmt: skip
     return last

@@ -13,13 +13,13 @@ BLOCK_STATUS, BLOCK_FLOATS = 4, 3  # as `Kind`
 MORE, NONE = 0, -1
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def u16(octets: Octets, at: int) -> int:
     """Little-endian, of two bytes."""
     return int(octets[at]) | int(octets[at + 1]) << 8
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True)
 def u32(octets: Octets, at: int) -> int:
     """Little-endian, of four bytes."""
     return u16(octets, at) | u16(octets, at + 2) << 16
