@@ -30,7 +30,8 @@ from skinfield.virtual.schedule import NEVER, Schedule
 from skinfield.virtual.settings import settings_from_json
 from skinfield.virtual.tables import FORCES, SPACING, PressTable, cache_path, table_for
 from skinfield.virtual.tool import Tool
-from skinfield.virtual.touch import Point, Track
+from skinfield.virtual.touch import Point, Touch, Track
+from skinfield.virtual.truth import Truth
 from skinfield.virtual.world_kernel import add_press
 
 SKIN = Skin((by_name("hexagon72"),))
@@ -284,3 +285,22 @@ def test_commands_are_found_in_a_stream_cut_anywhere():
         ear = Ear()
         found = [*ear.packets(whole[:cut]), *ear.packets(whole[cut:]), *ear.packets(b"")]
         assert [packet.sequence for packet in found] == [0, 1, 2]
+
+
+def test_the_truth_has_the_end_of_every_movement(tmp_path):
+    truth = Truth(SKIN, str(tmp_path / "truth.jsonl"))
+    at = lambda x: [(Touch("a", 0, Tool(), x, 0.0, 1.0), 2e-3)]
+    truth.note([], 0)
+    truth.note(at(1e-3), 1 * MS)
+    for step in range(2, 30):  # every millisecond: a line each 10 ms
+        truth.note(at(step * 1e-3), step * MS)
+    truth.settle(30 * MS)
+    assert truth.made == 4
+    truth.settle(31 * MS)
+    truth.settle(90 * MS)
+    truth.note([], 100 * MS)
+    truth.close()
+    lines = [json.loads(line) for line in (tmp_path / "truth.jsonl").read_text().splitlines()]
+    found = [(line["stamp_ns"] // MS, [p["x"] for p in line["presses"]]) for line in lines]
+    assert found == [(0, []), (1, [1e-3]), (11, [11e-3]), (21, [21e-3]), (29, [29e-3]), (100, [])]
+    assert truth.after(2, 2) == lines[2:4]

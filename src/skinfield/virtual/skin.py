@@ -159,6 +159,8 @@ class VirtualSkin:
         if touches is not None:
             self._pressing = [touch for touch, _ in touches]
             self.truth.note(touches, moment_ns)
+        else:
+            self.truth.settle(moment_ns)
 
     @property
     def pressing(self) -> list[Touch]:

@@ -36,8 +36,9 @@ class Truth:
         self._skin = skin
         self._lines: deque[Line] = deque(maxlen=KEPT)
         self._made = 0
-        self._who: tuple[str, ...] = ()
+        self._who: tuple[str, ...] | None = None
         self._last_ns = 0
+        self._waiting: tuple[list[tuple[Touch, float]], int] | None = None
         self._file: IO[str] | None = None
         if path:
             try:
@@ -49,9 +50,20 @@ class Truth:
         """Take down what presses from now on, with the radius of each touch, m."""
         touches = list(touches)
         who = tuple(touch.id for touch, _ in touches)
+        self._waiting = None
         if who == self._who and stamp_ns - self._last_ns < INTERVAL_NS:
+            self._waiting = (touches, stamp_ns)
             return
-        self._who, self._last_ns = who, stamp_ns
+        self._write(touches, stamp_ns)
+
+    def settle(self, stamp_ns: int) -> None:
+        """Take down the end of a movement that was too soon after the line before."""
+        if self._waiting is not None and stamp_ns - self._last_ns >= INTERVAL_NS:
+            self._write(*self._waiting)
+            self._waiting = None
+
+    def _write(self, touches: list[tuple[Touch, float]], stamp_ns: int) -> None:
+        self._who, self._last_ns = tuple(touch.id for touch, _ in touches), stamp_ns
         presses = [self._press(touch, radius) for touch, radius in touches]
         line = {"number": self._made, "stamp_ns": stamp_ns, "presses": presses}
         self._made += 1
