@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 from skinfield.errors import InputError
 
+BEGINS = 30.0  # s for a recorder to begin
 ENDS = 15.0  # s for a recorder to finish its file
 
 
@@ -43,6 +45,7 @@ def recorder(name: str, path: Path | None) -> Iterator[None]:
     command = [sys.executable, "-m", "skinfield.live.recorder", name, str(path)]
     child = subprocess.Popen([*command, "--parent", str(os.getpid())], process_group=0)
     try:
+        _wait_for_recorder(name, child)
         yield
     finally:
         if child.poll() is None:
@@ -58,3 +61,24 @@ def recorder(name: str, path: Path | None) -> Iterator[None]:
                 f"the recorder ended with status {code}: see what it said; "
                 f"`skinfield recover {path} -o GOOD.mcap` saves what is in the file"
             )
+
+
+def _wait_for_recorder(name: str, child: "subprocess.Popen[bytes]") -> None:
+    """Wait until a recorder records, so that nothing of the skin's life is missing.
+
+    Raises
+    ------
+    InputError
+        If it ends, or does not begin in time.
+    """
+    from skinfield.live.recorder_state import read_state
+
+    end = time.monotonic() + BEGINS
+    while time.monotonic() < end:
+        state = read_state(name)
+        if state is not None and state.pid == child.pid:
+            return
+        if child.poll() is not None:
+            raise InputError(f"the recorder ended with status {child.returncode}: see what it said")
+        time.sleep(0.02)
+    raise InputError(f"the recorder did not begin within {BEGINS:g} s: is the machine very busy?")

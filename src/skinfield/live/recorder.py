@@ -16,7 +16,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from skinfield.errors import SkinfieldError
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.live.control import order
 from skinfield.live.parent import end_with
 from skinfield.live.recorder_disk import Disk
 from skinfield.live.recorder_drain import Drain
@@ -99,6 +100,14 @@ class Recorder:
         self._disk.start()
         self._next = self._began
         self.state = self._state()
+        self._ask_for_a_beginning()
+
+    def _ask_for_a_beginning(self) -> None:
+        """Have the engine make its next cycle a key cycle: a replay can begin with this file."""
+        try:
+            order(self.settings.name, "key")
+        except InputError:
+            return  # no engine listens now: the first cycle of the next is one
 
     def run(
         self,
