@@ -14,6 +14,9 @@ from skinfield.errors import Floats, Ints
 BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST, CALIBRATION = 1, 2, 3, 4, 5, 6, 7  # as `Kind`
 OUT_OF_RANGE = 4  # as `Status`
 HEADER_WORDS = 2
+LATE_NS = (
+    1_000_000_000  # counts older than their channel's by less are late; by more, a clock was set
+)
 FULL = -1
 
 
@@ -142,7 +145,8 @@ def apply_blocks(
     start, stop : int
         Words; whole blocks.
     counts : (C,) float64 array
-        Written where a block brings counts; NaN where it says that a taxel did not answer.
+        Written where a block brings counts, but for those that a later reading overtook; NaN
+        where it says that a taxel did not answer.
     stamps : (C,) int64 array, ns
     status : (C,) uint8 array
         Of `Status`.
@@ -211,6 +215,8 @@ def take(
             status[first + i] = bits | (OUT_OF_RANGE if beyond else 0)
         return
     for i in range(count):
+        if 0 < stamps[first + i] - stamp < LATE_NS:
+            continue  # it was overtaken on its way
         if kind == BYTES:
             counts[first + i] = np.float64(octets[8 * payload + i])
         elif kind == SHORTS:
