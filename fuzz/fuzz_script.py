@@ -10,7 +10,6 @@ from skinfield.engine import Engine
 from skinfield.engine.script import WIDTH
 from skinfield.errors import InputError
 
-INTERPRETED = True
 PATCH = sf.layouts.icub_triangle()
 SKIN = sf.Skin((PATCH, replace(PATCH, name="other")))
 RNG = np.random.default_rng(0)
