@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from rich.console import Console
 
+from skinfield.cli.emulate_report import introduce, line_of, sum_up
 from skinfield.cli.inputs import LAYOUT_HELP
 from skinfield.cli.options import layer_from_options, layer_options
 
 if TYPE_CHECKING:
-    from skinfield.virtual import Fault, VirtualSettings, VirtualSkin
+    from skinfield.virtual import Fault, VirtualSettings
 
 F = TypeVar("F", bound=Callable[..., Any])
 FAULTS = {  # flags that take WHAT[@START][+SECONDS], and what WHAT is the number of
@@ -183,9 +184,9 @@ def emulate(**options: Any) -> None:
         signal.signal(name, lambda *_: skin.stop())
     shown = Console(stderr=True)
     try:
-        _introduce(skin, shown)
+        introduce(skin, shown)
         with shown.status("waiting for a host", spinner="dots") as status:
-            skin.run(each_second=lambda each: status.update(_line(each)))
+            skin.run(each_second=lambda each: status.update(line_of(each)))
     finally:
         counts = {**skin.description(), **skin.counts()}
         skin.close()
@@ -194,7 +195,7 @@ def emulate(**options: Any) -> None:
     if options["as_json"]:
         click.echo(json.dumps(counts))
     else:
-        _sum_up(counts, shown)
+        sum_up(counts, shown)
 
 
 def _settings(options: dict[str, Any]) -> "VirtualSettings":
@@ -241,60 +242,3 @@ def _faults(options: dict[str, Any]) -> tuple["Fault", ...]:
     return tuple(
         fault_of(name, text) for name in FAULTS for text in options[name.replace("-", "_")]
     )
-
-
-def _introduce(skin: "VirtualSkin", shown: Console) -> None:
-    settings = skin.settings
-    patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
-    shown.print(f"{settings.hardware} skin: {patches}", highlight=False, soft_wrap=True)
-    where = ", ".join(skin.hardware.addresses)
-    shown.print(f"{settings.bus} at {where}; scene {skin.world.scene.name}", highlight=False)
-    if skin.control_address:
-        shown.print(f"presses and faults: JSON by UDP to {skin.control_address}", highlight=False)
-    for note in skin.notes:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
-
-
-def _line(skin: "VirtualSkin") -> str:
-    """What is going on, in a line."""
-    if not skin.stream_ns:
-        return "waiting for a host"
-    counts = skin.counts()
-    rate = counts["readings"] / max(counts["streamed_seconds"], 1e-9)
-    parts = [f"{counts['streamed_seconds']:.0f} s", f"{counts['messages']:,} messages"]
-    parts.append(f"{rate:,.0f} readings/s")
-    parts += [f"{counts[name]:,} {name}" for name in MISHAPS if counts[name]]
-    presses = skin.pressing
-    parts.append(
-        ", ".join(f"{t.force:.2f} N at {t.x * 1e3:.1f} {t.y * 1e3:.1f} mm" for t in presses[:3])
-        or "nothing presses"
-    )
-    return " | ".join(parts)
-
-
-MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
-
-
-def _sum_up(counts: dict[str, Any], shown: Console) -> None:
-    said = [f"{counts['messages']:,} messages of {counts['readings']:,} readings sent"]
-    said += [f"{counts[name]:,} {name}" for name in MISHAPS]
-    shown.print(", ".join(said), highlight=False, soft_wrap=True)
-    if counts["faults"]:
-        began = ", ".join(f"{kind} {count}" for kind, count in counts["faults"].items())
-        shown.print(f"faults that began: {began}", highlight=False, soft_wrap=True)
-    if counts["skipped"]:
-        shown.print(
-            f"{counts['skipped']:,} readings came too late and were skipped: this machine was "
-            "too busy for the rate",
-            style="yellow",
-            highlight=False,
-            soft_wrap=True,
-        )
-    if counts["refused"] and not counts["messages"]:
-        shown.print(
-            f"nothing went out: no host has spoken to {', '.join(counts['channels'])}",
-            style="yellow",
-            highlight=False,
-        )
-    for note in counts["notes"]:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
