@@ -13,6 +13,7 @@ from skinfield.errors import InputError
 from skinfield.live.binding import bind
 from skinfield.live.recipe import Recipe
 from skinfield.live.slots import Head, Slot
+from skinfield.live.tare import unrounded
 from skinfield.pipeline.conditioner import Conditioner
 
 NOW = 10**18
@@ -144,3 +145,20 @@ def test_patches_find_the_ports_of_their_names() -> None:
     assert_array_equal(found.channel, [5, 6, 7, 0, 1, 2])
     with pytest.raises(InputError, match="'left' has no port"):
         bind(sf.Skin(tuple(patches)), [Port("right", 5), Port("other", 3)])
+
+
+def test_a_baseline_is_not_rounded() -> None:
+    rng, patch = np.random.default_rng(5), sf.layouts.hexagon72()
+    level = 240.0 + rng.uniform(-0.5, 0.5, 72)
+    counts = np.rint(level + rng.normal(0.0, 0.5, (400, 72)))
+    counts[:, 7] = np.nan  # never answered
+    counts[11, 9] = 100.0  # once, nobody knows why
+    known = Calibration(
+        np.median(counts, axis=0), np.full(72, -171.0), np.full(72, 0.3), np.arange(72) != 7,
+        patch.uid,
+    )  # fmt: skip
+    baseline, noise = unrounded(counts, known)
+    others = np.arange(72) != 7
+    assert_allclose(baseline[others], level[others], atol=0.12)  # four standard errors
+    assert np.abs(np.median(counts, axis=0) - level)[others].max() > 0.4
+    assert_allclose(noise[others], np.hypot(0.5, 12**-0.5), rtol=0.2)

@@ -1,5 +1,6 @@
 """Baseline and noise of all taxels, from the first readings of an untouched skin."""
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,7 @@ SHARE = 0.9  # of the channels that ever answered: so many new ones make a furth
 SLOWEST = 0.2  # s after which whatever came is taken for a reading
 PATIENCE = 10.0  # times the asked time, after which fewer readings must do
 USUAL = 5.0  # times the longest usual interval of a taxel: its reading is then too old
+OUTLIER = 3.0  # standard deviations beyond which a count is drawn in
 YOUNGEST = 0.05  # s, at which no reading is too old
 
 
@@ -152,9 +154,31 @@ def _tared(
     if known is None:
         table[:, 2], table[:, 3] = found.noise_std, answered
         return table, found.noise_std, found.notes
-    columns = np.column_stack([known.baseline, known.gain, known.noise_std, known.alive])
+    baseline, noise = known.baseline, known.noise_std
+    if settings.calibration.get(patch.name) is None:
+        baseline, noise = unrounded(recording.counts, known)
+    columns = np.column_stack([baseline, known.gain, noise, known.alive])
     table[known.alive] = columns[known.alive]
-    return table, found.noise_std, found.notes
+    wider = np.divide(noise, known.noise_std, out=np.ones_like(noise), where=known.alive)
+    return table, found.noise_std * wider, found.notes
+
+
+def unrounded(counts: Floats, known: Calibration) -> tuple[Floats, Floats]:
+    """Mean and noise (L,) of counts that a board rounds, from about their median.
+
+    Where a taxel rests between two counts, the median is up to half a count off, and always to the
+    same side: neighbours that are off alike would be taken for a light touch. Only where the mean
+    is within a count of the baseline; elsewhere something else is the matter.
+    """
+    with np.errstate(invalid="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of taxels that never answered
+        reach = 1.0 + OUTLIER * known.noise_std
+        near = np.clip(counts, known.baseline - reach, known.baseline + reach)
+        mean, spread = np.nanmean(near, axis=0), np.nanstd(near, axis=0)
+        close = known.alive & (np.abs(mean - known.baseline) <= 1.0)
+    baseline = np.where(close, mean, known.baseline)
+    noise = np.where(close, np.fmax(spread, known.noise_std), known.noise_std)
+    return baseline, noise
 
 
 def calibrations_of(skin: Skin, table: Floats) -> list[Calibration]:
