@@ -24,6 +24,7 @@ RATE = 100.0  # 1/s
 NEAR, FACTOR = 3e-3, 2.5  # m; of a press, by the quick inverse on a layer of 2 mm
 PATIENCE = 90.0  # s
 STALE = 0.4  # s
+STARTS = 600.0  # s: every kernel may have to be compiled first
 
 
 def multicast_works() -> bool:
@@ -83,7 +84,7 @@ def started(bus: str, parts: ExitStack) -> Skin:
     source = source_from_options("icub", bus, tuple(boards.channels), made.skin)
     made = settings(sources=(source,), rungs=(10, 20), tare_seconds=1.5, stale_after=STALE)
     supervisor = parts.enter_context(Supervisor(made))
-    supervisor.wait(180.0).close()
+    supervisor.wait(STARTS).close()
     return Skin(boards, parts.enter_context(connect(made.name)), supervisor)
 
 
