@@ -1,108 +1,27 @@
 """A running skin from another program: `with skinfield.connect() as live`."""
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.acquisition.recorded import CycleFlag
-from skinfield.engine.state import Answer
 from skinfield.errors import InputError, check_positive
-from skinfield.fields import Estimate
 from skinfield.layout import Skin
 from skinfield.live.control import order
 from skinfield.live.estimates import Models
 from skinfield.live.recipe import Recipe
 from skinfield.live.slots import Head, Slot
+from skinfield.live.snapshot import Snapshot as Snapshot
+from skinfield.live.snapshot import Stale as Stale
 from skinfield.ring import Ring, RingReader, State
 
 FOREVER = 1e9  # s
 
 
-class Stale(InputError):
-    """No estimate that is young enough: nothing is ever returned in its place."""
-
-
 class NotRunning(InputError):
     """No skin that runs under that name."""
-
-
-class Snapshot(Mapping[str, Estimate]):
-    """One cycle of a live skin: estimates by the names of the patches.
-
-    Attributes
-    ----------
-    number : int
-        Of the cycle.
-    age : float, s
-        Of the newest reading in it when it was fetched; infinite before the first.
-    stamp_ns : int, ns
-        Of that reading, since the epoch.
-    fresh : bool
-        Whether the cycle had a new reading; else it holds the answers of an earlier one.
-    contacts : structured (N,) array
-        On all patches, with `track`, `patch` (its number), `position` (m, in the patch's frame),
-        `normal_force` (N), `force_std` (N), `place_std` (m), `area` (m²) and more; see its dtype.
-    patches : structured (P,) array
-        What is known of each patch: answer, rung, gap, stamp_ns, fresh, force ...
-    """
-
-    def __init__(self, slot: Slot, number: int, models: Models, wall_ns: int) -> None:
-        self.number = number
-        self.slot, self._models = slot, models
-        self.patches: NDArray[Any] = slot.patches
-        self.contacts: NDArray[Any] = slot.used_contacts()
-        self.stamp_ns = int(slot.patches["stamp_ns"].max(initial=0))
-        self.age = (wall_ns - self.stamp_ns) * 1e-9 if self.stamp_ns else float("inf")
-        self.fresh = bool(slot.head[Head.FRESH])
-        self._names = [patch.name for patch in models.recipe.skin]
-        self._made: dict[str, Estimate] = {}
-
-    def __getitem__(self, name: str) -> Estimate:
-        if name not in self._names:
-            raise InputError(f"no patch is named {name!r}, expected one of {self._names}")
-        place = self._names.index(name)
-        if self.patches["answer"][place] == int(Answer.MISSING):
-            age = self.ages()[name]
-            raise Stale(
-                f"patch {name!r} has no answer: its newest reading is {age:.3g} s old; see "
-                "`skinfield status`"
-            )
-        if name not in self._made:
-            head = self.slot.head
-            took = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-9
-            late = bool(int(head[Head.FLAGS]) & CycleFlag.LATE)
-            self._made[name] = self._models.estimate(self.slot, place, took, late)
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        there = self.patches["answer"] != int(Answer.MISSING)
-        return (name for name, known in zip(self._names, there, strict=True) if known)
-
-    def __len__(self) -> int:
-        return int((self.patches["answer"] != int(Answer.MISSING)).sum())
-
-    def ages(self) -> dict[str, float]:
-        """Age of each patch's newest reading, s; infinite where none ever came."""
-        wall = self.stamp_ns + self.age * 1e9 if self.stamp_ns else 0.0
-        stamps = self.patches["stamp_ns"].tolist()
-        return {
-            name: (wall - stamp) * 1e-9 if stamp else float("inf")
-            for name, stamp in zip(self._names, stamps, strict=True)
-        }
-
-    @property
-    def readings(self) -> NDArray[np.float32]:
-        """Newest counts of all taxels, patch by patch, (L,)."""
-        return self.slot.counts
-
-    @property
-    def force(self) -> float:
-        """Sum of the normal forces of all contacts, N."""
-        return float(self.patches["force"].sum())
 
 
 class Live:
@@ -126,7 +45,8 @@ class Live:
         self.recipe = Recipe.from_json(text)
         self.skin: Skin = self.recipe.skin
         self._models: tuple[int, Models] | None = None
-        self._slot = self.reader.slot()
+        self._room = self.reader.slot()  # looked at before a cycle is worth a copy of its own
+        self._looked = Slot.of(self._room.arrays)
         self._seen = 0
 
     @property
@@ -164,6 +84,20 @@ class Live:
                 raise self._stale(found, max_age, timeout)
             self.reader.wait(self._seen, left)
 
+    def _look(self) -> Slot | None:
+        """The newest cycle, until the next look."""
+        copied = self.reader.latest(self._room)
+        if copied is None:
+            return None
+        self._seen = copied.number
+        return self._looked
+
+    def _kept(self) -> Snapshot:
+        """What was looked at, in memory of its own."""
+        own = self.reader.slot()
+        np.copyto(own.octets, self._room.octets)
+        return Snapshot(Slot.of(own.arrays), self._seen, self.models, time.time_ns())
+
     def _fetch(self) -> Snapshot | None:
         copied = self.reader.latest()
         if copied is None:
@@ -198,9 +132,9 @@ class Live:
                 if self.reader.replaced():
                     raise NotRunning(f"{self.name!r} was started anew: connect again")
                 continue
-            found = self._fetch()
-            if found is not None and found.fresh:
-                yield found
+            looked = self._look()
+            if looked is not None and looked.head[Head.FRESH]:
+                yield self._kept()
 
     def next(self, timeout: float) -> Snapshot | None:
         """The newest cycle that was not fetched yet; None if none came in time."""
@@ -233,14 +167,15 @@ class Live:
         while (left := end - time.monotonic()) > 0:
             if self.reader.wait(self._seen, min(left, 0.5)) <= self._seen:
                 continue
-            found = self._fetch()
-            if found is None:
+            looked = self._look()
+            if looked is None or not looked.head[Head.CONTACTS]:
                 continue
-            strong = found.contacts["normal_force"] >= force
+            contacts = looked.used_contacts()
+            strong = contacts["normal_force"] >= force
             if patch is not None:
-                strong &= found.contacts["patch"] == names.index(patch)
+                strong &= contacts["patch"] == names.index(patch)
             if strong.any():
-                return found
+                return self._kept()
         return None
 
     def tare(self) -> None:

@@ -1,0 +1,225 @@
+"""`skinfield run` as people start it: wrong options, and every way to end."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from live_skins import unique_name, wait_for
+
+from skinfield.cli.main import main
+from skinfield.errors import InputError
+from skinfield.live.slots import Head
+from skinfield.ring import Ring, RingReader, State
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
+FOLDER = Path("/dev/shm")
+COMMAND = (sys.executable, "-c", "from skinfield.cli.main import main; main()")
+QUICK = ("--grid", "10", "--tare-s", "0.2", "--rate", "100", "--priority", "0", "--headless")
+
+
+def left_of(name: str) -> list[str]:
+    """Files that bear a skin's name."""
+    return [each.name for each in FOLDER.iterdir() if each.name.endswith(f".{name}")]
+
+
+def children_of(pid: int) -> list[int]:
+    """Processes that a process has started."""
+    found = []
+    for each in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = each.read_text().rpartition(")")[2].split()
+        except OSError:  # it has just ended
+            continue
+        if int(fields[1]) == pid:
+            found.append(int(each.parent.name))
+    return found
+
+
+def lives(pid: int) -> bool:
+    """Whether a process is there and not a zombie."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--skin", "no_such_layout"), "no such file, and no generator"),
+        (("--hardware", "robotnik"), "robotnik"),
+        (("--port", "99999"), "--port is 99999, expected 0 to 65535"),
+        (("--record", "/no-such-folder/a.mcap"), "expected a folder that is there"),
+        (("--record", __file__), "which is there already, expected a new file"),
+        (("--rate", "0"), "--rate is 0, expected a positive number"),
+        (("--rate", "nan"), "--rate is nan, expected a positive number"),
+        (("--rate", "1e9"), "expected 100000 cycles per second at most"),
+        (("--budget-us", "5000"), "expected less than the period of 1000 µs"),
+        (("--duration", "-1"), "--duration is -1, expected a positive number of seconds"),
+        (("--name", "a/b"), "a/b"),
+        (("--scene", "nonsense"), "expected one of idle, press"),
+        (("--grid", "2"), "expected 4 nodes"),
+        (("--set", "x"), "expected KEY=VALUE"),
+        (("--priority", "200"), "200"),
+        (("--cpu", "-1"), "-1"),
+        (("--gain", "0"), "--gain is 0, expected counts"),
+        (("--virtual-rate", "0"), "--virtual-rate is 0, expected"),
+    ],
+)
+def test_wrong_options_are_refused_before_anything_starts(
+    options: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def start(*_: object, **__: object) -> None:
+        raise AssertionError("a process was started")
+
+    monkeypatch.setattr("skinfield.virtual.process.start", start)
+    monkeypatch.setattr("skinfield.live.supervisor.Supervisor.__enter__", start)
+    result = CliRunner().invoke(main, ["run", "--headless", "--name", unique_name(), *options])
+    assert result.exit_code not in (0, None)
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    text = " ".join(result.output.split())
+    assert said in text
+    assert "Traceback" not in text
+
+
+def test_a_taken_port_and_a_running_name_are_refused() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        result = CliRunner().invoke(main, ["run", "--name", unique_name(), "--port", port])
+    assert "cannot be served: Address already in use" in " ".join(result.output.split())
+    from skinfield.ring import Field
+
+    with Ring.create(unique_name(), [Field("x", "<f8", (1,))]) as ring:
+        result = CliRunner().invoke(main, ["run", "--name", ring.name])
+        assert f"a skin named '{ring.name}' runs already" in " ".join(result.output.split())
+        ring.unlink()
+
+
+class Running:
+    """A `skinfield run` of its own process group."""
+
+    def __init__(self, name: str, *options: str) -> None:
+        self.name = name
+        words = [*COMMAND, "run", "--name", name, *QUICK, *options]
+        self.process = subprocess.Popen(
+            words,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            process_group=0,
+            env=os.environ | {"OMP_NUM_THREADS": "1"},
+        )
+        self.seen: set[int] = set()
+
+    def wait_for(self, condition: Callable[[], object]) -> None:
+        """Wait for it, noting what processes there are meanwhile."""
+
+        def met() -> object:
+            assert self.process.poll() is None, self.process.communicate()
+            self.seen.update(children_of(self.process.pid))
+            return condition()
+
+        wait_for(met, 120.0)
+
+    def is_at(self, *states: State) -> bool:
+        """Whether the engine is in one of these states."""
+        try:
+            with RingReader(self.name) as reader:
+                return reader.state in states
+        except InputError:
+            return False
+
+    def feels(self) -> bool:
+        """Whether its virtual skin is pressed, which begins when all that it starts is there."""
+        try:
+            with RingReader(self.name) as reader:
+                slot = reader.latest()
+                pressed = slot is not None and slot["head"][Head.CONTACTS] > 0
+                return pressed and reader.alive and reader.state == State.RUNNING
+        except InputError:
+            return False
+
+    def all_gone(self) -> bool:
+        """Whether none of its processes is left."""
+        return not any(lives(each) for each in self.seen)
+
+
+@contextmanager
+def running(*options: str, name: str = "") -> Iterator[Running]:
+    found = Running(name or unique_name(), *options)
+    try:
+        yield found
+    finally:
+        found.seen.update(children_of(found.process.pid))
+        if found.process.poll() is None:
+            found.process.kill()
+        found.process.communicate()
+        for each in filter(lives, found.seen):
+            os.kill(each, signal.SIGKILL)
+        for each in left_of(found.name):
+            (FOLDER / each).unlink()
+
+
+def ends(found: Running, number: int) -> tuple[str, str]:
+    """Send a signal, as a terminal does it to the whole group; what was said until the end."""
+    os.killpg(found.process.pid, number)
+    said = found.process.communicate(timeout=60)
+    wait_for(found.all_gone)
+    assert left_of(found.name) == []
+    assert "Traceback" not in said[1]
+    return said
+
+
+def test_sigterm_while_it_starts_leaves_nothing() -> None:
+    with running() as found:
+        found.wait_for(lambda: found.seen)  # the virtual skin
+        ends(found, signal.SIGTERM)
+        assert found.process.returncode != 0
+
+
+def test_a_closed_terminal_while_it_calibrates_leaves_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "a.mcap"
+    with running("--tare-s", "100", "--record", str(file)) as found:
+        found.wait_for(lambda: found.is_at(State.CALIBRATING) and file.exists())
+        assert len(found.seen) >= 3
+        ends(found, signal.SIGHUP)
+    assert whole(file)
+
+
+def whole(path: Path) -> bool:
+    """Whether an MCAP file has its end."""
+    data = path.read_bytes()
+    return data[:8] == data[-8:] == b"\x89MCAP0\r\n"
+
+
+def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> None:
+    file, second = tmp_path / "a.mcap", tmp_path / "b.mcap"
+    with running("--record", str(file)) as found:
+        found.wait_for(lambda: found.is_at(State.RUNNING) and file.exists())
+        assert len(found.seen) >= 3  # virtual skin, engine, recorder
+        found.process.kill()
+        found.process.communicate()
+        wait_for(found.all_gone)
+        assert whole(file)  # the recorder was told, and finished it
+        check_ctrl_c_while_it_runs(found.name, second)
+
+
+def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
+    """On a ring that was left behind, whose engine had a baseline."""
+    with running("--json", "--record", str(file), name=name) as found:
+        found.wait_for(found.feels)
+        said = json.loads(ends(found, signal.SIGINT)[0])
+        assert found.process.returncode == 0
+    assert said["cycles"] > 0
+    assert {"late", "lost", "latency_us", "wake_us", "contacts"} <= set(said)
+    assert whole(file)
