@@ -77,9 +77,8 @@ def started(bus: str, parts: ExitStack) -> Skin:
         place = f"{group()}:{free_port()}"
     else:
         place = "127.0.0.1:0"
-    boards = parts.enter_context(
-        start(VirtualSettings(bus=bus, channels=(place,), rate=RATE, scene="idle", lead_in=0.0))
-    )
+    virtual = VirtualSettings(bus=bus, channels=(place,), rate=RATE, scene="idle", lead_in=0.0)
+    boards = parts.enter_context(start(virtual, STARTS))
     made = settings(rungs=(10, 20))
     source = source_from_options("icub", bus, tuple(boards.channels), made.skin)
     made = settings(sources=(source,), rungs=(10, 20), tare_seconds=1.5, stale_after=STALE)
