@@ -91,7 +91,10 @@ def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str,
             settings_from(given, skin, NotYet())  # refuses what it must before anything starts
             handle = parts.enter_context(virtual_skin(given))
             hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
+            given["extra"] += (f"period_ms={max(round(1e3 / given['virtual_rate']), 1)}",)
         skin, extra = skin_for(hardware, skin), extra_settings(given["extra"])
+        if given["no_load"] is not None:  # the boards are told as well
+            extra.setdefault("no_load", str(given["no_load"]))
         source = source_from_options(hardware, bus or "", channels, skin, extra)
         settings = settings_from(given, skin, source)
         supervisor = parts.enter_context(Supervisor(settings))

@@ -78,7 +78,8 @@ def notes_of(notes: dict[str, object]) -> list[str]:
     granted = notes.get("granted")
     if isinstance(granted, dict):
         said += Granted.from_dict(granted).sentences()
-    tare = notes.get("tare")
-    if isinstance(tare, list):
-        said += [str(each) for each in tare]
+    for name in ("tare", "sources"):
+        told = notes.get(name)
+        if isinstance(told, list):
+            said += [str(each) for each in told]
     return said

@@ -69,6 +69,8 @@ class EngineProcess:
         self.keys = 1
         self.began = False
         self.again: Tare | None = None
+        self.said: list[str] = []
+        self.looks = max(int(1.0 / settings.period), 1)  # cycles between looks at the sources
         self.notes: dict[str, object] = {"phase": self.start.phase}
         write_notes(self.ring.status["notes"], self.notes)
 
@@ -85,6 +87,8 @@ class EngineProcess:
                 count += 1
                 if count % LISTEN == 0:
                     self._obey(self.control.poll())
+                if count % self.looks == 0:
+                    self._listen_to_sources()
             self.ring.set_state(State.STOPPED)
         except BaseException:
             self.ring.set_state(State.FAILED)
@@ -168,10 +172,17 @@ class EngineProcess:
         granted = settings.real_time.apply()
         self._note(phase="running", granted=granted.as_dict())
         if settings.rate is None:
-            self.waiter = EventWaiter(self.intake.filenos(), int(settings.period * 1e9))
+            self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
         else:
             self.waiter = PeriodicClock(int(settings.period * 1e9))
         self.ring.set_state(State.RUNNING)
+
+    def _listen_to_sources(self) -> None:
+        """Tell what the sources say, where that is new."""
+        said = self.intake.said()
+        if said != self.said:
+            self.said = said
+            self._note(sources=said)
 
     def _without_answer(self, slot: Slot) -> None:
         """A slot that says that all patches are missing."""

@@ -85,7 +85,7 @@ class Member:
         if not self.retry.due(now_ns):
             return
         try:
-            stream = self.source.open()
+            stream = opened(self.source, self.index)
         except Exception as error:
             self.failure = f"{type(error).__name__}: {error}"
             return
@@ -105,10 +105,25 @@ class Member:
         row += self.counters
         self.counters = row
 
+    def said(self) -> list[str]:
+        """Why it is away, and what its stream notes, if it does."""
+        if self.stream is None:
+            return [self.failure]
+        fault, notes = getattr(self.stream, "fault", ""), getattr(self.stream, "notes", ())
+        return [str(each) for each in ((fault,) if fault else ()) + tuple(notes)]
+
     @property
     def up(self) -> bool:
         """Whether it is connected, as far as is known."""
         return self.stream is not None and self.stream.up
+
+
+def opened(source: Source, index: int) -> Stream:
+    """Open a source; a stream that tells of itself in its blocks learns which one it is."""
+    stream = source.open()
+    if hasattr(stream, "index"):
+        stream.index = index
+    return stream
 
 
 class Intake:
@@ -135,7 +150,7 @@ class Intake:
         self.members: list[Member] = []
         channel = 0
         for index, source in enumerate(sources):
-            stream = source.open()
+            stream = opened(source, index)
             ports = tuple(stream.ports)
             self.members.append(Member(source, index, stream, ports, channel, counters()))
             channel += sum(port.channels for port in ports)
@@ -162,6 +177,10 @@ class Intake:
         """File descriptors to wait for."""
         streams = [member.stream for member in self.members if member.stream is not None]
         return [each for stream in streams for each in stream.filenos()]
+
+    def said(self) -> list[str]:
+        """What the sources have to say, in sentences: why one is away, what it could not get."""
+        return [f"{type(m.source).__name__}: {text}" for m in self.members for text in m.said()]
 
     @property
     def lost(self) -> int:
