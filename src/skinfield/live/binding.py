@@ -55,7 +55,7 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
     first = tuple(np.cumsum([0, *(port.channels for port in ports)]).tolist())
     rows, starts, port_of = [], [0], []
     for patch in skin:
-        place = _port_of(patch.name, ports)
+        place = _port_of((patch.name, skin.name) if len(skin) == 1 else (patch.name,), ports)
         port = ports[place]
         highest = int(patch.channel.max())
         if highest >= port.channels:
@@ -83,13 +83,15 @@ def bind(skin: Skin, ports: Sequence[Port]) -> Binding:
     )
 
 
-def _port_of(patch: str, ports: Sequence[Port]) -> int:
+def _port_of(wanted: Sequence[str], ports: Sequence[Port]) -> int:
+    """Port of the first of these names that there is; a skin of one patch may name it itself."""
     names = [port.name for port in ports]
-    if patch in names:
-        return names.index(patch)
+    for name in wanted:
+        if name in names:
+            return names.index(name)
     if len(ports) == 1:
         return 0
     raise InputError(
-        f"patch {patch!r} has no port, expected one of its name among {', '.join(names)}: "
+        f"patch {wanted[0]!r} has no port, expected one of its name among {', '.join(names)}: "
         "name the port after the patch"
     )

@@ -1,5 +1,6 @@
 """All sources of an engine: polled, logged and applied, whatever happens to one of them."""
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -16,7 +17,10 @@ from skinfield.acquisition import (
     Stream,
     counters,
 )
+from skinfield.acquisition.blocks import Full
 from skinfield.errors import Ints
+
+SILENT_NS = 1_000_000_000  # without a message, after which a source counts as away
 
 
 @dataclass(eq=False)
@@ -48,9 +52,13 @@ class Member:
     failure: str = ""
     retry: Retry = field(init=False)
     _before: Ints = field(init=False)
+    _heard: int = field(init=False)
+    _silent: bool = field(init=False)
 
     def __post_init__(self) -> None:
         self._before = counters()  # of streams that were closed
+        self._heard = 0  # when the last message came, ns; 0 before the first
+        self._silent = False
         self.retry = Retry(self._before)
 
     def poll(self, blocks: Blocks, now_ns: int) -> int:
@@ -66,8 +74,31 @@ class Member:
         except Exception as error:
             self._failed(error, blocks, now_ns)
             return 0
+        self._mark_silence(messages, blocks, now_ns)
         np.add(self._before, self.stream.counters, out=self.counters)
         return messages
+
+    def _mark_silence(self, messages: int, blocks: Blocks, now_ns: int) -> None:
+        """Tell of boards that fall silent though the wire is there, and of their return."""
+        if messages:
+            if self._silent:
+                self._before[Count.DOWN_NS] += now_ns - self._heard
+                self._before[Count.REOPENED] += 1
+                self._silent = False
+                self._tell(blocks, now_ns, 1)
+            self._heard = now_ns
+        elif self._silent or not self._heard:
+            return
+        elif self.stream is None or not self.stream.up:
+            self._heard = now_ns  # the stream tells of that itself
+        elif now_ns - self._heard > SILENT_NS:
+            self._silent = True
+            self._tell(blocks, now_ns, 0)
+
+    def _tell(self, blocks: Blocks, now_ns: int, up: int) -> None:
+        """Put into the record that it went or came back, if there is room."""
+        with contextlib.suppress(Full):
+            blocks.put_number(now_ns, self.index, Kind.SOURCE, up)
 
     def _failed(self, error: Exception, blocks: Blocks, now_ns: int) -> None:
         stream, self.stream = self.stream, None
@@ -75,7 +106,8 @@ class Member:
         assert stream is not None  # it has just been polled
         self._before += stream.counters
         self.retry.broke(now_ns)
-        blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)
+        self._silent, self._heard = False, 0
+        self._tell(blocks, now_ns, 0)
         try:
             stream.close()
         except Exception as again:
@@ -97,7 +129,7 @@ class Member:
             return
         self.stream, self.failure = stream, ""
         self.retry.came_back(now_ns)
-        blocks.put_number(now_ns, self.index, Kind.SOURCE, 1)
+        self._tell(blocks, now_ns, 1)
 
     def go_on_from(self, row: Ints) -> None:
         """Count on in this array, from what stands there."""
@@ -109,6 +141,8 @@ class Member:
         """Why it is away, and what its stream notes, if it does."""
         if self.stream is None:
             return [self.failure]
+        if self._silent:
+            return ["nothing comes from it: is it switched on, and told to send?"]
         fault, notes = getattr(self.stream, "fault", ""), getattr(self.stream, "notes", ())
         return [str(each) for each in ((fault,) if fault else ()) + tuple(notes)]
 

@@ -4,6 +4,7 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.acquisition import Channels
 from skinfield.conditioning import Calibration
@@ -17,12 +18,13 @@ from skinfield.pipeline.conditioned import Conditioning
 from skinfield.pipeline.survey import survey
 from skinfield.reading import Recording
 
-LEAST = 32  # readings that make a baseline
+LEAST = 100  # readings that make a baseline
 MOST = 2000  # that are kept
 SHARE = 0.9  # of the channels that ever answered: so many new ones make a further reading
 SLOWEST = 0.2  # s after which whatever came is taken for a reading
 PATIENCE = 10.0  # times the asked time, after which fewer readings must do
 USUAL = 5.0  # times the longest usual interval of a taxel: its reading is then too old
+TOGETHER = 50  # readings of the median taxel that go into the noise of each
 OUTLIER = 3.0  # standard deviations beyond which a count is drawn in
 YOUNGEST = 0.05  # s, at which no reading is too old
 
@@ -178,7 +180,20 @@ def unrounded(counts: Floats, known: Calibration) -> tuple[Floats, Floats]:
         close = known.alive & (np.abs(mean - known.baseline) <= 1.0)
     baseline = np.where(close, mean, known.baseline)
     noise = np.where(close, np.fmax(spread, known.noise_std), known.noise_std)
-    return baseline, noise
+    return baseline, drawn_together(noise, known.alive, len(counts))
+
+
+def drawn_together(noise: Floats, alive: NDArray[np.bool_], readings: int) -> Floats:
+    """Noise of taxels of one kind from few readings: some would be too small by chance alone.
+
+    The mean of the variances of one's own readings and of `TOGETHER` such as the median taxel has.
+    """
+    if not alive.any():
+        return noise
+    common = float(np.median(noise[alive]))
+    weight = TOGETHER / (TOGETHER + readings)
+    drawn = np.sqrt((1.0 - weight) * noise**2 + weight * max(common, 0.0) ** 2)
+    return np.where(alive, drawn, noise)
 
 
 def calibrations_of(skin: Skin, table: Floats) -> list[Calibration]:
