@@ -21,7 +21,12 @@ from skinfield.ring import Ring, RingReader, State
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 FOLDER = Path("/dev/shm")
-COMMAND = (sys.executable, "-c", "from skinfield.cli.main import main; main()")
+CODE = (
+    "import signal\n"
+    "signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it\n"
+    "from skinfield.cli.main import main; main()\n"
+)
+COMMAND = (sys.executable, "-c", CODE)
 QUICK = ("--grid", "10", "--tare-s", "0.2", "--rate", "100", "--priority", "0", "--headless")
 
 
@@ -144,8 +149,9 @@ class Running:
         try:
             with RingReader(self.name) as reader:
                 slot = reader.latest()
-                pressed = slot is not None and slot["head"][Head.CONTACTS] > 0
-                return pressed and reader.alive and reader.state == State.RUNNING
+                if slot is None or slot.generation != reader.generation or not reader.alive:
+                    return False  # of an engine that ran before on this ring
+                return bool(slot["head"][Head.CONTACTS]) and reader.state == State.RUNNING
         except InputError:
             return False
 
@@ -218,8 +224,9 @@ def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
     """On a ring that was left behind, whose engine had a baseline."""
     with running("--json", "--record", str(file), name=name) as found:
         found.wait_for(found.feels)
-        said = json.loads(ends(found, signal.SIGINT)[0])
-        assert found.process.returncode == 0
+        text, errors = ends(found, signal.SIGINT)
+        assert found.process.returncode == 0, errors
+        said = json.loads(text)
     assert said["cycles"] > 0
     assert {"late", "lost", "latency_us", "wake_us", "contacts"} <= set(said)
     assert whole(file)
