@@ -1,5 +1,6 @@
 """What a process asks the system for, is given and is refused; checked against /proc."""
 
+import errno
 import gc
 import json
 import os
@@ -225,8 +226,24 @@ def test_the_priority_that_a_limit_permits_is_taken(libc: Libc) -> None:
     assert len(libc.asked) == 1
 
 
+def test_an_older_linux_locks_untouched_pages_too(
+    libc: Libc, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def call(name: str, *arguments: int) -> int:
+        asked.append((name, arguments))
+        if name == "mlockall" and arguments[0] & system.MCL_ONFAULT:
+            raise OSError(errno.EINVAL, "Invalid argument")
+        return 1
+
+    monkeypatch.setattr(system, "call", call)
+    assert found_by(requests._lock).granted["memory"] == "locked so far"
+    assert asked[-1] == ("mlockall", (system.MCL_CURRENT,))
+
+
 @pytest.mark.parametrize(
-    ("limit", "memory", "flags"), [(64 << 30, "locked so far", 1), (-1, "locked", 1 | 2)]
+    ("limit", "memory", "flags"), [(64 << 30, "locked so far", 1 | 4), (-1, "locked", 1 | 2 | 4)]
 )
 def test_memory_is_locked_as_far_as_its_limit_lets(
     libc: Libc, limit: int, memory: str, flags: int

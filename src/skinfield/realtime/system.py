@@ -5,7 +5,7 @@ import os
 import sys
 from pathlib import Path
 
-MCL_CURRENT, MCL_FUTURE = 1, 2
+MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
 PR_SET_TIMERSLACK, PR_GET_TIMERSLACK = 29, 30
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4
 LINUX = sys.platform == "linux"
