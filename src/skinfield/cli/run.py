@@ -22,6 +22,7 @@ from skinfield.cli.run_options import (
 )
 
 REFRESH = 0.25  # s
+SILENT = 5.0  # s without a message until it is told
 RECENT = 1.0  # s that the table calls the last
 STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solved
 
@@ -124,7 +125,7 @@ def _watch(
     observer = Observer(live.reader, window=RECENT)
     screen = None if given["headless"] else _screen(console)
     try:
-        began = _wait_running(supervisor, observer, screen)
+        began = _wait_running(supervisor, observer, screen, console)
         if begin is not None:
             begin()
         end = None if given["duration"] is None else began + given["duration"]
@@ -161,12 +162,15 @@ def _show(screen: Any, observer: Any) -> None:
     screen.update(shown(observer.look(), size.width, size.height))
 
 
-def _wait_running(supervisor: Any, observer: Any, screen: Any) -> float:
+def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
     """Wait until the engine answers, showing what it does meanwhile; the time then."""
     from skinfield.live.supervisor import EngineFailed
 
-    end = time.monotonic() + STARTS
+    end, told = time.monotonic() + STARTS, time.monotonic() + SILENT
     while True:
+        if time.monotonic() > told:
+            told = end + 1.0
+            _tell_silent(observer.look().sources, console)
         try:
             supervisor.wait(REFRESH).close()
             return time.monotonic()
@@ -175,6 +179,17 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any) -> float:
                 raise
         if screen is not None:
             _show(screen, observer)
+
+
+def _tell_silent(sources: dict[str, dict[str, int]], console: Console) -> None:
+    """Say which sources nothing has come from: they may be plugged in late, or misspelt."""
+    silent = [name for name, counts in sources.items() if not counts["received"]]
+    if silent:
+        console.print(
+            f"nothing has come from {', '.join(silent)} yet, waiting: is it connected and on, and "
+            "is --channel right?",
+            style="yellow",
+        )
 
 
 def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:

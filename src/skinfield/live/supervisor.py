@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -149,7 +150,8 @@ class Supervisor:
     def _gone(self, code: int) -> None:
         said = self._tail()
         how = f"signal {signal.Signals(-code).name}" if code < 0 else f"status {code}"
-        self.failure = said.strip().splitlines()[-1] if said.strip() else how
+        last = said.strip().splitlines()[-1] if said.strip() else how
+        self.failure = re.sub(r"^skinfield\.errors\.\w+: ", "", last)
         self._tell("failed", f"ended with {how}: {self.failure}")
         self._again()
 
