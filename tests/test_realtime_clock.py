@@ -246,3 +246,50 @@ def test_impossible_times_are_refused() -> None:
 @pytest.mark.skipif(sys.platform != "linux", reason="asks Linux")
 def test_linux_sleeps_by_its_own_clock() -> None:
     assert PeriodicClock(MS)._sleeper._nanosleep is not None
+
+
+def test_work_before_a_cycle_may_end_late_without_skipping_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fake, periodic = FakeTime(), PeriodicClock(1000, first_ns=1000)
+    periodic._sleeper = fake
+    monkeypatch.setattr(clock, "time", fake)
+    assert periodic.early(200)
+    assert fake.now == 807
+    assert periodic.wait() == (1000, 1007)
+    assert periodic.early(200)
+    fake.now += 400  # until 2207: beyond the next due time, by less than half a period
+    assert periodic.wait() == (2000, 2207)
+    assert periodic.skipped == 0
+    assert periodic.early(200)
+    fake.now += 900  # until 3707: by more
+    assert periodic.wait() == (4000, 4007)
+    assert periodic.skipped == 1
+    fake.now = 4900
+    assert not periodic.early(200)  # too late to begin anything
+    assert periodic.wait() == (5000, 5007)
+
+
+def test_early_work_begins_as_soon_before_the_cycle_as_it_takes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from skinfield.live import early
+
+    fake, periodic = FakeTime(), PeriodicClock(MS, first_ns=MS)
+    periodic._sleeper = fake
+    monkeypatch.setattr(clock, "time", fake)
+    monkeypatch.setattr(early, "time", fake)
+    begun = []
+
+    def work() -> None:
+        begun.append(periodic._due + MS - fake.now)  # type: ignore[operator]
+        fake.now += 50_000
+
+    before = early.Early(periodic, work)
+    for _ in range(3000):
+        before()
+        due, wake = periodic.wait()
+        assert wake - due == 7
+    assert begun[0] == MS // 4 - 7
+    assert abs(begun[-1] - 80_000) < 500  # what it takes, and the spare time
+    assert periodic.skipped == 0

@@ -133,7 +133,7 @@ def settings_from(given: dict[str, Any], skin: Any, source: Any) -> Any:
         layer=layer_from_options(given["thickness_mm"], given["modulus_kpa"], given["poisson"]),
         mechanics=MECHANICS[given["mechanics"]](),
         quantity=QUANTITIES[given["quantity"]](),
-        solver=SOLVERS[given["solver"]](),
+        solver=live_solver(given["solver"]),
         rungs=rungs_to(given["grid"]),
         board=board_of(given["hardware"], given["no_load"]),
         gain=given["gain"],
@@ -143,6 +143,14 @@ def settings_from(given: dict[str, Any], skin: Any, source: Any) -> Any:
         tare_seconds=given["tare_s"],
         real_time=RealTime(priority=given["priority"], cpu=given["cpu"]),
     )
+
+
+def live_solver(name: str) -> Any:
+    """As elsewhere, but for the gap to which a search goes."""
+    from skinfield.inverse import NonNegative
+    from skinfield.live.settings import LIVE_TOLERANCE
+
+    return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else SOLVERS[name]()
 
 
 def board_of(hardware: str | None, no_load: int | None) -> Any:

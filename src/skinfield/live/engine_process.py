@@ -19,6 +19,7 @@ from skinfield.errors import InputError
 from skinfield.live.binding import bind
 from skinfield.live.control import Control
 from skinfield.live.cycle import Cycle
+from skinfield.live.early import Early
 from skinfield.live.intake import Intake
 from skinfield.live.notes import write_notes
 from skinfield.live.parent import end_with
@@ -69,6 +70,8 @@ class EngineProcess:
         self.keys = 1
         self.began = False
         self.again: Tare | None = None
+        self.early: Early | None = None
+        self.taken = 0  # messages, before the cycle
         self.said: list[str] = []
         self.looks = max(int(1.0 / settings.period), 1)  # cycles between looks at the sources
         self.notes: dict[str, object] = {"phase": self.start.phase}
@@ -82,6 +85,8 @@ class EngineProcess:
         count = 0
         try:
             while not self.stopping:
+                if self.early is not None:
+                    self.early()
                 due, wake = self.waiter.wait()
                 self.one(due, wake)
                 count += 1
@@ -100,16 +105,14 @@ class EngineProcess:
         """One cycle."""
         wall = time.time_ns()
         ring, intake = self.ring, self.intake
-        messages = intake.poll(wall)
-        blocks = intake.blocks
+        messages, self.taken = intake.poll(wall) + self.taken, 0
         slot = self._slot()
         head = slot.head
         if self.cycle is None:
             self._begin(wall)
         elif self.again is not None and self.again.take(intake.channels, wall):
             self._finish_tare(self.cycle, wall)
-        if blocks.end[0]:
-            ring.log(blocks.octets, int(blocks.end[0]) * 8)
+        self._log()
         acquired = time.monotonic_ns()
         head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
         head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
@@ -119,6 +122,18 @@ class EngineProcess:
             self._without_answer(slot)
             return
         self._answer(self.cycle, slot, wake, wall)
+
+    def _take_in_early(self) -> None:
+        """Before a cycle is due: take in what is there already."""
+        self.taken += self.intake.poll(time.time_ns())
+        self._log()
+
+    def _log(self) -> None:
+        """Log what was taken in; what is logged is not logged again."""
+        blocks = self.intake.blocks
+        if blocks.end[0]:
+            self.ring.log(blocks.octets, int(blocks.end[0]) * 8)
+            blocks.clear()
 
     def _answer(self, cycle: Cycle, slot: Slot, wake: int, wall: int) -> None:
         head = slot.head
@@ -174,7 +189,9 @@ class EngineProcess:
         if settings.rate is None:
             self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
         else:
-            self.waiter = PeriodicClock(int(settings.period * 1e9))
+            self.waiter = clock = PeriodicClock(int(settings.period * 1e9))
+            if settings.early and granted.real_time:
+                self.early = Early(clock, self._take_in_early)
         self.ring.set_state(State.RUNNING)
 
     def _listen_to_sources(self) -> None:

@@ -13,6 +13,7 @@ from skinfield.observation import Capacitance, Quantity
 from skinfield.realtime import RealTime
 
 RUNGS = (10, 20, 40)
+LIVE_TOLERANCE = 1e-2  # relative gap: forces then differ by some thousandths, searches take 2/3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -28,7 +29,7 @@ class LiveSettings:
         By which readers find the ring.
     layer : Layer
     mechanics, quantity, solver
-        As `Engine` takes them.
+        As `Engine` takes them; by default a `NonNegative` that searches to a gap of 1e-2.
     rungs : tuple of int
         Nodes along the sides of the grids, from coarse to fine.
     board : Convention, optional
@@ -59,6 +60,9 @@ class LiveSettings:
         Of the ring's log of readings: a power of two. Default some seconds of all taxels at the
         engine's rate, 16 to 256 MB.
     real_time : RealTime
+    early : bool
+        Wake shortly before each cycle is due as well, and take in what is there already, so that
+        the estimate is ready sooner after it. Only at a rate, and where real time is granted.
     """
 
     skin: Skin
@@ -67,7 +71,7 @@ class LiveSettings:
     layer: Layer = field(default_factory=Layer)
     mechanics: Mechanics = field(default_factory=BondedLayer)
     quantity: Quantity = field(default_factory=Capacitance)
-    solver: Solver = field(default_factory=NonNegative)
+    solver: Solver = field(default_factory=lambda: NonNegative(tolerance=LIVE_TOLERANCE))
     rungs: tuple[int, ...] = RUNGS
     board: Convention | None = None
     gain: float | None = None
@@ -82,6 +86,7 @@ class LiveSettings:
     slots: int | None = None
     log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
+    early: bool = True
 
     def __post_init__(self) -> None:
         if isinstance(self.skin, Patch):

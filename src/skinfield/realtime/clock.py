@@ -76,6 +76,27 @@ class PeriodicClock:
         self.skipped = 0
         self._sleeper = Sleeper()
         self._due = None if first_ns is None else first_ns - period_ns
+        self._grace = 0
+
+    def early(self, lead_ns: int) -> bool:
+        """Sleep until `lead_ns` before the next cycle is due, to prepare for it.
+
+        What is done then may end somewhat late: `wait` then begins the cycle at once, rather than
+        skip it.
+
+        Returns
+        -------
+        bool
+            Whether there was time; else nothing should be done before `wait`.
+        """
+        if self._due is None:
+            return False
+        due = self._due + self.period_ns
+        if time.monotonic_ns() > due - lead_ns:
+            return False
+        self._grace = self.period_ns // 2
+        self._sleeper.sleep_until(due - lead_ns)
+        return True
 
     def wait(self) -> tuple[int, int]:
         """Sleep until the next cycle is due.
@@ -88,8 +109,9 @@ class PeriodicClock:
         now = time.monotonic_ns()
         last = now - now % self.period_ns if self._due is None else self._due
         due = last + self.period_ns
-        behind = now - due
+        behind, self._grace = now - due - self._grace, 0
         if behind > 0:
+            behind = now - due
             missed = -(-behind // self.period_ns)
             self.skipped += missed
             due += missed * self.period_ns
