@@ -38,6 +38,8 @@ from skinfield.sources.recordings.mcap_live import LiveRecording
 from skinfield.virtual.process import start
 from skinfield.virtual.settings import VirtualSettings
 
+BOARDS = 30  # of SCHED_FIFO: boards keep their time, whatever the computer does
+
 READER = """
 import sys, time, json, signal
 import skinfield as sf
@@ -93,7 +95,12 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
         skin = parts.enter_context(
             start(
                 VirtualSettings(
-                    bus="udp_multicast", channels=(place,), rate=rate, scene="idle", lead_in=0.0
+                    bus="udp_multicast",
+                    channels=(place,),
+                    rate=rate,
+                    scene="idle",
+                    lead_in=0.0,
+                    priority=BOARDS,
                 )
             )
         )
