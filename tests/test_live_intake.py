@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import pytest
 from live_skins import Ticking
 from numpy.testing import assert_array_equal
 
@@ -115,6 +116,37 @@ def test_channels_of_several_sources_lie_one_after_the_other() -> None:
     assert_array_equal(intake.channels.counts[:4], [1, 2, 3, 4])
     assert np.isfinite(intake.channels.counts[4:]).all()
     assert len(intake.channels) == 7
+
+
+class Awkward(Played):
+    """A driver that raises not only where it is polled."""
+
+    awkward = ""
+
+    def __getattribute__(self, name: str) -> object:
+        if name == object.__getattribute__(self, "awkward"):
+            raise RuntimeError(f"no {name}")
+        return super().__getattribute__(name)
+
+
+@pytest.mark.parametrize("where", ["up", "ports"])
+def test_wherever_a_driver_raises_it_costs_itself_only(where: str) -> None:
+    bad, good = Awkward([1, 0, 0, 1]), Played([1] * 9)
+    intake = Intake([bad, good])
+    intake.poll(SECOND)
+    bad.awkward = where
+    if where == "ports":
+        bad.script = [ValueError("oops")]
+    for now in range(2, 6):
+        assert intake.poll(now * SECOND) >= 1
+    assert bad.opened > 1
+
+
+def test_notes_that_cannot_be_read_are_told() -> None:
+    source = Awkward([1])
+    intake = Intake([source])
+    source.awkward = "notes"
+    assert intake.said() == ["Awkward: RuntimeError: no notes"]
 
 
 def test_damaged_blocks_end_no_cycle() -> None:

@@ -24,7 +24,7 @@ from skinfield.live.intake import Intake
 from skinfield.live.notes import write_notes
 from skinfield.live.parent import end_with
 from skinfield.live.recipe import Recipe
-from skinfield.live.ring_fields import known_tare, open_ring, write_tare
+from skinfield.live.ring_fields import known_tare, open_ring, room_for, write_tare
 from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import Head, Slot
 from skinfield.live.start import Start
@@ -47,7 +47,7 @@ class EngineProcess:
 
     def __init__(self, settings: LiveSettings) -> None:
         self.settings = settings
-        self.intake = Intake(settings.sources)
+        self.intake = Intake(settings.sources, room_for(sum(map(len, settings.skin))))
         self.binding = bind(settings.skin, self.intake.ports)
         self.recipe = Recipe.of(settings, self.intake.ports)
         self.ring, fresh_ring = open_ring(settings, self.recipe)
@@ -174,6 +174,7 @@ class EngineProcess:
             self.ring.set_state(State.CALIBRATING)
             self._note(phase=start.phase)
             if start.tared is not None:
+                self._log()  # so that a calibration has all the room
                 write_tare(self.ring, start.tared, self.intake.blocks, wall)
                 self._note(tare=list(start.tared.notes))
         if cycle is not None:
@@ -238,7 +239,13 @@ class EngineProcess:
         """Take over a new baseline, at the cost of some cycles; the noise stays what it was."""
         tare, self.again = self.again, None
         assert tare is not None  # whoever calls has looked
-        tared = replace(tare.finish(), noise_std=self.ring.status["noise_std"].copy())
+        try:
+            found = tare.finish()
+        except InputError as error:  # of what came meanwhile: that must not end what works
+            self._note(tare=[f"the baseline stays as it was: {error}"])
+            return
+        tared = replace(found, noise_std=self.ring.status["noise_std"].copy())
+        self._log()
         write_tare(self.ring, tared, self.intake.blocks, wall)
         cycle.calibrate(tared.calibration)
         self.since_key = 0

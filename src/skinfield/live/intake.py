@@ -71,11 +71,11 @@ class Member:
             return 0
         try:
             messages = self.stream.poll(blocks, self.channel, now_ns)
+            self._mark_silence(messages, blocks, now_ns)
+            np.add(self._before, self.stream.counters, out=self.counters)
         except Exception as error:
             self._failed(error, blocks, now_ns)
             return 0
-        self._mark_silence(messages, blocks, now_ns)
-        np.add(self._before, self.stream.counters, out=self.counters)
         return messages
 
     def _mark_silence(self, messages: int, blocks: Blocks, now_ns: int) -> None:
@@ -118,14 +118,13 @@ class Member:
             return
         try:
             stream = opened(self.source, self.index)
+            ports = tuple(stream.ports)
+            if ports != self.ports:
+                self.failure = f"it came back with ports {ports}, expected {self.ports} as before"
+                stream.close()
+                return
         except Exception as error:
             self.failure = f"{type(error).__name__}: {error}"
-            return
-        if tuple(stream.ports) != self.ports:
-            self.failure = (
-                f"it came back with ports {tuple(stream.ports)}, expected {self.ports} as before"
-            )
-            stream.close()
             return
         self.stream, self.failure = stream, ""
         self.retry.came_back(now_ns)
@@ -143,8 +142,11 @@ class Member:
             return [self.failure]
         if self._silent:
             return ["nothing comes from it: is it switched on, and told to send?"]
-        fault, notes = getattr(self.stream, "fault", ""), getattr(self.stream, "notes", ())
-        return [str(each) for each in ((fault,) if fault else ()) + tuple(notes)]
+        try:
+            fault, notes = getattr(self.stream, "fault", ""), getattr(self.stream, "notes", ())
+            return [str(each) for each in ((fault,) if fault else ()) + tuple(notes)]
+        except Exception as error:  # other people's code here, too
+            return [f"{type(error).__name__}: {error}"]
 
     @property
     def up(self) -> bool:
@@ -210,7 +212,7 @@ class Intake:
     def filenos(self) -> list[int]:
         """File descriptors to wait for."""
         streams = [member.stream for member in self.members if member.stream is not None]
-        return [each for stream in streams for each in stream.filenos()]
+        return [each for stream in streams for each in stream.filenos() if each >= 0]
 
     def said(self) -> list[str]:
         """What the sources have to say, in sentences: why one is away, what it could not get."""

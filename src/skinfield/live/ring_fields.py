@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Count
-from skinfield.acquisition.block import CALIBRATED, LONGEST
+from skinfield.acquisition import Blocks, Count, Kind
+from skinfield.acquisition.block import CALIBRATED, LONGEST, block_bytes
 from skinfield.contacts.live import CONTACT
 from skinfield.engine.state import Answer
 from skinfield.errors import InputError
@@ -24,6 +24,8 @@ ROOM = 1 << 26  # bytes for slots
 FEWEST, MOST = 64, 1024  # slots
 SECONDS = 4.0  # of readings in the log
 BYTES_PER_TAXEL = 6.0  # of a reading, heads of blocks among them
+POLLED = 1 << 22  # bytes for what the sources bring at once
+CALIBRATION_ROWS = LONGEST // CALIBRATED  # taxels in one block
 
 
 def status_fields(sources: int, taxels: int) -> list[Field]:
@@ -85,6 +87,13 @@ def log_for(taxels: int, rate: float | None) -> int:
     return 1 << int(min(max(math.ceil(math.log2(wanted)), 24), 28))
 
 
+def room_for(taxels: int) -> int:
+    """Bytes for the blocks of one poll, or of a whole calibration."""
+    whole, rest = divmod(taxels, CALIBRATION_ROWS)
+    kind = int(Kind.CALIBRATION)
+    return max(POLLED, whole * block_bytes(kind, CALIBRATION_ROWS) + block_bytes(kind, rest))
+
+
 def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     """The ring of this skin: that of an engine that died, if it fits, else a new one.
 
@@ -93,11 +102,21 @@ def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     Ring
     bool
         Whether it is new.
+
+    Raises
+    ------
+    InputError
+        If its log cannot hold what one poll may bring, or another engine writes it.
     """
     sizes = Sizes.of(settings.skin, settings.rungs, settings.rows)
     slot, status = sizes.fields(), status_fields(len(settings.sources), sizes.taxels)
     wanted, slots = description_of(settings, recipe), settings.slots or slots_for(slot)
-    log = settings.log_bytes or log_for(sizes.taxels, settings.rate)
+    log, least = settings.log_bytes or log_for(sizes.taxels, settings.rate), room_for(sizes.taxels)
+    if log < least:
+        raise InputError(
+            f"log_bytes is {log}, expected at least {least}: what the sources bring at once, or "
+            "a calibration, must fit into the ring's log"
+        )
     try:
         ring = Ring.reopen(settings.name, slot, status, slots, log)
         if ring.description.get("recipe") == wanted["recipe"]:
@@ -117,9 +136,8 @@ def write_tare(ring: Ring, tared: Tared, blocks: Blocks, now_ns: int) -> None:
     status["stale_ns"][0] = tared.stale_ns
     status["tares"][0] += 1
     rows = tared.rows()
-    room = LONGEST // CALIBRATED
-    for first in range(0, len(rows), room):
-        blocks.put_calibration(now_ns, first, rows[first : first + room])
+    for first in range(0, len(rows), CALIBRATION_ROWS):
+        blocks.put_calibration(now_ns, first, rows[first : first + CALIBRATION_ROWS])
 
 
 def known_tare(ring: Ring | RingReader) -> Tared | None:

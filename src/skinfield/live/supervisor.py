@@ -12,6 +12,7 @@ import tempfile
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -136,7 +137,8 @@ class Supervisor:
     def _watch(self) -> None:
         while not self._stopping.wait(LOOK):
             child = self._child
-            if child is None:
+            if child is None:  # it could not be started
+                self._again()
                 continue
             code = child.poll()
             if code is not None:
@@ -149,7 +151,8 @@ class Supervisor:
 
     def _gone(self, code: int) -> None:
         said = self._tail()
-        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"status {code}"
+        names = {each.value: each.name for each in signal.Signals}  # not all numbers have one
+        how = f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
         last = said.strip().splitlines()[-1] if said.strip() else how
         self.failure = re.sub(r"^skinfield\.errors\.\w+: ", "", last)
         self._tell("failed", f"ended with {how}: {self.failure}")
@@ -165,7 +168,11 @@ class Supervisor:
         if self._stopping.wait(pause):
             return
         self.restarts += 1
-        self._start()
+        try:
+            self._start()
+        except OSError as error:  # no memory or process left for it: perhaps later
+            self.failure = str(error)
+            self._tell("failed", f"could not be started again: {error}")
 
     def _hangs(self, pid: int) -> float:
         """How long it has been silent, s, if that is too long; else 0."""
@@ -191,9 +198,10 @@ class Supervisor:
         path = self.status_path
         new = path.with_suffix(f".{os.getpid()}.new")
         text_of_all = json.dumps({"pid": os.getpid(), "restarts": self.restarts, "events": told})
-        new.write_text(text_of_all)
-        new.chmod(0o600)
-        new.replace(path)
+        with suppress(OSError):  # no room: the watch goes on, and `events` has it
+            new.write_text(text_of_all)
+            new.chmod(0o600)
+            new.replace(path)
 
     @property
     def hopeless(self) -> bool:
