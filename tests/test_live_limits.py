@@ -1,5 +1,6 @@
 """What does not fit, or fails beside the loop, ends no engine."""
 
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,12 +9,17 @@ import pytest
 from live_skins import settings
 
 from skinfield.acquisition import Blocks, Kind, blocks_of
+from skinfield.acquisition.recorded import CycleFlag
 from skinfield.errors import InputError
 from skinfield.live.engine_process import EngineProcess
 from skinfield.live.recipe import Recipe
 from skinfield.live.ring_fields import open_ring, room_for, write_tare
+from skinfield.live.slots import Head
 from skinfield.live.supervisor import Supervisor
 from skinfield.live.tare import Tared
+from skinfield.realtime import TimingTable
+
+SECOND = 10**9
 
 
 @pytest.mark.parametrize("taxels", [1, 72, 10_922, 10_923, 200_000])
@@ -49,6 +55,35 @@ def test_a_new_baseline_that_fails_leaves_the_old_one() -> None:
     EngineProcess._finish_tare(engine, SimpleNamespace(), 1)  # type: ignore[arg-type]
     assert engine.again is None
     assert notes == {"tare": ["the baseline stays as it was: counts reach 300"]}
+
+
+@pytest.mark.parametrize(
+    ("due", "flags"),
+    [
+        (0, CycleFlag(0)),
+        (6, CycleFlag.LATE),
+        (40, CycleFlag.LATE | CycleFlag.OVERRUN),
+    ],
+)
+def test_cycles_say_that_they_were_late(due: int, flags: CycleFlag) -> None:
+    def nothing(*_: object, **__: object) -> bool:
+        return False
+
+    slot = SimpleNamespace(head=np.zeros(len(Head), np.int64))
+    slot.head[Head.DUE_NS] = time.monotonic_ns() - due * SECOND
+    engine = SimpleNamespace(
+        since_key=5,
+        keys=9,
+        flags=0,
+        intake=SimpleNamespace(channels=None),
+        timing=TimingTable(20 * SECOND, 5 * SECOND),
+        ring=SimpleNamespace(publish=nothing, heartbeat=nothing),
+        waiter=SimpleNamespace(skipped=0),
+    )
+    cycle = SimpleNamespace(answer=nothing)
+    EngineProcess._answer(engine, cycle, slot, int(slot.head[Head.DUE_NS]), 0)  # type: ignore[arg-type]
+    assert CycleFlag(int(slot.head[Head.FLAGS])) == flags
+    assert engine.since_key == 4
 
 
 def test_an_engine_that_cannot_be_started_now_is_started_later(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from recorder_ring import FakeEngine
 
+from skinfield.acquisition import Blocks, Kind
 from skinfield.live.recorder import Recorder
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import forget_state
@@ -16,14 +17,25 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"
 PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
+def nothing_more(blocks: Blocks, now_ns: int) -> None:
+    """Counts alone."""
+
+
+def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
+    """Blocks that hold no counts: who reads the bytes must know how long they are."""
+    blocks.put_number(now_ns, 0, Kind.SOURCE, 1)
+    blocks.put_number(now_ns, 0, Kind.LOST, 3)
+    blocks.put_calibration(now_ns, 0, np.ones((24, 6)))
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     name = f"docs{uuid.uuid4().hex[:12]}"
     folder = tmp_path_factory.mktemp("docs")
     engine = FakeEngine(name)
     recorder = Recorder(RecorderSettings(name=name, path=folder / "touch.mcap"))
-    for _ in range(30):
-        engine.cycle()
+    for number in range(30):
+        engine.cycle(extra=of_all_kinds if number == 7 else nothing_more)
     recorder.close()
     engine.close()
     forget_state(name)

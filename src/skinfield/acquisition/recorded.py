@@ -44,8 +44,8 @@ class CycleFlag(IntFlag):
     """What is special about a cycle."""
 
     KEY = 1  # the engine was reset before it: a replay can start here
-    LATE = 2  # it woke after its deadline
-    OVERRUN = 4  # it was done after the next one was due
+    LATE = 2  # its answer was ready after its deadline
+    OVERRUN = 4  # its answer was ready after the next one was due
     RESTARTED = 8  # the first of a new engine process
 
 

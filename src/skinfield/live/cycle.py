@@ -18,7 +18,7 @@ from skinfield.live.touches import Touches
 
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
-KEY, LATE = int(CycleFlag.KEY), int(CycleFlag.LATE)
+KEY = int(CycleFlag.KEY)
 CONTACT_WORDS = CONTACT.itemsize // 8
 
 

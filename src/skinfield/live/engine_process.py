@@ -34,7 +34,7 @@ from skinfield.ring import State
 
 STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
 LISTEN = 8  # cycles from one look for orders to the next
-REPORT_NS = 1_000_000_000  # between looks at what the sources have to say
+LATE, OVERRUN = int(CycleFlag.LATE), int(CycleFlag.OVERRUN)
 
 
 class EngineProcess:
@@ -145,7 +145,9 @@ class EngineProcess:
         due = int(head[Head.DUE_NS])
         ready = time.monotonic_ns()
         if ready - due > self.timing.deadline_ns:
-            head[Head.FLAGS] |= int(CycleFlag.LATE)
+            head[Head.FLAGS] |= LATE
+        if ready - due > self.timing.period_ns:
+            head[Head.FLAGS] |= OVERRUN
         head[Head.READY_NS] = ready
         self.ring.publish()
         published = time.monotonic_ns()
@@ -163,6 +165,7 @@ class EngineProcess:
         slot = self.slots.get(id(arrays))  # the ring keeps one mapping for each slot
         if slot is None:
             slot = self.slots[id(arrays)] = Slot.of(arrays)
+            slot.head[Head.BUDGET_NS] = int(self.settings.time_to_answer * 1e9)
         return slot
 
     def _begin(self, wall: int) -> None:

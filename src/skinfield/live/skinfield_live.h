@@ -29,7 +29,7 @@ enum { /* how a patch was answered */
 enum { /* bits of head[SKINFIELD_HEAD_FLAGS] */
     SKINFIELD_KEY = 1,      /* answered without knowledge of earlier cycles */
     SKINFIELD_LATE = 2,     /* ready after its deadline */
-    SKINFIELD_OVERRUN = 4,  /* done after the next one was due */
+    SKINFIELD_OVERRUN = 4,  /* ready after the next one was due */
     SKINFIELD_RESTARTED = 8 /* the first of an engine that was started again */
 };
 enum { /* numbers of a cycle, by their place in `head`; times in ns */
@@ -44,7 +44,7 @@ enum { /* numbers of a cycle, by their place in `head`; times in ns */
     SKINFIELD_HEAD_FRESH = 8,       /* patches with a new reading */
     SKINFIELD_HEAD_CONTACTS = 9,    /* on all patches */
     SKINFIELD_HEAD_SCRIPT = 10,     /* rows of the script */
-    SKINFIELD_HEAD_BUDGET_NS = 11,  /* that the reconstruction had */
+    SKINFIELD_HEAD_BUDGET_NS = 11,  /* that the reconstruction had; 0 of a replay */
     SKINFIELD_HEAD_SPARE = 12,
     SKINFIELD_HEAD_NUMBERS = 13
 };

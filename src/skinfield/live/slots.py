@@ -33,7 +33,7 @@ class Head(IntEnum):
     FRESH = 8  # patches with a new reading
     CONTACTS = 9  # on all patches, of the newest answers
     SCRIPT = 10  # rows of the script; 0 if nothing was answered
-    BUDGET_NS = 11  # that the reconstruction had
+    BUDGET_NS = 11  # that the reconstruction had; 0 of a replay
     SPARE = 12
 
 

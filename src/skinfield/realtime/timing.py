@@ -55,6 +55,7 @@ class TimingTable:
         self.totals: Words = np.zeros(len(TOTALS), np.uint64) if totals is None else totals
         check_words("times", self.times, (len(TIMES), WORDS))
         check_words("totals", self.totals, (len(TOTALS),))
+        self._skipped_before = int(self.totals[SKIPPED])  # by an engine that ran before
         self._add = add_cycle
         rehearsal = np.zeros_like(self.times), np.zeros_like(self.totals)
         self._add(*rehearsal, self.period_ns, self.deadline_ns, 0, 0, 0, 0, 0, 0)
@@ -91,8 +92,8 @@ class TimingTable:
         )
 
     def set_skipped(self, periods: int) -> None:
-        """How many periods passed without a cycle since the start, as the clock counted them."""
-        self.totals[SKIPPED] = periods
+        """How many periods passed without a cycle, as the clock counted them since it was made."""
+        self.totals[SKIPPED] = self._skipped_before + periods
 
     def timing(self, before: "tuple[Words, Words] | None" = None) -> "Timing":
         """See `Timing.of`."""
