@@ -44,7 +44,7 @@ def export(file: Path, output: str, patches: tuple[str, ...]) -> None:
     recording = LiveRecording.open(file)
     work = _Work(recording, patches)
     with open_export(output, work.what) as sink, progress() as bar:
-        task = bar.add_task("exporting", total=recording.frame.size)
+        task = bar.add_task("exporting", total=recording.outline.size)
         for at in work.into(sink):
             bar.update(task, completed=at)
     notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]

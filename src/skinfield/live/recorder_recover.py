@@ -24,11 +24,11 @@ from skinfield.sources.recordings.mcap_bodies import (
 )
 from skinfield.sources.recordings.mcap_records import (
     Damage,
-    Frame,
+    Outline,
     Record,
     body_of,
-    frame_of,
     open_file,
+    outline_of,
     right_end,
 )
 
@@ -97,17 +97,17 @@ def recover(
     with open_file(bad) as file:
         if good.exists() and good.samefile(bad):
             raise InputError(f"{good} is the damaged file itself, expected another name")
-        frame = frame_of(file)
+        outline = outline_of(file)
         output = FileOutput(good, overwrite=overwrite)
         try:
             salvage = _Salvage(
-                file, frame, Container(output, Zstd(), 1 << 19, *_profile(file, frame))
+                file, outline, Container(output, Zstd(), 1 << 19, *_profile(file, outline))
             )
-            for record in frame.records:
+            for record in outline.records:
                 salvage.take(record)
                 if progress is not None:
-                    progress(record.end, frame.size)
-            if frame.finished and (wrong := right_end(file, frame)) is not None:
+                    progress(record.end, outline.size)
+            if outline.finished and (wrong := right_end(file, outline)) is not None:
                 salvage.damage.append(wrong)
             salvage.container.finish()
         except OSError as error:
@@ -122,7 +122,7 @@ class _Salvage:
     """What was found so far, and where it goes."""
 
     file: BinaryIO
-    frame: Frame
+    outline: Outline
     container: Container
     topics: dict[int, str] = field(default_factory=dict)
     schemas: set[int] = field(default_factory=set)
@@ -146,14 +146,14 @@ class _Salvage:
 
     def report(self) -> Recovered:
         """What came of it."""
-        frame, summary = self.frame, self.container.summary
-        found = Recovered(frame.size, damage=list(self.damage))
-        found.was_whole = frame.finished and not self.damage
-        if not frame.finished:
-            found.dropped_bytes = frame.size - frame.end
-            if frame.damage is not None:
-                found.damage.append(frame.damage)
-                self.file_head(found, frame.damage.byte)
+        outline, summary = self.outline, self.container.summary
+        found = Recovered(outline.size, damage=list(self.damage))
+        found.was_whole = outline.finished and not self.damage
+        if not outline.finished:
+            found.dropped_bytes = outline.size - outline.end
+            if outline.damage is not None:
+                found.damage.append(outline.damage)
+                self.file_head(found, outline.damage.byte)
         found.first_ns, found.last_ns = summary.first_ns, summary.last_ns
         for channel, count in summary.messages.items():
             found.messages[self.topics[channel]] += count
@@ -221,11 +221,11 @@ class _Salvage:
         self.container.add_attachment(found.name, found.media_type, found.data, time_ns)
 
 
-def _profile(file: BinaryIO, frame: Frame) -> tuple[str, str]:
+def _profile(file: BinaryIO, outline: Outline) -> tuple[str, str]:
     """Profile and library of the header; empty where it is damaged."""
-    if frame.records and frame.records[0].opcode == Op.HEADER:
+    if outline.records and outline.records[0].opcode == Op.HEADER:
         try:
-            header = parsed(Op.HEADER, body_of(file, frame.records[0]))
+            header = parsed(Op.HEADER, body_of(file, outline.records[0]))
         except Damaged:
             return "", ""
         return header.profile, header.library

@@ -59,13 +59,13 @@ class CySkinEncoder:
     @property
     def messages_per_reading(self) -> int:
         """CAN messages of one reading of all boards of the bus."""
-        frame = 4 + int(self.wire.numbered) + int(self._check[1])  # octets beside the responses
+        fixed = 4 + int(self.wire.numbered) + int(self._check[1])  # octets beside the responses
         total = 0
         for row, count in enumerate(self.table.counts):
             sensors = int(self.table.begins[row, count] - self.table.begins[row, 0])
             whole, rest = divmod(sensors, self.per_packet)
             for packets, responses in ((whole, self.per_packet), (bool(rest), rest)):
-                total += packets * -(-(frame + 2 * responses) // 8)
+                total += packets * -(-(fixed + 2 * responses) // 8)
         return total
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:

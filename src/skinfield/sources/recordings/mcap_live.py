@@ -41,11 +41,11 @@ from skinfield.sources.recordings.mcap_bodies import (
 )
 from skinfield.sources.recordings.mcap_records import (
     Damage,
-    Frame,
+    Outline,
     Record,
     body_of,
-    frame_of,
     open_file,
+    outline_of,
 )
 
 T = TypeVar("T")
@@ -62,7 +62,7 @@ class LiveRecording:
     Attributes
     ----------
     path : Path
-    frame : Frame
+    outline : Outline
         Records of the file, and whether it was finished.
     channels : dict of int to Channel
     attached : dict of str to Attached
@@ -71,7 +71,7 @@ class LiveRecording:
     """
 
     path: Path
-    frame: Frame
+    outline: Outline
     channels: dict[int, Channel] = field(default_factory=dict)
     attached: dict[str, Attached] = field(default_factory=dict)
     damage: list[Damage] = field(default_factory=list)
@@ -87,9 +87,9 @@ class LiveRecording:
         """
         path = Path(path)
         with open_file(path) as file:
-            found = cls(path, frame_of(file))
-            if found.frame.damage is not None:
-                found.damage.append(found.frame.damage)
+            found = cls(path, outline_of(file))
+            if found.outline.damage is not None:
+                found.damage.append(found.outline.damage)
             found._read_heads(file)
             if not found._has_channels():
                 found._look_into_chunks(file)
@@ -107,7 +107,7 @@ class LiveRecording:
     @property
     def finished(self) -> bool:
         """Whether the file was closed as it should; else the end may be missing."""
-        return self.frame.finished
+        return self.outline.finished
 
     @cached_property
     def skin(self) -> Skin:
@@ -159,7 +159,7 @@ class LiveRecording:
     def messages(self, topics: Collection[str] = ()) -> Iterator[tuple[str, int, Message]]:
         """Topic, byte in the file, and message, in the order of the file; default all topics."""
         with open_file(self.path) as file:
-            for record in self.frame.records:
+            for record in self.outline.records:
                 try:
                     for message in self._messages_in(file, record):
                         channel = self.channels.get(message.channel)
@@ -234,7 +234,7 @@ class LiveRecording:
                     self._add_channel(content[start:end])
 
     def _read_heads(self, file: BinaryIO) -> None:
-        for record in self.frame.records:
+        for record in self.outline.records:
             try:
                 if record.opcode == Op.CHANNEL:
                     self._add_channel(body_of(file, record))
@@ -246,7 +246,7 @@ class LiveRecording:
 
     def _look_into_chunks(self, file: BinaryIO) -> None:
         """Channels that other writers put into the first chunk."""
-        for record in self.frame.records:
+        for record in self.outline.records:
             if record.opcode == Op.CHUNK and not self._has_channels():
                 with suppress(Damaged):  # told when its messages are read
                     deque(self._messages_in(file, record), 0)

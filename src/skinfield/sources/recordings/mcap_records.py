@@ -45,7 +45,7 @@ class Damage(NamedTuple):
 
 
 @dataclass
-class Frame:
+class Outline:
     """All records of a file, by their heads.
 
     Attributes
@@ -86,49 +86,49 @@ def open_file(path: Path) -> BinaryIO:
     return file
 
 
-def frame_of(file: BinaryIO) -> Frame:
+def outline_of(file: BinaryIO) -> Outline:
     """Walk from head to head; ends at the footer, at the end, or where a length cannot be."""
     size = file.seek(0, 2)
-    frame, at = Frame(size), len(MAGIC)
+    outline, at = Outline(size), len(MAGIC)
     while at < size:
         file.seek(at)
         head = file.read(HEAD.size)
         if len(head) < HEAD.size:
-            frame.damage = Damage(at, f"{len(head)} bytes of a record's head, the file is cut")
+            outline.damage = Damage(at, f"{len(head)} bytes of a record's head, the file is cut")
             break
         opcode, length = HEAD.unpack(head)
         end = at + HEAD.size + length
         if opcode == 0 or length > LARGEST:
-            frame.damage = Damage(at, f"no record begins here (opcode {opcode}, {length} bytes)")
+            outline.damage = Damage(at, f"no record begins here (opcode {opcode}, {length} bytes)")
             break
         if end > size:
             kind = Op(opcode).name.lower() if opcode in set(Op) else f"record of kind {opcode}"
-            frame.damage = Damage(
+            outline.damage = Damage(
                 at, f"{size - at} of {end - at} bytes of a {kind}, the file is cut"
             )
             break
-        frame.records.append(Record(at, opcode, end))
+        outline.records.append(Record(at, opcode, end))
         at = end
         if opcode == Op.FOOTER:
             break
-    _conclude(file, frame)
-    return frame
+    _conclude(file, outline)
+    return outline
 
 
-def _conclude(file: BinaryIO, frame: Frame) -> None:
+def _conclude(file: BinaryIO, outline: Outline) -> None:
     """Find the end of the data and whether the file was finished."""
-    kinds = [record.opcode for record in frame.records]
+    kinds = [record.opcode for record in outline.records]
     data = kinds.index(Op.DATA_END) if Op.DATA_END in kinds else len(kinds)
     if Op.FOOTER in kinds and kinds[-1] != Op.FOOTER:
         data = min(data, kinds.index(Op.FOOTER))
-    frame.end = frame.records[data - 1].end if data else len(MAGIC)
+    outline.end = outline.records[data - 1].end if data else len(MAGIC)
     if kinds and kinds[-1] == Op.FOOTER and data < len(kinds):
-        last = frame.records[-1].end
+        last = outline.records[-1].end
         file.seek(last)
-        frame.finished = file.read(len(MAGIC) + 1) == MAGIC
-        if not frame.finished:
-            frame.damage = Damage(last, "the file does not end behind its footer as MCAP does")
-    frame.records, frame.tail = frame.records[:data], frame.records[data:]
+        outline.finished = file.read(len(MAGIC) + 1) == MAGIC
+        if not outline.finished:
+            outline.damage = Damage(last, "the file does not end behind its footer as MCAP does")
+    outline.records, outline.tail = outline.records[:data], outline.records[data:]
 
 
 def body_of(file: BinaryIO, record: Record) -> bytes:
@@ -158,9 +158,9 @@ def chunk_size(file: BinaryIO, record: Record) -> ChunkSize:
     return ChunkSize(first, last, name, record.length - at - 8, unpacked)
 
 
-def right_end(file: BinaryIO, frame: Frame) -> Damage | None:
+def right_end(file: BinaryIO, outline: Outline) -> Damage | None:
     """Check a finished file's own checksums, of its data and of its summary; None if right."""
-    footer = frame.tail[-1]
+    footer = outline.tail[-1]
     try:
         found = parsed(Op.FOOTER, body_of(file, footer))
     except Damaged as error:
@@ -168,7 +168,7 @@ def right_end(file: BinaryIO, frame: Frame) -> Damage | None:
     summary = found.summary_start or footer.start
     if found.summary_crc and found.summary_crc != _crc(file, summary, footer.end - 4):
         return Damage(summary, "a summary whose checksum is wrong")
-    data_end = frame.tail[0]
+    data_end = outline.tail[0]
     stated = int.from_bytes(body_of(file, data_end)[:4], "little")
     if data_end.opcode == Op.DATA_END and stated and stated != _crc(file, 0, data_end.start):
         return Damage(0, "data whose checksum as a whole is wrong")

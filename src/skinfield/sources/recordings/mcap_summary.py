@@ -44,13 +44,13 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         elif topic == CYCLES and (cycle := _cycle_of(recording, at, message)) is not None:
             cycles.add(cycle)
         if progress is not None:
-            progress(at, recording.frame.size)
+            progress(at, recording.outline.size)
     seconds = (times[1] - times[0]) * 1e-9 if times else 0.0
     events = list(recording.events())
     return {
         "path": str(recording.path),
         "finished": recording.finished,
-        "bytes": recording.frame.size,
+        "bytes": recording.outline.size,
         "began_ns": times[0] if times else None,
         "seconds": seconds,
         **_skin_of(recording),
@@ -100,7 +100,7 @@ def _skin_of(recording: LiveRecording) -> dict[str, Any]:
 def _chunks(recording: LiveRecording) -> dict[str, Any]:
     count, packed, unpacked, names = 0, 0, 0, set()
     with open_file(recording.path) as file:
-        for record in recording.frame.records:
+        for record in recording.outline.records:
             if record.opcode == Op.CHUNK:
                 try:
                     size = chunk_size(file, record)

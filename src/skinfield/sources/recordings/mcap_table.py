@@ -179,7 +179,7 @@ class LiveStream:
                 count += len(piece[0])
                 yield self._recording(*piece)
             if self.progress is not None:
-                self.progress(at, self.recording.frame.size)
+                self.progress(at, self.recording.outline.size)
         for piece in rows.finish():
             count += len(piece[0])
             yield self._recording(*piece)
