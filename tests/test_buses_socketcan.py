@@ -14,7 +14,7 @@ from skinfield.sources.buses import BusSettings, open_bus
 from skinfield.sources.buses.datagram_kernel import TOO_LONG, take_headers
 from skinfield.sources.buses.socketcan import SocketCanBus
 
-FRAME = struct.Struct("=IB3x8s")  # struct can_frame of linux/can.h
+STRUCT = struct.Struct("=IB3x8s")  # struct can_frame of linux/can.h
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def test_frames_are_read(wire: tuple[SocketCanBus, socket.socket]) -> None:
     heard = []
     for row in range(len(messages)):
         data = messages.data[row].tobytes()
-        theirs.send(FRAME.pack(int(messages.ids[row]), int(messages.lengths[row]), data))
+        theirs.send(STRUCT.pack(int(messages.ids[row]), int(messages.lengths[row]), data))
         heard += receive(bus, 1) if row % 50 == 49 or row == 299 else []
     heard += receive(bus, len(messages) - len(heard))
     assert [identifier for identifier, _, _ in heard] == messages.ids.tolist()
@@ -47,21 +47,21 @@ def test_frames_are_written(wire: tuple[SocketCanBus, socket.socket]) -> None:
     messages = drawn_messages(np.random.default_rng(2), 60)
     assert bus.send_many(messages, 60) == 60
     for row in range(60):
-        expected = FRAME.pack(
+        expected = STRUCT.pack(
             int(messages.ids[row]), int(messages.lengths[row]), messages.data[row].tobytes()
         )
         assert theirs.recv(100) == expected
     assert bus.send(0x20D, b"\x07\x00")
-    assert theirs.recv(100) == FRAME.pack(0x20D, 2, b"\x07\x00")
+    assert theirs.recv(100) == STRUCT.pack(0x20D, 2, b"\x07\x00")
 
 
 def test_errors_and_other_sizes_are_counted(wire: tuple[SocketCanBus, socket.socket]) -> None:
     bus, theirs = wire
-    theirs.send(FRAME.pack(ERROR | 4, 8, bytes(8)))
-    theirs.send(FRAME.pack(1, 9, bytes(8)))
+    theirs.send(STRUCT.pack(ERROR | 4, 8, bytes(8)))
+    theirs.send(STRUCT.pack(1, 9, bytes(8)))
     theirs.send(bytes(72))  # CAN FD
     theirs.send(bytes(5))
-    theirs.send(FRAME.pack(7, 1, b"x"))
+    theirs.send(STRUCT.pack(7, 1, b"x"))
     assert [each[:2] for each in receive(bus, 1)] == [(7, b"x")]
     assert (bus.errors, bus.malformed) == (1, 3)
 

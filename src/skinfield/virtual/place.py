@@ -1,38 +1,16 @@
-"""Skin and places on it, from names and numbers of a command."""
+"""Places on a skin, from names and numbers of a command."""
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch, Skin, load_layout
-from skinfield.layout.generators import by_name
-from skinfield.layout.generators.names import GENERATORS
+from skinfield.errors import InputError
+from skinfield.layout import Patch, Skin
 
 FARTHEST = 10.0  # m: no skin is larger
 PLACE_KEYS = ("x", "y", "taxel", "face", "weights")
-
-
-def skin_of(text: str) -> Skin:
-    """Skin from a layout file or folder or, where no such file exists, a generator by name.
-
-    Raises
-    ------
-    FileError
-        When it is neither.
-    """
-    if text.strip().partition(":")[0] in GENERATORS and not Path(text).exists():
-        patch = by_name(text)
-        return Skin((patch,), name=patch.name)
-    if not Path(text).exists():
-        raise FileError(
-            f"{text}: no such file, and no generator, expected the path of a layout file or one "
-            f"of {', '.join(GENERATORS)}"
-        )
-    return load_layout(text)
 
 
 def patch_index(skin: Skin, key: Any) -> int:

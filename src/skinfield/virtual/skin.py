@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from skinfield.errors import InputError
+from skinfield.layout.words import skin_from_text
 from skinfield.virtual.commands import commands_of
 from skinfield.virtual.control import Control
 from skinfield.virtual.fault_clock import FaultClock
 from skinfield.virtual.hardware import Hardware
 from skinfield.virtual.hardwares import open_hardware
-from skinfield.virtual.place import skin_of
 from skinfield.virtual.scene_files import scene_from_text
 from skinfield.virtual.schedule import NEVER
 from skinfield.virtual.settings import VirtualSettings
@@ -46,7 +46,7 @@ class VirtualSkin:
 
     def __init__(self, settings: VirtualSettings) -> None:
         self.settings = settings
-        self.skin = skin_of(settings.skin)
+        self.skin = skin_from_text(settings.skin)
         scene = scene_from_text(settings.scene, self.skin, settings.seed)
         self.world = World(self.skin, settings.layer, scene)
         self.hardware: Hardware = open_hardware(self.skin, settings)

@@ -21,7 +21,7 @@ class Bus(Protocol):
     malformed : int
         Datagrams that were no message of classic CAN.
     errors : int
-        Error frames.
+        Messages by which the bus reports an error.
     octets : int
         Bytes received.
     """

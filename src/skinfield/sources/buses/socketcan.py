@@ -1,4 +1,4 @@
-"""Linux's own CAN, raw: all frames that wait in one system call.
+"""Linux's own CAN, raw: all messages that wait in one system call.
 
 Layouts are those of linux/can.h and linux/can/raw.h. This was tested on the bytes, through sockets
 of another family; no real bus was at hand.
@@ -13,20 +13,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from skinfield.acquisition.can import CanMessages
-from skinfield.errors import InputError, Ints
+from skinfield.errors import InputError
+from skinfield.sources.buses.batched import BatchedBus
 from skinfield.sources.buses.datagrams import Datagrams
-from skinfield.sources.buses.rows import check_rows, fill
+from skinfield.sources.buses.rows import check_rows
 from skinfield.sources.buses.settings import BusSettings
-from skinfield.sources.buses.system import buffer_note, set_options
+from skinfield.sources.buses.system import set_options
 from skinfield.sources.buses.udp_sockets import let_go
 
-BATCH = 256  # frames of one system call
+BATCH = 256  # messages of one system call
 SOL_CAN_RAW, CAN_RAW_ERR_FILTER = 101, 2
 ERRORS_OF_INTEREST = 0x1FFFFFFF  # CAN_ERR_MASK: all kinds
 ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or not set up
 
 
-class SocketCanBus:
+class SocketCanBus(BatchedBus):
     """See `Bus` and `BusSettings`.
 
     Parameters
@@ -38,47 +39,23 @@ class SocketCanBus:
 
     def __init__(self, settings: BusSettings, sock: socket.socket | None = None) -> None:
         from skinfield.sources.buses.socketcan_kernel import (
-            FRAME,
-            frames_of_messages,
-            messages_of_frames,
+            STRUCT,
+            messages_of_structs,
+            structs_of_messages,
         )
 
-        self._read, self._write = messages_of_frames, frames_of_messages
-        self.settings = settings
-        self._in, self._out = Datagrams(BATCH, FRAME), Datagrams(BATCH, FRAME)
-        self._counts: Ints = np.zeros(2, np.int64)
-        self._one = CanMessages(1)
+        self._read, self._write = messages_of_structs, structs_of_messages
+        super().__init__(settings, Datagrams(BATCH, STRUCT), Datagrams(BATCH, STRUCT))
         self._socket: socket.socket | None = None
-        self.up, self.fault, self.octets, self.buffer_bytes = False, "", 0, 0
         self._words_in = self._in.flat.view(np.uint32)
         self._words_out = self._out.flat.view(np.uint32)
-        self._take(0, self._one, 0)  # compiles before the first frame
+        self._take(0, self._one, 0)  # compiles before the first message
         self._encode(self._one, 0, 0)
         if sock is None:
             _check_system()
             self.reopen()
         else:
             self._use(sock)
-
-    @property
-    def overflowed(self) -> int:
-        """Frames that the system dropped for want of room."""
-        return self._in.dropped
-
-    @property
-    def malformed(self) -> int:
-        """Frames of another size, as those of CAN FD."""
-        return int(self._counts[0])
-
-    @property
-    def errors(self) -> int:
-        """Error frames."""
-        return int(self._counts[1])
-
-    @property
-    def note(self) -> str:
-        """What should be known of it, in words."""
-        return buffer_note(self.settings.label, self.buffer_bytes)
 
     def reopen(self) -> bool:
         """Open the socket anew."""
@@ -140,11 +117,6 @@ class SocketCanBus:
             )
         )
 
-    def send(self, identifier: int, data: bytes) -> bool:
-        """Send one message."""
-        fill(self._one, identifier, data)
-        return self.send_many(self._one, 1) == 1
-
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """Send rows of `messages`; a full queue of the device takes fewer."""
         check_rows(messages, first, count)
@@ -173,10 +145,6 @@ class SocketCanBus:
             self._out.lengths,
         )
 
-    def _broke(self, code: int) -> None:
-        self._release()
-        self.fault = f"{self.settings.label}: {os.strerror(code)}"
-
     def filenos(self) -> Sequence[int]:
         """Of the socket."""
         return (self._socket.fileno(),) if self._socket is not None else ()
@@ -184,11 +152,6 @@ class SocketCanBus:
     def _release(self) -> None:
         let_go(self._socket)
         self._socket, self.up = None, False
-
-    def close(self) -> None:
-        """Let go of the socket."""
-        self._release()
-        self.fault = "closed"
 
 
 def _check_system() -> None:

@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 from skinfield.acquisition.block import Octets
 from skinfield.errors import Ints
 
-FRAME = 16  # bytes of struct can_frame; CAN FD's is longer, and not asked for
+STRUCT = 16  # bytes of struct can_frame; CAN FD's is longer, and not asked for
 ERROR, FLAGS, STANDARD = 0x20000000, 0xE0000000, 0x7FF
 EXTENDED = 0x80000000
 MALFORMED, ERRORS = 0, 1  # of `counts`
 
 
 @njit(cache=True, nogil=True)
-def messages_of_frames(
+def messages_of_structs(
     octets: Octets,
     words: NDArray[np.uint32],
     lengths: Ints,
@@ -27,12 +27,12 @@ def messages_of_frames(
     stamp_ns: Ints,
     counts: Ints,
 ) -> int:
-    """Read `count` frames into the arrays of `CanMessages` from row `first` on.
+    """Read `count` structs into the arrays of `CanMessages` from row `first` on.
 
     Parameters
     ----------
     octets, words : arrays
-        The frames, `FRAME` bytes each, as uint8 and as uint32: the same memory.
+        The structs, `STRUCT` bytes each, as uint8 and as uint32: the same memory.
     lengths, stamps : (N,) int64 arrays
         Bytes and stamp of each.
     counts : (2,) int64 array
@@ -44,9 +44,9 @@ def messages_of_frames(
         First row that is free now.
     """
     for i in range(count):
-        at, identifier = i * FRAME, words[i * FRAME // 4]
+        at, identifier = i * STRUCT, words[i * STRUCT // 4]
         size = octets[at + 4]
-        if lengths[i] != FRAME or size > 8 or first >= len(ids):
+        if lengths[i] != STRUCT or size > 8 or first >= len(ids):
             counts[MALFORMED] += 1
         elif identifier & ERROR:
             counts[ERRORS] += 1
@@ -59,7 +59,7 @@ def messages_of_frames(
 
 
 @njit(cache=True, nogil=True)
-def frames_of_messages(
+def structs_of_messages(
     ids: NDArray[np.uint32],
     sizes: Octets,
     data: Octets,
@@ -69,13 +69,13 @@ def frames_of_messages(
     words: NDArray[np.uint32],
     lengths: Ints,
 ) -> None:
-    """Write `count` messages from row `first` on as frames of `FRAME` bytes."""
+    """Write `count` messages from row `first` on as structs of `STRUCT` bytes."""
     for i in range(count):
-        at, row = i * FRAME, first + i
+        at, row = i * STRUCT, first + i
         size = min(sizes[row], 8)
         words[at // 4] = ids[row]
         octets[at + 4] = size
         octets[at + 5], octets[at + 6], octets[at + 7] = 0, 0, 0
         for j in range(8):
             octets[at + 8 + j] = data[row, j] if j < size else 0
-        lengths[i] = FRAME
+        lengths[i] = STRUCT

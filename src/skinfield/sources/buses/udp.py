@@ -1,6 +1,5 @@
 """A CAN bus over UDP, to a multicast group or to one address, in python-can's own format."""
 
-import os
 import socket
 from collections.abc import Sequence
 
@@ -8,11 +7,12 @@ import numpy as np
 
 from skinfield.acquisition.block import Octets
 from skinfield.acquisition.can import CanMessages
-from skinfield.errors import InputError, Ints
+from skinfield.errors import InputError
+from skinfield.sources.buses.batched import BatchedBus
 from skinfield.sources.buses.datagrams import Datagrams
-from skinfield.sources.buses.rows import check_rows, fill
+from skinfield.sources.buses.rows import check_rows
 from skinfield.sources.buses.settings import BusSettings
-from skinfield.sources.buses.system import NAME, address_octets, buffer_note
+from skinfield.sources.buses.system import NAME, address_octets
 from skinfield.sources.buses.udp_sockets import (
     Place,
     group_of,
@@ -28,21 +28,15 @@ BATCH = 128  # datagrams of one system call
 LONGEST = 512  # bytes of a datagram: python-can's are below 240, even of CAN FD
 
 
-class UdpBus:
-    """See `Bus` and `BusSettings`; what it sent itself does not come back to it.
-
-    Attributes
-    ----------
-    buffer_bytes : int
-        Of the receive buffer, as the system granted it.
-    """
+class UdpBus(BatchedBus):
+    """See `Bus` and `BusSettings`; what it sent itself does not come back to it."""
 
     def __init__(self, settings: BusSettings) -> None:
         from skinfield.sources.buses.can_map_kernel import unpack_messages
         from skinfield.sources.buses.can_pack_kernel import ENCODED, pack_messages
 
         self._unpack, self._pack = unpack_messages, pack_messages
-        self.settings = settings
+        super().__init__(settings, Datagrams(BATCH, LONGEST), Datagrams(BATCH, ENCODED))
         self._group: Place | None = None
         self._peer: Place | None = None
         if settings.interface == "udp_multicast":
@@ -50,16 +44,11 @@ class UdpBus:
         else:
             self._own = resolved(settings.channel or "127.0.0.1", settings.port, "channel")
             self._peer = peer_of(settings)
-        self._in = Datagrams(BATCH, LONGEST)
-        self._out = Datagrams(BATCH, ENCODED)
         self._own_name: Octets = np.zeros(NAME, np.uint8)
-        self._counts: Ints = np.zeros(2, np.int64)
         self._seconds = np.zeros(1)
-        self._one = CanMessages(1)
         self._receiver: socket.socket | None = None
         self._sender: socket.socket | None = None
         self._addressed = False  # whether somebody is known to send to
-        self.up, self.fault, self.octets, self.buffer_bytes = False, "", 0, 0
         self._warm()
         self.reopen()
 
@@ -69,32 +58,12 @@ class UdpBus:
         self._encode(self._one, 0, 0)
 
     @property
-    def overflowed(self) -> int:
-        """Datagrams that the system dropped for want of room."""
-        return self._in.dropped
-
-    @property
-    def malformed(self) -> int:
-        """Datagrams that were no message of classic CAN."""
-        return int(self._counts[0])
-
-    @property
-    def errors(self) -> int:
-        """Error frames."""
-        return int(self._counts[1])
-
-    @property
     def address(self) -> tuple[str, int]:
         """Host and port at which it listens; ("", 0) while it is down."""
         if self._receiver is None:
             return "", 0
         host, port = self._receiver.getsockname()[:2]
         return str(host), int(port)
-
-    @property
-    def note(self) -> str:
-        """What should be known of it, in words."""
-        return buffer_note(self.settings.label, self.buffer_bytes)
 
     def reopen(self) -> bool:
         """Open the sockets anew."""
@@ -180,12 +149,6 @@ class UdpBus:
                 self._out.address(name)
                 self._addressed = True
 
-    def send(self, identifier: int, data: bytes) -> bool:
-        """Send one message."""
-        one = self._one
-        fill(one, identifier, data)
-        return self.send_many(one, 1) == 1
-
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """Send rows of `messages`."""
         done = 0
@@ -218,10 +181,6 @@ class UdpBus:
             self._seconds.view(np.int64),
         )
 
-    def _broke(self, code: int) -> None:
-        self._release()
-        self.fault = f"{self.settings.label}: {os.strerror(code)}"
-
     def filenos(self) -> Sequence[int]:
         """Of the socket that receives."""
         return (self._receiver.fileno(),) if self._receiver is not None else ()
@@ -232,8 +191,3 @@ class UdpBus:
         let_go(self._receiver)
         self._receiver = self._sender = None
         self.up = False
-
-    def close(self) -> None:
-        """Let go of the sockets."""
-        self._release()
-        self.fault = "closed"
