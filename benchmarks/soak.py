@@ -110,11 +110,11 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
             skin=patch, sources=(source,), name=f"soak-{port}", board=ICubByte(), rate=rate
         )
         supervisor = parts.enter_context(Supervisor(settings))
-        supervisor.wait(120.0, State.STARTING).close()
+        supervisor.wait(600.0, State.STARTING).close()
         recorder = parts.enter_context(
             child("-m", "skinfield.live.recorder", settings.name, str(file))
         )
-        supervisor.wait(120.0).close()
+        supervisor.wait(600.0).close()
         live = parts.enter_context(Live(settings.name))
         readers = [
             parts.enter_context(child("-c", READER, settings.name, pause))
