@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 import urllib.error
 import urllib.request
 from pathlib import Path
@@ -86,7 +85,8 @@ def test_nothing_touches_a_still_skin(running) -> None:
 def test_times_are_published(running) -> None:
     with connect(name_of(running)) as live:
         observer = Observer(live.reader)
-        time.sleep(0.5)
+        number = live.latest(timeout=20.0).number
+        wait_for(lambda: live.latest(timeout=20.0).number > number + 20)
         found = observer.look()
     plain = json.loads(json.dumps(found.as_dict()))
     assert plain["state"] == "running"

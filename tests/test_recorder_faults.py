@@ -184,10 +184,13 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     ballast = small_disk / "ballast"
     recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), said.append)
     assert fill(ballast) > 300_000
-    while not recorder._disk.state.failing_since:
+
+    def write_on() -> float:
         engine.cycle()
         recorder.step()
-        time.sleep(0.001)
+        return recorder._disk.state.failing_since
+
+    until(write_on, "the full disk")
     for _ in range(100):
         engine.cycle()
         recorder.step()
@@ -196,7 +199,8 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     assert recorder.state.failing
     assert "No space left" in said[-1]
     size = path.stat().st_size
-    assert list(LiveRecording.open(path).cycles()) is not None
+    so_far = [cycle.number for cycle in LiveRecording.open(path).cycles()]  # it can be read
+    assert so_far == list(range(1, len(so_far) + 1))
     ballast.unlink()
     until(lambda: not recorder._disk.state.failing_since, "the disk")
     assert path.stat().st_size > size
@@ -214,11 +218,14 @@ def test_a_disk_that_stays_full(engine, small_disk, tmp_path):
     path, said = small_disk / "a.mcap", []
     recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), said.append)
     engine.keep = False
-    while not recorder._disk.state.failing_since:
+
+    def write_on() -> float:
         for _ in range(20):
             engine.cycle()
         recorder.step()
-        time.sleep(0.002)
+        return recorder._disk.state.failing_since
+
+    until(write_on, "the full disk")
     fill(small_disk / "ballast")
     state = recorder.close()
     assert not state.finished
