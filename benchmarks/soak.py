@@ -88,27 +88,31 @@ def ended(process: "subprocess.Popen[str]") -> str:
     return process.communicate(timeout=60)[0]
 
 
-def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -> dict[str, Any]:
+def boards(place: str, rate: float) -> VirtualSettings:
+    """Of a hexagon that nobody touches yet."""
+    return VirtualSettings(
+        bus="udp_multicast",
+        channels=(place,),
+        rate=rate,
+        scene="idle",
+        lead_in=0.0,
+        priority=BOARDS,
+    )
+
+
+def engine_settings(place: str, rate: float, name: str) -> LiveSettings:
+    """Of the same hexagon."""
     patch = sf.layouts.hexagon72()
+    period = {"period_ms": str(max(round(1e3 / rate), 1))}
+    source = source_from_options("icub", "udp_multicast", (place,), sf.Skin((patch,)), period)
+    return LiveSettings(skin=patch, sources=(source,), name=name, board=ICubByte(), rate=rate)
+
+
+def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -> dict[str, Any]:
     with ExitStack() as parts:
         place = f"239.74.163.2:{port}"
-        skin = parts.enter_context(
-            start(
-                VirtualSettings(
-                    bus="udp_multicast",
-                    channels=(place,),
-                    rate=rate,
-                    scene="idle",
-                    lead_in=0.0,
-                    priority=BOARDS,
-                )
-            )
-        )
-        period = {"period_ms": str(max(round(1e3 / rate), 1))}
-        source = source_from_options("icub", "udp_multicast", (place,), sf.Skin((patch,)), period)
-        settings = LiveSettings(
-            skin=patch, sources=(source,), name=f"soak-{port}", board=ICubByte(), rate=rate
-        )
+        skin = parts.enter_context(start(boards(place, rate)))
+        settings = engine_settings(place, rate, f"soak-{port}")
         supervisor = parts.enter_context(Supervisor(settings))
         supervisor.wait(600.0, State.STARTING).close()
         recorder = parts.enter_context(
