@@ -142,6 +142,16 @@ def test_wherever_a_driver_raises_it_costs_itself_only(where: str) -> None:
     assert bad.opened > 1
 
 
+def test_all_are_closed_though_one_cannot() -> None:
+    bad, good = Awkward(), Played()
+    intake = Intake([bad, good])
+    bad.awkward = "close"
+    intake.close()
+    assert not good.up
+    assert intake.members[0].failure == "when it was closed, RuntimeError: no close"
+    intake.close()
+
+
 def test_notes_that_cannot_be_read_are_told() -> None:
     source = Awkward([1])
     intake = Intake([source])

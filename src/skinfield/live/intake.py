@@ -101,17 +101,24 @@ class Member:
             blocks.put_number(now_ns, self.index, Kind.SOURCE, up)
 
     def _failed(self, error: Exception, blocks: Blocks, now_ns: int) -> None:
-        stream, self.stream = self.stream, None
         self.failure = f"{type(error).__name__}: {error}"
-        assert stream is not None  # it has just been polled
-        self._before += stream.counters
+        assert self.stream is not None  # it has just been polled
+        self._before += self.stream.counters
         self.retry.broke(now_ns)
         self._silent, self._heard = False, 0
         self._tell(blocks, now_ns, 0)
+        self.close()
+
+    def close(self) -> None:
+        """Close its stream; an error in that must not keep others from being closed."""
+        stream, self.stream = self.stream, None
+        if stream is None:
+            return
         try:
             stream.close()
-        except Exception as again:
-            self.failure += f"; when it was closed, {type(again).__name__}: {again}"
+        except Exception as error:
+            said = f"when it was closed, {type(error).__name__}: {error}"
+            self.failure = f"{self.failure}; {said}" if self.failure else said
 
     def _try_again(self, blocks: Blocks, now_ns: int) -> None:
         if not self.retry.due(now_ns):
@@ -227,6 +234,4 @@ class Intake:
     def close(self) -> None:
         """Close all sources."""
         for member in self.members:
-            if member.stream is not None:
-                member.stream.close()
-                member.stream = None
+            member.close()

@@ -1,6 +1,7 @@
 """Status and contacts of a running skin as JSON, for programs on this machine: plain HTTP."""
 
 import json
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -57,6 +58,11 @@ class _Server(ThreadingHTTPServer):
         self._live = Live(name)
         self._observer = Observer(self._live.reader)
         self._lock = threading.Lock()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing of clients that went away too soon: the terminal shows the table."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
     def status(self) -> dict[str, Any]:
         with self._lock:
