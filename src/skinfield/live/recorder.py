@@ -251,8 +251,9 @@ def come_first() -> str:
 
 
 def _say(text: str) -> None:
-    sys.stderr.write(f"recorder: {text}\n")
-    sys.stderr.flush()
+    with contextlib.suppress(OSError):  # the terminal is gone: the file is not
+        sys.stderr.write(f"recorder: {text}\n")
+        sys.stderr.flush()
 
 
 def main() -> None:

@@ -12,7 +12,6 @@ import tempfile
 import threading
 import time
 from collections import deque
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -198,10 +197,12 @@ class Supervisor:
         path = self.status_path
         new = path.with_suffix(f".{os.getpid()}.new")
         text_of_all = json.dumps({"pid": os.getpid(), "restarts": self.restarts, "events": told})
-        with suppress(OSError):  # no room: the watch goes on, and `events` has it
+        try:
             new.write_text(text_of_all)
             new.chmod(0o600)
             new.replace(path)
+        except OSError:  # no room: the watch goes on, and `events` has it
+            new.unlink(missing_ok=True)
 
     @property
     def hopeless(self) -> bool:
