@@ -97,7 +97,8 @@ def _settings(name: str, output: Path, options: dict[str, Any]) -> Any:
         )
     if output.suffix.lower() != ".mcap":
         raise InputError(f"--output is {str(output)!r}, expected a name that ends in .mcap")
-    kinds = dict(zip(COMPRESSIONS, (Zstd, Lz4, NoCompression), strict=True))
+    classes: tuple[type[Zstd | Lz4 | NoCompression], ...] = (Zstd, Lz4, NoCompression)
+    kinds = dict(zip(COMPRESSIONS, classes, strict=True))
     return RecorderSettings(
         name=name,
         path=output,
