@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 from recorder_ring import FakeEngine
 
-from skinfield.acquisition import Blocks, Kind
+from skinfield.acquisition import Blocks, Kind, Status
 from skinfield.live.recorder import Recorder
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import forget_state
@@ -60,3 +61,13 @@ def test_with_skinfield(recorded, monkeypatch):
     exec(compile(PROGRAMS[1], "recorder.md", "exec"), found)
     np.testing.assert_array_equal(found["counts"].counts, engine.counts)
     assert found["step"].data == engine.written[-1]
+
+
+def test_the_file_itself_says_what_kinds_of_blocks_there_are(recorded):
+    with (recorded[0] / "touch.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    (text,) = [s.data.decode() for s in summary.schemas.values() if s.name == "skinfield.Blocks"]
+    said, _, bits = text.partition("Kinds, and")[2].partition("Status bits:")
+    assert all(re.search(rf"\b{int(kind)}[:,]", said) for kind in Kind)
+    for status in (Status.NO_ACK, Status.NOT_CONNECTED, Status.OUT_OF_RANGE, Status.INVALID):
+        assert f" {int(status)} " in bits

@@ -8,6 +8,14 @@ from skinfield.acquisition.recorded import __doc__ as _RECORDED
 TEXT = "x-text"  # encoding of a schema that is prose
 BLOCKS_ENCODING = "x-skinfield-blocks"
 CYCLE_ENCODING = "x-skinfield-cycle"
+_KINDS = """\
+Kinds, and their payloads: 1, 2, 3: counts as uint8, uint16, float32, one per channel. 4: a bit per
+channel, out of range. 5: int64, a source (its number stands for the channel) came up (1) or went
+down (0). 6: int64, messages of a source that are known to be lost. 7: of as many taxels six float64
+each: baseline, gain, noise (counts), alive (0 or 1), noise in the quantity's unit, and the age in s
+at which a reading is left out.
+Status bits: 1 no answer, 2 not connected, 4 out of range, 8 invalid.
+"""
 _CYCLE = """\
 One cycle of the engine, little-endian:
 
@@ -49,7 +57,7 @@ _QUANTILES = {
     "type": "object",
     "properties": {key: {"type": "number"} for key in ("p50", "p99", "p999", "max")},
 }
-BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}".encode())
+BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}\n{_KINDS}".encode())
 CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
 TIMING_SCHEMA = (
     "skinfield.Timing",
