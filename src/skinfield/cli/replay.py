@@ -12,27 +12,29 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 SHOWN = 5  # differences
 BETWEEN = 0.05  # s of a bar
 
+HELP = """Compute the estimates of FILE again from its readings, and compare them with those of then.
 
-@click.command(short_help="Answer a recording again, bit for bit.")
+The same code works on the same bytes, and where the live engine decided by the clock (how far
+to search, on which grid) the recording tells how: so contacts and fields come out the same, bit
+for bit, on a processor of the same kind. It starts at the first key cycle, of which there is
+one every few seconds. The exit code is 1 if any cycle differs.
+
+With --name other programs see it as a skin that runs: `skinfield status`, `skinfield.connect`.
+
+\b
+Examples:
+  skinfield replay touch.mcap
+  skinfield replay touch.mcap --speed 1 --name demo
+"""
+
+
+@click.command(short_help="Answer a recording again, bit for bit.", help=HELP)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--speed", type=float, help="Times as fast as it was; default as fast as can be.")
 @click.option("--name", help="Publish it under this name, as a running skin does.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object at the end.")
 def replay(file: Path, speed: float | None, name: str | None, as_json: bool) -> None:
-    r"""Compute the estimates of FILE again from its readings, and compare them with the live ones.
-
-    The same code works on the same bytes, and where the live engine decided by the clock (how far
-    to search, on which grid) the recording tells how: so contacts and fields come out the same, bit
-    for bit, on a processor of the same kind. It starts at the first key cycle, of which there is
-    one every few seconds. The exit code is 1 if any cycle differs.
-
-    With --name other programs see it as a skin that runs: `skinfield status`, `skinfield.connect`.
-
-    \b
-    Examples:
-      skinfield replay touch.mcap
-      skinfield replay touch.mcap --speed 1 --name demo
-    """
+    """Answer a recording again and compare."""
     from skinfield.errors import check_positive
     from skinfield.live.replay import Replay
     from skinfield.live.replayed import Published, paced

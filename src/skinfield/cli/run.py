@@ -26,8 +26,26 @@ SILENT = 5.0  # s without a message until it is told
 RECENT = 1.0  # s that the table calls the last
 STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solved
 
+HELP = """Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
 
-@click.command(short_help="Bring a robot's skin alive: contacts in newtons, on time.")
+With nothing attached a virtual skin is started, which speaks the bytes of iCub's boards. The
+engine works in a process of its own, at real-time priority where the system grants it; what is
+not granted is told by `skinfield status`, with the remedy. It starts with a baseline: leave the
+skin untouched for the first second or two.
+
+\b
+Examples:
+  skinfield run
+  skinfield run --record touch.mcap --duration 60
+  skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
+  skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
+  skinfield run --duration 10 --headless --json
+
+Other programs get the estimates with `skinfield.connect()`, see docs/live.md. Ctrl-C ends all.
+"""
+
+
+@click.command(short_help="Bring a robot's skin alive: contacts in newtons, on time.", help=HELP)
 @source_options
 @answer_options
 @system_options
@@ -40,23 +58,7 @@ STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solve
 @click.option("--virtual-rate", default=100.0, show_default=True, help="Its readings per second.")
 @click.option("--seed", default=0, show_default=True, help="Of its noise.")
 def run(**given: Any) -> None:
-    r"""Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
-
-    With nothing attached a virtual skin is started, which speaks the bytes of iCub's boards. The
-    engine works in a process of its own, at real-time priority where the system grants it; what is
-    not granted is told by `skinfield status`, with the remedy. It starts with a baseline: leave the
-    skin untouched for the first second or two.
-
-    \b
-    Examples:
-      skinfield run
-      skinfield run --record touch.mcap --duration 60
-      skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
-      skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
-      skinfield run --duration 10 --headless --json
-
-    Other programs get the estimates with `skinfield.connect()`, see docs/live.md. Ctrl-C ends all.
-    """
+    """Run the live engine until Ctrl-C."""
     console = Console(stderr=True)
     check_given(given)
     for number in (signal.SIGTERM, signal.SIGHUP):

@@ -8,26 +8,28 @@ from rich.console import Console
 
 from skinfield.errors import SkinfieldError
 
+HELP = """Tell what a running skin does: times, losses, contacts, sources, what the system granted.
 
-@click.command(short_help="What runs, and how well it keeps its time.")
+NAME is the one that `skinfield run --name` was given; without it the only one that runs.
+
+Times are told for the last second and since the start: how late the engine wakes, how long
+after that its estimate is ready, and how old the newest reading is by then.
+
+\b
+Examples:
+  skinfield status
+  skinfield status left_arm --watch
+  skinfield status --json | jq .since_start.latency_us
+"""
+
+
+@click.command(short_help="What runs, and how well it keeps its time.", help=HELP)
 @click.argument("name", required=False)
 @click.option("--seconds", default=1.0, show_default=True, help="To watch, for what is recent.")
 @click.option("--watch", is_flag=True, help="Go on until Ctrl-C.")
 @click.option("--json", "as_json", is_flag=True, help="As one JSON object, times in µs.")
 def status(name: str | None, seconds: float, watch: bool, as_json: bool) -> None:
-    r"""Tell what a running skin does: times, losses, contacts, sources, what the system granted.
-
-    NAME is the one that `skinfield run --name` was given; without it the only one that runs.
-
-    Times are told for the last second and since the start: how late the engine wakes, how long
-    after that its estimate is ready, and how old the newest reading is by then.
-
-    \b
-    Examples:
-      skinfield status
-      skinfield status left_arm --watch
-      skinfield status --json | jq .since_start.latency_us
-    """
+    """Tell what a running skin does."""
     from skinfield.live.client import Live, chosen
     from skinfield.live.status import Observer
 
