@@ -12,7 +12,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 SHOWN = 5  # differences
 BETWEEN = 0.05  # s of a bar
 
-HELP = """Compute the estimates of FILE again from its readings, and compare them with those of then.
+HELP = """Compute the estimates of FILE again from its readings; compare them with the live ones.
 
 The same code works on the same bytes, and where the live engine decided by the clock (how far
 to search, on which grid) the recording tells how: so contacts and fields come out the same, bit
