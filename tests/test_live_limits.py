@@ -11,6 +11,7 @@ from live_skins import settings
 from skinfield.acquisition import Blocks, Kind, blocks_of
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.errors import InputError
+from skinfield.live import recorder
 from skinfield.live.engine_process import EngineProcess
 from skinfield.live.recipe import Recipe
 from skinfield.live.ring_fields import open_ring, room_for, write_tare
@@ -129,3 +130,27 @@ def test_the_watch_goes_on_where_its_events_cannot_be_written(
     )
     supervisor._tell("failed", "text")
     assert supervisor.events[-1].text == "text"
+
+
+def test_a_recorder_asks_for_a_beginning_once_older_readings_do_not_count(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[float] = []
+    clock = SimpleNamespace(now=100.0)
+    monkeypatch.setattr(recorder.time, "monotonic", lambda: clock.now)
+    monkeypatch.setattr(recorder, "order", lambda name, what: asked.append(clock.now))
+    status = {"stale_ns": np.zeros(1, np.int64), "tares": np.zeros(1, np.int64)}
+    made = SimpleNamespace(
+        _began=100.0,
+        _ask_at=100.0,
+        _reader=SimpleNamespace(status_view=status),
+        settings=SimpleNamespace(name="skin"),
+    )
+    for step in range(300):
+        clock.now = 100.0 + step / 100.0
+        if step == 50:  # a baseline is there
+            status["stale_ns"][0], status["tares"][0] = SECOND, 1
+        if clock.now > made._ask_at:
+            recorder.Recorder._ask_for_a_beginning(made)  # type: ignore[arg-type]
+    (at,) = asked
+    assert 101.1 <= at < 101.3

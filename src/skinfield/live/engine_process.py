@@ -239,7 +239,7 @@ class EngineProcess:
         self._note(tare=["a new baseline is being taken"])
 
     def _finish_tare(self, cycle: Cycle, wall: int) -> None:
-        """Take over a new baseline, at the cost of some cycles; the noise stays what it was."""
+        """Take over a new baseline, at the cost of some cycles; noise and ages stay the same."""
         tare, self.again = self.again, None
         assert tare is not None  # whoever calls has looked
         try:
@@ -247,7 +247,8 @@ class EngineProcess:
         except InputError as error:  # of what came meanwhile: that must not end what works
             self._note(tare=[f"the baseline stays as it was: {error}"])
             return
-        tared = replace(found, noise_std=self.ring.status["noise_std"].copy())
+        noise_std = self.ring.status["noise_std"].copy()
+        tared = replace(found, noise_std=noise_std, stale_ns=cycle.stale_ns)
         self._log()
         write_tare(self.ring, tared, self.intake.blocks, wall)
         cycle.calibrate(tared.calibration)

@@ -8,6 +8,7 @@ counted, and told in the file, in the state beside the ring and to whoever liste
 
 import argparse
 import contextlib
+import math
 import os
 import signal
 import sys
@@ -32,6 +33,7 @@ from skinfield.sinks.mcap.output import Output
 
 PAUSE = 0.005  # s between looks at the ring
 SECOND = 1.0  # s between looks at everything else
+BEGINNING = 0.1  # s beyond the age at which readings are too old
 LOWEST = 1  # of the real-time priorities
 NICE = -10  # where that is not granted
 
@@ -100,10 +102,19 @@ class Recorder:
         self._disk.start()
         self._next = self._began
         self.state = self._state()
-        self._ask_for_a_beginning()
+        self._ask_at = self._began + BEGINNING
 
     def _ask_for_a_beginning(self) -> None:
-        """Have the engine make its next cycle a key cycle: a replay can begin with this file."""
+        """Have the engine make its next cycle a key cycle, from which a replay can begin.
+
+        Only once all that its answers follow from is in the file: until then older readings count.
+        """
+        now, status = time.monotonic(), self._reader.status_view
+        due = self._began + BEGINNING + int(status["stale_ns"][0]) * 1e-9
+        if now < due or not status["tares"][0]:
+            self._ask_at = max(due, now + BEGINNING)
+            return
+        self._ask_at = math.inf
         try:
             order(self.settings.name, "key")
         except InputError:
@@ -135,6 +146,8 @@ class Recorder:
     def step(self) -> None:
         """Take what is new; once a second, look at all else and tell of it."""
         self._drain.take()
+        if time.monotonic() > self._ask_at:
+            self._ask_for_a_beginning()
         if time.monotonic() < self._next:
             return
         self._next += SECOND

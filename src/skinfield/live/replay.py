@@ -11,11 +11,12 @@ import numpy as np
 from skinfield.acquisition import Blocks, Channels, Kind, blocks_of
 from skinfield.acquisition.recorded import TARE, CycleFlag
 from skinfield.acquisition.recorded import Cycle as Recorded
+from skinfield.contacts.live import CONTACT
 from skinfield.errors import FileError, InputError
 from skinfield.live.binding import bind
 from skinfield.live.cycle import Cycle
 from skinfield.live.recipe import Recipe
-from skinfield.live.slots import Head, Sizes, Slot
+from skinfield.live.slots import PATCH, Head, Sizes, Slot
 from skinfield.live.tare import Tared
 from skinfield.sources.recordings.mcap_live import LiveRecording
 from skinfield.sources.recordings.mcap_steps import Step, Steps
@@ -46,6 +47,14 @@ class Answered:
     same: bool
 
 
+def is_unanswered(cycle: Recorded) -> bool:
+    """Whether it is of an engine that was still starting, and told nothing."""
+    rows = cycle.patches
+    if rows.dtype != PATCH:
+        return False
+    return not rows["answered_ns"].any() and bool(np.isnan(rows["gap"]).all())
+
+
 class Replay:
     """The cycles of a recording, answered again.
 
@@ -61,8 +70,8 @@ class Replay:
     tared : Tared or None
         The calibration in force.
     passed : int
-        Cycles that could not be answered: before the first key cycle or the first baseline, and
-        after a gap until the next key cycle.
+        Cycles that could not be answered: until all that an answer follows from is in the file
+        and a key cycle comes, at the beginning and after a gap, and while the engine was starting.
     gaps : int
         Places where readings or cycles are missing.
 
@@ -118,24 +127,47 @@ class Replay:
 
     def __iter__(self) -> Iterator[Answered]:
         before: Recorded | None = None
-        going = False
+        going, since_ns = False, 0  # from when on nothing is missing
         blocks = Blocks(1 << 12)
         for step in Steps(self.recording):
             cycle = step.cycle
-            gap = step.missing > 0 or (before is not None and cycle.number != before.number + 1)
+            gap = before is not None and (step.missing > 0 or cycle.number != before.number + 1)
+            again = before is not None and is_unanswered(cycle) and not is_unanswered(before)
+            self.gaps += gap
+            if before is None or gap or again:
+                going, since_ns = False, cycle.wall_ns
+            if again:
+                self._forget()
             blocks = self._room(blocks, len(step.data))
             self._take(step, blocks)
-            key = bool(cycle.flags & KEY)
-            if gap and before is not None:
-                self.gaps += 1
-                going = False
-            if key and self.tared is not None and not (gap and before is not None):
+            if cycle.flags & KEY and self._knows_all(cycle.wall_ns - since_ns):
                 going = going or self._begin(before)
-            if going and self._cycle is not None and self.tared is not None:
-                yield self._answered(self._cycle, cycle, key)
+            if going and self._cycle is not None:
+                yield self._answered(self._cycle, cycle, bool(cycle.flags & KEY))
             else:
-                self.passed += 1
+                self._pass(cycle)
             before = cycle
+
+    def _knows_all(self, complete_ns: int) -> bool:
+        """Whether all that an answer follows from was read since then.
+
+        Readings from before count until they are too old: an engine that was running when the
+        recording began, or while something got lost, knew them.
+        """
+        return self.tared is not None and complete_ns > self.tared.stale_ns
+
+    def _forget(self) -> None:
+        """Begin as an engine does that was started again: it knows the calibration alone."""
+        self.channels, self._cycle = Channels(self.binding.channels), None
+
+    def _pass(self, cycle: Recorded) -> None:
+        """Leave a cycle out; what the engine answered in it is not new any more."""
+        self.passed += 1
+        if cycle.patches.dtype != PATCH or len(cycle.patches) != len(self.recipe.skin):
+            return
+        starts, channel = self.binding.starts, self.binding.channel
+        for patch in np.flatnonzero(cycle.patches["fresh"] > 0):
+            self.channels.fresh[channel[starts[patch] : starts[patch + 1]]] = 0
 
     def _room(self, blocks: Blocks, size: int) -> Blocks:
         """A buffer that holds so many bytes."""
@@ -170,8 +202,25 @@ class Replay:
             noise, stale = tared.noise_std, tared.stale_ns
             self._cycle = Cycle(self.recipe, self.binding, tared.calibration, noise, stale)
         if before is not None:
-            self._cycle.go_on_from(before)
+            self._check(before)
+            if is_unanswered(before):
+                self._cycle.tracks[0] = before.patches["tracks"][0]
+            else:
+                self._cycle.go_on_from(before)
         return True
+
+    def _check(self, told: Recorded) -> None:
+        """Raise FileError unless rows of patches and contacts are those of such a skin."""
+        known = told.patches.dtype == PATCH and told.contacts.dtype == CONTACT
+        counts = told.patches["contacts"] if known else np.zeros(0, np.int64)
+        within = ((counts >= 0) & (counts <= self.recipe.rows)).all()
+        right = len(counts) == len(self.recipe.skin) and counts.sum() == len(told.contacts)
+        if not (known and within and right):
+            raise FileError(
+                f"{self.recording.path}: cycle {told.number} has {len(told.patches)} patches and "
+                f"{len(told.contacts)} contacts, expected those of the skin that is enclosed: it "
+                "is damaged, or of another version"
+            )
 
     def _answered(self, cycle: Cycle, recorded: Recorded, key: bool) -> Answered:
         script = recorded.script if len(recorded.script) else None

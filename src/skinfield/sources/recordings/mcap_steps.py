@@ -32,8 +32,9 @@ class Steps:
     """Cycles of a recording with their readings, in order.
 
     What was logged before the first cycle of the file comes with that cycle. A replay applies all
-    data from the beginning on, and can answer from the first cycle with `CycleFlag.KEY` on, and
-    again from the next one where something is missing or a cycle's number was passed over.
+    data from the beginning on, and can answer from a cycle with `CycleFlag.KEY` on, once older
+    readings would not count any more; and so again where something is missing or a cycle's number
+    was passed over.
 
     Attributes
     ----------
