@@ -16,8 +16,8 @@ HELP = """Compute the estimates of FILE again from its readings; compare them wi
 
 The same code works on the same bytes, and where the live engine decided by the clock (how far
 to search, on which grid) the recording tells how: so contacts and fields come out the same, bit
-for bit, on a processor of the same kind. It starts at the first key cycle, of which there is
-one every few seconds. The exit code is 1 if any cycle differs.
+for bit, on a processor of the same kind. It starts at a key cycle, of which there is one every
+few seconds, once FILE holds all readings that still count. The exit code is 1 if any cycle differs.
 
 With --name other programs see it as a skin that runs: `skinfield status`, `skinfield.connect`.
 
@@ -115,8 +115,8 @@ def _tell(found: Tally, source: Any, as_json: bool, console: Console) -> None:
         out.print(found.line(), highlight=False)
         if source.passed:
             out.print(
-                f"{source.passed:,} cycles could not be answered: before the first key cycle, or "
-                f"after one of {source.gaps} gaps",
+                f"{source.passed:,} cycles could not be answered: before the first key cycle that can "
+                f"be, after one of {source.gaps} gaps, or of an engine that was starting",
                 style="yellow",
             )
         for each in damage:
