@@ -115,8 +115,8 @@ def _tell(found: Tally, source: Any, as_json: bool, console: Console) -> None:
         out.print(found.line(), highlight=False)
         if source.passed:
             out.print(
-                f"{source.passed:,} cycles could not be answered: before the first key cycle that can "
-                f"be, after one of {source.gaps} gaps, or of an engine that was starting",
+                f"{source.passed:,} cycles could not be answered: before the first key cycle that "
+                f"can be, after one of {source.gaps} gaps, or of an engine that was starting",
                 style="yellow",
             )
         for each in damage:
