@@ -134,7 +134,7 @@ class Running:
             self.seen.update(children_of(self.process.pid))
             return condition()
 
-        wait_for(met, 120.0)
+        wait_for(met, 600.0)
 
     def is_at(self, *states: State) -> bool:
         """Whether the engine is in one of these states."""
