@@ -19,7 +19,6 @@ from skinfield.contacts.flood_kernel import (
 )
 from skinfield.errors import Floats, Ints
 
-FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 NS = 1e-9
 COLUMNS, PITCH, X, Y, SIGMAS, HEIGHT, PROMINENCE, EDGE = range(8)  # of a level's numbers
@@ -109,7 +108,7 @@ def standing_out(pressure: Floats, told: int, level: Level, room: Room) -> int:
     return kept
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def add_to(total: Floats, row: NDArray[np.float32], weight: float) -> None:
     """Add a row, weighted."""
     for taxel in range(len(total)):
@@ -218,7 +217,7 @@ def stand(pressure: Floats, cells: Ints, x: float, y: float, level: Level, row: 
     row.x, row.y = level.numbers[X] + x * pitch, level.numbers[Y] + y * pitch
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def deviations(
     cells: Ints, x: float, y: float, total: float, level: Level, room: Room, row: Any
 ) -> None:
@@ -260,7 +259,7 @@ def deviations(
     row.place_std = np.sqrt(both * metres + known[PLACE] * known[PLACE])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True)
 def of_prior(picked: Floats, used: int, prior: Floats) -> tuple[float, float, float]:
     """Prior variances of the sums of some cells, with weights 1, x and y."""
     own, ones, alongs, acrosses = prior[0, 0], 0.0, 0.0, 0.0

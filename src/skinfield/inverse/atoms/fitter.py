@@ -54,6 +54,11 @@ class ContactFitter:
     settings : ContactFit
     model : ObservationModel
         With its physics.
+
+    Attributes
+    ----------
+    noise : (L,) array, in the quantity's unit
+        Of the readings; the model's, until `take_noise`.
     """
 
     def __init__(self, settings: "ContactFit", model: ObservationModel) -> None:
@@ -64,6 +69,7 @@ class ContactFitter:
             )
         physics = model.physics
         self.settings, self.model = settings, model
+        self.noise = model.noise_std
         self._thickness = thickness = physics.layer.thickness
         table = atom_table(physics)
         self._tables: Tables = tables_of(table)
@@ -94,6 +100,18 @@ class ContactFitter:
         for strength in FIRST:
             self.fit(template * (strength * self.model.noise_std))
         self.reset()
+
+    def take_noise(self, noise: Floats) -> None:
+        """Go by another noise (L,) from now on: infinite of taxels that shall not be heard.
+
+        Nothing is prepared anew. What they read must be a number all the same.
+        """
+        if not np.array_equal(noise, self.noise):
+            self.noise, self._kept = np.array(noise, dtype=np.float64), ()
+
+    def take_rate(self, false_alarm_rate: float) -> None:
+        """See a contact in another share of idle readings than the settings have it."""
+        self._threshold = significant(false_alarm_rate, len(self.model.taxels))
 
     def reset(self) -> None:
         """Forget the reading before."""
@@ -140,17 +158,17 @@ class ContactFitter:
             self._tables,
             self._priors,
             self._bank,
-            self.model.noise_std,
+            self.noise,
             self._places,
             self._threshold,
-            self.settings.common_mode * float(self.model.noise_std.mean()),
+            self.settings.common_mode * float(self.noise[np.isfinite(self.noise)].mean()),
             deadline_ns,
         )
 
     def _white(self, readings: Floats, scale: float) -> Floats:
         """One over the deviation of noise, at a scale, and model together."""
         floor = self.settings.model_error * float(np.abs(readings).max())
-        return np.asarray(1.0 / np.hypot(scale * self.model.noise_std, floor))
+        return np.asarray(1.0 / np.hypot(scale * self.noise, floor))
 
     def _idle(self, problem: Problem, scale: float) -> Fit:
         nodes, zero = len(self.model.grid), np.zeros(len(problem.readings))
@@ -203,7 +221,7 @@ class ContactFitter:
                     effort = Effort(FEW, 0, False, WIDE_STEP)
                 belief = belief_of(problem, found, index, effort)
                 offset = belief.mean(int(found.family[index])) - atom
-                if problem.white.max() * self.model.noise_std.min() > QUIETER:
+                if problem.white.max() * self.noise.min() > QUIETER:
                     offset[:] = 0.0  # what is left over is model error, of which no mean is known
                 odd = found.long[index] or found.family[index] == RING
                 error = belief.covariance + (ODD_ERROR if odd else ROUND_ERROR)

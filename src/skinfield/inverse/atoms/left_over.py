@@ -20,7 +20,7 @@ def explains(problem: Problem, found: AtomSet) -> bool:
     from scipy.special import chdtri
 
     squares = np.square(problem.left(found.predicted) * problem.white).sum()
-    return bool(squares <= chdtri(_freedom(found, len(problem.readings)), ODD))
+    return bool(squares <= chdtri(_freedom(found, problem.heard), ODD))
 
 
 def _freedom(found: AtomSet, taxels: int) -> int:
@@ -38,16 +38,17 @@ def noise_scale(problem: Problem, found: AtomSet, scale: float, most: int) -> fl
     taxels tell it.
     """
     left = problem.left(found.predicted) * problem.white
-    seen = np.abs(found.predicted) * problem.white > 1.0
+    seen = (np.abs(found.predicted) * problem.white > 1.0) | (problem.white <= 0.0)
     if not explains(problem, found):
         if len(found) >= most:
-            left, seen = problem.left(np.zeros(len(left))) * problem.white, np.zeros_like(seen)
+            left, seen = problem.left(np.zeros(len(left))) * problem.white, problem.white <= 0.0
         typical = _typical(left[~seen]) if np.count_nonzero(~seen) >= UNSEEN else 1.0
         return typical if LOUD < typical <= LOUDEST / scale else 1.0
     if not len(found):
         return 1.0
     squares, parameters = np.square(left), int(found.free.sum())
-    share = float(squares.sum()) / _freedom(found, len(left))
+    share = float(squares.sum()) / _freedom(found, problem.heard)
+    seen &= problem.white > 0.0
     if seen.sum() > parameters + 2:
         share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
     enough = QUIET if scale <= 1.0 else CALM

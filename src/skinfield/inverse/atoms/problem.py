@@ -120,6 +120,11 @@ class Problem:
         return self.readings - predicted - self.offset(predicted)
 
     @property
+    def heard(self) -> int:
+        """Taxels that count."""
+        return int(np.count_nonzero(self.white))
+
+    @property
     def late(self) -> bool:
         """Whether the time is up."""
         return self.deadline_ns is not None and time.perf_counter_ns() >= self.deadline_ns
@@ -148,7 +153,7 @@ class Problem:
     def misfit(self, found: AtomSet) -> float:
         """By how many standard deviations the squares of the residuals exceed their number."""
         squares = float(np.square(self.left(found.predicted) * self.white).sum())
-        return (squares - len(self.readings)) / float(np.sqrt(2.0 * len(self.readings)))
+        return (squares - self.heard) / float(np.sqrt(2.0 * self.heard))
 
     def evidence(self, found: AtomSet) -> float:
         """Logarithm of the marginal likelihood, up to a constant, by Laplace's approximation.
