@@ -35,6 +35,7 @@ from skinfield.errors import InputError
 HEADER = 16  # bytes
 WORD = 8  # bytes, of which every block is a multiple
 CALIBRATED = 6  # numbers per taxel of a calibration
+SMOOTHED = 2  # numbers per taxel of a low-pass
 LONGEST = 65535  # channels in one block
 
 Words = NDArray[np.int64]
@@ -53,6 +54,11 @@ class Kind(IntEnum):
     CALIBRATION = 7  # taken anew, in force from the end of these blocks on; channel: first taxel of
     # the skin; payload float64 each of baseline, gain, noise_std (counts), alive (0 or 1), noise in
     # the quantity's unit, age in s at which a reading is left out; taxel by taxel
+    TUNING = 8  # in force from the end of these blocks on; payload float64 each: `live.tuning`
+    SMOOTHED = 9  # where a low-pass of the readings stands; channel: first taxel of the skin;
+    # payload of each: float64 in the quantity's unit, int64 stamp of its reading; 0: none yet
+    CONFIGURATION = 10  # of the engine, in force from its next key cycle on; payload: JSON, and
+    # zeros or blanks behind it
 
 
 class Status(IntFlag):
@@ -66,6 +72,12 @@ class Status(IntFlag):
 
 
 UNUSABLE = int(Status.NOT_CONNECTED | Status.INVALID)
+PER_COUNT = {  # bytes
+    Kind.CALIBRATION: 8 * CALIBRATED,
+    Kind.TUNING: 8,
+    Kind.SMOOTHED: 8 * SMOOTHED,
+    Kind.CONFIGURATION: 1,
+}
 WIDTH = {Kind.BYTES: 1, Kind.SHORTS: 2, Kind.FLOATS: 4}  # bytes per channel
 PAYLOAD: dict[Kind, np.dtype[Any]] = {
     Kind.BYTES: np.dtype("<u1"),
@@ -75,6 +87,9 @@ PAYLOAD: dict[Kind, np.dtype[Any]] = {
     Kind.SOURCE: np.dtype("<i8"),
     Kind.LOST: np.dtype("<i8"),
     Kind.CALIBRATION: np.dtype("<f8"),
+    Kind.TUNING: np.dtype("<f8"),
+    Kind.SMOOTHED: np.dtype([("value", "<f8"), ("stamp_ns", "<i8")]),
+    Kind.CONFIGURATION: np.dtype("<u1"),
 }
 
 
@@ -91,7 +106,8 @@ class Block:
     status : Status
     payload : array
         (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST;
-        (6 count,) float64 of CALIBRATION.
+        (6 count,) float64 of CALIBRATION; (count,) float64 of TUNING, records of SMOOTHED, uint8
+        of CONFIGURATION.
     """
 
     stamp_ns: int
@@ -116,8 +132,8 @@ def payload_bytes(kind: int, count: int) -> int:
         return (count + 7) // 8
     if kind in (Kind.SOURCE, Kind.LOST):
         return 8
-    if kind == Kind.CALIBRATION:
-        return 8 * CALIBRATED * count
+    if kind in PER_COUNT:
+        return PER_COUNT[Kind(kind)] * count
     raise InputError(
         f"kind of a block is {kind}, expected one of {', '.join(str(int(each)) for each in Kind)}: "
         "the bytes are damaged, or of a newer version"

@@ -105,16 +105,18 @@ class Blocks:
         if not put_number(self.words, self.end, stamp_ns, source, int(kind), number):
             raise self._full(1)
 
-    def put_calibration(self, stamp_ns: int, taxel: int, rows: Floats) -> None:
-        """Append a calibration of some taxels.
+    def put_rows(self, stamp_ns: int, first: int, kind: Kind, rows: NDArray[Any]) -> None:
+        """Append what an engine goes by.
 
         Parameters
         ----------
         stamp_ns : int, ns
-        taxel : int
-            First of them, in the skin's order.
-        rows : (n, 6) float64 array
-            Of each, as `Kind.CALIBRATION` says.
+        first : int
+            Taxel of the first row, in the skin's order; 0 of a TUNING and a CONFIGURATION.
+        kind : Kind
+            CALIBRATION, TUNING, SMOOTHED or CONFIGURATION.
+        rows : (n, 6), (n,), (n, 2) or (n,) array
+            As `Kind` says; of 64 bits each, those of a CONFIGURATION of 8.
 
         Raises
         ------
@@ -123,11 +125,11 @@ class Blocks:
         """
         from skinfield.acquisition.kernel import begin_block
 
-        kind = int(Kind.CALIBRATION)
-        at = begin_block(self.words, self.end, stamp_ns, taxel, len(rows), kind, 0)
+        check_count("rows", len(rows), 0, LONGEST, "rows in one block")
+        at = begin_block(self.words, self.end, stamp_ns, first, len(rows), int(kind), 0)
         if at < 0:
             raise self._full(rows.size)
-        self.words[at // WORD : at // WORD + rows.size] = rows.reshape(-1).view(np.int64)
+        self.octets[at : at + rows.nbytes] = rows.reshape(-1).view(np.uint8)
 
     def put_data(self, data: bytes | Octets) -> None:
         """Append whole blocks as they were recorded.
@@ -199,8 +201,8 @@ class Channels:
             )
         return applied
 
-    def apply_good(self, blocks: Blocks) -> int:
-        """Take in the blocks up to the first that is none, and drop it and the rest.
+    def apply_good(self, blocks: Blocks, start: int = 0) -> int:
+        """Take in the blocks from word `start` up to the first that is none; drop it and the rest.
 
         For the loop, where a faulty driver must not end the cycle.
 
@@ -209,7 +211,7 @@ class Channels:
         int
             Words that were dropped.
         """
-        applied = self._applied(blocks, 0)
+        applied = self._applied(blocks, start)
         if applied >= 0:
             return 0
         dropped = int(blocks.end[0]) - (-applied - 1)

@@ -12,6 +12,7 @@ from skinfield.acquisition.block import Octets, Words
 from skinfield.errors import Floats, Ints
 
 BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST, CALIBRATION = 1, 2, 3, 4, 5, 6, 7  # as `Kind`
+TUNING, SMOOTHED, CONFIGURATION = 8, 9, 10
 OUT_OF_RANGE = 4  # as `Status`
 HEADER_WORDS = 2
 LATE_NS = (
@@ -35,6 +36,12 @@ def payload_words(kind: int, count: int) -> int:
         return 1
     if kind == CALIBRATION:
         return 6 * count
+    if kind == TUNING:
+        return count
+    if kind == SMOOTHED:
+        return 2 * count
+    if kind == CONFIGURATION:
+        return (count + 7) >> 3
     return -1
 
 
@@ -232,10 +239,16 @@ def take(
 @njit(cache=True, nogil=True)
 def find_kind(words: Words, start: int, stop: int, kind: int) -> int:
     """Word at which the first block of a kind begins; -1 if there is none before `stop`."""
+    return int(find_among(words, start, stop, kind, kind))
+
+
+@njit(cache=True, nogil=True)
+def find_among(words: Words, start: int, stop: int, least: int, most: int) -> int:
+    """Word at which the first block of a kind from `least` to `most` begins; -1: none."""
     at = start
     while at + HEADER_WORDS <= stop:
         head = words[at + 1]
-        if (head >> 48) & 0xFF == kind:
+        if least <= (head >> 48) & 0xFF <= most:
             return at
         size = payload_words((head >> 48) & 0xFF, (head >> 32) & 0xFFFF)
         if size < 0:

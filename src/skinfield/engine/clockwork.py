@@ -19,6 +19,7 @@ from skinfield.engine.whole_skin import idle_tests, linear_answers
 from skinfield.errors import Floats, Ints
 
 ROUNDS = 6  # of planning in a cycle, at most
+FOREMOST = 1e6  # weight of a patch that is served before all others
 
 
 @dataclass(eq=False)
@@ -51,6 +52,10 @@ class Clockwork:
         When the cycle must be over.
     planned : as `costs`
         Of searches as the last plan took them to be.
+    top, finest : int
+        Finest rung of answers, but for a patch that is preferred; and with it.
+    tops, weights : (P,) arrays
+        Finest rung of each patch, and the weight of what it gains.
     log : list of tuples
         Of the steps of this cycle, see `Done`; of searches their kinds, and what they came to. Kept
         while `logging`.
@@ -101,6 +106,15 @@ class Clockwork:
         self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
         self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
         self._found = np.zeros((patches + 1, 10))
+        self.weights, self.tops = np.ones(patches), np.zeros(patches, np.int64)
+        self.prefer(self.rungs - 1, -1)
+
+    def prefer(self, top: int, first: int) -> None:
+        """Answer on rungs up to `top`; patch `first` on all of them, before others; -1: none."""
+        self.top, self.tops[:], self.weights[:] = top, top, 1.0
+        if first >= 0:
+            self.tops[first], self.weights[first] = self.rungs - 1, FOREMOST
+        self.finest = int(self.tops.max())
 
     def renew(self, other: "Clockwork") -> None:
         """Have costs and room of its own, as a copy of another that has its own groups and intake.
@@ -249,7 +263,7 @@ class Clockwork:
             self.times.both,
             self.times.moves,
             hot,
-            self.rungs - 1,
+            self.tops,
         )
         if kinds is not None:
             self.log.append((kinds, found.copy()))
@@ -267,6 +281,8 @@ class Clockwork:
             state.integers,
             state.numbers,
             state.age,
+            self.tops,
+            self.weights,
             self.times.both,
             0.0 if self.linear else self.times.after.predict(0),
             self.unresolved,

@@ -220,11 +220,11 @@ def list_touched(
 
 
 @njit(cache=True, nogil=True)
-def all_settled(hot: Ints, settled: Flags, integers: Ints, top: int) -> bool:
-    """Whether all contacts are solved on the finest rung."""
+def all_settled(hot: Ints, settled: Flags, integers: Ints, tops: Ints) -> bool:
+    """Whether all contacts are solved on the finest rung (P,) that each may have."""
     settled_all = True
     for patch in hot:
-        settled_all &= settled[patch] and integers[AT, patch] == top
+        settled_all &= settled[patch] and integers[AT, patch] >= tops[patch]
     return settled_all
 
 
@@ -249,11 +249,11 @@ def learn(
     times: Floats,
     moves: Floats,
     hot: Ints,
-    top: int,
+    tops: Ints,
 ) -> bool:
-    """`learning_kernel.take_in`, and whether all contacts are then solved on the finest rung."""
+    """`learning_kernel.take_in`, and `all_settled` then."""
     take_in(found, group, integers, numbers, settled, unresolved, times, moves)
-    return bool(all_settled(hot, settled, integers, top))
+    return bool(all_settled(hot, settled, integers, tops))
 
 
 @njit(cache=True, nogil=True)

@@ -22,7 +22,7 @@ def fill_missing(work: Clockwork, group: Group, places: Ints) -> None:
 
 def finest_for_all(work: Clockwork) -> int:
     """Finest rung whose linear answers of all patches will fit in the time that is left."""
-    total = work.costs[:, PRODUCT].sum(axis=0)
+    total = work.costs[:, PRODUCT, : work.top + 1].sum(axis=0)
     fitting = np.flatnonzero(total <= work.left)
     return int(fitting[-1]) if len(fitting) else 0
 
@@ -60,8 +60,8 @@ def touched(work: Clockwork) -> Ints:
 
 
 def with_more_to_gain(work: Clockwork, rung: int) -> Ints:
-    """Patches that are touched, unless all are answered on the finest rung."""
-    return NOTHING if rung == work.rungs - 1 else touched(work)
+    """Patches that are touched, unless all are answered on the finest rung that they may have."""
+    return NOTHING if rung >= work.finest else touched(work)
 
 
 def refine_linearly(work: Clockwork, rung: int) -> Ints:

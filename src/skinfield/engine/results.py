@@ -78,6 +78,10 @@ class Results:
         """Readings (L,) of a patch in units of their noise, 0 where not valid: a view."""
         return self._whites[patch]
 
+    def row_of(self, patch: int) -> int:
+        """Where a patch, counted in the skin's order, stands among those of the engine's work."""
+        return self._rows[patch]
+
     def _fields_of(
         self, row: int
     ) -> tuple[list[NDArray[Any]], list[NDArray[Any]], list[NDArray[Any]]]:

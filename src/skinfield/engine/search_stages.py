@@ -159,12 +159,11 @@ def serve_longest_waiting(work: Clockwork, hot: Ints) -> None:
 
 
 def is_settled(work: Clockwork, hot: Ints) -> bool:
-    """Whether all contacts are solved on the finest rung."""
+    """Whether all contacts are solved on the finest rung that they may have."""
     state = work.state
     if not len(hot):
         return True
-    top = work.rungs - 1
-    return bool(work.kernel.all_settled(hot, state.settled, state.integers, top))
+    return bool(work.kernel.all_settled(hot, state.settled, state.integers, work.tops))
 
 
 def serve(work: Clockwork, hot: Ints) -> tuple[int, bool]:

@@ -15,18 +15,19 @@ UNKNOWN = -2  # in place of a rung: the patch's best upgrade is to be found anew
 def best_upgrade(
     target: int,
     at: int,
+    top: int,
     excess: float,
     energy: float,
     costs: Floats,
     unresolved: Floats,
     affordable: float,
 ) -> tuple[int, float]:
-    """Rung that gains most per second beyond `target`, and that ratio; -1 where none fits."""
+    """Rung up to `top` that gains most per second beyond `target`, and that ratio; -1: none."""
     error = excess if target < 0 else energy * unresolved[target]
     paid = 0.0 if target < 0 else costs[target]
     best, ratio = -1, 0.0
     first = max(at, 0) if target < 0 else target + 1
-    for rung in range(first, len(costs)):
+    for rung in range(first, top + 1):
         more = max(costs[rung] - paid, 1e-9)
         gain = error - energy * unresolved[rung]
         if gain > 0.0 and more <= affordable and gain > ratio * more:
@@ -53,6 +54,8 @@ def plan(
     excess: Floats,
     energy: Floats,
     age: Steps,
+    tops: Steps,
+    weights: Floats,
     costs: NDArray[np.float64],
     unresolved: Floats,
     left: float,
@@ -77,6 +80,10 @@ def plan(
         Objective of an answer of 0.
     age : (P,) array
         Cycles since the patch was served: weighs what it gains.
+    tops : (P,) array
+        Finest rung that each may have.
+    weights : (P,) array
+        Of what each gains.
     costs : (G, kinds, R) array, s
         Of a step on each rung.
     unresolved : (G, R) array
@@ -104,13 +111,14 @@ def plan(
                 rungs[patch], ratios[patch] = best_upgrade(
                     target[patch],
                     at[patch],
+                    tops[patch],
                     excess[patch],
                     energy[patch],
                     row,
                     unresolved[its],
                     left,
                 )
-                ratios[patch] *= 1.0 + age[patch]
+                ratios[patch] *= weights[patch] * (1.0 + age[patch])
         chosen = most_gaining(hot, rungs, ratios)
         if chosen < 0:
             return count
@@ -132,6 +140,8 @@ def plan_within(
     integers: Steps,
     numbers: NDArray[np.float64],
     age: Steps,
+    tops: Steps,
+    weights: Floats,
     times: NDArray[np.float64],
     after: float,
     unresolved: Floats,
@@ -159,6 +169,8 @@ def plan_within(
         numbers[EXCESS],
         numbers[ENERGY],
         age,
+        tops,
+        weights,
         planned,
         unresolved,
         left,

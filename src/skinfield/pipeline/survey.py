@@ -118,7 +118,7 @@ def _of_counts(
     if calibration is None:
         gain = how.gain
         if gain is None:
-            gain = ICUB_GAIN if isinstance(board, ICubByte) else CYSKIN_GAIN
+            gain = icub_gain(board) if isinstance(board, ICubByte) else CYSKIN_GAIN
             notes += (
                 f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
                 "scales with it; loads that are known give the true one",
@@ -136,6 +136,11 @@ def _of_counts(
         calibration = calibration.without(~faults.usable)
     conditioner = Conditioner(quantity, layer, calibration, board)
     return conditioner, conditioner.noise_in_quantity(calibration.quantity_std()), notes
+
+
+def icub_gain(board: ICubByte) -> float:
+    """Guess of the bytes per unit of ΔC/C₀ of a board that drops so many bits."""
+    return float(ICUB_GAIN * 2.0 ** (ICubByte().shift - board.shift))
 
 
 def _faults(blocks: Blocks, board: Convention, calibration: Calibration | None) -> Faults:
