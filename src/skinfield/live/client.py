@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterator
 from types import TracebackType
-from typing import Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -11,10 +11,14 @@ from skinfield.errors import InputError, check_positive
 from skinfield.layout import Skin
 from skinfield.live.control import order
 from skinfield.live.estimates import Models
+from skinfield.live.fit_ring import is_fit
+from skinfield.live.following import Following, state_of
 from skinfield.live.recipe import Recipe
 from skinfield.live.slots import Head, Slot
 from skinfield.live.snapshot import Snapshot as Snapshot
 from skinfield.live.snapshot import Stale as Stale
+from skinfield.live.tuning import Focus, Limits, Tuning, tuning_of
+from skinfield.live.tuning_order import retune
 from skinfield.ring import Ring, RingReader, State
 
 FOREVER = 1e9  # s
@@ -38,13 +42,11 @@ class Live:
     def __init__(self, name: str) -> None:
         self.name = name
         self.reader = RingReader(name)
-        text = self.reader.description.get("recipe")
-        if not isinstance(text, str):
+        if "recipe" not in self.reader.description:
             self.reader.close()
             raise NotRunning(f"ring {name!r} is of something else, expected that of a live skin")
-        self.recipe = Recipe.from_json(text)
+        self._following = Following(self.reader)
         self.skin: Skin = self.recipe.skin
-        self._models: tuple[int, Models] | None = None
         self._room = self.reader.slot()  # looked at before a cycle is worth a copy of its own
         self._looked = Slot.of(self._room.arrays)
         self._seen = 0
@@ -52,9 +54,12 @@ class Live:
     @property
     def state(self) -> State:
         """What the engine is doing; FAILED if its process is gone."""
-        state = self.reader.state
-        gone = not self.reader.alive and state != State.STOPPED
-        return State.FAILED if gone else state
+        return state_of(self.reader)
+
+    @property
+    def recipe(self) -> Recipe:
+        """What the estimates follow from; its solver may change while the skin runs."""
+        return self._following.recipe
 
     def latest(self, max_age: float | None = None, timeout: float = 1.0) -> Snapshot:
         """The newest cycle.
@@ -96,14 +101,17 @@ class Live:
         """What was looked at, in memory of its own."""
         own = self.reader.slot()
         np.copyto(own.octets, self._room.octets)
-        return Snapshot(Slot.of(own.arrays), self._seen, self.models, time.time_ns())
+        return self._snapshot(Slot.of(own.arrays), self._seen)
 
     def _fetch(self) -> Snapshot | None:
         copied = self.reader.latest()
         if copied is None:
             return None
         self._seen = copied.number
-        return Snapshot(Slot.of(copied.arrays), copied.number, self.models, time.time_ns())
+        return self._snapshot(Slot.of(copied.arrays), copied.number)
+
+    def _snapshot(self, slot: Slot, number: int) -> Snapshot:
+        return Snapshot(slot, number, self._following.models_of(slot), time.time_ns())
 
     def _stale(self, found: Snapshot | None, max_age: float | None, timeout: float) -> Stale:
         what = "no cycle" if found is None else f"the newest reading is {found.age:.3g} s old"
@@ -116,13 +124,7 @@ class Live:
     @property
     def models(self) -> Models:
         """What turns pressure into deformation and uncertainty, for the calibration in force."""
-        status = self.reader.status_view
-        tares = int(status["tares"][0])
-        if self._models is None or self._models[0] != tares:
-            noise = status["noise_std"].copy()
-            typical = self.recipe.quantity.typical_noise
-            self._models = tares, Models(self.recipe, np.where(noise > 0, noise, typical))
-        return self._models[1]
+        return self._following.models
 
     def __iter__(self) -> Iterator[Snapshot]:
         """Every cycle with a new reading; a slow loop gets the newest and misses some."""
@@ -140,6 +142,21 @@ class Live:
         """The newest cycle that was not fetched yet; None if none came in time."""
         number = self.reader.wait(self._seen, timeout)
         return self._fetch() if number > self._seen else None
+
+    def next_answered(self, back: int = 20) -> Snapshot | None:
+        """The newest cycle that was not fetched yet, at once; None if there is none.
+
+        Of the last `back` cycles the newest with a new reading is given, if there is one: its times
+        are those of an answer, where most cycles have nothing to do.
+        """
+        newest = self.reader.number
+        if newest <= self._seen:
+            return None
+        for number in range(newest, max(self._seen, newest - back), -1):
+            if self.reader.get(number, self._room) and self._looked.head[Head.FRESH]:
+                self._seen = number
+                return self._kept()
+        return self._fetch()
 
     def wait_contact(
         self, timeout: float | None = None, *, patch: str | None = None, force: float = 0.0
@@ -181,6 +198,51 @@ class Live:
     def tare(self) -> None:
         """Take the untouched skin's readings of the next second as zero."""
         order(self.name, "tare")
+
+    @property
+    def limits(self) -> Limits:
+        """What the engine can be tuned to."""
+        return Limits.of(self.reader.description)
+
+    @property
+    def tuning(self) -> Tuning:
+        """What is in force."""
+        return tuning_of(self.reader)
+
+    def tune(
+        self,
+        *,
+        resolution: int | Literal["auto"] | None = None,
+        deadline: float | None = None,
+        threshold: float | None = None,
+        smoothing: float | None = None,
+        focus: Focus | Literal["as it is"] | None = "as it is",
+        timeout: float = 5.0,
+    ) -> Tuning:
+        """Change what is named while the engine goes on; see `Tuning`.
+
+        Parameters
+        ----------
+        resolution, deadline, threshold, smoothing
+            None leaves each as it is.
+        focus : Focus or None
+            None ends it.
+        timeout : float, s
+            How long to wait until it is in force; 0: what was asked for is returned at once.
+
+        Raises
+        ------
+        InputError
+            For what the engine cannot be tuned to, or if none listens.
+        Stale
+            If it is not in force in time.
+        """
+        names = ("resolution", "deadline", "threshold", "smoothing")
+        given = zip(names, (resolution, deadline, threshold, smoothing), strict=True)
+        changes: dict[str, Any] = {name: each for name, each in given if each is not None}
+        if focus != "as it is":
+            changes["focus"] = focus
+        return retune(self.reader, changes, timeout)
 
     def close(self) -> None:
         """Let go of the ring; the skin runs on."""
@@ -227,7 +289,7 @@ def chosen(name: str | None) -> str:
     """Name of the skin that is meant: the given one, or the only one that runs."""
     if name is not None:
         return name
-    there = [each.name for each in Ring.names() if each.alive]
+    there = [each.name for each in Ring.names() if each.alive and not is_fit(each.name)]
     if len(there) != 1:
         what = f"{len(there)} run: {', '.join(there)}" if there else "none runs"
         raise NotRunning(

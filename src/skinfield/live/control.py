@@ -13,7 +13,7 @@ from skinfield.errors import InputError
 from skinfield.live.beside import beside
 
 LONGEST = 4096  # bytes of an order
-ORDERS = ("tare", "key", "stop")
+ORDERS = ("tare", "key", "set", "hand over", "stop")
 
 
 def address_of(name: str) -> Path:
@@ -28,6 +28,13 @@ class Control:
     ----------
     name : str
         Of the ring.
+
+    Attributes
+    ----------
+    values : dict
+        That came with the last order.
+    refused : int
+        Messages that were no order.
     """
 
     def __init__(self, name: str) -> None:
@@ -41,6 +48,7 @@ class Control:
             self._socket.bind(str(self.address))
         finally:
             os.umask(before)
+        self.values: dict[str, Any] = {}
         self.refused = 0
 
     def poll(self) -> str:
@@ -49,21 +57,25 @@ class Control:
             data = self._socket.recv(LONGEST)
         except OSError:
             return ""
-        try:
-            order = json.loads(data)["do"]
-        except (ValueError, KeyError, TypeError, RecursionError):
-            self.refused += 1
-            return ""
-        if order not in ORDERS:
-            self.refused += 1
-            return ""
-        return str(order)
+        order, self.values = order_of(data)
+        self.refused += not order
+        return order
 
     def close(self) -> None:
         """Give the socket back."""
         self._socket.close()
         with contextlib.suppress(OSError):
             self.address.unlink()
+
+
+def order_of(data: bytes) -> tuple[str, dict[str, Any]]:
+    """An order and the values that came with it; nothing of bytes that are no order."""
+    try:
+        values = json.loads(data)
+        order = values.pop("do")
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return "", {}
+    return (order, values) if isinstance(order, str) and order in ORDERS else ("", {})
 
 
 def order(name: str, what: str, more: Mapping[str, Any] | None = None) -> None:

@@ -7,7 +7,6 @@ from skinfield.acquisition import Channels
 from skinfield.acquisition.recorded import Cycle as Recorded
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.conditioning import Convention
-from skinfield.contacts.live import CONTACT
 from skinfield.engine import Engine
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.live.binding import Binding
@@ -15,11 +14,11 @@ from skinfield.live.recipe import Recipe
 from skinfield.live.slots import PATCH, Head, Sizes, Slot
 from skinfield.live.tare import quantity_scale
 from skinfield.live.touches import Touches
+from skinfield.live.tuned import CONTACT_WORDS, Tuned
 
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
 KEY = int(CycleFlag.KEY)
-CONTACT_WORDS = CONTACT.itemsize // 8
 
 
 class Cycle:
@@ -42,6 +41,8 @@ class Cycle:
     ----------
     engine : Engine
     sizes : Sizes
+    tuned : Tuned
+        What can be changed while it answers.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class Cycle:
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
         self._touches = Touches(self.engine, recipe.rows, self.tracks)
+        self.tuned = Tuned(self.engine, binding, stale_ns, self._kept)
         self.calibrate(calibration)
         self._rehearse()
 
@@ -90,6 +92,19 @@ class Cycle:
         self._alive = np.ascontiguousarray(table[:, 3] > 0)
         gain = np.where(self._alive, table[:, 1], 1.0)
         self._per_gain = 1.0 / gain
+        self.tuned.forget()
+
+    def count_in(self, tracks: Ints) -> None:
+        """Number contacts in this array (1,) from now on."""
+        self.tracks = self._touches.ids = tracks
+        for each in self._touches.patches:
+            each.ids = tracks
+
+    def resume(self, slot: Slot) -> None:
+        """Take over the newest cycle of an engine before, for the key cycle after."""
+        if slot.patches["answered_ns"].any():
+            self.go_on_from(slot.recorded(0))
+            np.copyto(self._kept.pressure, slot.pressure)
 
     def go_on_from(self, recorded: Recorded) -> None:
         """Take over what a recorded cycle told of patches and contacts, for the key cycle after."""
@@ -139,7 +154,11 @@ class Cycle:
         head[Head.FLAGS] = KEY if key else 0
         head[Head.FRESH] = fresh
         head[Head.SCRIPT] = 0
+        if self.tuned.smoothing:
+            self.tuned.smooth(channels.stamp_ns, self._valid, self._given, self._values)
         if fresh:
+            if self.tuned.watches:
+                self.tuned.attend()
             self.engine.run(self._values, self._given, budget=budget, script=script)
             rows = self.engine.script
             head[Head.SCRIPT] = len(rows)
@@ -198,7 +217,10 @@ class Cycle:
             pressure, rows = results.pressure_of(patch), kept.contacts[patch]
             kept.pressure[patch, : len(pressure)] = pressure
             found = self._touches.find(patch, int(self._newest[patch]), rows)
-            kept.patches["contacts"][patch] = min(found, len(rows))
+            count = min(found, len(rows))
+            if self.tuned.threshold:
+                count = self.tuned.told(patch, rows, self._kept_words, count)
+            kept.patches["contacts"][patch] = count
 
     def _publish(self, channels: Channels, slot: Slot) -> None:
         """Copy what is kept into the slot."""
@@ -228,10 +250,17 @@ class Cycle:
         before = int(self.tracks[0])
         self.answer(channels, self.stale_ns, slot, key=True)
         self.answer(channels, self.stale_ns, slot)
+        self.tuned.load()
+        self.forget()
+        self.tracks[0] = before
+
+    def forget(self) -> None:
+        """Know of no reading and no contact."""
         self.engine.reset()
+        self.tuned.forget()
         self._kept.patches[:] = np.zeros(1, PATCH)
         self._touches.resume(self._kept)
-        self.tracks[0] = before
+        self.tracks[0] = 0
 
 
 def _clamps(board: Convention) -> tuple[float, float]:

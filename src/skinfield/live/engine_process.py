@@ -11,16 +11,15 @@ import sys
 import time
 from dataclasses import replace
 
-import numpy as np
-
 from skinfield.acquisition.recorded import CycleFlag
-from skinfield.engine.state import Answer
 from skinfield.errors import InputError
-from skinfield.live.binding import bind
+from skinfield.live.binding import Binding, bind
 from skinfield.live.control import Control
 from skinfield.live.cycle import Cycle
 from skinfield.live.early import Early
+from skinfield.live.handover import GO, READY, Handover
 from skinfield.live.intake import Intake
+from skinfield.live.journal import Journal, tune_or_say
 from skinfield.live.notes import write_notes
 from skinfield.live.parent import end_with
 from skinfield.live.recipe import Recipe
@@ -29,9 +28,11 @@ from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import Head, Slot
 from skinfield.live.start import Start
 from skinfield.live.tare import Tare
+from skinfield.live.unanswered import say_nothing
 from skinfield.realtime import EventWaiter, PeriodicClock, TimingTable, Waiter
-from skinfield.ring import State
+from skinfield.ring import RingReader, State
 
+NS = 1e-9
 STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
 LISTEN = 8  # cycles from one look for orders to the next
 LATE, OVERRUN = int(CycleFlag.LATE), int(CycleFlag.OVERRUN)
@@ -43,10 +44,14 @@ class EngineProcess:
     Parameters
     ----------
     settings : LiveSettings
+    prepared : Binding and Cycle, optional
+        To go on with at once from what the engine before published last.
     """
 
-    def __init__(self, settings: LiveSettings) -> None:
-        self.settings = settings
+    def __init__(
+        self, settings: LiveSettings, prepared: tuple[Binding, Cycle] | None = None
+    ) -> None:
+        self.settings, self.prepared = settings, prepared
         self.intake = Intake(settings.sources, room_for(sum(map(len, settings.skin))))
         self.binding = bind(settings.skin, self.intake.ports)
         self.recipe = Recipe.of(settings, self.intake.ports)
@@ -59,12 +64,13 @@ class EngineProcess:
             self.ring.status["times"],
             self.ring.status["totals"],
         )
+        self.journal = Journal(self.ring, self.intake.blocks, settings, fresh_ring)
         known = None if fresh_ring else known_tare(self.ring)
         self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
         self.control = Control(settings.name)
         self.cycle: Cycle | None = None
         self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
-        self.stopping = False
+        self.stopping, self.ending = False, State.STOPPED
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
         self.since_key = 0
         self.keys = 1
@@ -84,6 +90,8 @@ class EngineProcess:
         self.ring.set_state(State.STARTING)
         count = 0
         try:
+            if self.prepared is not None and self.prepared[0].ports == self.binding.ports:
+                self._go_on(self.prepared[1])
             while not self.stopping:
                 if self.early is not None:
                     self.early()
@@ -94,7 +102,7 @@ class EngineProcess:
                     self._obey(self.control.poll())
                 if count % self.looks == 0:
                     self._listen_to_sources()
-            self.ring.set_state(State.STOPPED)
+            self.ring.set_state(self.ending)
         except BaseException:
             self.ring.set_state(State.FAILED)
             raise
@@ -112,7 +120,9 @@ class EngineProcess:
             self._begin(wall)
         elif self.again is not None and self.again.take(intake.channels, wall):
             self._finish_tare(self.cycle, wall)
-        self._log()
+        if self.since_key <= 0 and self.cycle is not None and not self.began:
+            self.journal.key(self.cycle, wall)
+        self.journal.log()
         acquired = time.monotonic_ns()
         head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
         head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
@@ -126,20 +136,15 @@ class EngineProcess:
     def _take_in_early(self) -> None:
         """Before a cycle is due: take in what is there already."""
         self.taken += self.intake.poll(time.time_ns())
-        self._log()
-
-    def _log(self) -> None:
-        """Log what was taken in; what is logged is not logged again."""
-        blocks = self.intake.blocks
-        if blocks.end[0]:
-            self.ring.log(blocks.octets, int(blocks.end[0]) * 8)
-            blocks.clear()
+        self.journal.log()
 
     def _answer(self, cycle: Cycle, slot: Slot, wake: int, wall: int) -> None:
         head = slot.head
         key = self.since_key <= 0
         self.since_key = self.keys if key else self.since_key - 1
-        fresh = cycle.answer(self.intake.channels, wall, slot, key=key)
+        budget_ns = head[Head.BUDGET_NS] = self.journal.budget_ns
+        budget = budget_ns * NS
+        fresh = cycle.answer(self.intake.channels, wall, slot, key=key, budget=budget)
         head[Head.FLAGS] |= self.flags
         self.flags = 0
         due = int(head[Head.DUE_NS])
@@ -165,7 +170,7 @@ class EngineProcess:
         slot = self.slots.get(id(arrays))  # the ring keeps one mapping for each slot
         if slot is None:
             slot = self.slots[id(arrays)] = Slot.of(arrays)
-            slot.head[Head.BUDGET_NS] = int(self.settings.time_to_answer * 1e9)
+            slot.head[Head.GENERATION] = self.ring.generation
         return slot
 
     def _begin(self, wall: int) -> None:
@@ -177,7 +182,7 @@ class EngineProcess:
             self.ring.set_state(State.CALIBRATING)
             self._note(phase=start.phase)
             if start.tared is not None:
-                self._log()  # so that a calibration has all the room
+                self.journal.log()  # so that a calibration has all the room
                 write_tare(self.ring, start.tared, self.intake.blocks, wall)
                 self._note(tare=list(start.tared.notes))
         if cycle is not None:
@@ -187,6 +192,7 @@ class EngineProcess:
         """From here on nothing may wait."""
         settings = self.settings
         self.cycle, self.since_key, self.began = cycle, 0, True
+        cycle.tuned.tune(self.journal.tuning)
         self.keys = max(int(settings.key_seconds / settings.period), 1)
         granted = settings.real_time.apply()
         self._note(phase="running", granted=granted.as_dict())
@@ -198,6 +204,16 @@ class EngineProcess:
                 self.early = Early(clock, self._take_in_early)
         self.ring.set_state(State.RUNNING)
 
+    def _go_on(self, cycle: Cycle) -> None:
+        """Take over from the engine before: contacts keep their numbers."""
+        cycle.count_in(self.ring.status["tracks"])
+        with RingReader(self.settings.name) as reader:
+            last = reader.latest()
+        if last is not None:
+            cycle.resume(Slot.of(last.arrays))
+        self._go(cycle)
+        self.began = False
+
     def _listen_to_sources(self) -> None:
         """Tell what the sources say, where that is new."""
         said = self.intake.said()
@@ -207,16 +223,9 @@ class EngineProcess:
 
     def _without_answer(self, slot: Slot) -> None:
         """A slot that says that all patches are missing."""
-        slot.patches[:] = np.zeros((), slot.patches.dtype)
-        slot.patches["answer"] = int(Answer.MISSING)
-        slot.patches["gap"] = np.nan
-        slot.patches["tracks"] = self.ring.status["tracks"]
-        slot.head[Head.FLAGS] = slot.head[Head.FRESH] = slot.head[Head.CONTACTS] = 0
-        slot.head[Head.SCRIPT] = 0
+        say_nothing(slot, int(self.ring.status["tracks"][0]))
         slot.head[Head.READY_NS] = time.monotonic_ns()
         slot.counts[:] = self.intake.channels.counts[self.binding.channel]
-        slot.values[:] = 0.0
-        slot.valid[:] = 0
         self.ring.publish()
         self.ring.heartbeat(time.monotonic_ns())
 
@@ -225,12 +234,15 @@ class EngineProcess:
         write_notes(self.ring.status["notes"], self.notes)
 
     def _obey(self, order: str) -> None:
-        if order == "stop":
+        if order in ("stop", "hand over"):
             self.stopping = True
+            self.ending = State.STOPPED if order == "stop" else State.STARTING
         elif order == "key":
             self.since_key = 0
         elif order == "tare" and self.cycle is not None:
             self._tare_again()
+        elif order == "set":
+            self._note(refused=tune_or_say(self.journal, self.control.values, self.cycle))
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""
@@ -249,7 +261,7 @@ class EngineProcess:
             return
         noise_std = self.ring.status["noise_std"].copy()
         tared = replace(found, noise_std=noise_std, stale_ns=cycle.stale_ns)
-        self._log()
+        self.journal.log()
         write_tare(self.ring, tared, self.intake.blocks, wall)
         cycle.calibrate(tared.calibration)
         self.since_key = 0
@@ -268,10 +280,20 @@ class EngineProcess:
 def main() -> None:
     """Read the settings and run."""
     end_with(int(sys.argv[1]) if len(sys.argv) > 1 else os.getppid())
-    settings = pickle.load(sys.stdin.buffer)
-    if not isinstance(settings, LiveSettings):
-        raise InputError(f"settings are {type(settings).__name__}, expected LiveSettings")
-    EngineProcess(settings).run()
+    asked, prepared = pickle.load(sys.stdin.buffer), None
+    if isinstance(asked, Handover):
+        prepared = asked.cycle()
+        sys.stdout.buffer.write(READY)
+        sys.stdout.buffer.flush()
+        if sys.stdin.buffer.readline() != GO:
+            return  # it is not wanted any more
+        asked = asked.settings
+    if not isinstance(asked, LiveSettings):
+        raise InputError(f"settings are {type(asked).__name__}, expected LiveSettings")
+    engine = EngineProcess(asked, prepared)
+    engine.run()
+    if engine.ending != State.STOPPED:  # the next one waits for the end of this process
+        os._exit(0)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ class Models:
     """
 
     def __init__(self, recipe: Recipe, noise_std: Floats) -> None:
-        self.recipe, self._noise_std = recipe, noise_std
+        self.recipe, self.noise_std = recipe, noise_std
         self.finder = ContactFinder()
         self._engine: Engine | None = None
         self._grid = lru_cache(4096)(self._new_grid)
@@ -40,8 +40,18 @@ class Models:
     def engine(self) -> Engine:
         """An engine like the one that answers; takes seconds to prepare."""
         if self._engine is None:
-            self._engine = self.recipe.engine(self._noise_std)
+            self._engine = self.recipe.engine(self.noise_std)
         return self._engine
+
+    @property
+    def prepared(self) -> bool:
+        """Whether deformation and uncertainty cost no preparation any more."""
+        return self._engine is not None
+
+    def moved(self, patch: int, nodes: int, pressure: Floats) -> Floats:
+        """Displacement of a patch's nodes under a pressure (K,) Pa, (K, 3) m."""
+        grid = self.grid(patch, nodes)
+        return np.asarray(self._rung(patch, nodes).deformation.on(grid)(pressure))
 
     def grid(self, patch: int, nodes: int) -> Grid:
         """Grid of a patch with so many nodes a side."""

@@ -102,7 +102,8 @@ class Recorder:
         self._disk.start()
         self._next = self._began
         self.state = self._state()
-        self._ask_at = self._began + BEGINNING
+        self._since = math.inf  # when the first cycle was there
+        self._ask_at = self._began
 
     def _ask_for_a_beginning(self) -> None:
         """Have the engine make its next cycle a key cycle, from which a replay can begin.
@@ -110,9 +111,11 @@ class Recorder:
         Only once all that its answers follow from is in the file: until then older readings count.
         """
         now, status = time.monotonic(), self._reader.status_view
-        due = self._began + BEGINNING + int(status["stale_ns"][0]) * 1e-9
+        if self._drain.cycles and math.isinf(self._since):
+            self._since = now
+        due = self._since + BEGINNING + int(status["stale_ns"][0]) * 1e-9
         if now < due or not status["tares"][0]:
-            self._ask_at = max(due, now + BEGINNING)
+            self._ask_at = max(due, now + BEGINNING) if self._drain.cycles else now
             return
         self._ask_at = math.inf
         try:

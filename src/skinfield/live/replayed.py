@@ -7,14 +7,17 @@ from dataclasses import fields
 import numpy as np
 
 from skinfield.engine.state import Answer
+from skinfield.live.configuration import write_configuration
 from skinfield.live.notes import write_notes
 from skinfield.live.replay import Answered, Replay
 from skinfield.live.ring_fields import describe, slots_for, status_fields
 from skinfield.live.slots import Head, Sizes, Slot
+from skinfield.live.tuning import Tuning
 from skinfield.realtime import TimingTable
 from skinfield.ring import Ring, State
 
 SOURCE = "replay"
+FIXED = "it is a replay, and goes by what was in force then"
 
 
 def paced(cycles: Iterable[Answered], speed: float) -> Iterator[Answered]:
@@ -46,13 +49,16 @@ class Published:
         sizes = Sizes.of(recipe.skin, recipe.rungs, recipe.rows)
         slot = sizes.fields()
         period = float(replay.recording.description.get("period", 1e-3))
-        told = describe(name, recipe, [SOURCE], period)
+        told = describe(name, recipe, [SOURCE], period) | {"fixed": FIXED}
         self._replay = replay
         status = status_fields(1, sizes.taxels)
         self._ring = Ring.create(name, slot, status, told, slots_for(slot), 1 << 16)
         status_arrays = self._ring.status
         period_ns = max(int(period * 1e9), 1)
         self._timing = TimingTable(period_ns, None, status_arrays["times"], status_arrays["totals"])
+        self._told, self._goes_by = Tuning(deadline=recipe.budget), replay.configuration
+        status_arrays["tuning"][:] = self._told.numbers(self._ring.description["patches"])
+        write_configuration(status_arrays["configuration"], self._goes_by)
         self._ring.set_state(State.RUNNING)
         write_notes(status_arrays["notes"], {"phase": f"replay of {replay.recording.path.name}"})
 
@@ -64,6 +70,12 @@ class Published:
             ring.status["calibration"][:] = tared.calibration
             ring.status["noise_std"][:] = tared.noise_std
             ring.status["tares"][0] = 1
+        if self._replay.tuning is not self._told:
+            self._told = self._replay.tuning
+            ring.status["tuning"][:] = self._told.numbers(ring.description["patches"])
+        if self._replay.configuration is not self._goes_by:
+            self._goes_by = self._replay.configuration
+            write_configuration(ring.status["configuration"], self._goes_by)
         slot = Slot.of(ring.begin())
         for part in fields(Slot):
             np.copyto(getattr(slot, part.name), getattr(each.slot, part.name))
@@ -81,6 +93,7 @@ class Published:
         ):
             slot.head[place] = value
         slot.head[Head.FLAGS] = int(recorded.flags)
+        slot.head[Head.GENERATION] = self._goes_by.generation
         missing = slot.patches["answer"] == int(Answer.MISSING)
         slot.patches["stamp_ns"][missing] = 0
         ring.publish()

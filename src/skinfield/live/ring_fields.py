@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,12 +10,14 @@ from skinfield.acquisition import Blocks, Count, Kind
 from skinfield.acquisition.block import CALIBRATED, LONGEST, block_bytes
 from skinfield.contacts.live import CONTACT
 from skinfield.engine.state import Answer
-from skinfield.errors import InputError
+from skinfield.errors import FileError, InputError
+from skinfield.live.configuration import FIELD as CONFIGURATION
 from skinfield.live.notes import FIELD as NOTES
 from skinfield.live.recipe import Recipe
 from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import PATCH, Head, Sizes
 from skinfield.live.tare import Tared
+from skinfield.live.tuning import FIELD as TUNING
 from skinfield.realtime.timing import FIELDS as TIMING
 from skinfield.realtime.timing import TIMES, TOTALS
 from skinfield.ring import Field, Ring, RingReader
@@ -39,6 +42,8 @@ def status_fields(sources: int, taxels: int) -> list[Field]:
         Field("tares", "<i8", (1,)),  # calibrations since the ring was made; 0: none yet
         Field("tracks", "<i8", (1,)),  # contacts numbered so far
         NOTES,
+        TUNING,
+        CONFIGURATION,
     ]
 
 
@@ -65,6 +70,7 @@ def describe(name: str, recipe: Recipe, sources: Sequence[str], period: float) -
         "source_counters": [each.name.lower() for each in Count],
         "period": period,
         "budget": recipe.budget,
+        "rungs": list(recipe.rungs),
         "head": [each.name.lower() for each in Head],
         "answers": [each.name.lower() for each in Answer],
         "times": list(TIMES),
@@ -119,13 +125,22 @@ def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
         )
     try:
         ring = Ring.reopen(settings.name, slot, status, slots, log)
-        if ring.description.get("recipe") == wanted["recipe"]:
+        if goes_on(ring, recipe):
             return ring, False
         ring.close()
     except InputError:  # there is none, or one of another skin: if it is in use, the next says so
         pass
     made = Ring.create(settings.name, slot, status, wanted, slots, log)
     return made, True
+
+
+def goes_on(ring: Ring, recipe: Recipe) -> bool:
+    """Whether a ring is of a skin with this recipe; its solver may have been another."""
+    try:
+        before = Recipe.from_json(str(ring.description.get("recipe")))
+        return replace(before, solver=recipe.solver).to_json() == recipe.to_json()
+    except FileError:
+        return False
 
 
 def write_tare(ring: Ring, tared: Tared, blocks: Blocks, now_ns: int) -> None:
@@ -137,7 +152,8 @@ def write_tare(ring: Ring, tared: Tared, blocks: Blocks, now_ns: int) -> None:
     status["tares"][0] += 1
     rows = tared.rows()
     for first in range(0, len(rows), CALIBRATION_ROWS):
-        blocks.put_calibration(now_ns, first, rows[first : first + CALIBRATION_ROWS])
+        part = rows[first : first + CALIBRATION_ROWS]
+        blocks.put_rows(now_ns, first, Kind.CALIBRATION, part)
 
 
 def known_tare(ring: Ring | RingReader) -> Tared | None:

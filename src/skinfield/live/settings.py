@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 
 from skinfield.acquisition import Source
 from skinfield.conditioning import Calibration, Convention
-from skinfield.errors import InputError, check_offers, check_positive, check_type
+from skinfield.errors import InputError, check_offers, check_positive, check_range, check_type
 from skinfield.inverse import NonNegative, Solver
 from skinfield.layout import Patch, Skin
+from skinfield.live.tuning import HEAVIEST, SLOWEST, Tuning
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Quantity
 from skinfield.realtime import RealTime
@@ -54,6 +55,10 @@ class LiveSettings:
         Between cycles that start without knowledge of those before, from which a replay can begin.
     rows : int
         Contacts told of each patch, at most.
+    threshold : float, N
+        Contacts of a smaller force are not told.
+    smoothing : float, s
+        Time constant of a first-order low-pass of what each taxel reads; 0: none.
     slots : int
         Cycles that the ring holds.
     log_bytes : int, optional
@@ -83,6 +88,8 @@ class LiveSettings:
     stale_after: float | None = None
     key_seconds: float = 5.0
     rows: int = 8
+    threshold: float = 0.0
+    smoothing: float = 0.0
     slots: int | None = None
     log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
@@ -103,6 +110,8 @@ class LiveSettings:
                 check_positive(name, getattr(self, name), "seconds")
         for name in ("tare_seconds", "key_seconds"):
             check_positive(name, getattr(self, name), "seconds")
+        check_range("threshold", self.threshold, 0.0, HEAVIEST, "N, of contacts that are told")
+        check_range("smoothing", self.smoothing, 0.0, SLOWEST, "s, a time constant; 0: none")
         unknown = set(self.calibration) - {patch.name for patch in self.skin}
         if unknown:
             raise InputError(
@@ -121,6 +130,13 @@ class LiveSettings:
         if self.budget is not None:
             return self.budget
         return 500e-6 if self.rate is None else min(0.4 / self.rate, 5e-3)
+
+    @property
+    def tuning(self) -> Tuning:
+        """What the engine begins with, of what can be changed while it answers."""
+        return Tuning(
+            deadline=self.time_to_answer, threshold=self.threshold, smoothing=self.smoothing
+        )
 
     @property
     def due_after(self) -> float:

@@ -45,7 +45,7 @@ enum { /* numbers of a cycle, by their place in `head`; times in ns */
     SKINFIELD_HEAD_CONTACTS = 9,    /* on all patches */
     SKINFIELD_HEAD_SCRIPT = 10,     /* rows of the script */
     SKINFIELD_HEAD_BUDGET_NS = 11,  /* that the reconstruction had; 0 of a replay */
-    SKINFIELD_HEAD_SPARE = 12,
+    SKINFIELD_HEAD_GENERATION = 12, /* of the engine's process: 1 for the first */
     SKINFIELD_HEAD_NUMBERS = 13
 };
 

@@ -34,7 +34,7 @@ class Head(IntEnum):
     CONTACTS = 9  # on all patches, of the newest answers
     SCRIPT = 10  # rows of the script; 0 if nothing was answered
     BUDGET_NS = 11  # that the reconstruction had; 0 of a replay
-    SPARE = 12
+    GENERATION = 12  # of the engine's process, as the ring counts them: 1 for the first
 
 
 PATCH = np.dtype(

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.engine.state import Answer
-from skinfield.errors import InputError
+from skinfield.errors import Floats, InputError
 from skinfield.fields import Estimate
 from skinfield.live.estimates import Models
+from skinfield.live.recipe import Recipe
 from skinfield.live.slots import Head, Slot
 
 
@@ -81,6 +82,46 @@ class Snapshot(Mapping[str, Estimate]):
             name: (wall - stamp) * 1e-9 if stamp else float("inf")
             for name, stamp in zip(self._names, stamps, strict=True)
         }
+
+    @property
+    def recipe(self) -> Recipe:
+        """What the answers follow from."""
+        return self._models.recipe
+
+    @property
+    def prepared(self) -> bool:
+        """Whether deformation and uncertainty are there at once: the first time takes seconds."""
+        return self._models.prepared
+
+    def prepare(self) -> None:
+        """Prepare deformation and uncertainty, of this cycle and those after it; takes seconds."""
+        _ = self._models.engine
+
+    def indentation(self, name: str, pressure: Floats | None = None) -> Floats | None:
+        """Displacement into the skin, (K,) m; None until it is prepared.
+
+        Parameters
+        ----------
+        name : str
+            Of the patch.
+        pressure : (K,) array, Pa, optional
+            On the finest grid, such as a fit's, in place of the engine's own answer.
+        """
+        if not self.prepared:
+            return None
+        if pressure is None:
+            return self[name].indentation
+        place, nodes = self._names.index(name), self.recipe.rungs[-1]
+        normals = self._models.grid(place, nodes).normals
+        moved = self._models.moved(place, nodes, pressure)
+        return np.asarray(-np.einsum("kc,kc->k", moved, normals))
+
+    def taxels(self, name: str) -> tuple[NDArray[Any], NDArray[np.bool_], Floats]:
+        """Values, validity and noise of a patch's taxels, (L,) each, in the quantity's unit."""
+        place = self._names.index(name)
+        its = slice(self._models.starts[place], self._models.starts[place + 1])
+        valid = self.slot.valid[its].astype(np.bool_)
+        return self.slot.values[its], valid, self._models.noise_std[its]
 
     @property
     def readings(self) -> NDArray[np.float32]:

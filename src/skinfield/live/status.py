@@ -13,10 +13,14 @@ from numpy.typing import NDArray
 from skinfield.acquisition import Count
 from skinfield.errors import InputError
 from skinfield.live.beside import beside
+from skinfield.live.configuration import configuration_of
+from skinfield.live.following import state_of
 from skinfield.live.notes import read_notes
 from skinfield.live.slots import Head, Slot
+from skinfield.live.tuning import FIELD as TUNING
+from skinfield.live.tuning import Limits, tuning_of
 from skinfield.realtime import Timing
-from skinfield.ring import RingReader, State
+from skinfield.ring import RingReader
 
 SILENT = 3.0  # s without a word of a recorder, after which something is wrong
 Array = NDArray[Any]
@@ -66,6 +70,8 @@ class Status:
         Of the supervisor and the recorder, where there are any.
     memory : dict
         Of the engine's process: resident bytes.
+    tuning : dict
+        What can be changed, as `Limits.as_dict` tells it, and the solver; empty of another ring.
     """
 
     name: str
@@ -83,6 +89,7 @@ class Status:
     notes: dict[str, Any]
     beside: dict[str, Any]
     memory: dict[str, int]
+    tuning: dict[str, Any]
 
     @property
     def lost(self) -> int:
@@ -152,12 +159,9 @@ class Observer:
         copied = reader.latest(self._slot)
         slot = None if copied is None else Slot.of(copied.arrays)
         seconds = max(now.time - before.time, 1e-9)
-        state = reader.state
-        if not reader.alive and state != State.STOPPED:
-            state = State.FAILED
         return Status(
             name=reader.name,
-            state=state.name.lower(),
+            state=state_of(reader).name.lower(),
             pid=reader.pid,
             generation=reader.generation,
             since=Timing.of(now.times, now.totals),
@@ -171,6 +175,7 @@ class Observer:
             notes=read_notes(reader.status_view["notes"]) or {},
             beside={what: _beside(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
+            tuning=_tuning(reader),
         )
 
 
@@ -204,9 +209,14 @@ def _patches(told: dict[str, Any], slot: Slot, stale_ns: int) -> list[dict[str, 
 
 
 def contacts_of(patches: list[str], slot: Slot) -> list[dict[str, Any]]:
-    """Contacts as plain values, with the names of their patches."""
+    """Contacts of a slot as plain values, with the names of their patches."""
+    return plain_contacts(patches, slot.used_contacts())
+
+
+def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
+    """Rows of contacts as plain values, with the names of their patches."""
     rows = []
-    for row in slot.used_contacts():
+    for row in contacts:
         plain = {name: _plain(row[name]) for name in row.dtype.names}
         rows.append(plain | {"patch": patches[int(row["patch"])]})
     return rows
@@ -229,6 +239,16 @@ def _beside(name: str, what: str) -> Any:
         age = (time.time_ns() - int(told["told_ns"])) * 1e-9
         told["silent"] = bool(age > SILENT and not told.get("finished"))
     return told
+
+
+def _tuning(reader: RingReader) -> dict[str, Any]:
+    """What is in force, and what it may be."""
+    if TUNING.name not in reader.status_view or "rungs" not in reader.description:
+        return {}
+    told = configuration_of(reader)
+    solver = None if told is None else type(told.solver).__name__
+    plain = Limits.of(reader.description).as_dict(tuning_of(reader))
+    return plain | {"solver": {"value": solver}}
 
 
 def _memory(pid: int) -> dict[str, int]:

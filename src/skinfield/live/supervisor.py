@@ -4,22 +4,22 @@ import json
 import math
 import os
 import pickle
-import re
 import signal
 import subprocess
-import sys
-import tempfile
 import threading
 import time
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
-from skinfield.errors import InputError
+from skinfield.errors import InputError, check_offers
+from skinfield.inverse import Solver
 from skinfield.live.beside import beside
+from skinfield.live.configuration import Configuration
 from skinfield.live.control import address_of
+from skinfield.live.handover import Change, nameless_file, plain_error, spawn, tail_of
 from skinfield.live.settings import LiveSettings
 from skinfield.ring import Ring, RingReader, State
 
@@ -27,9 +27,8 @@ LOOK = 0.1  # s between looks
 LIMITS = {State.RUNNING: 3.0, State.CALIBRATING: 60.0}  # s without a sign of life
 PAUSES = (0.1, 0.3, 1.0, 3.0)  # s before it is started again, the last for ever
 SETTLED = 30.0  # s after which a failure counts as the first one again
-TAIL = 4000  # characters of what it said last
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 KEPT = 100  # events
+TAKES_OVER = 60.0  # s from the end of one engine to the first answer of the next
 TRIES = 3  # failures of an engine that never answered, after which it is no use
 
 
@@ -42,7 +41,7 @@ class Event:
     time_ns : int, ns
         Since the epoch.
     what : str
-        "started", "failed", "hung" or "stopped".
+        "started", "failed", "hung", "changed" or "stopped".
     text : str
         In a sentence.
     """
@@ -54,11 +53,6 @@ class Event:
 
 class EngineFailed(InputError):
     """An engine that could not even start."""
-
-
-def nameless_file() -> IO[bytes]:
-    """For what an engine says; it goes with its last reader."""
-    return tempfile.TemporaryFile()
 
 
 @dataclass(eq=False)
@@ -82,7 +76,8 @@ class Supervisor:
     def __post_init__(self) -> None:
         self._child: subprocess.Popen[bytes] | None = None
         self._said: IO[bytes] | None = None
-        self._pickled = pickle.dumps(self.settings)
+        pickle.dumps(self.settings)  # what cannot be sent to a process is told now
+        self._change: Change | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="supervisor", daemon=True)
         self._began = 0.0
@@ -116,20 +111,7 @@ class Supervisor:
         if self._said is not None:
             self._said.close()
         self._said = nameless_file()
-        self._child = subprocess.Popen(
-            [sys.executable, "-m", "skinfield.live.engine_process", str(os.getpid())],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=self._said,
-            process_group=0,  # a terminal's Ctrl-C is meant for us: we end it
-            env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-        )
-        assert self._child.stdin is not None  # it is a pipe
-        try:
-            self._child.stdin.write(self._pickled)
-            self._child.stdin.close()
-        except BrokenPipeError:
-            pass  # it is gone: the watch says why
+        self._child = spawn(self.settings, self._said)
         self._began = time.monotonic()
         self._tell("started", f"engine process {self._child.pid}")
 
@@ -147,13 +129,63 @@ class Supervisor:
                 child.wait()
                 self._tell("hung", f"no sign of life for {silence:g} s: killed")
                 self._again()
+            elif self._change is not None:
+                self._go_on_with(self._change)
+
+    def _go_on_with(self, change: Change) -> None:
+        """One step of a change; processes are only started here, as they end with this thread."""
+        if change.step():
+            change.switch(self._child)
+            if self._said is not None:
+                self._said.close()
+            self.settings, self._child, self._said = change.settings, change.child, change.said
+            self._began = time.monotonic()
+            solver = type(self.settings.solver).__name__
+            assert self._child is not None  # it was ready
+            self._tell("changed", f"engine process {self._child.pid} answers with {solver}")
+            change.done.set()
+        if change.done.is_set():
+            self._change = None
+
+    def reconfigure(self, *, solver: Solver, timeout: float = 180.0) -> None:
+        """Answer with another solver from now on, by the baseline that is in force.
+
+        The next engine prepares itself in a process of its own while this one goes on; then it
+        takes over sources and ring. Readers and recorders stay with the ring, and contacts keep
+        their numbers.
+
+        Parameters
+        ----------
+        solver : Solver
+        timeout : float, s
+            For the preparation.
+
+        Raises
+        ------
+        InputError
+            For a solver that is none of skinfield's own.
+        EngineFailed
+            If the next engine cannot be made, or not in time: this one goes on as it was.
+        """
+        check_offers("solver", solver, ("prepare",), "one such as NonNegative()")
+        Configuration(1, solver).text()  # refuses what no recording could tell
+        if self._change is not None:
+            raise EngineFailed("the engine is being changed already, expected one at a time: wait")
+        settings = replace(self.settings, solver=solver)
+        self._change = change = Change(settings, time.monotonic() + timeout)
+        while not change.done.wait(1.0):
+            if not self._thread.is_alive():
+                change.fail("the skin was stopped")
+        if change.failure:
+            raise EngineFailed(f"the engine stays as it was: {change.failure}")
+        self.wait(TAKES_OVER).close()
 
     def _gone(self, code: int) -> None:
         said = self._tail()
         names = {each.value: each.name for each in signal.Signals}  # not all numbers have one
         how = f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
         last = said.strip().splitlines()[-1] if said.strip() else how
-        self.failure = re.sub(r"^skinfield\.errors\.\w+: ", "", last)
+        self.failure = plain_error(last)
         self._tell("failed", f"ended with {how}: {self.failure}")
         self._again()
 
@@ -184,12 +216,7 @@ class Supervisor:
             return 0.0
 
     def _tail(self) -> str:
-        said = self._said
-        if said is None:
-            return ""
-        size = said.seek(0, os.SEEK_END)
-        said.seek(max(size - TAIL, 0))
-        return said.read().decode(errors="replace")
+        return "" if self._said is None else tail_of(self._said)
 
     def _tell(self, what: str, text: str) -> None:
         self.events.append(Event(time.time_ns(), what, text))
@@ -248,6 +275,9 @@ class Supervisor:
         self._stopping.set()
         if self._thread.is_alive():
             self._thread.join()
+        change, self._change = self._change, None
+        if change is not None:
+            change.fail("the skin was stopped")
         child, self._child = self._child, None
         if child is not None:
             child.terminate()

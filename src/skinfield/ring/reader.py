@@ -3,6 +3,7 @@
 import contextlib
 import os
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Self
 
@@ -71,6 +72,10 @@ class RingReader:
         starts, size = plan.header.slot_starts, plan.header.slot_bytes
         self._slots = [octets[start : start + size] for start in starts]
         self._locks = [start // 8 for start in starts]
+        self._spans = {
+            placed.field.name: (placed.offset, placed.offset + placed.size)
+            for placed in plan.slot_fields
+        }
         self._status: dict[str, NDArray[Any]] = {
             placed.field.name: placed.view(octets, plan.header.status_offset)
             for placed in plan.status_fields
@@ -176,6 +181,30 @@ class RingReader:
         if not max(0, head - self.slots) < number <= head:
             return None
         return into if self._copy(number, into) else None
+
+    def part(self, number: int, into: Slot, names: Sequence[str]) -> bool:
+        """Copy some fields of a certain slot: less to move where the others are large.
+
+        Returns
+        -------
+        bool
+            Whether it was there, and whole. The other fields keep what they had, and so does
+            `into.number`.
+        """
+        if not max(0, self.number - self.slots) < number:
+            return False
+        index, fence, whole = number % self.slots, self._fence, 2 * number + 2 & _WORD
+        lock, octets = self._locks[index], self._slots[index]
+        if self._words[lock] != whole:
+            return False
+        if fence:
+            fence()
+        for name in names:
+            start, end = self._spans[name]
+            into.octets[start:end] = octets[start:end]
+        if fence:
+            fence()
+        return self._words[lock] == whole
 
     def _copy(self, number: int, into: Slot) -> bool:
         """Copy a slot, if it was whole before and after."""

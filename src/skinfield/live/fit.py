@@ -1,0 +1,211 @@
+"""Fitted contacts of a whole skin, from the ring of its engine into a ring of their own."""
+
+import contextlib
+import time
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from skinfield.engine.state import Answer
+from skinfield.live.fit_ring import (
+    LOG_BYTES,
+    SLOTS,
+    FitSlot,
+    Fitted,
+    describe,
+    fit_name,
+    slot_fields,
+    status_fields,
+    write_engine,
+)
+from skinfield.live.fit_shapes import FitShapes
+from skinfield.live.fit_tracks import FitTracks, Numbers
+from skinfield.live.notes import write_notes
+from skinfield.live.patch_fit import Accuracy, PatchFit, rounding_of
+from skinfield.live.recipe import Recipe
+from skinfield.live.slots import Head, Slot
+from skinfield.ring import Ring, RingReader, State
+
+NEEDED = ("patches", "contacts", "values", "valid")
+MARGIN = 4  # slots that the engine may write while one is looked at
+LONGEST = 256  # cycles that are looked back
+ROWS = 8  # contacts of a patch, at most
+BUSY_NS = 100_000_000  # of fits in one look, after which the other patches wait for the next
+
+
+class SkinFit:
+    """Contacts of all patches of a live skin that something touches.
+
+    Parameters
+    ----------
+    name : str
+        Of the live skin.
+    reader : RingReader
+        Of its ring; stays the caller's.
+
+    Raises
+    ------
+    InputError
+        If another process fits this skin already.
+    """
+
+    def __init__(self, name: str, reader: RingReader) -> None:
+        self._reader = reader
+        self.recipe = Recipe.from_json(str(reader.description["recipe"]))
+        skin = self.recipe.skin
+        nodes = max(self.recipe.rungs) ** 2
+        self.ring = Ring.create(
+            fit_name(name),
+            slot_fields(len(skin), nodes, ROWS),
+            status_fields(),
+            describe(name, [patch.name for patch in skin]),
+            SLOTS,
+            LOG_BYTES,
+        )
+        self.ring.set_state(State.RUNNING)
+        numbers = Numbers()
+        self.patches = [PatchFit(n, patch, FitTracks(numbers)) for n, patch in enumerate(skin)]
+        self._starts = np.cumsum([0, *(len(patch) for patch in skin)]).tolist()
+        self._master = FitSlot.empty(len(skin), nodes, ROWS)
+        self._room = reader.slot()
+        self._slot = Slot.of(self._room.arrays)
+        self._seen = max(reader.number - 1, 0)
+        self._tares = -1
+        self._accuracy: list[Accuracy] = []
+        self._shapes = FitShapes(self.recipe)
+        self._told = ""
+        self._turn = 0
+
+    def look(self) -> bool:
+        """Take in what is new, fit what is touched, and publish; whether anything is new."""
+        self._take_in()
+        if not self._known():
+            return False
+        count, began, changed = len(self.patches), time.monotonic_ns(), False
+        for step in range(count):
+            place = (self._turn + step) % count
+            changed |= self._update(place)
+            if time.monotonic_ns() - began > BUSY_NS:
+                self._turn = place + 1
+                break
+        if changed:
+            FitSlot.of(self.ring.begin()).copy_from(self._master)
+            self.ring.publish()
+        return changed
+
+    def _take_in(self) -> None:
+        """Hand the readings of all cycles that are new to their patches."""
+        reader, slot = self._reader, self._slot
+        newest = reader.number
+        if newest < self._seen:
+            self._seen = 0
+        for number in range(max(self._seen, newest - self._most) + 1, newest + 1):
+            if not reader.part(number, self._room, ("head",)) or not slot.head[Head.FRESH]:
+                continue
+            if reader.part(number, self._room, NEEDED):
+                self._hand_out()
+        self._seen = newest
+
+    @property
+    def _most(self) -> int:
+        return min(self._reader.slots - MARGIN, LONGEST)
+
+    def _hand_out(self) -> None:
+        slot = self._slot
+        for place in np.flatnonzero(slot.patches["fresh"]).tolist():
+            its = slice(self._starts[place], self._starts[place + 1])
+            stamp = int(slot.patches["stamp_ns"][place])
+            self.patches[place].steady.take(slot.values[its], slot.valid[its], stamp)
+
+    def _known(self) -> bool:
+        """Whether there is a baseline; what follows from a new one is made anew."""
+        status = self._reader.status_view
+        tares = int(status["tares"][0])
+        if tares != self._tares and tares > 0:
+            noise, table = status["noise_std"].copy(), status["calibration"].copy()
+            typical = self.recipe.quantity.typical_noise
+            noise = np.where(noise > 0, noise, typical)
+            counted = all(port.unit == "count" for port in self.recipe.ports)
+            rounding = rounding_of(table, noise) if counted else np.zeros_like(noise)
+            spans = zip(self._starts[:-1], self._starts[1:], strict=True)
+            self._accuracy = [Accuracy(noise[a:b], rounding[a:b]) for a, b in spans]
+            for each in self.patches:
+                each.reset()
+            self._tares = tares
+        return tares > 0
+
+    def _update(self, place: int) -> bool:
+        """Fit one patch, if it is its time."""
+        patch, row = self.patches[place], self._slot.patches[place]
+        contacts = self._slot.contacts[place][: int(row["contacts"])]
+        touched = int(row["answer"]) >= int(Answer.LINEAR) or int(row["contacts"]) > 0
+        if not patch.ready:
+            fitter = self._shapes.get(place, touched)
+            if fitter is None:
+                return False
+            patch.give(fitter)
+        status = self.ring.status
+        if not patch.update(self._accuracy[place], contacts, touched):
+            return False
+        status["fits"][0] += 1
+        status["unhelpful"][0] += patch.state == Fitted.UNHELPFUL
+        self._write(place, patch, touched)
+        write_engine(self._master.patches[place], contacts)
+        return True
+
+    def _write(self, place: int, patch: PatchFit, touched: bool) -> None:
+        master, told = self._master, self._master.patches[place]
+        threshold = self._threshold
+        kept = np.flatnonzero(patch.rows["normal_force"] >= threshold)[:ROWS]
+        told["state"], told["contacts"] = int(patch.state), len(kept)
+        told["touched"], told["cycle"] = touched, self._seen
+        told["took_ns"] = patch.took_ns
+        told["readings"] = 0 if patch.mean is None else patch.mean.readings
+        told["stamp_ns"] = patch.steady.stamp_ns
+        told["force"] = patch.rows["normal_force"][kept].sum()
+        master.contacts[place][: len(kept)] = patch.rows[kept]
+        master.forms[place][: len(kept)] = patch.forms[kept]
+        if patch.pressure is not None:
+            master.pressure[place] = patch.pressure
+
+    @property
+    def _threshold(self) -> float:
+        """Least force of a contact that is told, N, as the engine has it now."""
+        tuning = self._reader.status_view.get("tuning")
+        return 0.0 if tuning is None else float(tuning[2])
+
+    def tell(self) -> None:
+        """Say in the ring's status what is done now."""
+        self.ring.heartbeat(time.monotonic_ns())
+        self.ring.status["cpu_ns"][0] = time.process_time_ns()
+        names = [patch.name for patch in self.recipe.skin]
+        states = zip(names, self.patches, strict=True)
+        unhelpful = [name for name, each in states if each.state == Fitted.UNHELPFUL]
+        notes = {
+            "phase": "preparing" if self._shapes.busy else "ready",
+            "left_to_engine": unhelpful,
+            "failed": self._shapes.failed,
+            "tares": self._tares,
+        }
+        if str(notes) != self._told:
+            self._told = str(notes)
+            write_notes(self.ring.status["notes"], notes)
+
+    def close(self) -> None:
+        """End, and take the ring away."""
+        with contextlib.suppress(OSError):
+            self.ring.unlink()
+        self.ring.close()
+
+    def __enter__(self) -> Self:
+        self.tell()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
