@@ -13,7 +13,11 @@ Kinds, and their payloads: 1, 2, 3: counts as uint8, uint16, float32, one per ch
 channel, out of range. 5: int64, a source (its number stands for the channel) came up (1) or went
 down (0). 6: int64, messages of a source that are known to be lost. 7: of as many taxels six float64
 each: baseline, gain, noise (counts), alive (0 or 1), noise in the quantity's unit, and the age in s
-at which a reading is left out.
+at which a reading is left out. 8: of the engine's tuning as many float64: nodes a side of the
+finest grid for answers (0: as time allows), s for a reconstruction, N below which contacts are not
+told, s of the readings' low-pass, patch of the focus (-1: none), its lower corner and its upper, m.
+9: where the low-pass of as many taxels stands: float64 in the quantity's unit and int64 stamp. 10:
+as many characters of JSON: solver, and which of the ring's engine processes it is.
 Status bits: 1 no answer, 2 not connected, 4 out of range, 8 invalid.
 """
 _CYCLE = """\
