@@ -17,3 +17,5 @@ from skinfield.sources.live.simulation import pressed as pressed
 from skinfield.sources.live.spec import skin_for as skin_for
 from skinfield.sources.live.spec import source_from_options as source_from_options
 from skinfield.sources.live.spec import third_parties as third_parties
+from skinfield.sources.live.yarp_text import YarpPort as YarpPort
+from skinfield.sources.live.yarp_text import YarpText as YarpText

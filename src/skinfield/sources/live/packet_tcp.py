@@ -92,7 +92,7 @@ class TcpLink:
             self.fault = f"{self._label}: {error.strerror or error}"
             return False
         sock.setblocking(False)
-        _watch_over(sock)
+        watch_over(sock)
         self._socket, self._begun = sock, monotonic()
         self._poll = select.poll()
         self._poll.register(sock, select.POLLOUT)
@@ -152,7 +152,7 @@ class TcpLink:
         self._socket, self._begun, self.up = None, 0.0, False
 
 
-def _watch_over(sock: socket.socket) -> None:
+def watch_over(sock: socket.socket) -> None:
     """Have the system notice a peer that vanished without a word."""
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)

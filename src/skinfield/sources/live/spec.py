@@ -12,6 +12,8 @@ from skinfield.layout import Skin
 from skinfield.protocols.cyskin import CySkinBoard, CySkinWire, Unchecked, on_boards
 from skinfield.protocols.icub import configuration_for, load_configuration
 from skinfield.protocols.packet import PacketDevice
+from skinfield.protocols.yarp import PORT as YARP_PORT
+from skinfield.protocols.yarp import port_of
 from skinfield.sources.live.cyskin import CySkinCan, CySkinSharedMemory
 from skinfield.sources.live.icub import ICubCan
 from skinfield.sources.live.options import Options
@@ -23,6 +25,7 @@ from skinfield.sources.live.packet_udp import PacketUdp
 from skinfield.sources.live.places import bus_settings, host_and_port, listens, own_address
 from skinfield.sources.live.replay import ReplaySource
 from skinfield.sources.live.simulation import pressed
+from skinfield.sources.live.yarp_text import YarpPort, YarpText
 
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
 MOST_BOARDS = 16
@@ -238,6 +241,33 @@ def simulation(asked: Asked) -> Source:
     return pressed(asked.skin, force=read.number("force", 3.0), rate=read.number("rate", 50.0))
 
 
+def yarp(asked: Asked) -> Source:
+    """Ports of YARP, one for each patch.
+
+    The bus is ``host:port`` of the name server. Channels: each port's name, or its place as
+    ``host:port``, which needs no name server; default that of the patch's name, such as
+    ``/icub/skin/left_forearm``. Options: `robot` (in place of icub), `own` (name that we give),
+    `unit`; `no_load` and `shift`, which say what bytes mean, are for whoever reads these.
+    """
+    read, patches = asked.options, tuple(asked.skin)
+    for known, usual in (("no_load", 240), ("shift", 2)):
+        read.whole(known, usual)
+    robot = read.text("robot", "icub")
+    names = asked.channels or tuple(port_of(patch.name, robot) for patch in patches)
+    if len(names) != len(patches):
+        raise InputError(
+            f"channels are {', '.join(names)}, expected {len(patches)}: a port for each of "
+            f"{', '.join(patch.name for patch in patches)}"
+        )
+    ports = tuple(
+        YarpPort(patch.name, patch.n_channels, name)
+        for patch, name in zip(patches, names, strict=True)
+    )
+    host, port = host_and_port(asked.bus, "127.0.0.1", YARP_PORT)
+    own, unit = read.text("own", YarpText.own), read.text("unit", YarpText.unit)
+    return YarpText(ports, host, port, own, unit)
+
+
 HARDWARE: dict[str, Callable[[Asked], Source]] = {
     "icub": icub,
     "cyskin": cyskin,
@@ -245,4 +275,5 @@ HARDWARE: dict[str, Callable[[Asked], Source]] = {
     "shm": shared_memory,
     "replay": replay,
     "simulation": simulation,
+    "yarp": yarp,
 }

@@ -156,10 +156,20 @@ class LiveRecording:
                     raise FileError(f"{self.path}: {error}") from error
         raise FileError(f"{self.path} has no channel {CYCLES}, expected one: its head is damaged")
 
-    def messages(self, topics: Collection[str] = ()) -> Iterator[tuple[str, int, Message]]:
-        """Topic, byte in the file, and message, in the order of the file; default all topics."""
+    def messages(
+        self, topics: Collection[str] = (), first: int = 0
+    ) -> Iterator[tuple[str, int, Message]]:
+        """Topic, byte in the file, and message, in the order of the file.
+
+        Parameters
+        ----------
+        topics : collection of str
+            Default all.
+        first : int
+            Record to begin with, such as `Moments` tells.
+        """
         with open_file(self.path) as file:
-            for record in self.outline.records:
+            for record in self.outline.records[first:]:
                 try:
                     for message in self._messages_in(file, record):
                         channel = self.channels.get(message.channel)

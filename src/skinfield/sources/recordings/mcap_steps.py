@@ -41,14 +41,17 @@ class Steps:
     recording : LiveRecording
     left : int
         Cycles at the end whose readings are not in the file any more; known at the end.
+    first : int
+        Record to begin with, as if the file began there.
     """
 
     recording: LiveRecording
     left: int = 0
+    first: int = 0
 
     def __iter__(self) -> Iterator[Step]:
         tape, waiting = Tape(), deque[Cycle]()
-        for topic, at, message in self.recording.messages((BLOCKS, CYCLES)):
+        for topic, at, message in self.recording.messages((BLOCKS, CYCLES), self.first):
             if topic == BLOCKS:
                 logged = self.recording.logged_of(at, message)
                 if logged is not None:
