@@ -86,4 +86,5 @@ def _truth(skin: "VirtualSkin", given: Mapping[str, Any]) -> dict[str, Any]:
         lines = lines[: len(lines) // 2] or lines[:1]
         if len(lines) == 1:
             break
-    return {"lines": lines, "made": made, "stamp_ns": time.time_ns()}
+    told = {"lines": lines, "made": made, "stamp_ns": time.time_ns()}
+    return {**told, "waits": skin.world.waits, "notes": skin.world.notes}

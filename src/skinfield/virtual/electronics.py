@@ -28,7 +28,7 @@ def electronics_of(settings: VirtualSettings) -> Electronics:
     Those of `simulate.electronics` with another noise, and without the spreads, cross-talk and
     defects that the settings do not ask for.
     """
-    icub = settings.hardware == "icub"
+    icub = settings.hardware in ("icub", "yarp")
     known = icub_electronics() if icub else cyskin_electronics()
     noise = replace(known.noise, white=known.noise.white * settings.noise, flicker=0.0, walk=0.0)
     return Electronics(

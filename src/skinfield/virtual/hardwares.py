@@ -15,6 +15,10 @@ def open_hardware(skin: Skin, settings: VirtualSettings) -> Hardware:
         from skinfield.virtual.cyskin import CySkinBoards
 
         return CySkinBoards(skin, settings)
+    if settings.hardware == "yarp":
+        from skinfield.virtual.yarp import YarpPorts
+
+        return YarpPorts(skin, settings)
     from skinfield.virtual.packet import PacketDevices
 
     return PacketDevices(skin, settings)

@@ -6,6 +6,7 @@ import select
 import socket
 import subprocess
 import sys
+import threading
 import time
 from types import TracebackType
 from typing import Any
@@ -112,6 +113,7 @@ class VirtualProcess:
         self._child, self.settings, self.description = child, settings, said
         self._final: dict[str, Any] = {}
         self._tag = 0
+        self._asking = threading.Lock()  # one question at a time, from any thread
         self._socket: socket.socket | None = None
         if said.get("control"):
             place = host_and_port(said["control"], "127.0.0.1", 0)
@@ -153,6 +155,10 @@ class VirtualProcess:
         InputError
             With the skin's own words if it refuses, or if it does not answer.
         """
+        with self._asking:
+            return self._ask(command)
+
+    def _ask(self, command: dict[str, Any]) -> dict[str, Any]:
         if self._socket is None:
             raise Silent("virtual skin has no control socket, expected settings with control")
         self._tag += 1

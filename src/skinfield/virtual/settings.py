@@ -17,7 +17,7 @@ from skinfield.mechanics import Layer
 from skinfield.virtual.faults import Fault, fault_from_text
 from skinfield.virtual.temperature import Temperature
 
-HARDWARE = ("icub", "cyskin", "packet")
+HARDWARE = ("icub", "cyskin", "packet", "yarp")
 CAN_BUSES = ("udp_multicast", "udp", "socketcan")
 STREAMS = ("udp", "tcp", "serial")
 
@@ -56,13 +56,13 @@ class VirtualSettings:
 
     Parameters
     ----------
-    hardware : "icub", "cyskin" or "packet"
-        Whose boards it plays.
+    hardware : "icub", "cyskin", "packet" or "yarp"
+        Whose boards it plays; "yarp": an iCub's ports behind them.
     skin : str
         Layout file, folder, or generator by name such as ``"hexagon72"``.
     bus : str
         For iCub and CySkin: `udp_multicast`, `udp`, `socketcan` or an interface of python-can. For
-        packets: `udp`, `tcp` or `serial` (a pseudo-terminal).
+        packets: `udp`, `tcp` or `serial` (a pseudo-terminal). For yarp: `tcp`.
     channels : tuple of str
         Where. For `udp_multicast`: ``"239.74.163.2:43113"``, group and port; for `udp` and `tcp`:
         ``"127.0.0.1:0"``, where it is reached (port 0: any that is free); for `socketcan`:
@@ -135,6 +135,8 @@ class VirtualSettings:
         check_choice("hardware", self.hardware, HARDWARE, "whose boards it plays")
         if self.hardware == "packet":
             check_choice("bus", self.bus, STREAMS, "what packets travel by")
+        if self.hardware == "yarp":
+            check_choice("bus", self.bus, ("tcp",), "what ports of YARP are reached by")
         for name in ("skin", "bus", "scene", "control", "truth"):
             check_type(name, getattr(self, name), str, "text")
         object.__setattr__(self, "channels", tuple(self.channels))

@@ -4,11 +4,13 @@ import subprocess
 import sys
 from dataclasses import dataclass, field
 
+from skinfield.errors import InputError
 from skinfield.mechanics import Layer
 from skinfield.virtual.tables import PressTable, is_stored, table_for
 from skinfield.virtual.tool import Tool
 
 Key = tuple[Tool, float]
+AT_ONCE = 2  # tables that are solved at a time
 SCRIPT = """
 import sys
 from skinfield.mechanics import Layer
@@ -44,13 +46,24 @@ class Solving:
         return self._there[key]
 
     def start(self, tool: Tool, pad_diameter: float) -> None:
-        """Have a table solved; one that was solved before is there at once."""
+        """Have a table solved; one that was solved before is there at once.
+
+        Raises
+        ------
+        InputError
+            If others are being solved: each takes a processor for seconds.
+        """
         key = (tool, pad_diameter)
         if key in self._running:
             return
         if is_stored(tool, self.layer, pad_diameter):
             self.now(tool, pad_diameter)
             return
+        if len(self._running) >= AT_ONCE:
+            raise InputError(
+                f"tool is a {tool.shape} of {tool.radius * 1e3:g} mm while {AT_ONCE} others are "
+                "being prepared, expected it some seconds later"
+            )
         layer = self.layer
         numbers = (layer.thickness, layer.young_modulus, layer.poisson_ratio)
         words = [str(tool.radius), tool.shape, str(pad_diameter), *map(str, numbers)]

@@ -19,6 +19,7 @@ from skinfield.virtual.tool import FINGER, Tool
 from skinfield.virtual.touch import Scene, Touch, Track
 
 MOST = 64  # presses at once, by hand
+KEPT = 20  # notes
 LONGEST_ID = 64  # characters
 Shown = tuple[str, int, Tool, float, float, float]
 
@@ -143,6 +144,16 @@ class World:
             except InputError as error:
                 del self._by_hand[touch.id]
                 self.notes.append(f"press {touch.id} was let go: {error}")
+                del self.notes[:-KEPT]
+
+    @property
+    def waits(self) -> list[str]:
+        """Presses by hand whose body is still being solved."""
+        return [
+            touch.id
+            for touch in self._by_hand.values()
+            if self._solving.get(touch.tool, self._pad(touch.patch)) is None
+        ]
 
     def press(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
