@@ -1,0 +1,1 @@
+"""Estimates where robots listen: zenoh, ROS 2, YARP."""

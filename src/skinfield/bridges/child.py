@@ -1,0 +1,66 @@
+"""A bridge is a process of its own: how it is told what to do, and how it ends.
+
+`python -m skinfield.bridges.KIND RING --parent PID` reads its settings as one JSON object from
+standard input, and writes one line of JSON when it is there: `{"ready": true, ...}`, or
+`{"ready": false, "error": "..."}`. After that it writes nothing to standard output.
+"""
+
+import argparse
+import json
+import signal
+import sys
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.live.parent import end_with
+
+MOST = 1 << 20  # bytes of settings
+Serve = Callable[[str, Mapping[str, Any], threading.Event], None]
+
+
+def run_child(serve: Serve) -> int:
+    """Run a bridge to its end; the exit status.
+
+    Parameters
+    ----------
+    serve : function (name of the ring, settings, event)
+        Calls `say_ready` when it is there, and returns soon after the event is set.
+    """
+    parser = argparse.ArgumentParser()
+    parser.add_argument("name")
+    parser.add_argument("--parent", type=int)
+    given = parser.parse_args()
+    stop = threading.Event()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends this one
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: stop.set())
+    if given.parent is not None:
+        end_with(given.parent)
+    try:
+        serve(given.name, _settings(sys.stdin.buffer.read(MOST)), stop)
+    except SkinfieldError as error:
+        _say({"ready": False, "error": str(error)})
+        return 2
+    return 0
+
+
+def _settings(data: bytes) -> Mapping[str, Any]:
+    try:
+        plain = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"settings are {data[:60]!r}, expected a JSON object: {error}") from error
+    if not isinstance(plain, dict):
+        raise InputError(f"settings are {data[:60]!r}, expected a JSON object")
+    return plain
+
+
+def say_ready(**facts: object) -> None:
+    """Tell the parent that the bridge is there, with what people may want to know of it."""
+    _say({"ready": True} | facts)
+
+
+def _say(plain: Mapping[str, object]) -> None:
+    sys.stdout.write(json.dumps(plain) + "\n")
+    sys.stdout.flush()

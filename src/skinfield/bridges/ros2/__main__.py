@@ -1,0 +1,9 @@
+"""`python -m skinfield.bridges.ros2 RING`: see `skinfield.bridges.child`."""
+
+import sys
+
+from skinfield.bridges.child import run_child
+from skinfield.bridges.ros2.publisher import serve
+
+if __name__ == "__main__":
+    sys.exit(run_child(serve))

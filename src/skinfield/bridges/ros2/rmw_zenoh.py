@@ -1,0 +1,188 @@
+"""How rmw_zenoh, ROS 2's middleware over zenoh, names and wraps what it sends.
+
+Notes
+-----
+As in its sources (github.com/ros2/rmw_zenoh), `rmw_zenoh_cpp/src/detail/`: liveliness_utils.cpp,
+attachment_helpers.cpp, qos.cpp and rmw_publisher_data.cpp, and docs/design.md. The attachment has
+its form since 0.1.2 (Humble), 0.2.4 (Jazzy) and 0.6.0 (Kilted, Rolling); those before had another,
+and drop messages or end when they meet this one.
+"""
+
+import re
+from dataclasses import dataclass, field
+from functools import cached_property
+from struct import Struct
+
+from skinfield.bridges.ros2.gid import gid_of
+from skinfield.errors import FileError, InputError, check_count
+from skinfield.sinks.ros.names import TOKEN, check_prefix
+
+TOKENS = "@ros2_lv"  # where liveliness tokens are
+NO_HASH = "TypeHashNotSupported"  # Humble's, in place of a type's hash
+ATTACHMENT = Struct("<qqB16s")  # number, stamp in ns since the epoch, 16, the publisher's gid
+GID = 16  # bytes
+DOMAINS = 232  # the last
+DEPTH = 42  # rmw_zenoh's own, which is left out
+KIND = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
+
+
+@dataclass(frozen=True)
+class Qos:
+    """Quality of service that a publisher tells; volatile, the last `depth` are kept.
+
+    Parameters
+    ----------
+    depth : int
+    reliable : bool
+    """
+
+    depth: int = 10
+    reliable: bool = True
+
+    def __post_init__(self) -> None:
+        check_count("depth", self.depth, 1, 1 << 20, "messages that are kept")
+
+    @property
+    def text(self) -> str:
+        """As in tokens: what is as usual is left out."""
+        reliability = "" if self.reliable else "2"
+        depth = "" if self.depth == DEPTH else str(self.depth)
+        return f"{reliability}::,{depth}:,:,:,,"
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node of ROS 2.
+
+    Parameters
+    ----------
+    name : str
+        One token.
+    session : str
+        Id of the zenoh session, as zenoh writes it.
+    domain : int
+        ROS_DOMAIN_ID.
+    namespace : str
+        "" or such as `/robot`.
+    """
+
+    name: str
+    session: str
+    domain: int = 0
+    namespace: str = ""
+
+    def __post_init__(self) -> None:
+        check_count("domain", self.domain, 0, DOMAINS, "the ROS_DOMAIN_ID")
+        if not TOKEN.fullmatch(self.name):
+            raise InputError(f"name is {self.name!r:.80}, expected letters, digits, underscores")
+        if not re.fullmatch("[0-9a-f]{1,32}", self.session):
+            raise InputError(f"session is {self.session!r:.80}, expected up to 32 digits 0-9a-f")
+        if self.namespace:
+            check_prefix(self.namespace)
+
+    @property
+    def token(self) -> str:
+        """Key of its liveliness token."""
+        return self.token_of(0, "NN")
+
+    def token_of(self, number: int, what: str, *more: str) -> str:
+        """Key of the token of something of the node; `what`: NN a node, MP a publisher."""
+        namespace = mangled(self.namespace or "/")
+        parts = (str(self.domain), self.session, "0", str(number), what, "%", namespace, self.name)
+        return "/".join((TOKENS, *parts, *more))
+
+
+@dataclass(frozen=True)
+class Publication:
+    """What a node publishes on one topic.
+
+    Parameters
+    ----------
+    node : Node
+    number : int
+        Of it among all of the node's, above 0.
+    topic : str
+        Such as `/skin/contacts`.
+    kind : str
+        Such as `std_msgs/msg/String`.
+    hash : str
+        Of the kind by REP 2016, or `NO_HASH`.
+    qos : Qos
+    """
+
+    node: Node
+    number: int
+    topic: str
+    kind: str
+    hash: str
+    qos: Qos = field(default_factory=Qos)
+
+    @property
+    def key(self) -> str:
+        """Where the messages go."""
+        topic = self.topic.strip("/")
+        return f"{self.node.domain}/{topic}/{type_name(self.kind)}/{self.hash}"
+
+    @cached_property
+    def token(self) -> str:
+        """Key of the liveliness token."""
+        more = mangled(self.topic), type_name(self.kind), self.hash, self.qos.text
+        return self.node.token_of(self.number, "MP", *more)
+
+    @cached_property
+    def gid(self) -> bytes:
+        """The 16 bytes by which others know it."""
+        return gid_of(self.token)
+
+
+def mangled(name: str) -> str:
+    """A name as one part of a token's key."""
+    return name.replace("/", "%")
+
+
+def type_name(kind: str) -> str:
+    """Name of a message's type as DDS has it: `std_msgs::msg::dds_::String_`."""
+    found = KIND.fullmatch(kind)
+    if not found:
+        raise InputError(f"kind is {kind!r:.80}, expected such as std_msgs/msg/String")
+    return f"{found[1]}::msg::dds_::{found[2]}_"
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """What comes with each message.
+
+    Parameters
+    ----------
+    number : int
+        Of the message among the publisher's, from 1 on.
+    stamp_ns : int, ns
+        Since the epoch, when it was sent.
+    gid : bytes
+        Of the publisher.
+    """
+
+    number: int
+    stamp_ns: int
+    gid: bytes
+
+    def encode(self) -> bytes:
+        """The 33 bytes."""
+        return ATTACHMENT.pack(self.number, self.stamp_ns, GID, self.gid)
+
+    @classmethod
+    def decode(cls, data: bytes) -> "Attachment":
+        """Undo `encode`.
+
+        Raises
+        ------
+        FileError
+            If it is of another form.
+        """
+        if len(data) != ATTACHMENT.size or data[16] != GID:
+            raise FileError(
+                f"attachment is {data[:24].hex()} ({len(data)} bytes), expected two whole numbers "
+                f"and {GID} bytes with their count before them, {ATTACHMENT.size} in all"
+            )
+        number, stamp_ns, _, gid = ATTACHMENT.unpack(data)
+        return cls(number, stamp_ns, gid)

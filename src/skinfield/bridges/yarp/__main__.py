@@ -1,0 +1,9 @@
+"""`python -m skinfield.bridges.yarp RING`: see `skinfield.bridges.child`."""
+
+import sys
+
+from skinfield.bridges.child import run_child
+from skinfield.bridges.yarp.publisher import serve
+
+if __name__ == "__main__":
+    sys.exit(run_child(serve))
