@@ -1,0 +1,269 @@
+// The page: connects, decodes, and hands everything on to the scene and the panels.
+import "./app.css";
+import "./panels.css";
+import { Asked } from "./asked.js";
+import { ColourBar } from "./colourbar.js";
+import { ContactsTable } from "./table.js";
+import { Controls } from "./controls.js";
+import { byId, setText } from "./dom.js";
+import { fixed } from "./format.js";
+import { startKeyboard } from "./keyboard.js";
+import { matched } from "./match.js";
+import { notice } from "./notices.js";
+import { latencyText, Plots } from "./plots.js";
+import { PressPanel } from "./press.js";
+import { Replay } from "./replay.js";
+import { SkinScene } from "./scene/scene.js";
+import { PageSocket } from "./socket.js";
+import { StatusLine } from "./status.js";
+import { startTheme } from "./theme.js";
+import { checkGeometry, checkUpdate, decode, WIRE, WireError } from "./wire.js";
+
+const LOST = "connection lost, trying again …";
+const STUCK_MS = 2000; // after bytes that say nothing, until the connection is made anew
+
+/** All that the page knows; tests look at it too. */
+const state = {
+  hello: null,
+  controls: null,
+  status: null,
+  lastUpdate: null,
+  contacts: [],
+  truth: [],
+  connections: 0,
+  updates: 0,
+  bytes: 0,
+  malformed: 0,
+};
+
+const socket = new PageSocket({
+  onOpen: opened,
+  onLost: () => status.connection(LOST),
+  onRefused: () => refuse(true),
+  onText: text,
+  onBinary: binary,
+});
+const scene = new SkinScene(byId("scene"), {
+  onPress: (phase, at) => press.gesture(phase, at),
+  onFocus: (window) => controls.focusDrawn(window),
+  onPick: (place) => setText(byId("skin-name"), place || (state.hello?.name ?? "")),
+});
+const status = new StatusLine();
+const table = new ContactsTable();
+const plots = new Plots(byId("force-plot"), byId("latency-plot"));
+const bar = new ColourBar((colours) => scene.setColours(colours));
+const controls = new Controls(ask, scene, patchName);
+const press = new PressPanel(ask, scene);
+const replay = new Replay(ask);
+const asked = new Asked(quantityInForce);
+
+/** Send a command; true when it was obeyed, and a notice when it was not. */
+async function ask(command) {
+  try {
+    await socket.ask(command);
+    return true;
+  } catch (error) {
+    if (socket.open) notice("error", error.message);
+    return false;
+  }
+}
+
+function opened() {
+  state.connections += 1;
+  refuse(false);
+  status.connection(null);
+  press.forget();
+  showQuantity();
+}
+
+function refuse(refused) {
+  byId("refused").hidden = !refused;
+  byId("main").hidden = refused;
+  if (refused) status.connection("this page needs its token");
+}
+
+function patchName(i) {
+  return state.hello?.patches?.[i]?.name ?? String(i);
+}
+
+// what the server says
+
+function text(message) {
+  const kinds = { hello, controls: controlsMessage, status: statusMessage, notice: noticeMessage };
+  const kind = Object.hasOwn(kinds, message?.kind ?? "") ? kinds[message.kind] : null;
+  if (!kind) return malformed("a message of no known kind");
+  try {
+    kind(message);
+  } catch (error) {
+    malformed(error.message);
+    console.debug(error);
+  }
+}
+
+function hello(message) {
+  if (message.wire !== WIRE) return notice("error", `the server speaks wire ${message.wire}, this page ${WIRE}: load it again`);
+  if (state.hello && message.version !== state.hello.version) {
+    notice("warn", `the server is skinfield ${message.version} now: load the page again to be sure`);
+  }
+  const another = subject(message) !== subject(state.hello);
+  Object.assign(state, { hello: message, lastUpdate: null, contacts: [], truth: [] });
+  scene.setSkin(message);
+  for (const part of [status, press, replay]) part.hello(message);
+  if (another) {
+    plots.clear();
+    table.clear();
+    bar.reset();
+  }
+  setText(byId("help-version"), `skinfield ${message.version}.`);
+  document.body.dataset.mode = message.mode;
+  document.body.classList.toggle("one-patch", message.patches.length === 1);
+}
+
+/** What is looked at; a hello that tells it again has news of something else, as of a recording. */
+function subject(message) {
+  return message && JSON.stringify([message.mode, message.name, message.patches, message.replay]);
+}
+
+function controlsMessage(message) {
+  state.controls = message;
+  for (const part of [controls, press, replay]) (part.show ?? part.controls).call(part, message);
+  plots.setDeadline(message.deadline_us?.value);
+  asked.told();
+  if (!asked.has("quantity")) quantityInForce();
+}
+
+function statusMessage(message) {
+  state.status = message;
+  status.show(message);
+}
+
+function noticeMessage({ level, text: words }) {
+  notice(level, String(words));
+}
+
+function binary(buffer) {
+  state.bytes += buffer.byteLength ?? 0;
+  let message;
+  try {
+    message = decode(buffer);
+    if (message.head.kind === "geometry") geometry(checkGeometry(message));
+    else if (message.head.kind === "update") update(checkUpdate(message));
+    else throw new WireError(`a binary message of kind ${message.head.kind}`);
+  } catch (error) {
+    malformed(error.message);
+    if (!(error instanceof WireError)) console.debug(error);
+    passOver(message?.head);
+  }
+}
+
+function geometry({ head, arrays }) {
+  scene.setGeometry(head, arrays.byName);
+}
+
+/** The server waits for a word about every update, also about one that cannot be shown. */
+function passOver(head) {
+  if (Number.isSafeInteger(head?.number)) return socket.send({ do: "ack", number: head.number });
+  if (head) return;
+  const before = state.updates;
+  setTimeout(() => state.updates === before && socket.restart(), STUCK_MS);
+}
+
+function malformed(why) {
+  state.malformed += 1;
+  notice("warn", `a message from the server was passed over: ${why}`);
+}
+
+// one update at a time: the next one is asked for when this one is on the screen
+
+async function update({ head, arrays }) {
+  try {
+    show(head, arrays);
+    await scene.whenDrawn();
+  } catch (error) {
+    malformed(error.message);
+    console.debug(error);
+  }
+  socket.send({ do: "ack", number: head.number });
+}
+
+function show(head, arrays) {
+  const now = performance.now() / 1e3;
+  Object.assign(state, { lastUpdate: head, contacts: head.contacts, truth: head.truth });
+  state.updates += 1;
+  bar.follow(head, now);
+  scene.update(head, arrays);
+  const pairs = matched(head.contacts, head.truth);
+  const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
+  plots.add(time, pairs, head);
+  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key) });
+  replay.at(head.time_s);
+  const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);
+  byId("latency-plot").setAttribute("aria-label", `Latency of the estimates, now ${latency}`);
+}
+
+// what this browser alone shows
+
+async function showQuantity() {
+  const select = byId("quantity");
+  scene.setQuantity(select.value);
+  await asked.wait("quantity", ask({ do: "show", quantity: select.value }));
+}
+
+/** As the server has it; without a connection the choice stays, for the next one. */
+function quantityInForce() {
+  const quantity = state.controls?.quantity;
+  const select = byId("quantity");
+  if (!quantity || !socket.open || select.value === quantity) return;
+  select.value = quantity;
+  scene.setQuantity(quantity);
+}
+
+function setQuantity(name) {
+  byId("quantity").value = name;
+  showQuantity();
+}
+
+function exaggeration() {
+  const factor = 10 ** byId("exaggeration").valueAsNumber;
+  setText(byId("exaggeration-text"), `×${fixed(factor, factor < 9.95 ? 1 : 0)}`);
+  scene.setExaggeration(factor);
+}
+
+function startView() {
+  byId("quantity").addEventListener("change", showQuantity);
+  byId("exaggeration").addEventListener("input", exaggeration);
+  byId("show-taxels").addEventListener("change", (event) => scene.showTaxels(event.target.checked));
+  byId("show-labels").addEventListener("change", (event) => scene.showLabels(event.target.checked));
+  byId("home").addEventListener("click", () => scene.home());
+  byId("plot-window").addEventListener("change", (event) => plots.setWindow(Number(event.target.value)));
+  byId("refused-again").addEventListener("click", () => socket.connect());
+  byId("help-open").addEventListener("click", () => byId("help").showModal());
+  byId("help-close").addEventListener("click", () => byId("help").close());
+  exaggeration();
+  scene.showLabels(byId("show-labels").checked);
+  scene.showTaxels(byId("show-taxels").checked);
+}
+
+// where the last word came from: a press gives the canvas the focus, but no ring
+addEventListener("pointerdown", () => (document.body.dataset.input = "pointer"), true);
+addEventListener("keydown", () => (document.body.dataset.input = "keys"), true);
+addEventListener("pagehide", () => press.leave());
+startView();
+startTheme((name) => {
+  scene.setTheme(name);
+  plots.recolour();
+});
+startKeyboard({
+  orbit: (x, y) => scene.orbit(x, y),
+  zoom: (factor) => scene.zoom(factor),
+  home: () => scene.home(),
+  quantity: setQuantity,
+  tare: () => controls.tare(),
+  record: () => controls.record(),
+  play: () => replay.toggle(),
+  lift: () => (controls.drawing ? controls.draw(false) : press.liftAll()),
+  press: () => press.pressMiddle(),
+  help: () => byId("help").showModal(),
+});
+socket.connect();
+window.skinfield = { scene, state, socket };

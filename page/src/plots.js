@@ -1,0 +1,203 @@
+// The two plots below the picture: force of each contact, latency of the estimates.
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { cssColour } from "./theme.js";
+import { fixed, micros, placesOf, significant, ticks } from "./format.js";
+import { Series, Slots } from "./series.js";
+
+export const SLOTS = 6;
+const LONGEST_S = 30;
+const GONE_S = 0.3; // after which the colour of a track may go to another
+const EVERY_MS = 100; // plots are drawn this often: they must not cost updates
+const FONT = '11px system-ui, "Segoe UI", Roboto, sans-serif';
+
+/** Decades that hold both values, for the log scale of times. */
+export function decades(lo, hi) {
+  const from = Math.floor(Math.log10(Math.max(lo, 1e-3)));
+  const to = Math.ceil(Math.log10(Math.max(hi, 1e-3)) + 1e-9);
+  return [10 ** from, 10 ** Math.max(to, from + 1)];
+}
+
+export class Plots {
+  #force;
+  #latency;
+  #forces = new Series(2 * SLOTS, LONGEST_S);
+  #times = new Series(4, LONGEST_S);
+  #slots = new Slots(SLOTS, GONE_S);
+  #window = 10;
+  #deadline = NaN;
+  #drawn = 0;
+  #timer = null;
+
+  constructor(forceBox, latencyBox) {
+    const columns = Array.from({ length: SLOTS }, (_, i) => i);
+    this.#force = chart(forceBox, {
+      series: [
+        ...columns.map((i) => ({ stroke: slotColour(i), width: 1.75, points: alone(slotColour(i)) })),
+        ...columns.map((i) => ({ stroke: slotColour(i), width: 1, dash: [3, 4] })),
+      ],
+      x: () => this.#span(this.#forces),
+      y: (_, __, hi) => [0, Math.max(1, (hi ?? 0) * 1.1)],
+      label: (values) => values.map((v, i) => fixed(v, placesOf((values[1] ?? 1) - (values[0] ?? 0)))),
+      splits: (lo, hi) => ticks(lo, hi, 4),
+    });
+    this.#latency = chart(latencyBox, {
+      series: [
+        { stroke: () => cssColour("--line"), width: 1.5 },
+        { stroke: () => cssColour("--slot-5"), width: 1.25 },
+        { stroke: () => cssColour("--late"), width: 1.25, dash: [6, 4] },
+        { stroke: () => cssColour("--late"), points: { show: true, size: 4, fill: () => cssColour("--late") }, paths: () => null },
+      ],
+      x: () => this.#span(this.#times),
+      y: (_, lo, hi) => decades(lo ?? 100, hi ?? 1000),
+      log: true,
+      label: (values) => values.map((v) => (Math.log10(v) % 1 === 0 ? short(v) : "")),
+      splits: (lo, hi) => between(lo, hi),
+    });
+  }
+
+  /** Colour slot of a track, for the table; -1 where none is left. */
+  slotOf(track) {
+    return this.#slots.of(track, this.#forces.now ?? 0);
+  }
+
+  setWindow(seconds) {
+    this.#window = seconds;
+    this.draw(true);
+  }
+
+  setDeadline(microseconds) {
+    this.#deadline = Number.isFinite(microseconds) ? microseconds : NaN;
+  }
+
+  /** A new theme: the colours are looked up again. */
+  recolour() {
+    this.#force.redraw(false, true);
+    this.#latency.redraw(false, true);
+  }
+
+  clear() {
+    this.#forces.clear();
+    this.#times.clear();
+    this.#slots.clear();
+    this.draw(true);
+  }
+
+  /** Add what an update tells: pairs of contact and truth, at a time in s. */
+  add(time, pairs, { ready_us: ready, latency_us: latency, late }) {
+    if (this.#forces.length && time < this.#forces.now) this.#slots.clear();
+    const row = Array(2 * SLOTS).fill(NaN);
+    for (const { contact, truth } of pairs) {
+      const slot = this.#slots.of(contact.key, time);
+      if (slot < 0) continue;
+      row[slot] = contact.force;
+      if (truth) row[SLOTS + slot] = truth.force;
+    }
+    this.#forces.push(time, row);
+    const [whole, computing] = [latency, ready].map((value) => (value > 0 ? value : NaN)); // for logs
+    this.#times.push(time, [whole, computing, this.#deadline, late ? computing : NaN]);
+    this.draw();
+  }
+
+  /** Draw soon, not more often than is worth it. */
+  draw(now = false) {
+    const wait = now ? 0 : this.#drawn + EVERY_MS - performance.now();
+    if (wait > 0) {
+      this.#timer ??= setTimeout(() => this.draw(true), wait);
+      return;
+    }
+    clearTimeout(this.#timer);
+    this.#timer = null;
+    this.#drawn = performance.now();
+    this.#force.setData(this.#forces.length ? this.#forces.rows(this.#window) : blank(2 * SLOTS));
+    this.#latency.setData(this.#times.length ? this.#times.rows(this.#window) : blank(4));
+  }
+
+  #span(series) {
+    const now = series.now ?? 0;
+    return [now - this.#window, now];
+  }
+}
+
+function slotColour(slot) {
+  return () => cssColour(`--slot-${slot}`);
+}
+
+/** Points where a value has no neighbour to draw a line to. */
+function alone(fill) {
+  const filter = ({ data }, i) => {
+    const values = data[i];
+    const found = values.flatMap((v, k) => (v !== null && values[k - 1] == null && values[k + 1] == null ? [k] : []));
+    return found.length ? found : null;
+  };
+  return { show: false, size: 3.5, fill, filter };
+}
+
+function blank(columns) {
+  return Array.from({ length: columns + 1 }, () => []);
+}
+
+/** Values within decades at which a line of the grid goes: 1, 2, 5 times each power. */
+function between(lo, hi) {
+  const found = [];
+  for (let power = lo; power <= hi * 1.001; power *= 10) found.push(power, 2 * power, 5 * power);
+  return found.filter((value) => value <= hi * 1.001);
+}
+
+function short(value) {
+  const [factor, label] = [[1e6, "M"], [1e3, "k"], [1, ""]].find(([step]) => value >= step) ?? [1, ""];
+  return `${significant(value / factor, 1)}${label}`;
+}
+
+/** A uPlot that fills its box, with axes in the page's colours and time from -window to 0 s. */
+function chart(box, { series, x, y, label, splits, log = false }) {
+  const size = () => ({ width: Math.max(box.clientWidth, 60), height: Math.max(box.clientHeight, 60) });
+  const axis = {
+    stroke: () => cssColour("--muted"),
+    grid: { stroke: () => cssColour("--grid"), width: 1 },
+    ticks: { show: false },
+    font: FONT,
+  };
+  const plot = new uPlot(
+    {
+      ...size(),
+      padding: [8, 10, 0, 0],
+      legend: { show: false },
+      cursor: { show: false },
+      scales: { x: { time: false, range: x }, y: { range: y, ...(log ? { distr: 3 } : {}) } },
+      series: [{}, ...series.map((each) => ({ points: { show: false }, spanGaps: false, ...each }))],
+      axes: [
+        {
+          ...axis,
+          size: 24,
+          gap: 4,
+          splits: (_, __, lo, hi) => fromNow(lo, hi),
+          values: (u, at) => at.map((v) => `${fixed(v - u.scales.x.max, 0)}${v === at.at(-1) ? " s" : ""}`),
+        },
+        {
+          ...axis,
+          size: 40,
+          gap: 6,
+          splits: (_, __, lo, hi) => splits(lo, hi),
+          values: (_, at) => label(at),
+          ...(log ? { filter: (_, at) => at } : {}),
+        },
+      ],
+    },
+    blank(series.length),
+    box,
+  );
+  new ResizeObserver(() => plot.setSize(size())).observe(box);
+  return plot;
+}
+
+/** Five marks of time that stand still while the curves move. */
+function fromNow(lo, hi) {
+  return [0, 1, 2, 3, 4, 5].map((i) => lo + (i * (hi - lo)) / 5);
+}
+
+/** What the latency plot shows, in words. */
+export function latencyText(microseconds, deadline) {
+  const asked = Number.isFinite(deadline) ? `, deadline ${micros(deadline)}` : "";
+  return `${micros(microseconds)}${asked}`;
+}

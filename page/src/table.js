@@ -1,0 +1,122 @@
+// The accessible table of the contacts, with the truth beside them where it is known.
+import { byId, element, setText } from "./dom.js";
+import { fixed, trackName } from "./format.js";
+import { unfound } from "./match.js";
+
+const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
+const BY = { fit: "found by the fit beside the engine", engine: "found by the engine" };
+
+export class ContactsTable {
+  #body = byId("contacts-table").tBodies[0];
+  #said = { at: -Infinity, count: -1 };
+
+  /**
+   * Show contacts matched with presses.
+   * @param {Array} rows of match.matched
+   * @param {Array} truths
+   * @param {{now: number, patchName: (i) => string, slotOf: (track) => number}} of the page
+   */
+  show(rows, truths, { now, patchName, slotOf }) {
+    const missed = unfound(rows, truths);
+    const made = [
+      ...rows.map((row) => contactRow(row, patchName, slotOf)),
+      ...missed.map((truth) => missedRow(truth, patchName)),
+    ];
+    if (made.length === 0) made.push(emptyRow());
+    this.#body.replaceChildren(...made);
+    this.#say(rows, now);
+  }
+
+  /** Show nothing. */
+  clear() {
+    this.#body.replaceChildren(emptyRow());
+    setText(byId("contacts-total"), "");
+  }
+
+  #say(rows, now) {
+    const total = rows.reduce((sum, { contact }) => sum + contact.force, 0);
+    setText(byId("contacts-total"), rows.length ? `${rows.length} · ${fixed(total, 2)} N in all` : "");
+    const { at, count } = this.#said;
+    if (now - at < SAY_EVERY_S || (rows.length === count && rows.length === 0)) return;
+    this.#said = { at: now, count: rows.length };
+    const each = rows.slice(0, 4).map(({ contact }) => `${fixed(contact.force, 1)} newtons at ${place(contact)} millimetres`);
+    const words = rows.length ? `${rows.length} contact${rows.length > 1 ? "s" : ""}: ${each.join("; ")}` : "No contact";
+    setText(byId("contacts-summary"), words);
+  }
+}
+
+function contactRow({ contact, truth, error_m, error_percent }, patchName, slotOf) {
+  return element(
+    "tr",
+    dataOf(contact, truth, error_m, error_percent),
+    element("th", { scope: "row", title: BY[contact.by] }, swatch(slotOf(contact.key)), ` ${trackName(contact.track)}`),
+    element("td", { text: patchName(contact.patch), title: patchName(contact.patch), class: "patch" }),
+    element("td", { class: "n", text: place(contact) }),
+    element("td", { class: "n", text: `${fixed(contact.force, 2)}${plusMinus(contact.force_std)}` }),
+    element("td", { class: "n", text: fixed(1e6 * contact.area, 0) }),
+    element("td", { class: "n truth", text: truth ? fixed(truth.force, 2) : "" }),
+    element("td", { class: "n truth", text: truth ? fixed(1e3 * error_m, 1) : "" }),
+    element("td", { class: "n truth", text: truth ? signed(error_percent) : "" }),
+  );
+}
+
+function dataOf(contact, truth, error_m, error_percent) {
+  const data = {
+    "data-track": contact.track,
+    "data-patch": contact.patch,
+    "data-x-mm": number(1e3 * contact.x, 3),
+    "data-y-mm": number(1e3 * contact.y, 3),
+    "data-force": number(contact.force, 4),
+    "data-force-std": number(contact.force_std, 4),
+    "data-area-mm2": number(1e6 * contact.area, 2),
+  };
+  if (!truth) return data;
+  return {
+    ...data,
+    "data-truth-force": number(truth.force, 4),
+    "data-truth-x-mm": number(1e3 * truth.x, 3),
+    "data-truth-y-mm": number(1e3 * truth.y, 3),
+    "data-error-mm": number(1e3 * error_m, 3),
+    "data-error-percent": number(Math.abs(error_percent), 2),
+  };
+}
+
+/** A press that was not found, or not yet. */
+function missedRow(truth, patchName) {
+  return element(
+    "tr",
+    { class: "missed", "data-missed": truth.id },
+    element("th", { scope: "row", text: "–" }),
+    element("td", { text: patchName(truth.patch), class: "patch" }),
+    element("td", { class: "n", text: place(truth) }),
+    element("td", { class: "n", text: "not found", colspan: "2" }),
+    element("td", { class: "n truth", text: fixed(truth.force, 2) }),
+    element("td", { class: "truth", colspan: "2" }),
+  );
+}
+
+function emptyRow() {
+  return element("tr", { class: "empty" }, element("td", { colspan: "8", text: "No contact" }));
+}
+
+function swatch(slot) {
+  const mark = element("i", { class: "swatch", "aria-hidden": "true" });
+  if (slot >= 0) mark.style.background = `var(--slot-${slot})`;
+  return mark;
+}
+
+function place({ x, y }) {
+  return `${fixed(1e3 * x, 1)}, ${fixed(1e3 * y, 1)}`;
+}
+
+function plusMinus(std) {
+  return Number.isFinite(std) ? ` ± ${fixed(std, 2)}` : "";
+}
+
+function signed(value) {
+  return value > 0 ? `+${fixed(value, 0)}` : fixed(value, 0);
+}
+
+function number(value, places) {
+  return Number.isFinite(value) ? Number(value.toFixed(places)) : null;
+}

@@ -1,0 +1,81 @@
+"""Messages to the page that hold arrays: a head in JSON, and the numbers as they are."""
+
+import json
+import struct
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MAGIC = b"SKF1"
+VERSION = 1
+PREFIX = struct.Struct("<4sI")
+TYPES = {"u1": "u8", "u2": "u16", "u4": "u32", "f4": "f32"}
+STEP = 4  # bytes: where an array may begin in the payload
+Array = NDArray[Any]
+
+
+def packed(head: dict[str, Any], arrays: Sequence[tuple[str, Array]] = ()) -> bytes:
+    """A binary message: magic, size of the head, head, arrays.
+
+    The payload begins at a multiple of 8 bytes, each array in it at a multiple of 4, so that the
+    page reads them where they are.
+
+    Parameters
+    ----------
+    head : dict
+        Plain values; `arrays` is added: name, type, place in the payload and length of each.
+    arrays : sequence of (name, array)
+        Of 8, 16 or 32 bit unsigned numbers, or float32.
+    """
+    told, parts, at = [], [], 0
+    for name, array in arrays:
+        data = np.ascontiguousarray(array).tobytes()
+        kind = TYPES[array.dtype.str[1:]]
+        told.append({"name": name, "type": kind, "at": at, "length": int(array.size)})
+        pad = -len(data) % STEP
+        parts.append(data + b"\0" * pad)
+        at += len(data) + pad
+    text = json.dumps({**head, "arrays": told}, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-(PREFIX.size + len(text)) % 8)
+    return b"".join([PREFIX.pack(MAGIC, len(text)), text, *parts])
+
+
+def unpacked(message: bytes) -> tuple[dict[str, Any], list[Array]]:
+    """Undo `packed`, for tests and clients in Python.
+
+    Raises
+    ------
+    ValueError
+        For what it never makes.
+    """
+    if len(message) < PREFIX.size:
+        raise ValueError(f"message has {len(message)} bytes, expected {PREFIX.size} or more")
+    magic, size = PREFIX.unpack_from(message)
+    if magic != MAGIC or PREFIX.size + size > len(message):
+        raise ValueError(f"message begins with {message[:8]!r}, expected {MAGIC!r} and a length")
+    head = json.loads(message[PREFIX.size : PREFIX.size + size])
+    payload = memoryview(message)[PREFIX.size + size :]
+    try:
+        return head, [_array(each, payload) for each in head["arrays"]]
+    except (KeyError, TypeError, OverflowError) as error:
+        raise ValueError(f"head is {head!r:.80}, expected what `packed` makes: {error}") from error
+
+
+def _array(told: dict[str, Any], payload: memoryview) -> Array:
+    code = {name: code for code, name in TYPES.items()}[told["type"]]
+    dtype, at, length = np.dtype("<" + code), told["at"], told["length"]
+    if not 0 <= at <= at + length * dtype.itemsize <= len(payload):
+        raise ValueError(f"array {told['name']!r} reaches beyond the message")
+    return np.frombuffer(payload, dtype, length, at)
+
+
+def scaled(values: Array, low: float, high: float) -> Array:
+    """Values as 16 bits between two bounds; those beyond them as the nearer one, NaN as 0."""
+    span = high - low
+    if span <= 0.0:
+        return np.zeros(values.shape, np.uint16)
+    return np.asarray(
+        np.nan_to_num((values - low) * (65535.0 / span)).clip(0, 65535).round(), np.uint16
+    )
