@@ -89,13 +89,15 @@ def place_options(function: F) -> F:
             multiple=True,
             help="Address on the bus, see above; once for each bus.",
         ),
-        click.option("--bus", default=None, help="See above; default udp_multicast, packets: udp."),
+        click.option(
+            "--bus", default=None, help="See above; default udp_multicast, packets: udp, yarp: tcp."
+        ),
         click.option(
             "--skin", metavar="LAYOUT", default="hexagon72", show_default=True, help=LAYOUT_HELP
         ),
         click.option(
             "--hardware",
-            type=click.Choice(["icub", "cyskin", "packet"]),
+            type=click.Choice(["icub", "cyskin", "packet", "yarp"]),
             default="icub",
             show_default=True,
             help="Whose boards.",
@@ -134,7 +136,8 @@ send, with readings from the forward simulation of presses.
   skinfield run --hardware icub --skin hexagon72 --bus udp_multicast
 
 Boards of an iCub and of CySkin stream once a host has configured and started them, as real ones
-do; --at-once does not wait. Devices that send packets do so at once.
+do; --at-once does not wait. Devices that send packets do so at once, ports of YARP once somebody
+reads them.
 
 \b
 BUS             HARDWARE      CHANNEL
@@ -143,6 +146,8 @@ udp             icub, cyskin  host:port to be reached at; 127.0.0.1 and a free p
 socketcan       icub, cyskin  device, can0
 udp             packet        host:port that listens, 127.0.0.1:43210; or listen:host:port
 tcp             packet        host:port to be reached at, 127.0.0.1:43211
+tcp             yarp          host:port for a name server of its own, 127.0.0.1:10000; or
+                              register:host:port of a running one
 serial          packet        path of a link to the pseudo-terminal
 
 SCENE is idle, press, slide, two-balls, tap, random, or a file (.toml, .json) of presses in time; it
@@ -201,11 +206,11 @@ def emulate(**options: Any) -> None:
 def _settings(options: dict[str, Any]) -> "VirtualSettings":
     from skinfield.virtual import VirtualSettings, Wires, temperature_from_text
 
-    packets = options["hardware"] == "packet"
+    usual = {"packet": "udp", "yarp": "tcp"}.get(options["hardware"], "udp_multicast")
     return VirtualSettings(
         hardware=options["hardware"],
         skin=options["skin"],
-        bus=options["bus"] or ("udp" if packets else "udp_multicast"),
+        bus=options["bus"] or usual,
         channels=options["channels"],
         rate=options["rate"],
         at_once=options["at_once"],

@@ -14,7 +14,7 @@ HELD = 4096  # cycles whose rows are written together
 
 
 @click.command(
-    short_help="Turn a recording of a live skin into Parquet, CSV, Zarr or HDF5.",
+    short_help="Turn a recording of a live skin into Parquet, CSV, Zarr, HDF5 or a bag of ROS 2.",
     help="""Turn FILE, a recording of a live skin, into arrays and tables that others read.
 
 The raw counts of every patch over time, one row per scan and empty where a taxel did not answer;
@@ -28,29 +28,49 @@ the layout's taxels, stamps in ns since the epoch, all else in SI units.
 
 It is read and written piece by piece: a recording may be longer than memory.
 
+--format rosbag2 makes a folder that `ros2 bag` reads, without ROS: counts as PointCloud2, contacts,
+forces and frames as messages, see docs/ros2.md.
+
 \b
   skinfield export touch.mcap -o touch.h5
+  skinfield export touch.mcap --format rosbag2 -o touch_bag
   skinfield export touch.mcap -o touch.parquet --patch left_forearm
 """,
 )
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("-o", "--output", required=True, help="Ends in .parquet, .csv, .zarr or .h5.")
 @click.option("--patch", "patches", multiple=True, help="Only this one; repeatable. Default all.")
-def export(file: Path, output: str, patches: tuple[str, ...]) -> None:
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["rosbag2", "rosbag2-sqlite"]),
+    help="A folder as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.",
+)
+def export(file: Path, output: str, patches: tuple[str, ...], form: str | None) -> None:
     """Run the command."""
-    from skinfield.sinks.live_tables import open_export
     from skinfield.sources.recordings.mcap_live import LiveRecording
 
     recording = LiveRecording.open(file)
     work = _Work(recording, patches)
-    with open_export(output, work.what) as sink, progress() as bar:
+    with _sink_of(output, form, work) as sink, progress() as bar:
         task = bar.add_task("exporting", total=recording.outline.size)
         for at in work.into(sink):
             bar.update(task, completed=at)
-    notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
+        notes = work.views_into(sink) if form else []
+    notes += [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
     if not recording.finished:
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)
+
+
+def _sink_of(output: str, form: str | None, work: "_Work") -> Any:
+    from skinfield.sinks.live_tables import open_export
+
+    if form is None:
+        return open_export(output, work.what)
+    from skinfield.sinks.ros import BagExport
+
+    return BagExport(output, work.what.patches, work.numbers, sqlite=form == "rosbag2-sqlite")
 
 
 class _Work:
@@ -65,6 +85,8 @@ class _Work:
             skin[name]  # says which there are
         self._recording = recording
         chosen = tuple(patch for patch in skin if not names or patch.name in names)
+        every = [patch.name for patch in skin]
+        self.numbers = [every.index(patch.name) for patch in chosen]
         total = sum(port.channels for port in ports)
         its = [port_of(patch, ports) for patch in chosen]
         self._scans = [
@@ -102,6 +124,17 @@ class _Work:
                 sink.add_counts(patch, stamps, counts)
         self._put_cycles(sink)
         sink.add_happened(list(recording.timing()), list(recording.events()))
+
+    def views_into(self, bag: Any) -> list[str]:
+        """Hand a bag the taxels that were recorded for ROS; what was left out, in words."""
+        topics = {bag.taxels_of(place) for place in range(len(self.numbers))}
+        known = {each.topic for each in self._recording.channels.values() if each.encoding == "cdr"}
+        left = 0
+        if not (wanted := known & topics):
+            return []
+        for topic, _, message in self._recording.messages(wanted):
+            left += not bag.add_taxels(topic, message.time_ns, message.data)
+        return [f"{left} messages of taxels that cannot be read: left out"] if left else []
 
     def _put_cycles(self, sink: Any) -> None:
         held, self._held = self._held, []

@@ -21,7 +21,11 @@ class Lazy:
 COMMANDS = {
     "demo": Lazy("skinfield.cli.demo", "demo", "Press a simulated patch, reconstruct it, draw it."),
     "run": Lazy("skinfield.cli.run", "run", "Bring a robot's skin alive."),
+    "view": Lazy(
+        "skinfield.cli.view", "view", "Show a recording, or skins elsewhere, in the browser."
+    ),
     "status": Lazy("skinfield.cli.status", "status", "What runs, and how well it keeps its time."),
+    "tune": Lazy("skinfield.cli.tune", "tune", "Change how a running skin answers."),
     "record": Lazy("skinfield.cli.record", "record", "Record a running skin into one MCAP file."),
     "info": Lazy("skinfield.cli.info", "info", "Say what a recording of a live skin holds."),
     "export": Lazy(

@@ -1,7 +1,6 @@
 """`skinfield run`: a robot's skin, alive."""
 
 import json
-import signal
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -11,6 +10,10 @@ from typing import Any
 import click
 from rich.console import Console
 
+from skinfield.cli.bridge_options import bridge_options
+from skinfield.cli.bridge_parts import check_bridges
+from skinfield.cli.endings import end_undisturbed, told_to_end
+from skinfield.cli.page_options import page_options, tell_page
 from skinfield.cli.run_checks import check_given
 from skinfield.cli.run_options import (
     NotYet,
@@ -28,6 +31,8 @@ STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solve
 
 HELP = """Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
 
+The page of the skin opens in the browser: it shows what touches, and lets you press.
+
 With nothing attached a virtual skin is started, which speaks the bytes of iCub's boards. The
 engine works in a process of its own, at real-time priority where the system grants it; what is
 not granted is told by `skinfield status`, with the remedy. It starts with a baseline: leave the
@@ -36,12 +41,15 @@ skin untouched for the first second or two.
 \b
 Examples:
   skinfield run
+  skinfield run --port 8700 --no-browser
+  skinfield run --skin cylinder --scene slide
   skinfield run --record touch.mcap --duration 60
   skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
   skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
   skinfield run --duration 10 --headless --json
 
-Other programs get the estimates with `skinfield.connect()`, see docs/live.md. Ctrl-C ends all.
+Other programs get the estimates with `skinfield.connect()`, see docs/live.md; other machines
+with --zenoh, --ros2 and --yarp. Ctrl-C ends all.
 """
 
 
@@ -50,7 +58,14 @@ Other programs get the estimates with `skinfield.connect()`, see docs/live.md. C
 @answer_options
 @system_options
 @click.option("--record", type=click.Path(path_type=Path), help="Into this MCAP file.")
-@click.option("--port", type=int, help="Serve status and contacts as JSON on this local port.")
+@page_options
+@bridge_options
+@click.option(
+    "--fit/--no-fit",
+    default=True,
+    show_default=True,
+    help="Fit contacts beside the engine: surer places and forces, some 10 ms later.",
+)
 @click.option("--duration", type=float, help="Seconds; default until Ctrl-C.")
 @click.option("--headless", is_flag=True, help="No table: for services and scripts.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object at the end.")
@@ -61,26 +76,23 @@ def run(**given: Any) -> None:
     """Run the live engine until Ctrl-C."""
     console = Console(stderr=True)
     check_given(given)
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, _interrupt)
-    with ExitStack() as parts:
+    check_bridges(given)
+    with told_to_end(), ExitStack() as parts:
         try:
             summary = _run(given, parts, console)
-        finally:  # an impatient second Ctrl-C must not keep anything from ending
-            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                signal.signal(number, signal.SIG_IGN)
+        finally:
+            end_undisturbed()
     if given["as_json"]:
         click.echo(json.dumps(summary))
 
 
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
-
-
 def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str, Any]:
     """Start everything, show it until the end, and sum it up."""
+    from skinfield.cli.bridge_parts import bridges
+    from skinfield.cli.fit_part import start_fit
     from skinfield.cli.inputs import skin_from_text
-    from skinfield.cli.run_parts import recorder, virtual_skin
+    from skinfield.cli.run_page import page_of
+    from skinfield.cli.run_parts import recorder, virtual_extra, virtual_skin
     from skinfield.live.client import Live
     from skinfield.live.supervisor import Supervisor
     from skinfield.ring import State
@@ -94,7 +106,7 @@ def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str,
             settings_from(given, skin, NotYet())  # refuses what it must before anything starts
             handle = parts.enter_context(virtual_skin(given))
             hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
-            given["extra"] += (f"period_ms={max(round(1e3 / given['virtual_rate']), 1)}",)
+            given["extra"] = (*virtual_extra(given["virtual_rate"]), *given["extra"])
         skin, extra = skin_for(hardware, skin), extra_settings(given["extra"])
         if given["no_load"] is not None:  # the boards are told as well
             extra.setdefault("no_load", str(given["no_load"]))
@@ -103,13 +115,20 @@ def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str,
         supervisor = parts.enter_context(Supervisor(settings))
         supervisor.wait(STARTS, State.STARTING).close()
         parts.enter_context(recorder(settings.name, given["record"]))
+        fit = parts.enter_context(start_fit(settings.name, given["fit"]))
         live = parts.enter_context(Live(settings.name))
-        if given["port"] is not None:
-            from skinfield.live.served import serve
+        page = parts.enter_context(page_of(given, settings.name, supervisor, handle))
+        bridged = parts.enter_context(bridges(given, settings.name))
+    tell_page(given, page.address, console)
+    begin = (lambda: page.desk.begin(given["scene"])) if handle is not None else None
 
-            parts.enter_context(serve(settings.name, given["port"]))
-    begin = (lambda: handle.scene(given["scene"])) if handle is not None else None
-    return _watch(given, supervisor, live, console, begin)
+    def check() -> None:
+        page.check()
+        for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
+            page.desk.say("warn", text)
+            console.print(text, style="yellow")
+
+    return _watch(given, supervisor, live, console, begin, check)
 
 
 def _watch(
@@ -118,8 +137,13 @@ def _watch(
     live: Any,
     console: Console,
     begin: Callable[[], None] | None,
+    check: Callable[[], None],
 ) -> dict[str, Any]:
-    """Show the skin until its time is over, or Ctrl-C; `begin` is called when it answers."""
+    """Show the skin until its time is over, or Ctrl-C.
+
+    `begin` is called when it answers; `check` again and again: it raises what ends it, and tells
+    what failed.
+    """
     from skinfield.live.seen import Watch
     from skinfield.live.status import Observer
 
@@ -136,6 +160,7 @@ def _watch(
             left = REFRESH if end is None else min(REFRESH, max(end - time.monotonic(), 0.0))
             found = live.next(left)
             now = time.monotonic()
+            check()
             if found is not None:
                 watch.take(found.contacts, now - began)
             if screen is not None and now - shown > REFRESH:

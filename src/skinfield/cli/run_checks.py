@@ -1,15 +1,17 @@
 """What can be refused before `skinfield run` starts anything."""
 
+import errno
 import math
 import os
 import socket
 from pathlib import Path
 from typing import Any
 
+from skinfield.cli.page_options import page_settings
 from skinfield.cli.run_options import extra_settings
 from skinfield.errors import InputError
 
-HERE = "127.0.0.1"
+NOT_HERE = (errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT)
 
 
 def check_given(given: dict[str, Any]) -> None:
@@ -22,7 +24,8 @@ def check_given(given: dict[str, Any]) -> None:
     """
     check_record(given["record"])
     check_name(given["name"])
-    check_port(given["port"])
+    check_port(given["port"], given["host"])
+    page_settings(given)  # refuses a page that others can reach, without a token
     for option, name, what in (
         ("duration", "--duration", "seconds"),
         ("rate", "--rate", "cycles per second; or --events: a cycle when readings arrive"),
@@ -79,20 +82,53 @@ def check_name(name: str) -> None:
             )
 
 
-def check_port(port: int | None) -> None:
-    """Refuse a port that cannot be served."""
-    if port is None:
-        return
-    if not 0 <= port <= 65535:
+def check_port(port: int | None, host: str) -> None:
+    """Refuse a port or an address that the page cannot be served on; None is any port."""
+    if port is not None and not 0 <= port <= 65535:
         raise InputError(f"--port is {port}, expected 0 to 65535; 0 lets the system choose")
-    with socket.socket() as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            trial.bind((HERE, port))
-        except OSError as error:
+    errors = [
+        _cannot_bind(family, (address[0], port or 0, *address[2:]))
+        for family, address in _addresses(host)
+    ]
+    for error in errors:
+        if error is not None and error.errno not in NOT_HERE:
             raise InputError(
-                f"--port {port} cannot be served: {error.strerror}, expected one that is free"
+                f"--port {port} of {host} cannot be served: {error.strerror}, expected one that "
+                "is free"
             ) from error
+    if None not in errors:  # one may be missing, where IPv6 is switched off
+        raise InputError(_no_host(host, errors[0])) from errors[0]
+
+
+def _cannot_bind(family: int, address: tuple[Any, ...]) -> OSError | None:
+    """Why nothing can be served at an address; None if it can."""
+    try:
+        with socket.socket(family, socket.SOCK_STREAM) as trial:
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if family == socket.AF_INET6:  # as the page's server does: IPv4 has its own socket
+                trial.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            trial.bind(address)
+    except OSError as error:
+        return error
+    return None
+
+
+def _no_host(host: str, error: Exception | None) -> str:
+    why = getattr(error, "strerror", None) or error
+    return (
+        f"--host is {host!r}, expected an address of this machine, such as 127.0.0.1, or 0.0.0.0 "
+        f"for all of them: {why}"
+    )
+
+
+def _addresses(host: str) -> list[tuple[int, tuple[Any, ...]]]:
+    """Families and addresses of a host of this machine."""
+    plain = host.strip("[]") or None  # an empty one is all of the machine's
+    try:
+        found = socket.getaddrinfo(plain, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (OSError, UnicodeError) as error:
+        raise InputError(_no_host(host, error)) from error
+    return [(family, address) for family, _, _, _, address in found]
 
 
 def check_scene(scene: str) -> None:

@@ -6,11 +6,12 @@ from typing import Any, TypeVar
 import click
 
 from skinfield.cli.options import MECHANICS, QUANTITIES, SOLVERS, layer_options
-from skinfield.errors import InputError
+from skinfield.errors import InputError, check_range
 
 F = TypeVar("F", bound=Callable[..., Any])
 LIVE_SOLVERS = [name for name in SOLVERS if name != "contact"]
 RUNGS = (10, 20, 40, 80)
+USUAL_SHIFT = 2  # bits that an iCub's boards drop
 
 
 def source_options(function: F) -> F:
@@ -31,7 +32,7 @@ def source_options(function: F) -> F:
         click.option("--bus", help="How it is connected: socketcan, udp_multicast, serial ..."),
         click.option(
             "--hardware",
-            help="Whose boards: icub, cyskin, packet, ... Without it a virtual skin is started.",
+            help="Whose boards: icub, yarp, cyskin, packet. Without it a virtual skin is started.",
         ),
         click.option(
             "--skin", "skin_text", default="hexagon72", show_default=True, metavar="LAYOUT",
@@ -65,6 +66,14 @@ def answer_options(function: F) -> F:
         click.option(
             "--grid", type=int, default=40, show_default=True,
             help="Nodes on a side of the finest grid.",
+        ),
+        click.option(
+            "--threshold-n", default=0.0, show_default=True,
+            help="Contacts of a smaller force are not told, N.",
+        ),
+        click.option(
+            "--smoothing-ms", default=0.0, show_default=True,
+            help="Time constant of a low-pass of what each taxel reads, ms; 0: none.",
         ),
         click.option("--budget-us", type=float, help="For the reconstruction in each cycle, µs."),
         click.option(
@@ -123,9 +132,12 @@ def settings_from(given: dict[str, Any], skin: Any, source: Any) -> Any:
     """`LiveSettings` of the options; the source is one of the live sources."""
     from skinfield.cli.options import layer_from_options
     from skinfield.live.settings import LiveSettings
+    from skinfield.live.tuning import HEAVIEST, SLOWEST
     from skinfield.realtime import RealTime
 
     micro, milli = given["budget_us"], given["deadline_ms"]
+    check_range("--threshold-n", given["threshold_n"], 0.0, HEAVIEST, "N, of contacts")
+    check_range("--smoothing-ms", given["smoothing_ms"], 0.0, SLOWEST * 1e3, "ms; 0: none")
     return LiveSettings(
         skin=skin,
         sources=(source,),
@@ -135,11 +147,13 @@ def settings_from(given: dict[str, Any], skin: Any, source: Any) -> Any:
         quantity=QUANTITIES[given["quantity"]](),
         solver=live_solver(given["solver"]),
         rungs=rungs_to(given["grid"]),
-        board=board_of(given["hardware"], given["no_load"]),
+        board=board_of(given["hardware"], given["no_load"], shift_of(given)),
         gain=given["gain"],
         rate=None if given["events"] else given["rate"],
         budget=None if micro is None else micro * 1e-6,
         deadline=None if milli is None else milli * 1e-3,
+        threshold=given["threshold_n"],
+        smoothing=given["smoothing_ms"] * 1e-3,
         tare_seconds=given["tare_s"],
         real_time=RealTime(priority=given["priority"], cpu=given["cpu"]),
     )
@@ -153,12 +167,21 @@ def live_solver(name: str) -> Any:
     return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else SOLVERS[name]()
 
 
-def board_of(hardware: str | None, no_load: int | None) -> Any:
+def shift_of(given: dict[str, Any]) -> int:
+    """Bits that an iCub's boards drop, as they are told with ``--set shift=``."""
+    text = extra_settings(given["extra"]).get("shift", str(USUAL_SHIFT))
+    if not text.isdecimal():
+        raise InputError(f"--set shift is {text!r}, expected a whole number, 2 on most robots")
+    return int(text)
+
+
+def board_of(hardware: str | None, no_load: int | None, shift: int = USUAL_SHIFT) -> Any:
     """What a count of this hardware means; None to go by the range of the counts."""
     from skinfield.conditioning import CySkinCount, ICubByte
 
-    if hardware in (None, "icub"):
-        return ICubByte() if no_load is None else ICubByte(no_load=no_load)
+    if hardware in (None, "icub", "yarp"):
+        known = {} if no_load is None else {"no_load": no_load}
+        return ICubByte(shift=shift, **known)
     if no_load is not None:
         raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
     return CySkinCount() if hardware in ("cyskin", "shm") else None

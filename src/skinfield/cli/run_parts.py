@@ -14,11 +14,20 @@ from skinfield.errors import InputError
 
 BEGINS = 30.0  # s for a recorder to begin
 ENDS = 15.0  # s for a recorder to finish its file
+# The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
+# drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
+VIRTUAL_NOISE, VIRTUAL_SHIFT = 0.1, 1
+
+
+def virtual_extra(rate: float) -> tuple[str, ...]:
+    """What the boards of the virtual skin are told, as ``--set`` has it."""
+    return f"period_ms={max(round(1e3 / rate), 1)}", f"shift={VIRTUAL_SHIFT}"
 
 
 @contextmanager
 def virtual_skin(given: dict[str, Any]) -> Iterator[Any]:
     """The virtual skin that is there when no hardware is."""
+    from skinfield.cli.options import layer_from_options
     from skinfield.virtual.process import start
     from skinfield.virtual.settings import VirtualSettings
 
@@ -28,6 +37,8 @@ def virtual_skin(given: dict[str, Any]) -> Iterator[Any]:
         bus=given["bus"] or "udp",
         channels=given["channel"],
         rate=given["virtual_rate"],
+        layer=layer_from_options(given["thickness_mm"], given["modulus_kpa"], given["poisson"]),
+        noise=VIRTUAL_NOISE,
         scene="idle",  # until the engine has its baseline
         lead_in=0.0,
         seed=given["seed"],
