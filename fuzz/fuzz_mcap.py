@@ -4,6 +4,7 @@ import contextlib
 import os
 import struct
 import tempfile
+from collections import deque
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from skinfield.live.recorder_recover import recover
 from skinfield.sinks.mcap.compression import Lz4, NoCompression, Zstd
 from skinfield.sinks.mcap.container import Container
 from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_moments import Moments
 from skinfield.sources.recordings.mcap_records import MAGIC
 from skinfield.sources.recordings.mcap_steps import Steps
 from skinfield.sources.recordings.mcap_summary import summary_of
@@ -119,5 +121,9 @@ def read(path: Path) -> None:
     found = LiveRecording.open(path)
     for step in Steps(found):
         assert step.missing >= 0
+    moments = Moments.of(found)
+    assert all(begin < end for begin, end in moments.holes(2))
+    for number, _ in enumerate(found.outline.records):
+        deque(Steps(found, first=number), 0)
     summary_of(found)
     collected_live(stream_of(found))

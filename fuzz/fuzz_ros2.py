@@ -1,0 +1,32 @@
+"""What ROS 2 attaches to messages, names of patches, and settings of its bridge: any bytes."""
+
+import json
+from contextlib import suppress
+
+from skinfield.bridges.ros2.rmw_zenoh import Attachment
+from skinfield.bridges.ros2.settings import RosSettings
+from skinfield.errors import FileError, InputError
+from skinfield.sinks.ros.names import LONGEST, is_topic, token_of, tokens_of
+
+SEEDS = [
+    Attachment(7, 1_700_000_000_000_000_000, bytes(range(16))).encode(),
+    b'{"robot": "arm", "domain": 3, "rates": {"taxels": 5}, "session": {"listen": ["a:1"]}}',
+    "left palm/左手/2nd".encode(),
+]
+
+
+def one_input(data: bytes) -> None:
+    """Read the bytes as each of them."""
+    with suppress(FileError):
+        assert Attachment.decode(data).encode() == data
+    text = data.decode(errors="replace")
+    token = token_of(text)
+    assert is_topic(f"/{token}")
+    assert len(token) <= LONGEST
+    parts = tokens_of(text.split("/"))
+    assert len(set(parts)) == len(parts)
+    assert all(is_topic(f"/skin/{part}/taxels") for part in parts)
+    with suppress(ValueError, RecursionError, InputError):
+        plain = json.loads(data)
+        if isinstance(plain, dict):
+            assert is_topic(RosSettings.from_plain(plain).prefix)

@@ -1,0 +1,134 @@
+"""YARP: any bytes said to a port, by a name server, or as a stream of vectors are taken."""
+
+from contextlib import suppress
+
+import numpy as np
+
+from skinfield.acquisition import Blocks, Channels, Count, blocks_of, counters
+from skinfield.errors import InputError
+from skinfield.protocols.yarp import (
+    Answer,
+    Carrier,
+    Session,
+    bottle_from_bytes,
+    bottle_from_text,
+    bytes_from_bottle,
+    greeting,
+    message,
+    text_from_bottle,
+)
+from skinfield.protocols.yarp.binary import from_octets, to_octets
+from skinfield.protocols.yarp.messages import Acknowledgements
+from skinfield.protocols.yarp.skin_parts import known_name, part_of, port_of
+from skinfield.protocols.yarp.vector_kernel import take_vectors
+
+INTERPRETED = True
+VALUES = [[1, 2], [1.0, -0.5], "a b\n", b"\x01\xff", True]
+CHANNELS = 5
+SEEDS = [
+    greeting(carrier, "/me") + message(carrier, "a", ["list", "out"]) + message(carrier, "r")
+    for carrier in Carrier
+]
+SEEDS += [
+    message(Carrier.TEXT, "D 12 1.5", [1.0, 2.5, 1e-12, 240, 7]) * 2 + b"q\r\n",
+    message(Carrier.TCP, "D 12 1.5", VALUES) + message(Carrier.TCP, "d", []),
+    bytes_from_bottle(VALUES),
+    text_from_bottle([["a", 1, [2.5]], *VALUES]).encode(),
+    b"Welcome x\r\nregistration name /x ip 127.0.0.1 port 10002 type tcp\r\n*** end of message\r\n",
+    b"do 1 2.0\r\nnan -inf 1e400 .5 7\r\nd\r\n0 255 1 2 3\r\n",
+]
+
+
+class Owner:
+    """A port that does nothing."""
+
+    name, socket_port = "/out", 10002
+
+    def describe(self) -> list[str]:
+        """See `session.Owner`."""
+        return ["This is /out"]
+
+    def add(self, wanted: str) -> str:
+        """See `session.Owner`."""
+        return f"Added {wanted}"
+
+    remove = add
+
+    def connections(self, outgoing: bool) -> dict[str, str]:
+        """See `session.Owner`."""
+        return {"/there": "tcp"}
+
+    def data(self, values: list) -> list[str]:
+        """See `session.Owner`."""
+        return [text_from_bottle(values)]
+
+
+def one_input(data: bytes) -> None:
+    """Take the bytes as each of the things that they may be."""
+    bottles(data)
+    session(data)
+    session(greeting(Carrier.TCP, "x") + data)
+    session(b"CONNACK x\n" + data)
+    answers(data)
+    vectors(data)
+    name = from_octets(data[:60])
+    assert part_of(name) is part_of(known_name(name) or name)
+    assert port_of(name).startswith("/icub/skin/")
+
+
+def bottles(data: bytes) -> None:
+    """What is read is written, and read again the same."""
+    for read, write in (
+        (bottle_from_bytes, bytes_from_bottle),
+        (lambda octets: bottle_from_text(from_octets(octets)), text_from_bottle),
+    ):
+        try:
+            values = read(data)
+        except InputError:
+            continue
+        written = octets_of(write(values))
+        assert octets_of(write(read(written))) == written
+
+
+def octets_of(written: str | bytes) -> bytes:
+    """As it goes over the wire."""
+    return to_octets(written) if isinstance(written, str) else written
+
+
+def session(data: bytes) -> None:
+    """In one piece and in pieces: the same answers."""
+    whole, pieces = Session(Owner()), Session(Owner())
+    whole.take(data)
+    for at in range(0, len(data), 7):
+        if pieces.done:
+            break
+        pieces.take(data[at : at + 7])
+    assert whole.done == pieces.done
+    if whole.output is None:
+        assert whole.answer == pieces.answer
+
+
+def answers(data: bytes) -> None:
+    """What a name server, or a reader, says."""
+    answer = Answer()
+    with suppress(InputError):
+        answer.feed(data)
+    _ = answer.registration
+    for carrier in Carrier:
+        with suppress(InputError):
+            assert Acknowledgements(carrier).feed(data) >= 0
+
+
+def vectors(data: bytes) -> None:
+    """A stream of vectors becomes blocks of their channels, and nothing is taken twice."""
+    octets, seen = np.frombuffer(data, np.uint8).copy(), counters()
+    blocks, state = Blocks(64 * len(data) + 64), np.zeros(4, np.int64)
+    done = take_vectors(
+        octets, len(octets), blocks.words, blocks.octets, blocks.shorts, blocks.singles,
+        blocks.end, 10**9, 3, np.zeros(CHANNELS), state, seen,
+    )  # fmt: skip
+    assert 0 <= done <= len(octets)
+    channels = Channels(3 + CHANNELS)
+    assert channels.apply(blocks) == seen[Count.READINGS] == len(list(blocks_of(blocks.data)))
+    assert np.isnan(channels.counts[:3]).all()
+    assert (seen >= 0).all()

@@ -1,0 +1,149 @@
+"""What comes over zenoh: any bytes are refused, or are a cycle that can be shown."""
+
+import contextlib
+import json
+from collections.abc import Callable
+
+import numpy as np
+
+import skinfield as sf
+from skinfield.acquisition import Port
+from skinfield.bridges.zenoh.calibration import Calibration
+from skinfield.bridges.zenoh.checked import blank_status, checked_status
+from skinfield.bridges.zenoh.fitted import contacts_from
+from skinfield.bridges.zenoh.keys import Part
+from skinfield.bridges.zenoh.messages import (
+    EstimateHead,
+    Plan,
+    described,
+    object_of,
+    strict_json,
+)
+from skinfield.bridges.zenoh.told import contact_plain
+from skinfield.conditioning import ICubByte
+from skinfield.contacts.live import CONTACT
+from skinfield.errors import InputError
+from skinfield.inverse import Tikhonov
+from skinfield.live.estimates import Models
+from skinfield.live.recipe import Recipe
+from skinfield.live.ring_fields import describe
+from skinfield.live.slots import Sizes
+from skinfield.live.snapshot import Snapshot
+from skinfield.live.status import contacts_of
+from skinfield.mechanics import BondedLayer
+from skinfield.observation import Capacitance
+
+RECIPE = Recipe(
+    skin=sf.Skin((sf.layouts.icub_triangle(),), name="one"),
+    ports=(Port("port", 16),),
+    layer=sf.Layer(2e-3, 150e3, 0.5),
+    mechanics=BondedLayer(),
+    quantity=Capacitance(),
+    solver=Tikhonov(),
+    rungs=(4, 8),
+    board=ICubByte(),
+    budget=1e-3,
+    rows=3,
+)
+FIELDS = tuple(Sizes.of(RECIPE.skin, RECIPE.rungs, RECIPE.rows).fields())
+TOLD = describe("one", RECIPE, ["Source"], 1e-3)
+DESCRIPTION = described("robot", "one", TOLD, FIELDS)
+PLAN = Plan.of(DESCRIPTION)
+NOISE = Calibration(1, 1, Tikhonov(), np.full(len(RECIPE.skin[0]), 1e-3))
+STATUS = strict_json(blank_status("robot/one", RECIPE.skin) | {"state": "running"})
+HEAD = EstimateHead(1, 2, 3, 4, 5, 6, PLAN.fingerprint).packed()
+
+
+def cycle() -> bytes:
+    """A good one, with a contact."""
+    slot = PLAN.empty()
+    slot.patches["answer"], slot.patches["rung"], slot.patches["contacts"] = 2, 8, 1
+    slot.patches["stamp_ns"] = 10**18
+    data = bytearray(PLAN.slot_bytes)
+    for placed in PLAN.fields:
+        octets = getattr(slot, placed.field.name).tobytes()
+        data[placed.offset : placed.offset + placed.size] = octets
+    return bytes(data)
+
+
+CYCLE = cycle()
+CONTACTS = strict_json({"stamp_ns": 10**18, "contacts": [contact_plain(
+    np.ones(1, CONTACT)[0], [*RECIPE.skin] * 2, "fit")]})  # fmt: skip
+GOOD = [CYCLE, DESCRIPTION, NOISE.packed(), STATUS, HEAD, CONTACTS]
+SEEDS = [b"", HEAD, STATUS, NOISE.packed(), bytes([0, 8, 0, 1]) + bytes(8), b"\x01" * 22]
+
+
+def one_input(data: bytes) -> None:
+    """Take the bytes as each kind of message, and as changes of good ones."""
+    for read in READS:
+        tried(read, data)
+    if data:
+        kind = data[0] % len(GOOD)
+        tried(READS[kind], changed(GOOD[kind], data[1:]))
+
+
+def changed(good: bytes, data: bytes) -> bytes:
+    """Each 11 bytes: place (3), how many of the 8 bytes that follow come there."""
+    made = bytearray(good)
+    for at in range(0, len(data) - 10, 11):
+        place = int.from_bytes(data[at : at + 3], "little") % len(good)
+        size = data[at + 2] % 8 + 1
+        made[place : place + size] = data[at + 3 : at + 3 + size]
+    return bytes(made)
+
+
+def tried(read: Callable[[bytes], None], data: bytes) -> None:
+    """Read, or refuse."""
+    with contextlib.suppress(InputError):
+        read(data)
+
+
+def read_cycle(data: bytes) -> None:
+    """What the page and programs do with a cycle must go well."""
+    slot = PLAN.slot(data)
+    models = Models(RECIPE, NOISE.noise_std)
+    snapshot = Snapshot(slot, 1, models, 2 * 10**18)
+    json.dumps(contacts_of([patch.name for patch in RECIPE.skin], slot))
+    assert len(snapshot.ages()) == 1
+    for name in snapshot:
+        assert np.isfinite(snapshot[name].pressure).all()
+    assert np.isfinite(snapshot.force)
+
+
+def read_description(data: bytes) -> None:
+    """A description, and the slots that follow from it."""
+    plan = Plan.of(data)
+    assert plan.slot_bytes < 1 << 29
+    plan.empty()
+
+
+def read_calibration(data: bytes) -> None:
+    """Noise and solver."""
+    found = Calibration.of(data, len(RECIPE.skin[0]))
+    assert np.isfinite(found.noise_std).all()
+
+
+def read_status(data: bytes) -> None:
+    """Status: afterwards it has every member, and can be shown."""
+    status = checked_status(object_of(data, 1 << 20), RECIPE.skin)
+    assert status.keys() == blank_status("", RECIPE.skin).keys()
+    json.dumps(status, allow_nan=False)
+
+
+def read_head(data: bytes) -> None:
+    """Head of an estimate; and a key."""
+    assert EstimateHead.of(data).packed() == data
+    Part.of(data.decode(errors="replace"))
+
+
+def read_contacts(data: bytes) -> None:
+    """Contacts, with those of a fit."""
+    found = contacts_from(data, RECIPE.skin)
+    assert len(found.rows) == len(found.by)
+    assert np.isfinite(found.rows["position"]).all()
+    assert (found.rows["patch"] == 0).all()
+
+
+READS = [
+    read_cycle, read_description, read_calibration, read_status, read_head, read_contacts,
+]  # fmt: skip
