@@ -31,7 +31,7 @@ PYTHON = str(BIN / ("python.exe" if os.name == "nt" else "python"))
 STAMP = VENV / "skinfield-setup.txt"  # root, hash of pyproject.toml, what was installed, contents
 COMMANDS = {  # what to install, which programs to run
     "demo": (".", ["skinfield demo"]),
-    "test": (".[test]", ["pytest -n auto --durations=5"]),
+    "test": (".[test]", ["pytest -n auto --dist worksteal --durations=5"]),
     "run": (".", ["skinfield"]),
     "python": (".", ["python"]),
     "lint": (".[lint]", ["ruff check", "ruff format --check"]),

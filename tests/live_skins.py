@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from uuid import uuid4
 
 import numpy as np
@@ -112,6 +113,7 @@ def cycle_of(made: LiveSettings, noise: float = 0.004) -> Cycle:
     return Cycle(recipe, bind(made.skin, recipe.ports), table, np.full(taxels, noise), 10**8)
 
 
+@cache
 def pressed_counts(force: float = 1.0, at: tuple[float, float] = (0.0, 7.5e-3)) -> np.ndarray:
     """Bytes (72,) of a press on a hexagon, without noise."""
     patch = sf.layouts.hexagon72()

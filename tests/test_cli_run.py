@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 from live_skins import unique_name, wait_for
 
+from skinfield.cli.endings import end_undisturbed, told_to_end
 from skinfield.cli.main import main
 from skinfield.errors import InputError
 from skinfield.live.slots import Head
@@ -62,6 +63,9 @@ def lives(pid: int) -> bool:
         (("--skin", "no_such_layout"), "no such file, and no generator"),
         (("--hardware", "robotnik"), "robotnik"),
         (("--port", "99999"), "--port is 99999, expected 0 to 65535"),
+        (("--host", 70 * "x"), "xx', expected an address of this machine"),
+        (("--host", "192.0.2.1"), "--host is '192.0.2.1', expected an address of this"),
+        (("--host", "0.0.0.0"), "expected 8 or more: whoever opens the page"),
         (("--record", "/no-such-folder/a.mcap"), "expected a folder that is there"),
         (("--record", __file__), "which is there already, expected a new file"),
         (("--rate", "0"), "--rate is 0, expected a positive number"),
@@ -95,13 +99,17 @@ def test_wrong_options_are_refused_before_anything_starts(
     assert "Traceback" not in text
 
 
-def test_a_taken_port_and_a_running_name_are_refused() -> None:
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.0.0.2", "localhost"])
+def test_a_taken_port_is_refused(host: str) -> None:
+    words = ["run", "--name", unique_name(), "--host", host, "--port"]
     with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
+        taken.bind((host, 0))
         taken.listen()
-        port = str(taken.getsockname()[1])
-        result = CliRunner().invoke(main, ["run", "--name", unique_name(), "--port", port])
+        result = CliRunner().invoke(main, [*words, str(taken.getsockname()[1])])
     assert "cannot be served: Address already in use" in " ".join(result.output.split())
+
+
+def test_a_running_name_is_refused() -> None:
     from skinfield.ring import Field
 
     with Ring.create(unique_name(), [Field("x", "<f8", (1,))]) as ring:
@@ -230,3 +238,20 @@ def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
     assert said["cycles"] > 0
     assert {"late", "lost", "latency_us", "wake_us", "contacts"} <= set(said)
     assert whole(file)
+
+
+def told_twice() -> None:
+    with told_to_end():
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        finally:
+            end_undisturbed()
+            os.kill(os.getpid(), signal.SIGTERM)
+
+
+def test_signals_are_as_before_when_a_command_has_ended() -> None:
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = [signal.getsignal(each) for each in numbers]
+    with pytest.raises(KeyboardInterrupt):
+        told_twice()
+    assert [signal.getsignal(each) for each in numbers] == before

@@ -37,6 +37,8 @@ def test_a_plan_fits_and_leaves_nothing_out_that_would_fit(
         energy,
         energy,
         none,
+        none + rungs - 1,
+        np.ones(patches),
         costs,
         unresolved,
         left,
@@ -63,7 +65,8 @@ def test_a_plan_gains_nearly_what_the_best_of_all_plans_gains() -> None:
         energy, none = rng.uniform(1.0, 10.0, 4), np.zeros(4, dtype=np.int64)
         target, order = none.copy(), none.copy()
         left = float(rng.uniform(0.5, 6.0))
-        arrays = (energy, energy, none, costs, unresolved, left, target, order)
+        free = none + 2, np.ones(4)
+        arrays = (energy, energy, none, *free, costs, unresolved, left, target, order)
         plan(np.arange(4), none, none, none - 1, *arrays, none.copy(), np.zeros(4))
 
         def gain(choice: Any, energy: Any = energy, unresolved: Any = unresolved) -> float:

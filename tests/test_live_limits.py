@@ -75,6 +75,7 @@ def test_cycles_say_that_they_were_late(due: int, flags: CycleFlag) -> None:
     engine = SimpleNamespace(
         since_key=5,
         keys=9,
+        journal=SimpleNamespace(budget_ns=400_000),
         flags=0,
         intake=SimpleNamespace(channels=None),
         timing=TimingTable(20 * SECOND, 5 * SECOND),
@@ -141,8 +142,9 @@ def test_a_recorder_asks_for_a_beginning_once_older_readings_do_not_count(
     monkeypatch.setattr(recorder, "order", lambda name, what: asked.append(clock.now))
     status = {"stale_ns": np.zeros(1, np.int64), "tares": np.zeros(1, np.int64)}
     made = SimpleNamespace(
-        _began=100.0,
-        _ask_at=100.0,
+        _since=float("inf"),
+        _ask_at=99.0,
+        _drain=SimpleNamespace(cycles=1),
         _reader=SimpleNamespace(status_view=status),
         settings=SimpleNamespace(name="skin"),
     )

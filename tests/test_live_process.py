@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import urllib.error
 import urllib.request
 from pathlib import Path
 
@@ -20,10 +19,11 @@ from skinfield.errors import InputError
 from skinfield.live.beside import beside
 from skinfield.live.client import Live, NotRunning, Stale, connect
 from skinfield.live.control import order
-from skinfield.live.served import serve
 from skinfield.live.status import Observer
 from skinfield.live.supervisor import EngineFailed, Supervisor
 from skinfield.ring import Ring, State
+from skinfield.viewer import PageSettings, serve_page
+from skinfield.viewer.live_feed import LiveFeed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
@@ -138,19 +138,20 @@ def test_a_reader_that_dies_disturbs_nobody(running) -> None:
     assert running.restarts == restarts
 
 
-def test_status_is_served_on_this_machine_only(running) -> None:
-    with serve(name_of(running), 0) as port:
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/status", timeout=20) as answer:
-            assert json.load(answer)["state"] == "running"
-        with urllib.request.urlopen(f"http://localhost:{port}/contacts", timeout=20) as answer:
-            assert json.load(answer)["contacts"] == []
-        with pytest.raises(urllib.error.HTTPError, match="404"):
-            urllib.request.urlopen(f"http://127.0.0.1:{port}/other", timeout=20)
-        asked = urllib.request.Request(
-            f"http://127.0.0.1:{port}/status", headers={"Host": "robot.example"}
-        )
-        with pytest.raises(urllib.error.HTTPError, match="403"):
-            urllib.request.urlopen(asked, timeout=20)
+def test_the_page_shows_a_running_skin(running) -> None:
+    feed = LiveFeed(name_of(running))
+    try:
+        with serve_page(PageSettings(port=0), lambda: (feed,)) as page:
+            address = f"http://127.0.0.1:{page.port}/api/status"
+
+            def told() -> dict[str, object]:
+                with urllib.request.urlopen(address, timeout=20) as answer:
+                    return json.load(answer)
+
+            wait_for(lambda: told()["state"] == "running")
+            assert [each["name"] for each in told()["engines"]] == [name_of(running)]
+    finally:
+        feed.close()
 
 
 def test_the_engine_comes_back_after_a_kill_on_the_same_ring(running) -> None:

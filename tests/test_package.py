@@ -38,7 +38,7 @@ def test_public_names_are_explained(name: str) -> None:
 def test_core_needs_no_extra() -> None:
     needed = importlib.metadata.requires("skinfield") or []
     core = {line.split(">")[0] for line in needed if "extra ==" not in line}
-    rest = {"threadpoolctl", "click", "rich", "matplotlib", "jinja2", "mcap"}
+    rest = {"threadpoolctl", "click", "rich", "matplotlib", "jinja2", "mcap", "websockets"}
     assert core <= {"numpy", "scipy", "numba"} | rest
 
 

@@ -10,6 +10,7 @@ from mcap.reader import make_reader
 from recorder_ring import FakeEngine
 
 from skinfield.acquisition import Blocks, Kind, Status
+from skinfield.acquisition.block import PAYLOAD
 from skinfield.live.recorder import Recorder
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import forget_state
@@ -26,7 +27,10 @@ def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
     """Blocks that hold no counts: who reads the bytes must know how long they are."""
     blocks.put_number(now_ns, 0, Kind.SOURCE, 1)
     blocks.put_number(now_ns, 0, Kind.LOST, 3)
-    blocks.put_calibration(now_ns, 0, np.ones((24, 6)))
+    blocks.put_rows(now_ns, 0, Kind.CALIBRATION, np.ones((24, 6)))
+    blocks.put_rows(now_ns, 0, Kind.TUNING, np.ones(9))
+    blocks.put_rows(now_ns, 0, Kind.SMOOTHED, np.zeros(24, PAYLOAD[Kind.SMOOTHED]))
+    blocks.put_rows(now_ns, 0, Kind.CONFIGURATION, np.full(13, 32, np.uint8))
 
 
 @pytest.fixture(scope="module")

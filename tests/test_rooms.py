@@ -11,6 +11,7 @@ import skinfield
 
 FLOORS = [  # top floor first; rooms of one floor never import each other
     {"cli"},
+    {"viewer", "bridges"},
     {"experiments", "config", "live", "virtual"},
     {"sources", "sinks", "figures", "testing", "fem", "campaign"},  # the edge
     {"engine"},
@@ -43,7 +44,10 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "zstandard": {"sinks", "sources"},
     "lz4": {"sinks", "sources"},  # comes with mcap
     "h5py": {"sinks"},
-    "rosbags": {"sinks"},
+    "rosbags": {"sinks", "bridges"},
+    "websockets": {"viewer"},
+    "zenoh": {"bridges"},
+    "rclpy": {"bridges"},  # comes with ROS 2, never from PyPI
     "jinja2": {"experiments"},
     "pytest": {"testing"},  # the contracts are tests
 }

@@ -53,6 +53,7 @@ def idle(names: list[str]) -> Status:
         contacts=[],
         notes={"phase": "running"},
         beside={"supervisor": None, "recorder": None},
+        tuning={},
         memory={},
     )
 

@@ -1,0 +1,254 @@
+"""A real browser before real processes, for the tests of the page."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = ("--no-sandbox", "--disable-dev-shm-usage", "--mute-audio")
+STARTS = 600.0  # s: a fresh clone compiles first
+PATIENCE = 120.0  # s for a page on a busy machine
+ENDS = 30.0  # s
+LEASH = ("--duration", "1200")  # s, if nobody is left to end it
+DESK = {"width": 1280, "height": 720}
+CODE = (
+    "import signal\n"
+    "signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it\n"
+    "from skinfield.cli.main import main; main()\n"
+)
+NOISE = ("GL Driver Message", "WebGL-0x")  # what rendering in software says of itself
+
+
+def browser_path() -> str:
+    """Where a browser is; skips where there is none, or nothing to drive it with."""
+    pytest.importorskip("playwright", reason="the page is tested with playwright, not installed")
+    found = next((path for name in NAMES if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip(f"the page is tested in a browser, and there is none of {', '.join(NAMES)}")
+    return found
+
+
+@contextmanager
+def running_browser() -> Iterator[Any]:
+    """A headless browser."""
+    path = browser_path()
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=path, args=list(FLAGS))
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+class Served:
+    """A `skinfield` command that serves the page.
+
+    Parameters
+    ----------
+    words : str
+        The command and its options.
+    folder : Path
+        That it works in.
+    port : int
+    """
+
+    def __init__(self, *words: str, folder: Path, port: int = 0) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", CODE, *words, "--no-browser", "--port", str(port), *LEASH],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=folder,
+            process_group=0,
+            env=os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "300"},
+        )
+        self.said: list[str] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.said.append(line.rstrip())
+
+    @property
+    def address(self) -> str:
+        """Of the page, as the command prints it."""
+        end = time.monotonic() + STARTS
+        while time.monotonic() < end:
+            for line in self.said:
+                if line.startswith("page: "):
+                    return line.removeprefix("page: ").strip()
+            if self.process.poll() is not None:
+                self._reader.join(ENDS)
+                break
+            time.sleep(0.05)
+        raise AssertionError(f"no address was printed: {self.said}")
+
+    @property
+    def port(self) -> int:
+        """Of the page."""
+        port = urlsplit(self.address).port
+        assert port is not None
+        return port
+
+    def ask(self, path: str) -> Any:
+        """JSON of a path such as /api/status."""
+        from urllib.request import urlopen
+
+        parts = urlsplit(self.address)
+        query = f"?{parts.query}" if parts.query else ""
+        with urlopen(f"http://{parts.netloc}{path}{query}", timeout=PATIENCE) as answer:
+            return json.load(answer)
+
+    def wait_running(self) -> None:
+        """Wait until its engine answers."""
+        end = time.monotonic() + STARTS
+        while self.ask("/api/status")["state"] != "running":
+            assert self.process.poll() is None, self.said
+            assert time.monotonic() < end, self.said
+            time.sleep(0.1)
+
+    def kill(self) -> None:
+        """End it without a word, and all that it started."""
+        with suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait(ENDS)
+
+    def close(self) -> None:
+        """End it as Ctrl-C does; kill what is left."""
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            with suppress(subprocess.TimeoutExpired):
+                self.process.wait(ENDS)
+        self.kill()
+        self._reader.join(ENDS)
+        if self.process.stdout is not None:
+            self.process.stdout.close()
+
+
+@contextmanager
+def served(*words: str, folder: Path, port: int = 0) -> Iterator[Served]:
+    """A command as long as the block lasts."""
+    made = Served(*words, folder=folder, port=port)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+@dataclass
+class Look:
+    """A page that is open, and all that went wrong in it.
+
+    Attributes
+    ----------
+    page : playwright's Page
+    wrong : list of str
+        Errors and warnings of the console, exceptions, failed requests.
+    """
+
+    page: Any
+    wrong: list[str] = field(default_factory=list)
+
+    def listen(self) -> None:
+        """Note what goes wrong."""
+        page = self.page
+        page.on("console", self._console)
+        page.on("pageerror", lambda error: self.wrong.append(f"exception: {error}"))
+        page.on("requestfailed", lambda each: self.wrong.append(f"failed: {each.url}"))
+        page.on("response", self._response)
+
+    def _console(self, message: Any) -> None:
+        noise = any(part in message.text for part in NOISE)
+        if message.type in ("error", "warning") and not noise:
+            self.wrong.append(f"{message.type}: {message.text}")
+
+    def _response(self, response: Any) -> None:
+        if response.status >= 400:
+            self.wrong.append(f"{response.status}: {response.url}")
+
+    def open(self, address: str) -> None:
+        """Load the page and wait for its first pictures."""
+        self.page.goto(address, timeout=1e3 * PATIENCE)
+        self.until("window.skinfield && skinfield.state.updates > 0")
+
+    def until(self, condition: str, given: Any = None, patience: float = PATIENCE) -> Any:
+        """Wait until a JavaScript expression, or function of `given`, is true; what it is then.
+
+        The page's own rules forbid what playwright does for this.
+        """
+        end = time.monotonic() + patience
+        while time.monotonic() < end:
+            if found := self.value(condition, given):
+                return found
+            self.page.wait_for_timeout(40)
+        raise AssertionError(f"it did not come to be: {condition} ({given}); {self.wrong}")
+
+    def value(self, expression: str, given: Any = None) -> Any:
+        """What a JavaScript expression, or function of `given`, gives."""
+        return self.page.evaluate(expression, given)
+
+    def at(self, name: str) -> Any:
+        """Locator of a control by its name."""
+        return self.page.locator(f'[data-testid="{name}"]')
+
+    def rows(self) -> list[dict[str, str]]:
+        """Data of the contacts' rows."""
+        found = self.value(ROWS)
+        assert isinstance(found, list)
+        return found
+
+    def wait_rows(self, condition: Callable[[list[dict[str, str]]], bool]) -> list[dict[str, str]]:
+        """Rows of contacts as soon as they are so, in two looks one after the other."""
+        end, met = time.monotonic() + PATIENCE, 0
+        while time.monotonic() < end:
+            rows = self.rows()
+            met = met + 1 if condition(rows) else 0
+            if met > 1:
+                return rows
+            self.page.wait_for_timeout(60)
+        raise AssertionError(f"the contacts did not become so: {rows}")
+
+    def shoot(self, folder: Path, name: str) -> None:
+        """Keep a picture."""
+        self.page.screenshot(path=str(folder / f"{name}.png"))
+
+
+ROWS = """() => [...document.querySelectorAll(
+    '[data-testid="contacts-table"] tbody tr[data-track]')].map((row) => ({ ...row.dataset }))"""
+
+
+@contextmanager
+def looking(browser: Any, size: dict[str, int] = DESK, **more: Any) -> Iterator[Look]:
+    """A page of its own, at first empty."""
+    context = browser.new_context(viewport=size, **more)
+    try:
+        look = Look(context.new_page())
+        look.listen()
+        yield look
+    finally:
+        context.close()
+
+
+def pictures(default: Path) -> Path:
+    """Where pictures are kept."""
+    asked = os.environ.get("SKINFIELD_PICTURES")
+    folder = Path(asked) / "page" if asked else default
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

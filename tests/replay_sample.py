@@ -1,0 +1,135 @@
+"""A recording of a small live skin, made without processes: every cycle of it is known."""
+
+import io
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
+
+from skinfield.acquisition import Blocks, Channels, Kind
+from skinfield.acquisition.recorded import CycleFlag, CycleLayout, Enclosed
+from skinfield.contacts.live import CONTACT
+from skinfield.live.recipe import Recipe
+from skinfield.live.slots import PATCH, Head, Slot
+from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
+
+START = 1_700_000_000_000_000_000
+PERIOD = 10_000_000  # ns
+KEYS = 50  # cycles from key to key
+STALE = 100_000_000  # ns
+NOISE = 0.004
+ROWS = CycleLayout(CONTACT, PATCH)
+
+
+@dataclass(frozen=True)
+class Known:
+    """A cycle as it was made."""
+
+    number: int
+    wall_ns: int
+    force: float
+    patches: bytes
+    contacts: bytes
+    pressure: bytes
+    values: bytes
+
+
+def level(number: int) -> float:
+    """How hard it is pressed: up and down, once in 0.75 s."""
+    return abs(float(np.sin(number / 75 * np.pi)))
+
+
+def tare_file(table: np.ndarray) -> Enclosed:
+    buffer = io.BytesIO()
+    noise = np.full(len(table), NOISE)
+    np.savez(buffer, calibration=table, noise_std=noise, stale_ns=np.array([STALE]), tares=[1])
+    return Enclosed("tare-1.npz", "application/octet-stream", buffer.getvalue())
+
+
+def write(
+    path: Path,
+    cycles: int,
+    *,
+    first: int = 0,
+    without: range = range(0),
+    tared_at: int = -1,
+    close: bool = True,
+) -> list[Known]:
+    """Write `cycles` cycles of a press that comes and goes.
+
+    Parameters
+    ----------
+    first : int
+        What comes before this cycle is not in the file.
+    without : range
+        Nor are these cycles and their readings.
+    tared_at : int
+        Cycle before which another baseline is taken.
+    """
+    cycle, made = cycle_of(settings(), NOISE), []
+    recipe: Recipe = cycle.recipe
+    table = np.tile([REST, GAIN, 0.6, 1.0], (72, 1))
+    skin_files = (
+        Enclosed("configuration.json", "application/json", recipe.to_json().encode()),
+        Enclosed("ring.json", "application/json", json.dumps({"period": 1e-9 * PERIOD}).encode()),
+        tare_file(table),
+    )
+    writer = RecordingWriter(
+        path, skin_files, layout=ROWS, settings=RecordingSettings(overwrite=True)
+    )
+    channels, slot, blocks = Channels(72), Slot.empty(cycle.sizes), Blocks(1 << 13)
+    change, position = pressed_counts() - REST, 0
+    for number in range(cycles):
+        wall = START + number * PERIOD
+        blocks.clear()
+        blocks.put(wall - 1000, 0, np.rint(REST + level(number) * change), Kind.BYTES)
+        if number == tared_at:
+            table = table + np.array([0.25, 0.0, 0.0, 0.0])
+            rows = np.column_stack([table, np.full(72, NOISE), np.full(72, STALE * 1e-9)])
+            blocks.put_rows(wall, 0, Kind.CALIBRATION, rows)
+            cycle.calibrate(table)
+        channels.apply_good(blocks)
+        key = number % KEYS == 0
+        cycle.answer(channels, wall, slot, key=key)
+        data = bytes(blocks.data)
+        position += len(data)
+        _stamp(slot, wall, position, CycleFlag.KEY if key else CycleFlag(0))
+        told = slot.recorded(number)
+        if number >= first and number not in without:
+            writer.write_blocks(wall, position - len(data), data)
+            writer.write_cycle(wall, ROWS.encode(told))
+            if number % 10 == 9:
+                writer.flush()
+            if number == tared_at:
+                writer.event(wall, "calibrated", "the baseline was taken anew", tares=2)
+        made.append(_known(told, slot))
+    if close:
+        writer.close()
+    return made
+
+
+def _stamp(slot: Slot, wall: int, position: int, flags: CycleFlag) -> None:
+    head = slot.head
+    head[Head.FLAGS], head[Head.WALL_NS], head[Head.LOG_POSITION] = int(flags), wall, position
+    head[Head.DUE_NS] = wall - START
+    head[Head.WAKE_NS] = wall - START + 20_000
+    head[Head.ACQUIRED_NS] = wall - START + 40_000
+    head[Head.READY_NS] = wall - START + 300_000
+
+
+def _known(told: Any, slot: Slot) -> Known:
+    rung = int(slot.patches["rung"][0])
+    touched = int(slot.patches["answer"][0]) > 1
+    pressure = slot.pressure[0, : rung * rung] if touched else slot.pressure[0, :0]
+    return Known(
+        told.number,
+        told.wall_ns,
+        float(slot.patches["force"].sum()),
+        slot.patches.tobytes(),
+        told.contacts.tobytes(),
+        pressure.tobytes(),
+        slot.values.tobytes(),
+    )

@@ -1,0 +1,197 @@
+"""A running skin is changed in every way, recorded, and answered again: the same bits."""
+
+import json
+import os
+import signal
+import sys
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from live_skins import REST, Ticking, TickingStream, pressed_counts, settings, wait_for
+
+import skinfield as sf
+from skinfield.acquisition import Blocks, Kind
+from skinfield.cli.main import main
+from skinfield.errors import InputError
+from skinfield.inverse import GaussianField, NonNegative, Solver
+from skinfield.live.answered import Passed, is_unanswered
+from skinfield.live.client import Live, connect
+from skinfield.live.control import order
+from skinfield.live.recorder import Recorder
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import forget_state
+from skinfield.live.replay import Replay
+from skinfield.live.settings import LIVE_TOLERANCE
+from skinfield.live.status import Observer
+from skinfield.live.supervisor import EngineFailed, Supervisor
+from skinfield.live.tuning import Focus, Tuning
+from skinfield.ring import State
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
+ENOUGH = 40  # cycles
+LONG = 600.0  # s: on a busy machine, kernels are compiled first
+CHANGE = pressed_counts(1.5) - REST
+WINDOW = Focus(patch="hexagon72", low=(-0.01, -0.002), high=(0.01, 0.015))
+
+
+@dataclass(frozen=True)
+class Pressing(Ticking):
+    """Source of a skin that is pressed, now harder and now weaker, once a file is there."""
+
+    pressed: Path = Path()
+
+    def open(self) -> "PressingStream":
+        return PressingStream(self)
+
+
+class PressingStream(TickingStream):
+    """See `Stream`."""
+
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        assert isinstance(self.source, Pressing)
+        if now_ns - self._last < self.source.period * 1e9:
+            return 0
+        self._last = now_ns
+        force = 0.75 + 0.25 * np.sin(now_ns * 3e-9) if self.source.pressed.exists() else 0.0
+        counts = np.rint(REST + force * CHANGE + self._rng.normal(0.0, 0.6, len(CHANGE)))
+        blocks.put(now_ns, channel, np.clip(counts, 0, 255), Kind.BYTES)
+        self.counters[:2] += 1
+        return 1
+
+
+class Session:
+    """A running skin and its recorder, which is stepped here."""
+
+    def __init__(self, supervisor: Supervisor, live: Live, recorder: Recorder) -> None:
+        self.supervisor, self.live, self.recorder = supervisor, live, recorder
+
+    def goes_on(self, cycles: int = ENOUGH) -> None:
+        end = self.recorder._drain.cycles + cycles
+        wait_for(lambda: self.recorder.step() or self.recorder._drain.cycles >= end, LONG)
+
+    def reconfigure(self, solver: Solver) -> None:
+        """In another thread, as the recorder must be stepped meanwhile."""
+        failed: list[BaseException] = []
+
+        def change() -> None:
+            try:
+                self.supervisor.reconfigure(solver=solver, timeout=LONG)
+            except BaseException as error:
+                failed.append(error)
+
+        thread = threading.Thread(target=change)
+        thread.start()
+        wait_for(lambda: self.recorder.step() or not thread.is_alive(), LONG)
+        if failed:
+            raise failed[0]
+
+
+CHANGES: tuple[dict[str, Any], ...] = (
+    {"smoothing": 0.02},
+    {"threshold": 0.7},
+    {"resolution": 10, "deadline": 1e-3},
+    {"focus": WINDOW},
+    {"smoothing": 0.0},
+    {"smoothing": 0.05, "focus": None, "resolution": "auto"},
+)
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What was seen while all was changed, and the recording."""
+    folder = tmp_path_factory.mktemp("tuning")
+    made = settings(key_seconds=0.3, sources=(Pressing(pressed=folder / "pressed"),))
+    seen: dict[str, Any] = {"path": folder / "a.mcap", "tunings": []}
+    with Supervisor(made) as supervisor:
+        supervisor.wait(LONG).close()
+        (folder / "pressed").touch()
+        recorder = Recorder(RecorderSettings(name=made.name, path=seen["path"]))
+        with connect(made.name) as live:
+            session = Session(supervisor, live, recorder)
+            seen["first"] = live.tuning
+            session.goes_on()
+            for changes in CHANGES:
+                seen["tunings"].append((changes, live.tune(**changes)))
+                session.goes_on()
+            observe(session, seen)
+            seen["solvers"] = [live.recipe.solver]
+            session.reconfigure(GaussianField())
+            session.goes_on()
+            seen["solvers"].append(live.latest(timeout=20.0).recipe.solver)
+            seen["after"], seen["restarts"] = live.tuning, supervisor.restarts
+            seen["tares"] = int(live.reader.status_view["tares"][0])
+            os.kill(live.reader.pid, signal.SIGKILL)
+            again = live.reader.generation + 1
+            wait_for(lambda: recorder.step() or live.reader.generation == again, LONG)
+            wait_for(lambda: recorder.step() or live.state == State.RUNNING, LONG)
+            session.goes_on(2 * ENOUGH)
+            seen["killed"] = live.tuning
+            seen["solvers"].append(live.latest(timeout=20.0).recipe.solver)
+        recorder.close()
+    forget_state(made.name)
+    return seen
+
+
+def observe(session: Session, seen: dict[str, Any]) -> None:
+    """What is refused, and what the status and the command tell."""
+    live, name = session.live, session.live.name
+    with pytest.raises(InputError, match="resolution is 11"):
+        live.tune(resolution=11)
+    order(name, "set", {"set": {"threshold": "much"}})  # of a program that does not ask first
+    wait_for(
+        lambda: "threshold is 'much'" in str(notes := Observer(live.reader).look().notes) and notes
+    )
+    with pytest.raises(EngineFailed, match="the engine stays as it was: solver is ContactFit"):
+        session.reconfigure(sf.ContactFit())
+    seen["status"] = Observer(live.reader).look().as_dict()["tuning"]
+    done = CliRunner().invoke(main, ["tune", name, "--smoothing-ms", "40", "--json"])
+    assert done.exit_code == 0, done.output
+    seen["command"] = json.loads(done.stdout)
+    done = CliRunner().invoke(main, ["tune", name, "--focus", "1,2"])
+    assert done.exit_code == 2
+    assert "expected PATCH:X0,Y0,X1,Y1 in mm" in done.stderr
+    seen["said"] = CliRunner().invoke(main, ["tune", name]).stdout
+
+
+def test_changes_are_in_force_and_told(told: dict[str, Any]) -> None:
+    expected = told["first"]
+    for changes, found in told["tunings"]:
+        expected = expected.changed(changes)
+        assert found == expected
+    assert told["status"]["threshold"] == {"value": 0.7, "range": [0.0, 5.0]}
+    assert told["status"]["solver"]["value"] == "NonNegative"
+    assert told["command"]["smoothing"]["value"] == pytest.approx(0.04)
+    assert "threshold   0.7 N" in told["said"]
+    assert (
+        told["after"]
+        == told["killed"]
+        == Tuning(deadline=1e-3, threshold=0.7, smoothing=told["command"]["smoothing"]["value"])
+    )
+
+
+def test_another_solver_answers_and_stays_after_a_crash(told: dict[str, Any]) -> None:
+    first = NonNegative(tolerance=LIVE_TOLERANCE)
+    assert told["solvers"] == [first, GaussianField(), GaussianField()]
+    assert (told["restarts"], told["tares"]) == (0, 1)
+
+
+def test_all_of_it_comes_out_the_same_again(told: dict[str, Any]) -> None:
+    source, contacts, answered, known = Replay(told["path"]), 0, 0, [told["first"]]
+    for each in source.walk():
+        if isinstance(each, Passed):  # before the first key cycle, or of an engine that starts
+            assert not answered or is_unanswered(each.recorded)
+            continue
+        assert each.same, each.recorded.number
+        answered += 1
+        contacts += len(each.recorded.contacts)
+        if known[-1] != source.tuning:
+            known.append(source.tuning)
+    assert known[: 1 + len(CHANGES)] == [told["first"], *(each for _, each in told["tunings"])]
+    assert answered > ENOUGH * (len(CHANGES) + 3)
+    assert contacts > ENOUGH
+    assert source.gaps == 0

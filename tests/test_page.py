@@ -1,0 +1,441 @@
+"""The page of a running skin, in a real browser: it shows, presses, changes and records."""
+
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser import STARTS, Look, Served, looking, pictures, running_browser, served
+from live_skins import unique_name
+from page_gestures import Hand
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
+QUIET = ("--headless", "--scene", "idle", "--rate", "250", "--priority", "0")
+NEAR = 4.0  # mm, of what the engine alone finds at once
+PLACES = [(0.0, 3.0), (-13.0, 6.0), (11.0, -8.0), (6.0, 14.0)]  # mm
+MM, PERCENT = 2.0, 15.0  # what a press is found within
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("page")
+
+
+@pytest.fixture(scope="module")
+def skin(folder: Path) -> Iterator[Served]:
+    with served("run", "--name", unique_name(), *QUIET, folder=folder) as made:
+        made.wait_running()
+        yield made
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with running_browser() as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def opened(browser: Any, skin: Served) -> Iterator[Look]:
+    with looking(browser) as look:
+        look.open(skin.address)
+        yield look
+
+
+@pytest.fixture
+def look(opened: Look) -> Iterator[Look]:
+    """The page, untouched, without an error before and after."""
+    yield opened
+    if opened.value("skinfield.state.hello.mode") == "replay":
+        opened.at("back-to-live").click()
+        opened.until("skinfield.state.hello.mode === 'live' && skinfield.state.lastUpdate")
+    opened.page.keyboard.press("Escape")
+    opened.until("skinfield.state.truth.length === 0")
+    assert opened.wrong == []
+    assert opened.value("skinfield.state.malformed") == 0
+
+
+@pytest.fixture
+def hand(look: Look) -> Hand:
+    return Hand(look)
+
+
+@pytest.fixture(scope="module")
+def fitted(opened: Look) -> None:
+    """The fit beside the engine takes its time to be there."""
+    hand = Hand(opened)
+    hand.click(0.0, 0.0)
+    opened.until("skinfield.state.contacts.some((each) => each.by === 'fit')", patience=STARTS)
+    hand.lift()
+
+
+@pytest.fixture(scope="module")
+def kept(folder: Path) -> Path:
+    return pictures(folder)
+
+
+def is_found(row: dict[str, str]) -> bool:
+    """Whether a contact is where the truth is, and as strong."""
+    known = "truthForce" in row
+    return known and float(row["errorMm"]) < MM and abs(float(row["errorPercent"])) < PERCENT
+
+
+def distance(row: dict[str, str], x_mm: float, y_mm: float) -> float:
+    return math.hypot(float(row["xMm"]) - x_mm, float(row["yMm"]) - y_mm)
+
+
+# it is there, and it lives
+
+
+def test_it_loads_and_goes_on(look: Look, kept: Path) -> None:
+    before = look.value("skinfield.state.updates")
+    look.until(f"skinfield.state.updates > {before + 5}")
+    look.until("skinfield.state.status !== null")
+    assert "skinfield" in look.page.title()
+    assert "running" in look.at("status-line").inner_text()
+    assert look.value("skinfield.state.hello.mode") == "live"
+    assert look.rows() == []
+    names = "resolution solver deadline quantity tare record contacts-table skin-canvas force-plot"
+    for name in [*names.split(), "latency-plot"]:
+        assert look.at(name).is_visible(), name
+    look.page.wait_for_timeout(300)
+    look.shoot(kept, "rest")
+
+
+def test_the_latest_update_is_of_now(look: Look) -> None:
+    age = look.value("skinfield.state.lastUpdate.age_s")
+    assert 0.0 <= age < 5.0
+    first = look.value("skinfield.state.lastUpdate.stamp_ns")
+    look.until("(first) => skinfield.state.lastUpdate.stamp_ns > first", first)
+
+
+# pressing it
+
+
+def test_hold_and_drag_moves_it_and_lets_it_go(look: Look, hand: Hand) -> None:
+    mouse = look.page.mouse
+    mouse.move(*hand.pixel(-10.0, 0.0))
+    mouse.down()
+    look.wait_rows(lambda rows: any(distance(row, -10.0, 0.0) < NEAR for row in rows))
+    for step in range(1, 11):
+        mouse.move(*hand.pixel(-10.0 + 2.0 * step, 0.5 * step))
+        look.page.wait_for_timeout(60)
+    look.until("Math.abs(skinfield.state.truth[0].x - 0.010) < 3e-4")
+    look.wait_rows(lambda rows: any(distance(row, 10.0, 5.0) < NEAR for row in rows))
+    mouse.up()
+    look.until("skinfield.state.truth.length === 0")
+    look.wait_rows(lambda rows: not rows)
+
+
+def test_the_tool_of_the_panel_is_used(look: Look, hand: Hand, skin: Served) -> None:
+    look.at("shape").select_option("flat")
+    look.at("radius").fill("6")
+    look.at("force").fill("2")
+    look.at("force").press("Tab")
+    hand.click(2.0, 2.0)
+    look.until("skinfield.state.truth.length === 1")
+    truth = look.value("skinfield.state.truth[0]")
+    assert (truth["shape"], truth["force"]) == ("flat", pytest.approx(2.0))
+    assert truth["radius"] == pytest.approx(6e-3)
+    presses = skin.ask("/api/truth")["presses"]
+    assert [each["force"] for each in presses] == [pytest.approx(2.0)]
+    look.wait_rows(lambda rows: len(rows) == 1 and distance(rows[0], 2.0, 2.0) < NEAR)
+    look.at("lift").click()
+    look.wait_rows(lambda rows: not rows)
+    look.at("shape").select_option("ball")
+    look.at("radius").fill("10")
+    look.at("force").fill("1")
+    look.at("force").press("Tab")
+
+
+# its controls
+
+
+def test_every_quantity_is_shown(look: Look, hand: Hand, kept: Path) -> None:
+    hand.click(0.0, 3.0)
+    look.until("skinfield.state.truth.length === 1")
+    units = {"deformation": "m", "uncertainty": "Pa", "taxels": None, "pressure": "Pa"}
+    for quantity, unit in units.items():
+        look.at("quantity").select_option(quantity)
+        look.until("(name) => skinfield.state.lastUpdate.quantity === name", quantity)
+        if quantity != "taxels":
+            assert look.value("skinfield.state.lastUpdate.unit") == unit
+        look.until("skinfield.state.lastUpdate.range[1] > 0")
+        look.page.wait_for_timeout(200)
+        look.shoot(kept, f"quantity-{quantity}")
+
+
+@pytest.mark.parametrize(
+    ("control", "values", "key"),
+    [
+        ("resolution", ["10", "20", "auto"], "resolution"),
+        ("deadline", ["250", "400"], "deadline_us"),
+        ("smoothing", ["50", "0"], "smoothing_ms"),
+        ("threshold", ["0.3", "0"], "threshold_N"),
+    ],
+)
+def test_a_control_is_taken_over(
+    look: Look, skin: Served, control: str, values: list[str], key: str
+) -> None:
+    for value in values:
+        here = look.at(control)
+        if here.evaluate("(it) => it.tagName") == "SELECT":
+            here.select_option(value)
+        else:
+            here.fill(value)
+            here.press("Enter")
+        told = look.until(
+            "([key, value]) => { const now = skinfield.state.controls[key].value;"
+            " return String(now) === value || Math.abs(now - value) < 1e-6 }",
+            [key, value],
+        )
+        assert told
+        found = skin.ask("/api/status")["controls"][key]["value"]
+        assert str(found) == value or float(found) == pytest.approx(float(value))
+
+
+def test_a_lower_resolution_is_what_is_drawn(look: Look, hand: Hand) -> None:
+    look.at("resolution").select_option("10")
+    look.at("solver").select_option("nonnegative")
+    look.until("skinfield.state.controls.busy === null")
+    hand.click(0.0, 3.0)
+    look.until("skinfield.state.lastUpdate.patches.some((each) => each.rung === 10)")
+    look.at("resolution").select_option("auto")
+    look.until("skinfield.state.lastUpdate.patches.some((each) => each.rung > 10)")
+    look.at("solver").select_option("contact fit")
+    look.until("skinfield.state.controls.solver.value === 'contact fit'")
+
+
+def test_a_threshold_hides_what_is_weaker(look: Look, hand: Hand) -> None:
+    hand.click(4.0, 0.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    look.at("threshold").fill("3")
+    look.at("threshold").press("Enter")
+    look.wait_rows(lambda rows: not rows)
+    look.at("threshold").fill("0")
+    look.at("threshold").press("Enter")
+    look.wait_rows(lambda rows: len(rows) == 1)
+
+
+def test_a_focus_window_is_drawn_and_cleared(look: Look, hand: Hand) -> None:
+    mouse = look.page.mouse
+    look.at("focus").click()
+    mouse.move(*hand.pixel(-8.0, -6.0))
+    mouse.down()
+    mouse.move(*hand.pixel(0.0, 0.0))
+    mouse.move(*hand.pixel(10.0, 8.0))
+    mouse.up()
+    window = look.until("skinfield.state.controls.focus")
+    assert window["patch"] in (0, "hexagon72")
+    corners = [1e3 * each for each in (*window["low"], *window["high"])]
+    assert corners == pytest.approx([-8.0, -6.0, 10.0, 8.0], abs=0.7)
+    look.at("focus-clear").click()
+    look.until("skinfield.state.controls.focus === null")
+    assert look.value("skinfield.state.truth.length") == 0  # drawing is no pressing
+
+
+def test_exaggeration_deepens_the_dent(look: Look, hand: Hand) -> None:
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    for value in ("0", "1.7", "1"):
+        look.at("exaggeration").fill(value)
+        expected = 10 ** float(value)
+        shown = look.value("skinfield.scene.patches.exaggeration")
+        assert shown == pytest.approx(expected, rel=1e-6)
+
+
+def test_dark_and_light(look: Look, hand: Hand, kept: Path) -> None:
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    seen = set()
+    for _ in range(2):
+        look.at("theme").click()
+        look.page.wait_for_timeout(500)
+        name = look.value("document.documentElement.dataset.theme")
+        seen.add(name)
+        look.shoot(kept, str(name))
+    assert seen == {"dark", "light"}
+
+
+# keys, and for all
+
+
+def test_keys_do_what_the_help_says(look: Look) -> None:
+    page = look.page
+    page.locator("body").click(position={"x": 5, "y": 5})
+    for key, quantity in zip(
+        "2341", ("deformation", "uncertainty", "taxels", "pressure"), strict=True
+    ):
+        page.keyboard.press(key)
+        look.until("(name) => skinfield.state.lastUpdate.quantity === name", quantity)
+    before = look.value("skinfield.scene.view.camera.position.toArray()")
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("+")
+    after = look.value("skinfield.scene.view.camera.position.toArray()")
+    assert math.dist(before, after) > 1e-4
+    page.keyboard.press("Home")
+    home = look.value("skinfield.scene.view.camera.position.toArray()")
+    assert math.dist(before, home) < 1e-6
+    page.keyboard.press("p")  # without any pointer
+    look.wait_rows(lambda rows: len(rows) == 1)
+    page.keyboard.press("Escape")
+    look.wait_rows(lambda rows: not rows)
+    page.keyboard.press("?")
+    look.until("document.querySelector('dialog').open")
+    page.keyboard.press("Escape")
+    look.until("!document.querySelector('dialog').open")
+
+
+UNNAMED = """() => [...document.querySelectorAll('input, select, button, canvas, dialog')]
+  .filter((each) => !each.parentElement.closest('[role=img]'))
+  .filter((each) => !(each.labels?.length || each.getAttribute('aria-label')
+    || each.getAttribute('aria-labelledby') || each.textContent.trim()))
+  .map((each) => each.outerHTML.slice(0, 80))"""
+
+
+def test_everything_has_a_name_and_the_table_says_what_it_is(look: Look) -> None:
+    assert look.value(UNNAMED) == []
+    assert look.value("document.documentElement.lang") == "en"
+    table = look.at("contacts-table")
+    assert "Contacts" in table.locator("caption").inner_text()
+    assert table.locator("thead th[scope=col]").count() >= 5
+    assert look.value("document.querySelectorAll('h1').length") == 1
+    order = []
+    for _ in range(40):  # all can be reached by keyboard
+        look.page.keyboard.press("Tab")
+        order.append(look.value("document.activeElement.dataset.testid ?? ''"))
+    assert {"quantity", "skin-canvas", "resolution", "tare", "record"} <= set(order)
+
+
+# other sizes
+
+
+@pytest.mark.parametrize(
+    ("name", "width", "height"),
+    [("tablet-landscape", 1024, 768), ("tablet-portrait", 768, 1024), ("small", 1280, 720)],
+)
+def test_it_fits_a_tablet(
+    browser: Any, skin: Served, kept: Path, name: str, width: int, height: int
+) -> None:
+    with looking(browser, {"width": width, "height": height}, has_touch=True) as look:
+        look.open(skin.address)
+        wide = look.value("[document.documentElement.scrollWidth, window.innerWidth]")
+        assert wide[0] <= wide[1]
+        canvas = look.at("skin-canvas").bounding_box()
+        assert canvas["width"] > 300
+        assert canvas["height"] > 250
+        x, y = canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2
+        look.page.touchscreen.tap(x, y)
+        look.wait_rows(lambda rows: any("truthForce" in row for row in rows))
+        look.page.wait_for_timeout(700)
+        if name != "small":
+            look.shoot(kept, name)
+        Hand(look).lift()
+        assert look.wrong == []
+
+
+# recording, and looking at it again
+
+
+def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand, kept: Path) -> None:
+    hand.click(0.0, 7.0)  # on a taxel: a replay shows the engine's own contacts
+    look.wait_rows(lambda rows: len(rows) == 1)
+    look.at("record").click()
+    look.until(  # on a busy machine the recorder takes a while until the first
+        "skinfield.state.controls.recording && skinfield.state.controls.recording.cycles > 2000"
+    )
+    look.at("record").click()
+    look.until("skinfield.state.controls.recording === null")
+    hand.lift()  # only now: however long the end took, it pressed all the time
+    name = look.until("skinfield.state.hello.recordings[0]")
+    look.at("recordings").select_option(name)
+    look.until("skinfield.state.hello.mode === 'replay'")
+    end = look.value("skinfield.state.hello.replay.end_s")
+    assert end > 1.0
+    look.until("skinfield.state.lastUpdate && skinfield.state.lastUpdate.time_s > 0")
+    look.at("speed").select_option("2")
+    look.at("play").click()
+    _seek(look, 0.6 * end)
+    look.wait_rows(lambda rows: len(rows) == 1 and distance(rows[0], 0.0, 7.0) < NEAR)
+    stands = look.value("skinfield.state.lastUpdate.time_s")
+    assert stands == pytest.approx(0.6 * end, abs=0.05)
+    assert look.at("tare").is_disabled()
+    look.shoot(kept, "replay")
+    look.page.keyboard.press("Space")
+    look.until("(then) => skinfield.state.lastUpdate.time_s > then + 0.2", stands)
+    look.at("back-to-live").click()
+    look.until("skinfield.state.hello.mode === 'live' && skinfield.state.lastUpdate")
+    hand.click(3.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+
+
+def _seek(look: Look, t_s: float) -> None:
+    look.at("time-bar").evaluate(
+        """(bar, t) => { bar.value = t; bar.dispatchEvent(new Event('input', { bubbles: true }));
+        bar.dispatchEvent(new Event('change', { bubbles: true })); }""",
+        t_s,
+    )
+    look.until("(t) => Math.abs(skinfield.state.lastUpdate.time_s - t) < 0.05", t_s)
+
+
+# as good as it gets: with the fit beside the engine
+
+
+@pytest.mark.usefixtures("fitted")
+@pytest.mark.parametrize(("x_mm", "y_mm"), PLACES)
+def test_a_click_presses_and_the_contact_is_found(
+    look: Look, hand: Hand, kept: Path, x_mm: float, y_mm: float
+) -> None:
+    hand.click(x_mm, y_mm)
+    rows = look.wait_rows(lambda rows: len(rows) == 1 and is_found(rows[0]))
+    row = rows[0]
+    assert distance(row, x_mm, y_mm) < MM + 0.2  # and not only beside what the page calls truth
+    assert float(row["truthXMm"]) == pytest.approx(x_mm, abs=0.2)
+    assert float(row["truthYMm"]) == pytest.approx(y_mm, abs=0.2)
+    assert float(row["truthForce"]) == pytest.approx(1.0)
+    text = look.at("contacts-table").inner_text()
+    assert row["track"] in text
+    if (x_mm, y_mm) == PLACES[0]:
+        look.page.wait_for_timeout(1500)  # for the plots
+        look.shoot(kept, "one-press")
+    hand.lift()
+
+
+@pytest.mark.usefixtures("fitted")
+def test_shift_presses_three_at_once(look: Look, hand: Hand, kept: Path) -> None:
+    places = [(-14.0, -4.0), (13.0, -2.0), (0.0, 13.0)]
+    for place in places:
+        hand.shift_click(*place)
+    rows = look.wait_rows(lambda rows: len(rows) == 3 and all(is_found(row) for row in rows))
+    for place in places:
+        assert min(distance(row, *place) for row in rows) < MM + 0.2
+    assert len({row["track"] for row in rows}) == 3
+    look.page.wait_for_timeout(1500)
+    look.shoot(kept, "three-presses")
+    hand.click(0.0, 0.0)  # without Shift: instead of them
+    look.wait_rows(lambda rows: len(rows) == 1 and distance(rows[0], 0.0, 0.0) < MM)
+    hand.lift()
+
+
+@pytest.mark.usefixtures("fitted")
+def test_every_solver_can_be_taken(look: Look, hand: Hand) -> None:
+    options = look.value("skinfield.state.controls.solver.options")
+    assert len(options) > 2
+    for name in [*options[1:3], options[0]]:
+        look.at("solver").select_option(name)
+        look.until(
+            "(name) => skinfield.state.controls.solver.value === name"
+            " && !skinfield.state.controls.busy",
+            name,
+        )
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1 and is_found(rows[0]))
+
+
+@pytest.mark.usefixtures("fitted")
+def test_tare_takes_a_new_baseline(look: Look, hand: Hand) -> None:
+    look.at("tare").click()
+    look.until("!document.querySelector('[data-testid=tare]').hasAttribute('aria-busy')")
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1 and is_found(rows[0]))

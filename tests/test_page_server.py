@@ -1,0 +1,286 @@
+"""The page's server: whom it answers, what it sends, and how it takes orders."""
+
+import json
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from page_feeds import NotingDesk, StillFeed
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from skinfield.errors import InputError
+from skinfield.viewer import Page, PageSettings, serve_page
+from skinfield.viewer.wire import unpacked
+
+LONG = 60.0  # s
+
+
+@pytest.fixture(scope="module")
+def feed() -> StillFeed:
+    made = StillFeed()
+    made.read(1.0)
+    return made
+
+
+@pytest.fixture
+def desk() -> NotingDesk:
+    return NotingDesk()
+
+
+@pytest.fixture
+def page(feed: StillFeed, desk: NotingDesk) -> Iterator[Page]:
+    with serve_page(PageSettings(port=0), lambda: (feed,), desk) as served:
+        end = time.monotonic() + LONG
+        while not len(served.stage):
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        yield served
+
+
+def socket(page: Page, **more: Any) -> ClientConnection:
+    token = f"?token={page.settings.token}" if page.settings.token else ""
+    address = f"ws://127.0.0.1:{page.port}/socket{token}"
+    return connect(address, max_size=None, **more)
+
+
+def following(talk: ClientConnection, kind: str) -> dict[str, Any]:
+    """Next text message of a kind."""
+    end = time.monotonic() + LONG
+    while time.monotonic() < end:
+        message = talk.recv(LONG)
+        if isinstance(message, bytes):
+            number = unpacked(message)[0].get("number")
+            talk.send(json.dumps({"do": "ack", "number": number}))
+        elif (said := json.loads(message))["kind"] == kind:
+            return said
+    raise AssertionError(f"no {kind} came")
+
+
+def following_update(
+    talk: ClientConnection, kind: str = "update", condition: Any = lambda head: True
+) -> tuple[dict[str, Any], Any]:
+    """Next binary message of a kind; others are drawn at once."""
+    end = time.monotonic() + LONG
+    while time.monotonic() < end:
+        message = talk.recv(LONG)
+        if isinstance(message, bytes):
+            head, arrays = unpacked(message)
+            if head["kind"] == kind and condition(head):
+                return head, arrays
+            talk.send(json.dumps({"do": "ack", "number": head.get("number")}))
+    raise AssertionError(f"no {kind} came")
+
+
+def with_truth(head: dict[str, Any]) -> bool:
+    return bool(head["truth"])
+
+
+def ask(talk: ClientConnection, **order: Any) -> dict[str, Any]:
+    """Give an order; its answer. An update that comes meanwhile is drawn at once."""
+    talk.send(json.dumps({**order, "tag": 7}))
+    answer = following(talk, "answer")
+    assert answer["tag"] == 7
+    return answer
+
+
+def get(page: Page, path: str, **headers: str) -> tuple[int, bytes, Any]:
+    asked = urllib.request.Request(f"http://127.0.0.1:{page.port}{path}", headers=headers)
+    try:
+        with urllib.request.urlopen(asked, timeout=LONG) as answer:
+            return answer.status, answer.read(), answer.headers
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read(), error.headers
+
+
+def test_one_port_serves_the_page_and_json(page: Page) -> None:
+    status, text, headers = get(page, "/")
+    assert (status, b"<!doctype html>") == (200, text[:15].lower())
+    assert "default-src 'self'" in headers["Content-Security-Policy"]
+    for name in ("app.js", "app.css", "licences.txt"):
+        assert get(page, f"/{name}")[0] == 200
+    found = json.loads(get(page, "/api/status")[1])
+    assert found["mode"] == "live"
+    assert [each["name"] for each in found["engines"]] == ["still"]
+    contacts = json.loads(get(page, "/api/contacts")[1])["contacts"]
+    assert [(each["patch"], each["by"]) for each in contacts] == [("hexagon72", "engine")]
+    assert json.loads(get(page, "/api/truth")[1])["presses"][0]["force"] == 1.0
+    status, text, _ = get(page, "/other")
+    assert status == 404
+    assert b"/api/status" in text
+    for path in ("/../wire.py", "/page/app.js", "//etc/passwd"):
+        assert get(page, path)[0] == 404
+
+
+def test_pages_and_names_elsewhere_are_refused(page: Page) -> None:
+    assert get(page, "/api/status", Host="robot.example")[0] == 403
+    assert get(page, "/api/status", Origin="http://elsewhere.example")[0] == 403
+    here = f"http://127.0.0.1:{page.port}"
+    assert get(page, "/api/status", Origin=here)[0] == 200
+    with pytest.raises(InvalidStatus, match="403"):
+        socket(page, origin="http://elsewhere.example")
+    with pytest.raises(InvalidStatus, match="403"):
+        socket(page, origin="null")
+    with socket(page, origin=here) as talk:
+        assert following(talk, "hello")["wire"] == 1
+
+
+def test_a_token_is_asked_for_where_others_can_reach(feed: StillFeed) -> None:
+    for host in ("0.0.0.0", "192.168.1.2", "robot.local", "::"):
+        with pytest.raises(InputError, match="expected 8 or more"):
+            PageSettings(host=host, token="short")
+    assert PageSettings(host="::1").is_here
+    settings = PageSettings(host="0.0.0.0", port=0, token="a-long-token")
+    with serve_page(settings, lambda: (feed,)) as page:
+        assert page.address.endswith("/?token=a-long-token")
+        assert get(page, "/")[0] == 200  # nothing of the skin is in it
+        assert get(page, "/api/status")[0] == 401
+        assert get(page, "/api/status?token=another-one")[0] == 401
+        assert get(page, "/api/status?token=a-long-token", Host="robot.local")[0] == 200
+        for wrong in ("", "?token=", "?token=a-long-tokenn"):
+            with pytest.raises(InvalidStatus, match="401"):
+                connect(f"ws://127.0.0.1:{page.port}/socket{wrong}")
+        with socket(page) as talk:
+            assert following(talk, "hello")["mode"] == "remote"
+
+
+def test_a_taken_port_is_refused_or_another_found(page: Page, feed: StillFeed) -> None:
+    refused = pytest.raises(InputError, match=f"port {page.port} of 127.0.0.1 cannot be served")
+    with refused, serve_page(PageSettings(port=page.port), lambda: (feed,)):
+        pass
+    other = PageSettings(port=page.port, other_port=True)
+    with serve_page(other, lambda: (feed,)) as second:
+        assert second.port not in (0, page.port)
+
+
+def test_an_update_is_the_estimate(page: Page, feed: StillFeed) -> None:
+    snapshot = feed.latest()
+    assert snapshot is not None
+    with socket(page) as talk:
+        patches = following(talk, "hello")["patches"]
+        assert [(each["i"], each["name"], each["taxels"]) for each in patches] == [
+            (0, "hexagon72", 72)
+        ]
+        geometry, places = following_update(talk, "geometry")
+        head, arrays = following_update(talk)
+        talk.send(json.dumps({"do": "ack", "number": head["number"]}))
+        told, _ = following_update(talk, condition=with_truth)
+    grid = snapshot["hexagon72"].grid
+    assert (geometry["rows"], geometry["columns"]) == grid.shape
+    plane = places[2].reshape(-1, 2)
+    assert_allclose(plane, grid.plane, atol=1e-8)
+    row = head["patches"][0]
+    pressure = row["colour_lo"] + arrays[row["colour"]] / 65535 * (
+        row["colour_hi"] - row["colour_lo"]
+    )
+    expected = snapshot["hexagon72"].pressure
+    assert_allclose(pressure, expected, atol=expected.max() / 65535)
+    assert row["answer"] == "searched"
+    contact, found = head["contacts"][0], snapshot.contacts[0]
+    assert contact["force"] == found["normal_force"]
+    apart = np.subtract(contact["position"], told["truth"][0]["position"])
+    assert np.linalg.norm(apart) < 2e-3  # in one picture, whatever its frame
+
+
+def test_one_update_is_in_flight_and_the_newest_wins(page: Page, feed: StillFeed) -> None:
+    with socket(page) as talk:
+        following(talk, "controls")
+        head, _ = following_update(talk)
+        for _ in range(2):
+            feed.read(1.0)
+        page_number = feed.latest().number  # type: ignore[union-attr]
+        for _ in range(2):  # before the first is drawn only the status comes
+            assert isinstance(talk.recv(LONG), str)
+        talk.send(json.dumps({"do": "ack", "number": head["number"] + 5}))  # of none that was sent
+        talk.send(json.dumps({"do": "ack", "number": head["number"]}))
+        assert following_update(talk)[0]["cycle"] == page_number
+
+
+def test_each_browser_chooses_what_it_sees(page: Page, feed: StillFeed) -> None:
+    snapshot = feed.latest()
+    assert snapshot is not None
+    snapshot.prepare()
+    with socket(page) as one, socket(page) as other:
+        assert ask(one, do="show", quantity="deformation")["ok"]
+        head, arrays = following_update(one, condition=lambda head: head["unit"] == "m")
+        row = head["patches"][0]
+        heights = arrays[row["height"]] * row["height_scale"]
+        inwards = snapshot["hexagon72"].indentation
+        assert_allclose(heights, np.maximum(inwards, 0), atol=float(inwards.max()) / 65535)
+        assert_allclose(arrays[row["colour"]] / 65535 * row["colour_hi"], heights, atol=1e-9)
+        assert following_update(other)[0]["quantity"] == "pressure"
+
+
+def test_orders_reach_the_desk_or_are_refused_in_words(page: Page, desk: NotingDesk) -> None:
+    with socket(page) as talk:
+        head, _ = following_update(talk, condition=with_truth)
+        place = head["truth"][0]["position"]
+        press = {"do": "press", "id": "a", "patch": 0, "position": place}
+        said = ask(talk, **press, force=1.0, radius=6e-3, shape="ball")
+        assert said["ok"]
+        assert_allclose((said["x"], said["y"]), (0.0, 7.5e-3), atol=1e-8)
+        done = desk.orders[0][1]
+        assert done.patch == "hexagon72"
+        assert done.id.endswith("-a")
+        assert "2 N at most" in ask(talk, **press, force=3.0)["error"]
+        assert ask(talk, do="set", what="threshold_N", value=0.2)["ok"]
+        window = {"patch": 0, "low": [0.0, 0.0], "high": [0.01, 0.01]}
+        assert ask(talk, do="set", what="focus", value=window)["ok"]
+        assert desk.orders[-1] == ("focus", window | {"patch": "hexagon72"})
+        for wrong, words in (
+            (press | {"position": [0.0, 1e400, 0.0]}, "three numbers"),
+            (press | {"position": [0.0, True, 0.0]}, "three numbers"),
+            (press | {"patch": 1}, "expected 0 to 0"),
+            (press | {"force": "1"}, "newtons"),
+            ({"do": "set", "what": "focus", "value": 3}, "expected patch, low and high"),
+            ({"do": "dance"}, "expected one of"),
+            ({"do": "replay", "what": "seek", "value": 1}, "open one first"),
+            ({"do": "tare"}, "only looks on"),
+            ({"do": "show", "quantity": "smell"}, "expected one of pressure"),
+        ):
+            said = ask(talk, **wrong)
+            assert not said["ok"]
+            assert words in said["error"]
+        for nonsense in ("[]", "{", "7", '{"do": 3}', "[" * 5000):
+            talk.send(nonsense)
+            assert "not understood" in following(talk, "notice")["text"]
+        assert ask(talk, do="hello")["ok"]
+
+
+def test_a_part_that_fails_is_told_and_presses_go_with_their_browser(
+    page: Page, desk: NotingDesk
+) -> None:
+    with socket(page) as talk:
+        assert "OSError: no room" in ask(talk, do="record", on=True)["error"]
+        assert ask(talk, do="hello")["ok"]  # the page goes on
+    end = time.monotonic() + LONG
+    while not desk.left:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    assert desk.left[0].endswith("-")
+
+
+def test_browsers_learn_of_another_skin(feed: StillFeed) -> None:
+    second = StillFeed("second")
+    second.read()
+    feeds: list[StillFeed] = [feed]
+    with serve_page(PageSettings(port=0), lambda: tuple(feeds)) as page, socket(page) as talk:
+        while len(following(talk, "hello")["patches"]) != 1:
+            pass
+        feeds.append(second)
+        told = following(talk, "hello")["patches"]
+        assert [each["engine"] for each in told] == ["still", "second"]
+        first, _ = following_update(talk, "geometry")
+        head, _ = following_update(talk, "geometry")
+        assert [first["patch"], head["patch"]] == [0, 1]
+        places = page.stage.standing
+        apart = places[1].pose[:3, 3] - places[0].pose[:3, 3]
+        assert np.linalg.norm(apart) > 0.05  # side by side
+        feeds.pop()
+        assert len(following(talk, "hello")["patches"]) == 1

@@ -1,0 +1,270 @@
+"""Names, keys and attachments, against what ROS 2's own documents and programs have."""
+
+import json
+from contextlib import nullcontext, suppress
+from hashlib import sha256
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from skinfield.bridges.ros2.gid import gid_of
+from skinfield.bridges.ros2.rmw_zenoh import NO_HASH, Attachment, Node, Publication, Qos, type_name
+from skinfield.bridges.ros2.settings import RosSettings
+from skinfield.errors import FileError, InputError
+from skinfield.layout import Patch, Skin
+from skinfield.sinks.ros import RosbagKinds, Topics, interface_package
+from skinfield.sinks.ros.kinds import (
+    CLOUD,
+    CONTACT,
+    CONTACTS,
+    FRAMES,
+    OWN,
+    WRENCH_STAMPED,
+    definition_of,
+)
+from skinfield.sinks.ros.names import check_prefix, frame_of, is_topic, token_of, tokens_of
+
+STRING = "std_msgs/msg/String"
+STRING_HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+
+
+# Of docs/design.md of ros2/rmw_zenoh (branch jazzy), word for word.
+CHATTER = f"0/chatter/std_msgs::msg::dds_::String_/{STRING_HASH}"
+LISTENER = "@ros2_lv/0/aac3178e146ba6f1fc6e6a4085e77f21/0/0/NN/%/%/listener"
+TALKER = (
+    "@ros2_lv/0/8b20917502ee955ac4476e0266340d5c/0/10/MP/%/%/talker/%chatter/"
+    f"std_msgs::msg::dds_::String_/{STRING_HASH}/::,7:,:,:,,"
+)
+
+
+def talker(**more) -> Publication:
+    node = Node("talker", "8b20917502ee955ac4476e0266340d5c")
+    return Publication(node, 10, "/chatter", STRING, **({"hash": STRING_HASH} | more))
+
+
+def test_keys_are_those_of_the_design_document():
+    assert talker().key == CHATTER
+    assert Node("listener", "aac3178e146ba6f1fc6e6a4085e77f21").token == LISTENER
+    assert talker(qos=Qos(7)).token == TALKER
+
+
+def test_keys_elsewhere():
+    """Another domain, a namespace, best effort, the depth that is left out, Humble."""
+    node = Node("skin", "1", 42, "/robot1/arm")
+    assert node.token == "@ros2_lv/42/1/0/0/NN/%/%robot1%arm/skin"
+    each = Publication(node, 1, "/skin/left/taxels", CLOUD, NO_HASH, Qos(1, reliable=False))
+    end = "sensor_msgs::msg::dds_::PointCloud2_/TypeHashNotSupported"
+    assert each.key == f"42/skin/left/taxels/{end}"
+    assert each.token.endswith(f"/1/MP/%/%robot1%arm/skin/%skin%left%taxels/{end}/2::,1:,:,:,,")
+    assert Qos(42).text == "::,:,:,:,,"
+
+
+def test_gid():
+    """By the package xxhash 3.5: low and high word of xxh3_128, little-endian."""
+    known = {
+        LISTENER: "5bd72f4daf53c0bb00c7394e7fc19547",
+        TALKER: "eb85fa883b7846dc448a4501890ad062",
+        "a" * 17: "e1d69d5c23c0272dc5aa43e3c04977c7",
+        "ab" * 100: "dd96b68436b5cfa8a7381221744c7f49",
+        "abc" * 500: "f9ee95f1deebe32cfb4a55c805331e2d",
+    }
+    assert {key: gid_of(key).hex() for key in known} == known
+    assert talker(qos=Qos(7)).gid == gid_of(TALKER)
+    with pytest.raises(InputError, match="at least 17"):
+        gid_of("short")
+
+
+def test_attachment():
+    """The layout as ros2/rmw_zenoh's attachment_helpers.cpp writes it since 0.2.4."""
+    gid = bytes.fromhex("00112233445566778899aabbccddeeff")
+    wanted = bytes.fromhex("0807060504030201" + "1817161514131211" + "10") + gid
+    made = Attachment(0x0102030405060708, 0x1112131415161718, gid)
+    assert made.encode() == wanted
+    assert Attachment.decode(wanted) == made
+
+
+def test_attachment_is_what_zenoh_serializes():
+    ext = pytest.importorskip("zenoh.ext")
+    gid = bytes(range(16))
+    theirs = ext.z_serialize((ext.Int64(-3), ext.Int64(1_700_000_000_000_000_001), gid))
+    assert Attachment(-3, 1_700_000_000_000_000_001, gid).encode() == theirs.to_bytes()
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.binary(max_size=80) | st.binary(min_size=33, max_size=33))
+def test_any_attachment(data):
+    good = len(data) == 33 and data[16] == 16
+    with nullcontext() if good else pytest.raises(FileError, match="33 in all"):
+        assert Attachment.decode(data).encode() == data
+
+
+KINDS = {"int64": 8, "float64": 11, "bool": 15, "string": 17}  # REP 2011's numbers of types
+NESTED, MANY = 1, 144
+
+
+def independent_hash(kind: str, describe) -> str:
+    """RIHS01 as REP 2011 and 2016 have it, of lists of (field, type) for each type."""
+
+    def one(name):
+        fields = []
+        for field, text in describe[name]:
+            many, text = (MANY, text[:-2]) if text.endswith("[]") else (0, text)
+            number = KINDS.get(text, NESTED) + many
+            about = {"type_id": number, "capacity": 0, "string_capacity": 0}
+            nested = "" if text in KINDS else text
+            fields.append({"name": field, "type": about | {"nested_type_name": nested}})
+        return {"type_name": name, "fields": fields}
+
+    others = [one(name) for name in sorted(set(describe) - {kind})]
+    whole = {"type_description": one(kind), "referenced_type_descriptions": others}
+    return f"RIHS01_{sha256(json.dumps(whole).encode()).hexdigest()}"
+
+
+def fields_of(kind: str) -> list[tuple[str, str]]:
+    """Of a .msg file, by hand."""
+    found = []
+    for line in definition_of(kind).splitlines():
+        text = line.partition("#")[0].split()
+        if text:
+            long = {"std_msgs/Header": "std_msgs/msg/Header", "Contact[]": f"{CONTACT}[]"}
+            usual = text[0].replace("geometry_msgs/", "geometry_msgs/msg/")
+            found.append((text[1], long.get(text[0], usual)))
+    return found
+
+
+def test_hashes():
+    kinds = RosbagKinds()
+    assert kinds.hash_of(STRING) == STRING_HASH
+    assert independent_hash(STRING, {STRING: [("data", "string")]}) == STRING_HASH
+    xyz = [(axis, "float64") for axis in "xyz"]
+    KINDS.update(int32=6, uint32=7)
+    describe = {
+        CONTACT: fields_of(CONTACT),
+        "std_msgs/msg/Header": [
+            ("stamp", "builtin_interfaces/msg/Time"),
+            ("frame_id", "string"),
+        ],
+        "builtin_interfaces/msg/Time": [("sec", "int32"), ("nanosec", "uint32")],
+        "geometry_msgs/msg/Point": xyz,
+        "geometry_msgs/msg/Vector3": xyz,
+        "geometry_msgs/msg/Wrench": [
+            ("force", "geometry_msgs/msg/Vector3"),
+            ("torque", "geometry_msgs/msg/Vector3"),
+        ],
+    }
+    assert kinds.hash_of(CONTACT) == independent_hash(CONTACT, describe)
+    wrench = {
+        name: told
+        for name, told in describe.items()
+        if name not in (CONTACT, "geometry_msgs/msg/Point")
+    }
+    wrench[WRENCH_STAMPED] = [
+        ("header", "std_msgs/msg/Header"),
+        ("wrench", "geometry_msgs/msg/Wrench"),
+    ]
+    assert kinds.hash_of(WRENCH_STAMPED) == independent_hash(WRENCH_STAMPED, wrench)
+    describe[CONTACTS] = fields_of(CONTACTS)
+    assert kinds.hash_of(CONTACTS) == independent_hash(CONTACTS, describe)
+
+
+def test_hashes_are_those_of_real_systems():
+    """As `ros2 topic info --verbose` printed them elsewhere, of rviz2, amcl and others."""
+    kinds = RosbagKinds()
+    cloud = "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"
+    frames = "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
+    assert kinds.hash_of(CLOUD) == f"RIHS01_{cloud}"
+    assert kinds.hash_of(FRAMES) == f"RIHS01_{frames}"
+
+
+def test_the_interface_package():
+    """It names every message, and names of fields keep the rules of ROS."""
+    folder = interface_package()
+    listed = (folder / "CMakeLists.txt").read_text()
+    assert "<name>skinfield_msgs</name>" in (folder / "package.xml").read_text()
+    for kind in OWN:
+        assert f'"msg/{kind.rpartition("/")[2]}.msg"' in listed
+        for name, _ in fields_of(kind):
+            assert name == name.lower()
+            assert "__" not in name
+            assert name.replace("_", "a").isalnum()
+            assert name[0].isalpha()
+            assert name[-1] != "_"
+    depends = (folder / "package.xml").read_text()
+    packages = {text.partition("/")[0] for k in OWN for _, text in fields_of(k) if "/" in text}
+    assert all(f"<depend>{name}</depend>" in depends for name in packages - {"skinfield_msgs"})
+
+
+@given(st.text())
+def test_any_name_becomes_a_token(name):
+    token = token_of(name)
+    assert is_topic(f"/{token}")
+    assert not token.startswith("_")  # it would be hidden
+
+
+@given(st.lists(st.text(alphabet="aA_-2 é", max_size=4), min_size=1, max_size=8, unique=True))
+def test_patches_have_different_topics(names):
+    tokens = tokens_of(names)
+    assert len(set(tokens)) == len(names)
+    assert all(is_topic(f"/skin/{token}/contact_wrench") for token in tokens)
+    assert tokens[0] == token_of(names[0])
+
+
+@given(st.text(alphabet="ab/_0~{} ", max_size=10).map(lambda text: "/" + text))
+def test_rules_of_topics(name):
+    """As the design article lists them, one by one."""
+    parts = name[1:].split("/")
+    good = all(part and part.isascii() and part[0] not in "0" for part in parts)
+    good &= not set(name) & set("~{} ") and "__" not in name
+    assert is_topic(name) == good
+
+
+def test_topics_of_a_skin():
+    plane = [[0, 0], [5e-3, 0], [0, 5e-3]]
+    skin = Skin(
+        (Patch(plane, name="2nd palm", link="/hand"), Patch(plane, name="左手", link="arm"))
+    )
+    topics = Topics.of(skin, "/left/skin")
+    assert topics.of_patch(0, "wrench") == "/left/skin/patch_2nd_palm/wrench"
+    assert topics.of_patch(1, "taxels") == "/left/skin/patch/taxels"
+    assert topics.contact_frame(0, 12) == "left_patch_2nd_palm_contact_12"
+    assert Topics.of(skin).contact_frame(0, 12) == "patch_2nd_palm_contact_12"
+    assert [frame_of(patch) for patch in skin] == ["hand", "arm"]
+    for prefix in ("skin", "/a//b", "/skin/", "/2", "/" + 99 * "a"):
+        with pytest.raises(InputError, match="prefix is"):
+            check_prefix(prefix)
+
+
+def test_type_names():
+    assert type_name(CONTACTS) == "skinfield_msgs::msg::dds_::ContactArray_"
+    for kind in ("String", "std_msgs/String", "std_msgs/srv/Trigger", "std_msgs/msg/string"):
+        with pytest.raises(InputError, match="kind is"):
+            type_name(kind)
+
+
+def test_settings(monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.setenv("ROS_DISTRO", "humble")
+    assert not RosSettings().hashed
+    monkeypatch.setenv("ROS_DISTRO", "one of the future")
+    assert RosSettings().hashed
+    made = RosSettings.from_plain({"robot": "left.arm", "rates": {"taxels": 0}})
+    assert (made.domain, made.namespace, made.prefix) == (7, "/left_arm", "/left_arm/skin")
+    assert made.rates["taxels"] == 0
+    assert made.rates["contacts"] == 100
+    assert made.meeting.connect == ("tcp/localhost:7447",)
+    assert RosSettings.from_plain({"domain": 3}).prefix == "/skin"
+    monkeypatch.setenv("ROS_DOMAIN_ID", "seven")
+    with pytest.raises(InputError, match="ROS_DOMAIN_ID is 'seven'"):
+        RosSettings()
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.dictionaries(st.sampled_from(["robot", "domain", "rates", "session", "no"]),
+                       st.recursive(st.none() | st.booleans() | st.floats() | st.text(max_size=9),
+                                    lambda inner: st.lists(inner) | st.dictionaries(
+                                        st.sampled_from(["wrench", "x"]), inner),
+                                    max_leaves=4)))  # fmt: skip
+def test_any_settings(plain):
+    with suppress(InputError):
+        assert is_topic(RosSettings.from_plain(plain).prefix)

@@ -1,0 +1,285 @@
+"""A port of ours, byte for byte: what YARP's tools say to it over sockets in plain Python."""
+
+import socket
+import struct
+import threading
+from collections.abc import Iterator
+
+import pytest
+from live_skins import wait_for
+from yarp_peers import NameServer, Peer
+
+from skinfield.errors import InputError
+from skinfield.protocols import yarp
+from skinfield.protocols.yarp import Port, Session, Vocab, connection, envelope
+
+VALUES = [[1, 2], [1.0, 0.5], "a b", Vocab("ok"), 3.0]
+TEXT = b'(1 2) (1.0 0.5) "a b" [ok] 3.0\r\n'
+
+
+def ints(*numbers: int) -> bytes:
+    return struct.pack(f"<{len(numbers)}i", *numbers)
+
+
+BYTES = (
+    ints(256, 5, 257, 2, 1, 2, 276, 2) + struct.pack("<2d", 1.0, 0.5) + ints(4, 3) + b"a b"
+    + ints(9) + b"ok\0\0" + ints(20) + struct.pack("<d", 3.0)
+)  # fmt: skip
+
+
+def yarp_number(value: int) -> bytes:
+    return b"YA" + ints(value) + b"RP"
+
+
+def command(word: bytes) -> bytes:
+    """A port command in bytes: one letter, or text."""
+    if len(word) == 1:
+        return b"\0\0\0\0~" + word + b"\0\x01"
+    return ints(len(word) + 1) + b"~\0\0\x01" + word + b"\0"
+
+
+def block(*blocks: bytes) -> bytes:
+    """A message of the tcp carrier."""
+    index = bytes([len(blocks), 1]) + b"\xff" * 8 + b"".join(ints(len(b)) for b in blocks)
+    return yarp_number(10) + index + ints(0) + b"".join(blocks)
+
+
+class Visitor:
+    """Says something to a port, and reads so many bytes of what it answers."""
+
+    def __init__(self, port: Port) -> None:
+        self.port = port
+        self.socket = socket.create_connection(("127.0.0.1", port.socket_port), 10.0)
+
+    def says(self, data: bytes, answer: bytes) -> None:
+        self.socket.sendall(data)
+        assert self.reads(len(answer)) == answer
+
+    def reads(self, count: int) -> bytes:
+        found = b""
+        self.socket.settimeout(0.01)
+        for _ in range(3000):
+            if len(found) == count:
+                break
+            self.port.step()
+            try:
+                data = self.socket.recv(count - len(found))
+            except TimeoutError:
+                continue
+            if not data:
+                break
+            found += data
+        return found
+
+    def is_closed(self) -> bool:
+        return self.reads(1) == b""
+
+    def close(self) -> None:
+        self.socket.close()
+
+
+@pytest.fixture
+def port() -> Iterator[Port]:
+    made = Port("/out", "127.0.0.1")
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def visitor(port: Port) -> Iterator[Visitor]:
+    made = Visitor(port)
+    yield made
+    made.close()
+
+
+def test_a_reader_types_what_yarps_page_says(port: Port, visitor: Visitor) -> None:
+    visitor.says(b"CONNECT foo\r\n", b"Welcome foo\r\n")
+    visitor.says(
+        b"\r\n",
+        b"Port command not understood.\r\nType d to send data to the port's owner.\r\n"
+        b"Type ? for help.\r\n",
+    )
+    at = f"127.0.0.1:{port.socket_port}"
+    visitor.says(
+        b"*\r\n",
+        f"This is /out at tcp://{at}/\r\nThere are no outgoing connections\r\n"
+        "There is an input connection from foo to /out using text\r\n".encode(),
+    )
+    assert port.write(VALUES) == 0
+    visitor.says(b"r\r\n", b"")
+    port.step(0.1)
+    assert port.connections(True) == {"foo": "text"}
+    assert port.write(VALUES, envelope(12, 1215723086.182938)) == 1
+    expected = b"D 12 1215723086.182938\r\n" + TEXT
+    assert visitor.reads(len(expected)) == expected
+    port.write([])
+    assert visitor.reads(5) == b"D\r\n\r\n"
+
+
+def test_what_yarp_connect_says_to_a_port(port: Port, visitor: Visitor) -> None:
+    visitor.says(b"CONNACK admin\r\n", b"Welcome admin\r\n")
+    visitor.says(b"a\r\n[ver]\r\n", b"[ver] 1 2 3\r\n<ACK>\r\n")
+    visitor.says(b"a\r\n[list] [out]\r\n", b"\r\n<ACK>\r\n")
+    visitor.says(
+        b'a\r\n[add] "tcp://reader"\r\n',
+        b'-1 "Do not know how to connect to tcp://reader: there is no name server"\r\n<ACK>\r\n',
+    )
+    visitor.says(
+        b"a\r\n[add] udp://reader\r\n",
+        b"-1 \"Cannot connect to udp://reader: carrier is 'udp', expected one of text, text_ack, "
+        b'tcp, fast_tcp"\r\n<ACK>\r\n',
+    )
+    visitor.says(b"a\r\nxyz\r\n", b'[fail] "send [help] for list of valid commands"\r\n<ACK>\r\n')
+    visitor.says(b"d\r\nto nobody\r\n", b"<ACK>\r\n")
+    visitor.says(b"q\r\n", b"")
+    assert visitor.is_closed()
+
+
+def test_a_tool_that_speaks_tcp(port: Port, visitor: Visitor) -> None:
+    hello = yarp_number(7777 + 3 + 128)
+    assert hello == b"YA\xe4\x1e\0\0RP"  # as yarp_protocol.dox has it
+    welcome = yarp_number(port.socket_port)
+    visitor.says(hello + ints(6) + b"admin\0", welcome)
+    ask = ints(257 + 8, 1) + b"ver\0"
+    tell = ints(256, 4, 9) + b"ver\0" + ints(1, 1, 1, 2, 1, 3)
+    visitor.says(block(command(b"a"), ask), block(tell) + yarp_number(0))
+    visitor.says(block(command(b"r")), yarp_number(0))
+    assert port.write(VALUES, "7 1.5") == 1
+    expected = block(command(b"D 7 1.5"), BYTES)
+    assert visitor.reads(len(expected)) == expected
+
+
+def test_a_message_goes_out_when_the_one_before_is_acknowledged(
+    port: Port, visitor: Visitor
+) -> None:
+    visitor.says(b"CONNACK slow\nr\n", b"Welcome slow\r\n<ACK>\r\n")
+    assert port.write([1]) == 1
+    assert port.write([2]) == 0
+    assert port.skipped == 1
+    visitor.says(b"<ACK>\r\n", b"D\r\n1\r\n")
+    assert port.write([3]) == 1
+    assert visitor.reads(6) == b"D\r\n3\r\n"
+
+
+def test_a_reader_that_takes_nothing_holds_up_nobody(port: Port, visitor: Visitor) -> None:
+    other = Visitor(port)
+    for each in (visitor, other):
+        each.says(b"CONNECT x\nr\n", b"Welcome x\r\n")
+    port.step(0.1)
+    big = ["x" * 50_000]
+    for _ in range(200):
+        port.write(big)
+        other.reads(len(big[0]) + 5)
+    assert port.skipped > 0
+    assert port.sent > 200
+    assert len(port.connections(True)) == 1  # of the one name
+    other.close()
+
+
+def test_others_are_told_what_they_are(port: Port, visitor: Visitor) -> None:
+    visitor.says(b"GET / HTTP/1.1\r\n", b"* Error. Protocol not found.\r\n")
+    assert visitor.reads(100).endswith(b"CONNECT and a name.\r\n")
+    assert visitor.is_closed()
+    session = Session(port)
+    session.take(b"CONNECT " + b"x" * 2000)
+    assert session.done
+
+
+class Reader(Peer):
+    """A port that others connect to, by the carrier that they choose."""
+
+    def talk(self, link: socket.socket, line: object) -> None:
+        head = b""
+        while len(head) < 8:
+            head += link.recv(8 - len(head))
+        if head.startswith(b"YA"):
+            size = link.recv(4, socket.MSG_WAITALL)
+            name = size + link.recv(struct.unpack("<i", size)[0], socket.MSG_WAITALL)
+            link.sendall(yarp_number(self.port))
+        else:
+            name = b""
+            while not name.endswith(b"\n"):
+                name += link.recv(1)
+            link.sendall(b"Welcome " + name)
+        self.heard.append(head + name)
+        self.got = b""
+        while data := link.recv(4096):
+            self.got += data
+
+
+@pytest.mark.parametrize("carrier", ["tcp", "fast_tcp", "text", "text_ack"])
+def test_it_connects_when_it_is_told_to(carrier: str) -> None:
+    names, reader = NameServer(), Reader()
+    names.known["/reader"] = ("127.0.0.1", reader.port)
+    port = Port("/out", "127.0.0.1", server=yarp.NameServer("127.0.0.1", names.port))
+    try:
+        port.register()
+        assert names.known["/out"] == ("127.0.0.1", port.socket_port)
+        assert names.asked[0] == f"register /out tcp 127.0.0.1 {port.socket_port}"
+        assert names.asked[1] == "set /out offers text text_ack tcp fast_tcp"
+        assert port.add(f"{carrier}://reader").startswith("Added connection from /out to ")
+        assert port.add("/nobody") == "Do not know how to connect to /nobody"
+        port.write(VALUES, "7 1.5")
+        assert port.connections(True) == {"/reader": carrier}
+        assert port.remove("/reader") == "Removed connection from /out to /reader"
+        wait_for(lambda: len(reader._threads) > 1)
+        for thread in reader._threads[1:]:
+            thread.join(10.0)
+        is_text = carrier.startswith("text")
+        start = b"CONNECT /out\r\n" if carrier == "text" else b"CONNACK /out\r\n"
+        code = b"\xe4" if carrier == "tcp" else b"\x64"
+        assert reader.heard[-1] == (
+            start if is_text else b"YA" + code + b"\x1e\0\0RP" + ints(5) + b"/out\0"
+        )
+        told = b"D 7 1.5\r\n" + TEXT + b"q\r\n"
+        blocks = block(command(b"D 7 1.5"), BYTES) + block(command(b"q"))
+        assert reader.got == (told if is_text else blocks)
+        port.unregister()
+        assert "/out" not in names.known
+    finally:
+        port.close()
+        reader.close()
+        names.close()
+
+
+def test_a_name_server_that_is_not_there() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        place = free.getsockname()[1]
+    with pytest.raises(InputError, match="expected a running `yarp server`"):
+        yarp.NameServer("127.0.0.1", place).ask(["query", "/x"], "me")
+
+
+def test_a_name_server_of_ours_answers_as_yarps_does() -> None:
+    table = yarp.NameTable()
+    root = Port("/root", "127.0.0.1", data=table.answer)
+    stop = threading.Event()
+
+    def listen() -> None:
+        while not stop.is_set():
+            root.step(0.02)
+
+    thread = threading.Thread(target=listen)
+    thread.start()
+    try:
+        ask = yarp.NameServer("127.0.0.1", root.socket_port).ask
+        assert ask(["query", "/x"], "me").lines == []
+        made = ask(["register", "/x", "tcp", "...", 4321], "me")
+        assert made.lines == ["registration name /x ip 127.0.0.1 port 4321 type tcp"]
+        assert ask(["query", "/x"], "me").registration == yarp.Registration(
+            "/x", "127.0.0.1", 4321, "tcp"
+        )
+        assert len(ask(["list"], "me").lines) == 1
+        assert ask(["unregister", "/x"], "me").lines == []
+    finally:
+        stop.set()
+        thread.join()
+        root.close()
+
+
+def test_a_party_that_says_nothing_is_let_go(
+    port: Port, visitor: Visitor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    visitor.says(b"CONN", b"")
+    port.step(0.1)
+    monkeypatch.setattr(connection, "SILENT", 0.0)
+    assert visitor.is_closed()

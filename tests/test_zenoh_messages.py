@@ -1,0 +1,139 @@
+"""Messages over zenoh: there and back, and any bytes refused."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import skinfield as sf
+from skinfield.bridges.zenoh.calibration import Calibration
+from skinfield.bridges.zenoh.checked import checked_status
+from skinfield.bridges.zenoh.fitted import contacts_from
+from skinfield.bridges.zenoh.keys import Part, chunk
+from skinfield.bridges.zenoh.messages import EstimateHead, Plan, strict_json
+from skinfield.bridges.zenoh.told import contact_plain
+from skinfield.contacts.live import CONTACT
+from skinfield.errors import InputError
+from skinfield.inverse import NonNegative
+
+FUZZ = Path(__file__).resolve().parents[1] / "fuzz" / "fuzz_zenoh.py"
+words = st.integers(0, (1 << 62) - 1)
+
+
+@pytest.fixture(scope="module")
+def target():
+    spec = importlib.util.spec_from_file_location("fuzz_zenoh", FUZZ)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.tuples(st.integers(0, 2**32 - 1), words, words, words, words, words), st.binary())
+def test_heads_go_there_and_back(numbers, rest) -> None:
+    head = EstimateHead(*numbers, (rest + bytes(16))[:16])
+    assert EstimateHead.of(head.packed()) == head
+    assert len(head.packed()) == 64
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.text(min_size=1, max_size=20), st.text(min_size=1, max_size=20))
+def test_any_name_is_one_chunk_of_a_key_and_comes_back(robot, name) -> None:
+    part = Part(robot, name)
+    assert Part.of(part.key("alive")) == part
+    key = part.patch_key(robot, "raw")
+    assert key.count("/") == 5
+    assert not set(key) & set("*$?#@ ")
+    assert chunk("left_arm-2.a~") == "left_arm-2.a~"
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.binary(max_size=300))
+def test_any_bytes_are_refused_or_can_be_shown(target, data) -> None:
+    target.one_input(data)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    kind=st.integers(0, 5),
+    changes=st.lists(st.tuples(st.integers(0, 1 << 16), st.binary(min_size=8, max_size=8))),
+)
+def test_good_messages_with_changes_too(target, kind, changes) -> None:
+    data = b"".join(place.to_bytes(3, "little") + octets for place, octets in changes)
+    target.one_input(bytes([kind]) + data)
+
+
+def test_contacts_go_there_and_back(target) -> None:
+    rng = np.random.default_rng(4)
+    rows = np.zeros(3, CONTACT)
+    for name in CONTACT.names:
+        rows[name] = rng.integers(1, 9, rows[name].shape)
+    rows["patch"], rows["cells"] = 0, 0  # how many cells it has is not told
+    rows["place_std"][1] = np.nan
+    by = ["fit", "engine", "fit"]
+    patches = list(target.RECIPE.skin)
+    plain = [contact_plain(row, patches, who) for row, who in zip(rows, by, strict=True)]
+    found = contacts_from(strict_json({"stamp_ns": 5, "contacts": plain}), target.RECIPE.skin)
+    assert (found.stamp_ns, found.by) == (5, by)
+    for name in CONTACT.names:
+        np.testing.assert_array_equal(found.rows[name], rows[name])
+
+
+def test_the_sample_is_good(target) -> None:
+    for read, good in zip(target.READS[:4], target.GOOD[:4], strict=True):
+        read(good)
+    slot = target.PLAN.slot(target.CYCLE)
+    assert slot.patches["answer"].tolist() == [2]
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"skinfield_zenoh": 2}, "of version 2, expected 1"),
+        ({"ring": {}}, "has no recipe"),
+        ({"slot_bytes": 7}, "slots have 7 bytes"),
+        ({"slot": []}, "another skinfield"),
+    ],
+)
+def test_descriptions_that_do_not_fit_say_why(target, change, match) -> None:
+    plain = json.loads(target.DESCRIPTION) | change
+    with pytest.raises(InputError, match=match):
+        Plan.of(strict_json(plain))
+
+
+@pytest.mark.parametrize("rungs", [[100_000], [], [True], ["a"], list(range(2, 900))])
+def test_a_description_cannot_ask_for_all_memory(target, rungs) -> None:
+    plain = json.loads(target.DESCRIPTION)
+    recipe = json.loads(plain["ring"]["recipe"]) | {"rungs": rungs}
+    plain["ring"]["recipe"] = json.dumps(recipe)
+    with pytest.raises(InputError):
+        Plan.of(strict_json(plain))
+
+
+def test_calibrations_go_there_and_back() -> None:
+    noise = np.linspace(1e-4, 1e-3, 5)
+    found = Calibration.of(Calibration(3, 2, NonNegative(tolerance=0.1), noise).packed(), 5)
+    assert (found.tares, found.generation, found.solver) == (3, 2, NonNegative(tolerance=0.1))
+    np.testing.assert_array_equal(found.noise_std, noise)
+    with pytest.raises(InputError, match="no noise of 6 taxels"):
+        Calibration.of(Calibration(3, 2, None, noise).packed(), 6)
+
+
+def test_what_is_not_finite_becomes_null() -> None:
+    text = strict_json({"a": [float("nan"), 1.0], "b": {"c": float("inf")}})
+    assert json.loads(text) == {"a": [None, 1.0], "b": {"c": None}}
+
+
+def test_a_status_is_of_this_skin(target) -> None:
+    plain = json.loads(target.STATUS)
+    assert checked_status(plain, target.RECIPE.skin)["state"] == "running"
+    with pytest.raises(InputError, match="others than those of the skin"):
+        checked_status(plain, sf.Skin((sf.layouts.hexagon72(),)))
+    with pytest.raises(InputError, match="state is 'fine'"):
+        checked_status(plain | {"state": "fine"}, target.RECIPE.skin)
+    with pytest.raises(InputError, match="expected 0 or more"):
+        checked_status(plain | {"lost": -1}, target.RECIPE.skin)
