@@ -6,11 +6,13 @@ import numpy as np
 
 from skinfield.acquisition import CanMessages
 from skinfield.sources.buses import BusSettings, open_bus
-from skinfield.virtual import VirtualSettings, VirtualSkin
+from skinfield.virtual import VirtualSettings, VirtualSkin, Wires
 
 SECOND = 1_000_000_000
 QUIET = {"noise": 0.0, "scene": "idle", "bus": "udp"}
 START = ["4D 02 01 F0", "50 00 0F 02 01 00 22", "07 00"]
+PUNCTUAL = Wires(jitter=0.0)  # else what is due now may be due a moment after
+STEPPED = {"control": "", "rate": 100.0, "lead_in": 0.0, "wires": PUNCTUAL}
 LONG = 60.0  # s: far more than anything here takes
 
 
@@ -53,7 +55,7 @@ class Stepped:
     """A virtual skin in this process, whose time the test makes: nothing depends on the clock."""
 
     def __init__(self, **settings):
-        given = {**QUIET, "control": "", "rate": 100.0, "lead_in": 0.0, **settings}
+        given = {**QUIET, **STEPPED, **settings}
         self.skin = VirtualSkin(VirtualSettings(**given))
         self.host = Host(self.skin.hardware.addresses[0])
         self.now_ns = time.time_ns()
