@@ -6,6 +6,7 @@ from collections import Counter
 from skinfield.acquisition.block import Kind
 from skinfield.acquisition.recorded import CycleLayout
 from skinfield.live.recorder_kernel import told_in
+from skinfield.live.recorder_place import Place, place_now
 from skinfield.live.recorder_queue import Entry, Queue, Shown, Told
 from skinfield.live.recorder_views import Shower
 from skinfield.live.slots import Slot
@@ -25,6 +26,8 @@ class Drain:
     sources : sequence of str
         Names of the sources, for what is told of them.
     shower : Shower
+    begin : Place, optional
+        By default now.
 
     Attributes
     ----------
@@ -40,19 +43,20 @@ class Drain:
         layout: CycleLayout,
         sources: list[str],
         shower: Shower,
+        begin: Place | None = None,
     ) -> None:
         self._shower = shower
         self._reader, self._queue, self._layout, self._sources = reader, queue, layout, sources
         told_in(b"")  # loads what is compiled: the ring would not wait for it later
-        self._number = reader.number  # before the log's end is looked at: no cycle without blocks
-        beginning = 0 if self._number == 0 else None  # an engine that starts: all that is there
-        self._log = reader.log_reader(beginning)
+        self._number, position, _ = begin or place_now(reader)
+        self._log = reader.log_reader(position)
         self._slot = reader.slot()
         self._cycle = Slot.of(self._slot.arrays)
         self.generation = reader.generation
         self.bytes_read = self.cycles = self.overrun_bytes = self.overrun_cycles = 0
         queue.put(Entry(time.time_ns(), self._log.position, b""))
         self._first = self._log.position
+        self.fit = fit_drain_of(reader, queue)
         self._lost: Counter[int] = Counter()
 
     def take(self) -> None:
@@ -76,6 +80,11 @@ class Drain:
             self._tell_missing(missing)
         if self._reader.generation != self.generation:
             self._restarted()
+        self.fit.take()
+
+    def close(self) -> None:
+        """Let go of the fit's ring; the engine's is the caller's."""
+        self.fit.close()
 
     def _show(self, time_ns: int) -> None:
         for message in self._shower.messages(time_ns, self._cycle):
@@ -116,7 +125,8 @@ class Drain:
             self._queue.tell(Told(stamp, what, text, {"source": source}))
 
     def tell_lost(self) -> None:
-        """Tell of the messages that were lost since the last call; a bad bus loses many."""
+        """Tell of what was lost since the last call: messages, as a bad bus loses many, and fits."""
+        self.fit.tell_missed()
         for source, number in self._lost.items():
             text = f"{self._name(source)}: {number} messages were lost"
             values: dict[str, object] = {"source": source, "messages": number}
