@@ -97,7 +97,8 @@ def test_mcap_reads_it_alone(engine, tmp_path):
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
         topics = {channel.topic for channel in summary.channels.values()}
-        assert topics == {"/skin/blocks", "/skin/cycles", "/skin/timing", "/skin/events"}
+        own = ("blocks", "cycles", "timing", "events", "fit")
+        assert topics == {f"/skin/{each}" for each in own}
         assert len(list(reader.iter_messages(topics=["/skin/cycles"]))) == 30
         data = b"".join(m.data[8:] for _, _, m in reader.iter_messages(topics=["/skin/blocks"]))
         assert data == b"".join(engine.written)

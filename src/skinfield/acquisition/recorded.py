@@ -130,7 +130,7 @@ class CycleLayout:
 
     def __post_init__(self) -> None:
         for name, rows in (("contact", self.contact), ("patch", self.patch)):
-            if not _is_plain(rows):
+            if not is_plain(rows):
                 raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
 
     def encode(self, cycle: Cycle) -> bytes:
@@ -216,7 +216,7 @@ class CycleLayout:
 
     def metadata(self) -> dict[str, str]:
         """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
-        return {"contact": _text(self.contact), "patch": _text(self.patch)}
+        return {"contact": fields_text(self.contact), "patch": fields_text(self.patch)}
 
     @classmethod
     def from_metadata(cls, metadata: Mapping[str, str]) -> "CycleLayout":
@@ -228,7 +228,7 @@ class CycleLayout:
             If it states none that can be used.
         """
         try:
-            return cls(*(_dtype(metadata[name]) for name in ("contact", "patch")))
+            return cls(*(fields_of(metadata[name]) for name in ("contact", "patch")))
         except (KeyError, TypeError, ValueError, RecursionError) as error:
             raise InputError(
                 f"the channel states {dict(metadata)!r:.200}, expected the fields of contact and "
@@ -236,11 +236,13 @@ class CycleLayout:
             ) from error
 
 
-def _text(rows: np.dtype[Any]) -> str:
+def fields_text(rows: np.dtype[Any]) -> str:
+    """Fields of rows as JSON, for a channel's metadata."""
     return json.dumps([list(field) for field in rows.descr])
 
 
-def _dtype(text: str) -> np.dtype[Any]:
+def fields_of(text: str) -> np.dtype[Any]:
+    """What `fields_text` made; raises ValueError and TypeError for anything else."""
     fields = []
     for name, kind, *shape in json.loads(text):
         if not isinstance(kind, str) or np.dtype(kind).kind not in "iuf" or len(shape) > 1:
@@ -252,7 +254,8 @@ def _dtype(text: str) -> np.dtype[Any]:
     return np.dtype(fields)
 
 
-def _is_plain(rows: np.dtype[Any]) -> bool:
+def is_plain(rows: np.dtype[Any]) -> bool:
+    """Whether rows are structured, of plain numbers without gaps."""
     return (
         rows.names is not None
         and all(name and rows[name].base.kind in "iuf" for name in rows.names)

@@ -17,7 +17,12 @@ Rows = NDArray[np.void]
 
 
 def best_contacts(snapshot: Snapshot, fit: FitReader | None) -> tuple[Rows, list[str]]:
-    """Contacts of a snapshot, with those of the fit in their place where it is recent.
+    """Contacts of a snapshot, with those of the fit's newest answer in their place: `best_of`."""
+    return best_of(snapshot, None if fit is None else fit.latest())
+
+
+def best_of(snapshot: Snapshot, found: FitSlot | None) -> tuple[Rows, list[str]]:
+    """Contacts of a snapshot, with those of a fit in their place where it is recent.
 
     Of a patch that the fit answered within 0.4 s of the snapshot's reading, the fit's contacts
     count, and those of the engine that began since, 10 mm away or more. They end with the touch:
@@ -28,8 +33,8 @@ def best_contacts(snapshot: Snapshot, fit: FitReader | None) -> tuple[Rows, list
     Parameters
     ----------
     snapshot : Snapshot
-    fit : FitReader or None
-        None, or one of a fit that is not there: all is as the engine says.
+    found : FitSlot or None
+        What the fit had found by then. None, or one of another skin: all is as the engine says.
 
     Returns
     -------
@@ -39,7 +44,6 @@ def best_contacts(snapshot: Snapshot, fit: FitReader | None) -> tuple[Rows, list
         Of each row who says it: "fit" or "engine".
     """
     engine = snapshot.contacts
-    found = None if fit is None else fit.latest()
     if found is None or len(found.patches) != len(snapshot.patches):
         return engine, ["engine"] * len(engine)
     recent = recent_patches(snapshot, found)

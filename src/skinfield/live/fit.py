@@ -90,6 +90,7 @@ class SkinFit:
                 self._turn = place + 1
                 break
         if changed:
+            self._master.told_ns[0] = time.time_ns()
             FitSlot.of(self.ring.begin()).copy_from(self._master)
             self.ring.publish()
         return changed

@@ -1,19 +1,20 @@
 """The ring in which fitted contacts are published beside a live skin's own."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.acquisition.recorded_fit import FitLayout, FitSizes
 from skinfield.contacts.live import CONTACT
 from skinfield.live.notes import FIELD as NOTES
 from skinfield.ring import Field
 
 Array = NDArray[Any]
-VERSION = 1
+VERSION = 2
 SUFFIX = ".fit"
 SLOTS = 16
 LOG_BYTES = 1 << 12  # nothing is logged
@@ -45,6 +46,7 @@ PATCH = np.dtype(
     ]
 )
 FORM = np.dtype([("shape", "<i4"), ("spare", "<i4"), ("radius", "<f8")])  # m, of the touch
+LAYOUT = FitLayout(PATCH, CONTACT, FORM)  # of what a recording keeps of it
 
 
 def fit_name(name: str) -> str:
@@ -68,6 +70,7 @@ def write_engine(told: Array, contacts: Array) -> None:
 def slot_fields(patches: int, nodes: int, rows: int) -> list[Field]:
     """Arrays of a slot: `nodes` of the finest grid of a patch, `rows` contacts at most."""
     return [
+        Field("told_ns", "<i8", (1,)),
         Field("patches", "<u1", (patches * PATCH.itemsize,)),
         Field("contacts", "<u1", (patches * rows * CONTACT.itemsize,)),
         Field("forms", "<u1", (patches * rows * FORM.itemsize,)),
@@ -105,6 +108,8 @@ class FitSlot:
 
     Attributes
     ----------
+    told_ns : (1,) int64 array, ns
+        When it was published, since the epoch.
     patches : (P,) array of PATCH
     contacts : (P, R) array of CONTACT
     forms : (P, R) array of FORM
@@ -113,6 +118,7 @@ class FitSlot:
         On the finest grid; of patches that are not answered what it was.
     """
 
+    told_ns: Array
     patches: Array
     contacts: Array
     forms: Array
@@ -124,7 +130,7 @@ class FitSlot:
         patches = arrays["patches"].view(PATCH)
         contacts = arrays["contacts"].view(CONTACT).reshape(len(patches), -1)
         forms = arrays["forms"].view(FORM).reshape(len(patches), -1)
-        return cls(patches, contacts, forms, arrays["pressure"])
+        return cls(arrays["told_ns"], patches, contacts, forms, arrays["pressure"])
 
     @classmethod
     def empty(cls, patches: int, nodes: int, rows: int) -> "FitSlot":
@@ -134,5 +140,20 @@ class FitSlot:
 
     def copy_from(self, other: "FitSlot") -> None:
         """Take over all that another holds."""
-        for name in ("patches", "contacts", "forms", "pressure"):
-            np.copyto(getattr(self, name), getattr(other, name))
+        for part in fields(self):
+            np.copyto(getattr(self, part.name), getattr(other, part.name))
+
+    @property
+    def sizes(self) -> FitSizes:
+        """Patches, nodes and rows of contacts that it has room for."""
+        patches, nodes = self.pressure.shape
+        return FitSizes(patches, nodes, self.contacts.shape[1])
+
+    def pressure_of(self, patch: int) -> NDArray[np.float32] | None:
+        """Pressure (K,), Pa, of a patch by its number on the finest grid: a copy.
+
+        None if it is not fitted.
+        """
+        if self.patches["state"][patch] != Fitted.DONE:
+            return None
+        return np.array(self.pressure[patch])

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.live.control import order
+from skinfield.live.fit_ring import LAYOUT as FIT
 from skinfield.live.parent import end_with
 from skinfield.live.recorder_disk import Disk
 from skinfield.live.recorder_drain import Drain
@@ -84,6 +85,7 @@ class Recorder:
             settings.path,
             enclosed,
             layout=layout,
+            fit=FIT,
             settings=settings.file,
             output=output,
             views=shower.views,
@@ -174,6 +176,7 @@ class Recorder:
         try:
             self._disk.stop()
         finally:
+            self._drain.close()
             self._reader.close()
         self._ended = self._ended or "closed"
         self.state = self._state()

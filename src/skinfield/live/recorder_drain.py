@@ -5,6 +5,7 @@ from collections import Counter
 
 from skinfield.acquisition.block import Kind
 from skinfield.acquisition.recorded import CycleLayout
+from skinfield.live.recorder_fit import fit_drain_of
 from skinfield.live.recorder_kernel import told_in
 from skinfield.live.recorder_place import Place, place_now
 from skinfield.live.recorder_queue import Entry, Queue, Shown, Told
@@ -125,7 +126,7 @@ class Drain:
             self._queue.tell(Told(stamp, what, text, {"source": source}))
 
     def tell_lost(self) -> None:
-        """Tell of what was lost since the last call: messages, as a bad bus loses many, and fits."""
+        """Tell what was lost since the last call: answers of the fit, and messages of a bad bus."""
         self.fit.tell_missed()
         for source, number in self._lost.items():
             text = f"{self._name(source)}: {number} messages were lost"

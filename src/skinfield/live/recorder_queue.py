@@ -72,7 +72,18 @@ class Shown(NamedTuple):
         writer.show(self.message)
 
 
-Item = Entry | Told | Attached | Shown
+class Beside(NamedTuple):
+    """An answer of the fit beside the engine: left out where the disk does not keep up."""
+
+    time_ns: int
+    data: bytes
+
+    def put(self, writer: RecordingWriter) -> None:
+        """Write it."""
+        writer.write_fit(self.time_ns, self.data)
+
+
+Item = Entry | Told | Attached | Shown | Beside
 
 
 @dataclass
@@ -167,6 +178,15 @@ class Queue:
             if self._bytes + len(shown.message.data) < self._most // 4:
                 self._entries.append(shown)
                 self._bytes += len(shown.message.data)
+
+    def offer(self, beside: Beside) -> bool:
+        """Append something that comes after all readings, if there is room enough for those."""
+        with self._ready:
+            if self.dropped.since_ns or self._bytes + len(beside.data) > self._most // 2:
+                return False
+            self._entries.append(beside)
+            self._bytes += len(beside.data)
+            return True
 
     def take(self, timeout: float) -> list[Item]:
         """Everything that is there, as soon as there is something; empty after `timeout` s."""

@@ -4,10 +4,12 @@ import json
 
 from skinfield.acquisition.block import __doc__ as _BLOCKS
 from skinfield.acquisition.recorded import __doc__ as _RECORDED
+from skinfield.acquisition.recorded_fit import __doc__ as _FIT
 
 TEXT = "x-text"  # encoding of a schema that is prose
 BLOCKS_ENCODING = "x-skinfield-blocks"
 CYCLE_ENCODING = "x-skinfield-cycle"
+FIT_ENCODING = "x-skinfield-fit"
 _KINDS = """\
 Kinds, and their payloads: 1, 2, 3: counts as uint8, uint16, float32, one per channel. 4: a bit per
 channel, out of range. 5: int64, a source (its number stands for the channel) came up (1) or went
@@ -45,6 +47,27 @@ offset bytes what
 
 The fields of a contact and of a patch are in the channel's metadata as JSON.
 """
+_FIT_HEAD = """\
+Its head:
+
+offset bytes what
+0      2     version of this layout (uint16), 1
+2      2     bytes of this head (uint16), 56
+4      4     patches of the skin (uint32)
+8      8     when the fit published it, ns since the epoch (int64)
+16     8     number of the answer, counted by each fit from 1; 0: there is none any more (int64)
+24     4     nodes of the finest grid of a patch (uint32, as the following)
+28     4     contacts of a patch, at most
+32     4     patches in this message
+36     4     bytes of a patch
+40     4     contacts in this message
+44     4     bytes of a contact
+48     4     bytes of a form
+52     4     nodes with pressure in this message
+56           places, how many nodes have pressure, patches, contacts, forms, nodes, pressures
+
+The fields of a patch, a contact and a form are in the channel's metadata as JSON.
+"""
 
 
 def _object(title: str, **properties: object) -> bytes:
@@ -63,6 +86,7 @@ _QUANTILES = {
 }
 BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}\n{_KINDS}".encode())
 CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
+FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT}\n{_FIT_HEAD}".encode())
 TIMING_SCHEMA = (
     "skinfield.Timing",
     "jsonschema",

@@ -19,6 +19,7 @@ from skinfield.acquisition.recorded import (
     CycleLayout,
     Enclosed,
 )
+from skinfield.acquisition.recorded_fit import FITS, FitLayout
 from skinfield.errors import FileError, InputError, check_count
 from skinfield.sinks.mcap.compression import Bytes, Compression, Zstd
 from skinfield.sinks.mcap.container import Container
@@ -29,6 +30,8 @@ from skinfield.sinks.mcap.schemas import (
     CYCLE_ENCODING,
     CYCLE_SCHEMA,
     EVENT_SCHEMA,
+    FIT_ENCODING,
+    FIT_SCHEMA,
     TIMING_SCHEMA,
 )
 from skinfield.sinks.mcap.views import ViewMessage, Views
@@ -66,6 +69,8 @@ class RecordingWriter:
         Layout, calibrations, configuration.
     layout : CycleLayout
         Of the cycles' rows.
+    fit : FitLayout, optional
+        Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
     settings : RecordingSettings
     output : Output, optional
         Instead of a file of this path.
@@ -90,6 +95,7 @@ class RecordingWriter:
         enclosed: Iterable[Enclosed] = (),
         *,
         layout: CycleLayout,
+        fit: FitLayout | None = None,
         settings: RecordingSettings | None = None,
         output: Output | None = None,
         views: Sequence[Views] = (),
@@ -110,12 +116,16 @@ class RecordingWriter:
         self._cycles = add(CYCLES, CYCLE_ENCODING, told(CYCLE_SCHEMA), self.layout.metadata())
         self._timing = add(TIMING, "json", told(TIMING_SCHEMA))
         self._events = add(EVENTS, "json", told(EVENT_SCHEMA))
+        self._fit: int | None = None
+        if fit is not None:
+            self._fit = add(FITS, FIT_ENCODING, told(FIT_SCHEMA), fit.metadata())
         shown = [channel for each in views for channel in each.channels()]
         self._views = {each.topic: add(*each) for each in shown}
         self.open = True
         for each in enclosed:
             self.enclose(time.time_ns(), each)
-        own = (self._blocks, self._cycles, self._timing, self._events)
+        own = [self._blocks, self._cycles, self._timing, self._events]
+        own += [] if self._fit is None else [self._fit]
         self._numbers = dict.fromkeys((*own, *self._views.values()), 0)
         self.flush()
 
@@ -151,6 +161,12 @@ class RecordingWriter:
     def write_cycle(self, time_ns: int, record: Bytes) -> None:
         """Add a cycle, as `CycleLayout.encode` makes it; raises as `write_blocks`."""
         self._add(self._cycles, time_ns, record)
+
+    def write_fit(self, time_ns: int, record: Bytes) -> None:
+        """Add an answer of a fit, as `FitLayout.encode` makes it; raises as `write_blocks`."""
+        if self._fit is None:
+            raise InputError(f"{self.path} has no channel {FITS}, expected `fit` when it was made")
+        self._add(self._fit, time_ns, record)
 
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
         """Add what was measured of the last second; raises as `write_blocks`."""

@@ -176,7 +176,7 @@ class LiveRecording:
                         if channel is not None and (not topics or channel.topic in topics):
                             yield channel.topic, record.start, message
                 except Damaged as error:
-                    self._note(record.start, str(error))
+                    self.note(record.start, str(error))
                 except OSError as error:
                     why = error.strerror or error
                     raise FileError(
@@ -206,7 +206,7 @@ class LiveRecording:
     def logged_of(self, at: int, message: Message) -> Logged | None:
         """Blocks of a message at byte `at`; None, and a note, if it is too short."""
         if len(message.data) < POSITION.size:
-            self._note(at, f"a message of {BLOCKS} of {len(message.data)} bytes")
+            self.note(at, f"a message of {BLOCKS} of {len(message.data)} bytes")
             return None
         (position,) = POSITION.unpack_from(message.data)
         return Logged(position, message.time_ns, message.data[POSITION.size :])
@@ -216,7 +216,7 @@ class LiveRecording:
         try:
             return self.cycle_layout.decode(message.data)
         except InputError as error:
-            self._note(at, str(error))
+            self.note(at, str(error))
             return None
 
     def _objects(self, topic: str) -> Iterator[dict[str, Any]]:
@@ -224,12 +224,12 @@ class LiveRecording:
             try:
                 value = json.loads(message.data)
             except (ValueError, RecursionError) as error:
-                self._note(at, f"a message of {topic} that is no JSON ({str(error)[:60]})")
+                self.note(at, f"a message of {topic} that is no JSON ({str(error)[:60]})")
                 continue
             if isinstance(value, Mapping):
                 yield dict(value)
             else:
-                self._note(at, f"a message of {topic} that is no object")
+                self.note(at, f"a message of {topic} that is no object")
 
     def _messages_in(self, file: BinaryIO, record: Record) -> Iterator[Message]:
         if record.opcode == Op.MESSAGE:
@@ -252,7 +252,7 @@ class LiveRecording:
                     attached = attachment_of(body_of(file, record))
                     self.attached[attached.name] = attached
             except Damaged as error:
-                self._note(record.start, str(error))
+                self.note(record.start, str(error))
 
     def _look_into_chunks(self, file: BinaryIO) -> None:
         """Channels that other writers put into the first chunk."""
@@ -291,7 +291,8 @@ class LiveRecording:
         except InputError as error:
             raise FileError(f"{self.path}: {name} cannot be used: {error}") from error
 
-    def _note(self, byte: int, why: str) -> None:
+    def note(self, byte: int, why: str) -> None:
+        """Keep in `damage` what cannot be read, and where."""
         damage = Damage(byte, why)
         if damage not in self.damage[-64:]:
             self.damage.append(damage)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from struct import Struct
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO, NamedTuple, Self
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from skinfield.acquisition.recorded import (
     POSITION,
     CycleFlag,
 )
+from skinfield.acquisition.recorded_fit import FIT_HEAD, FITS
 from skinfield.errors import FileError
 from skinfield.sources.recordings.mcap_bodies import (
     MESSAGE_HEAD,
@@ -31,8 +32,26 @@ from skinfield.sources.recordings.mcap_live import LiveRecording
 from skinfield.sources.recordings.mcap_records import Record, body_of, open_file
 
 CYCLE = Struct("<4xIq32xqq")  # of a cycle's head: flags, number, wall_ns, log_position
+TOLD = Struct("<8xq")  # of a fit's head: when it was published
 KEY, RESTARTED = int(CycleFlag.KEY), int(CycleFlag.RESTARTED)
 LASTING = int(Kind.CALIBRATION), int(max(Kind))  # kinds of blocks that hold until the next one
+
+
+class FitPlace(NamedTuple):
+    """Where an answer of a fit stands.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        When it was published, since the epoch.
+    record, start, end : int
+        Number of the record, and the answer's bytes in its content.
+    """
+
+    time_ns: int
+    record: int
+    start: int
+    end: int
 
 
 @dataclass
@@ -54,6 +73,8 @@ class Moments:
     lasting : list of pair of int and bytes
         Number of a record, and the blocks of a message in it that has some that hold until the
         next of their kind comes.
+    fits : list of FitPlace
+        Answers of a fit beside the engine, by time.
     events : list of dict
         See `LiveRecording.events`.
     """
@@ -65,6 +86,7 @@ class Moments:
     breaks: list[int] = field(default_factory=list)
     starts: list[tuple[int, int]] = field(default_factory=list)
     lasting: list[tuple[int, bytes]] = field(default_factory=list)
+    fits: list[FitPlace] = field(default_factory=list)
     events: list[dict[str, Any]] = field(default_factory=list)
 
     @classmethod
@@ -157,6 +179,13 @@ class _Scan:
             self._blocks(record, content[start:end])
         elif topic == EVENTS:
             self._event(content[start:end])
+        elif topic == FITS and end - start >= FIT_HEAD.size:
+            self._fit(record, start, end, *TOLD.unpack_from(content, start))
+
+    def _fit(self, record: int, start: int, end: int, time_ns: int) -> None:
+        fits = self._found.fits
+        newest = fits[-1].time_ns if fits else time_ns
+        fits.append(FitPlace(max(time_ns, newest), record, start, end))
 
     def _event(self, message: bytes) -> None:
         with suppress(ValueError, RecursionError):
