@@ -10,11 +10,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from live_skins import unique_name
+from live_skins import unique_name, wait_for
+from websockets.sync.client import connect
 
 from skinfield.errors import InputError
 from skinfield.live.recorder_state import RecorderState, forget_state
+from skinfield.viewer import PageSettings, serve_page
 from skinfield.viewer.feed import Feed
+from skinfield.viewer.live_desk import LiveDesk
+from skinfield.viewer.live_feed import LiveFeed
 from skinfield.viewer.recordings import SILENT, Recordings
 
 
@@ -24,6 +28,16 @@ class Recorder:
     def __init__(self, name: str) -> None:
         self.name = name
         self.child: subprocess.Popen[bytes] | None = None
+        self.asked: list[str] = []
+
+    def prepare(self) -> None:
+        self.asked.append("prepare")
+
+    def tend(self) -> None:
+        self.asked.append("tend")
+
+    def close(self) -> None:
+        self.asked.append("close")
 
     @contextmanager
     def __call__(self, path: Path) -> Iterator[None]:
@@ -125,3 +139,17 @@ def test_what_others_record_counts_as_long_as_they_say_so(
     assert recordings.told() is None
     replace(other, pid=2**22 + 1).write(recorder.name)  # more than there can be
     assert recordings.told() is None
+
+
+def test_one_stands_ready_from_the_first_browser_on(
+    recordings: Recordings, recorder: Recorder
+) -> None:
+    desk = LiveDesk(lambda: LiveFeed("nonesuch"), recordings=recordings)
+    desk.controls()
+    assert recorder.asked == ["tend"]  # which does nothing until one is wanted
+    with serve_page(PageSettings(port=0), lambda: (), desk) as page:
+        assert "prepare" not in recorder.asked
+        with connect(f"ws://127.0.0.1:{page.port}/socket"):
+            wait_for(lambda: "prepare" in recorder.asked)
+    desk.close()
+    assert recorder.asked[-1] == "close"

@@ -43,13 +43,14 @@ class Here:
 @contextmanager
 def page_of(given: dict[str, Any], name: str, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `desk`."""
-    from skinfield.cli.run_parts import recorder
+    from skinfield.cli.ready_recorder import ReadyRecorders
     from skinfield.live.fit_reader import FitReader
     from skinfield.viewer import serve_page
     from skinfield.viewer.live_desk import LiveDesk, Solvers
     from skinfield.viewer.recordings import Recordings
 
     here, chosen = Here(name), [given["solver"]]
+    recorders = ReadyRecorders(name, lambda text: desk.say("warn", text))
 
     def choose(solver: str) -> None:
         supervisor.reconfigure(solver=live_solver(solver))
@@ -58,7 +59,7 @@ def page_of(given: dict[str, Any], name: str, supervisor: Any, virtual: Any) -> 
     desk = LiveDesk(
         lambda: here.feed,
         virtual=virtual,
-        recordings=Recordings(name, lambda path: recorder(name, path), _replay, Path()),
+        recordings=Recordings(name, recorders, _replay, Path()),
         solvers=Solvers(tuple(LIVE_SOLVERS), lambda: chosen[0], choose),
         fit=FitReader(name) if given["fit"] else None,
         tare_seconds=given["tare_s"],

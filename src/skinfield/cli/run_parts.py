@@ -14,6 +14,7 @@ from skinfield.errors import InputError
 
 BEGINS = 30.0  # s for a recorder to begin
 ENDS = 15.0  # s for a recorder to finish its file
+LOOK = 0.01  # s between looks whether a recorder records
 # The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
 # drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
 VIRTUAL_NOISE, VIRTUAL_SHIFT = 0.1, 1
@@ -53,10 +54,22 @@ def recorder(name: str, path: Path | None) -> Iterator[None]:
     if path is None:
         yield
         return
-    command = [sys.executable, "-m", "skinfield.live.recorder", name, str(path)]
-    child = subprocess.Popen([*command, "--parent", str(os.getpid())], process_group=0)
+    with recording(name, path, start_recorder(name, str(path))):
+        yield
+
+
+def start_recorder(name: str, *words: str, pipe: int | None = None) -> "subprocess.Popen[bytes]":
+    """A process that records this ring; it ends with the thread that calls this."""
+    command = [sys.executable, "-m", "skinfield.live.recorder", name, *words]
+    command += ["--parent", str(os.getpid())]
+    return subprocess.Popen(command, process_group=0, stdin=pipe, stdout=pipe)
+
+
+@contextmanager
+def recording(name: str, path: Path, child: "subprocess.Popen[bytes]") -> Iterator[None]:
+    """What a process records, from when it does; its file is finished in the end."""
     try:
-        _wait_for_recorder(name, child)
+        wait_for_recorder(name, child)
         yield
     finally:
         if child.poll() is None:
@@ -74,7 +87,7 @@ def recorder(name: str, path: Path | None) -> Iterator[None]:
             )
 
 
-def _wait_for_recorder(name: str, child: "subprocess.Popen[bytes]") -> None:
+def wait_for_recorder(name: str, child: "subprocess.Popen[bytes]") -> None:
     """Wait until a recorder records, so that nothing of the skin's life is missing.
 
     Raises
@@ -91,5 +104,5 @@ def _wait_for_recorder(name: str, child: "subprocess.Popen[bytes]") -> None:
             return
         if child.poll() is not None:
             raise InputError(f"the recorder ended with status {child.returncode}: see what it said")
-        time.sleep(0.02)
+        time.sleep(LOOK)
     raise InputError(f"the recorder did not begin within {BEGINS:g} s: is the machine very busy?")

@@ -6,26 +6,22 @@ long as the disk likes, as a bounded queue lies between them. What the queue can
 counted, and told in the file, in the state beside the ring and to whoever listens.
 """
 
-import argparse
 import contextlib
 import math
 import os
-import signal
-import sys
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import InputError
 from skinfield.live.control import order
 from skinfield.live.fit_ring import LAYOUT as FIT
-from skinfield.live.parent import end_with
 from skinfield.live.recorder_disk import Disk
 from skinfield.live.recorder_drain import Drain
+from skinfield.live.recorder_place import Place, place_now, place_since
 from skinfield.live.recorder_queue import Queue, Told
 from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import RecorderState, forget_state
+from skinfield.live.recorder_state import RecorderState
 from skinfield.live.recorder_views import shower_of
 from skinfield.live.recorder_watch import Watch, enclosed_of, layout_of
 from skinfield.ring import RingReader
@@ -52,6 +48,8 @@ class Recorder:
     first : bool
         Whether this thread and the one that writes shall come before ordinary work from now on,
         where that is permitted.
+    rehearsal : bool
+        Whether this is only to load what is needed: nobody is told, and the engine asked nothing.
 
     Raises
     ------
@@ -73,10 +71,12 @@ class Recorder:
         output: Output | None = None,
         *,
         first: bool = False,
+        rehearsal: bool = False,
     ) -> None:
-        self.settings, self._say = settings, say
+        self.settings, self._say, self._rehearsal = settings, say, rehearsal
         self._reader = RingReader(settings.name)
         self._began, self._began_ns = time.monotonic(), time.time_ns()
+        now = place_now(self._reader)  # before the calibration: a new one from here on is recorded
         layout = layout_of(self._reader)
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader)
@@ -93,7 +93,8 @@ class Recorder:
         self._queue = Queue(settings.queue_bytes)
         sources = [str(each) for each in self._reader.description.get("sources", [])]
         self._watch = Watch(self._reader, self._queue, tares)
-        self._drain = Drain(self._reader, self._queue, layout, sources, shower)
+        place = self._place(now)
+        self._drain = Drain(self._reader, self._queue, layout, sources, shower, place)
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
         self._ended = ""
@@ -105,7 +106,21 @@ class Recorder:
         self._next = self._began
         self.state = self._state()
         self._since = math.inf  # when the first cycle was there
-        self._ask_at = self._began
+        if place.wall_ns:
+            self._since = self._began - (self._began_ns - place.wall_ns) * 1e-9
+        self._ask_at = math.inf if rehearsal else self._began
+
+    def _place(self, now: Place) -> Place:
+        """Where to begin: far enough back for a replay from the time on that is wanted."""
+        since_ns = self.settings.since_ns
+        if not since_ns:
+            return now
+        known = int(self._reader.status_view["stale_ns"][0]) + int(BEGINNING * 1e9)
+        return place_since(self._reader, since_ns - known, now)
+
+    def _write_state(self) -> None:
+        if not self._rehearsal:
+            self.state.write(self.settings.name)
 
     def _ask_for_a_beginning(self) -> None:
         """Have the engine make its next cycle a key cycle, from which a replay can begin.
@@ -159,7 +174,7 @@ class Recorder:
         self._drain.tell_lost()
         self._watch.look()
         self.state = self._state()
-        self.state.write(self.settings.name)
+        self._write_state()
         self._say_changes()
         if self._disk.crashed:
             self._ended = "the thread that writes has failed"
@@ -180,7 +195,7 @@ class Recorder:
             self._reader.close()
         self._ended = self._ended or "closed"
         self.state = self._state()
-        self.state.write(self.settings.name)
+        self._write_state()
         self._say_changes()
         return self.state
 
@@ -269,37 +284,7 @@ def come_first() -> str:
     return "ordinary"
 
 
-def _say(text: str) -> None:
-    with contextlib.suppress(OSError):  # the terminal is gone: the file is not
-        sys.stderr.write(f"recorder: {text}\n")
-        sys.stderr.flush()
-
-
-def main() -> None:
-    """Record until SIGTERM or Ctrl-C."""
-    parser = argparse.ArgumentParser(prog="python -m skinfield.live.recorder")
-    parser.add_argument("name")
-    parser.add_argument("path", type=Path)
-    parser.add_argument("--seconds", type=float)
-    parser.add_argument("--parent", type=int, help="Process with which it ends.")
-    given = parser.parse_args()
-    if given.parent is not None:
-        end_with(given.parent)
-    stop = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stop.set())
-    try:
-        recorder = Recorder(
-            RecorderSettings(name=given.name, path=given.path),
-            _say,
-            first=True,
-        )
-        state = recorder.run(stop, given.seconds)
-        forget_state(given.name)
-    except SkinfieldError as error:
-        raise SystemExit(f"recorder: {error}") from error
-    raise SystemExit(0 if state.finished and not state.given_up else 1)
-
-
 if __name__ == "__main__":
+    from skinfield.live.recorder_process import main
+
     main()

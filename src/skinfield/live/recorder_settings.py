@@ -18,6 +18,9 @@ class RecorderSettings:
     path : Path
         Ends in .mcap by custom.
     file : RecordingSettings
+    since_ns : int, ns
+        Time since the epoch from which on a replay shall be possible: what came before it is
+        recorded too as far as the ring still has it; 0: what comes from now on.
     flush : float, s
         After so long what was read is handed to the system, and survives a `kill -9`.
     sync : float, s
@@ -33,6 +36,7 @@ class RecorderSettings:
     name: str
     path: Path
     file: RecordingSettings = field(default_factory=RecordingSettings)
+    since_ns: int = 0
     flush: float = 0.15
     sync: float = 1.5
     queue_bytes: int = 1 << 26
@@ -43,4 +47,5 @@ class RecorderSettings:
         check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
         check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
         check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
+        check_count("since_ns", self.since_ns, 0, 1 << 62, "nanoseconds since the epoch")
         check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")

@@ -92,6 +92,9 @@ class Desk:
         """Take a new baseline."""
         raise InputError(f"no baseline can be taken here: {NOT_HERE}")
 
+    def come(self) -> None:
+        """Get ready what a browser that has come may order soon."""
+
     def record(self, on: bool) -> dict[str, Any]:
         """Begin or end a recording."""
         raise InputError(f"nothing can be recorded here: {NOT_HERE}")

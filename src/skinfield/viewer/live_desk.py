@@ -252,6 +252,11 @@ class LiveDesk(Desk):
         self._taring = before, time.monotonic() + PATIENCE * self._tare_seconds
         return {}
 
+    def come(self) -> None:
+        """See `Desk`."""
+        if self._recordings is not None:
+            self._recordings.prepare()
+
     def record(self, on: bool) -> dict[str, Any]:
         """See `Desk`."""
         if self._recordings is None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from skinfield.errors import FileError, InputError
 from skinfield.live.recorder_state import RecorderState, read_state
@@ -19,6 +19,26 @@ SILENT = 30.0  # s without a word of a recorder that says something each second,
 KEPT = 20  # sentences that nobody asked for
 
 
+class Recorders(Protocol):
+    """What records; of a kind that takes its time to begin, one may stand ready."""
+
+    def __call__(self, path: Path) -> AbstractContextManager[None]:
+        """Records into the file as long as it is entered."""
+        ...
+
+    def prepare(self) -> None:
+        """From now on one shall stand ready."""
+        ...
+
+    def tend(self) -> None:
+        """See that one does; called again and again."""
+        ...
+
+    def close(self) -> None:
+        """None is wanted any more."""
+        ...
+
+
 class Recordings:
     """Files of one live skin.
 
@@ -26,8 +46,7 @@ class Recordings:
     ----------
     name : str
         Of the ring.
-    recorder : function from a path to a context manager
-        That records into the file as long as it is entered.
+    recorder : Recorders
     replay : function from a path to a Feed
     folder : Path
         For the files, which are named by the time.
@@ -36,7 +55,7 @@ class Recordings:
     def __init__(
         self,
         name: str,
-        recorder: Callable[[Path], AbstractContextManager[None]],
+        recorder: Recorders,
         replay: Callable[[Path], Feed],
         folder: Path,
     ) -> None:
@@ -53,8 +72,13 @@ class Recordings:
         """That can be opened."""
         return [path.name for path in self._files]
 
+    def prepare(self) -> None:
+        """Somebody may begin one soon."""
+        self._recorder.prepare()
+
     def told(self) -> dict[str, Any] | None:
         """What is being recorded, by whomever; None if nothing is."""
+        self._recorder.tend()
         pid = self._pid
         if pid is not None and _has_ended(pid):
             self._have_done()
@@ -116,7 +140,7 @@ class Recordings:
             raise InputError("a recording is going on, expected none: end it first")
         path = self._new_path()
         going = self._recorder(path)
-        self._beginning = path  # it is told at once, and takes a second
+        self._beginning = path  # it is told at once, and may take a second
         try:
             going.__enter__()
         finally:
@@ -159,7 +183,8 @@ class Recordings:
         raise InputError(f"recording is {name!r}, expected one of this page's: {known}")
 
     def close(self) -> None:
-        """End what was begun."""
+        """End what was begun, and what stands ready."""
+        self._recorder.close()
         if self._going is not None:
             self.end()
 

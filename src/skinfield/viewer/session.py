@@ -60,6 +60,7 @@ class Session:
         """Talk and listen until the connection ends."""
         from websockets.exceptions import ConnectionClosed
 
+        self._page.begun(self._page.desk.come)  # it is not waited for
         listening = asyncio.create_task(self._listen())
         try:
             while not listening.done():

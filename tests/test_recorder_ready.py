@@ -1,0 +1,196 @@
+"""A recorder that stands ready, and a recording that begins before it was asked for."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from live_skins import unique_name, wait_for
+from recorder_ring import FakeEngine
+
+from skinfield.acquisition import Kind
+from skinfield.cli.ready_recorder import LOADING, NOT_READY, ReadyRecorders
+from skinfield.errors import InputError
+from skinfield.live.recorder import BEGINNING, Recorder
+from skinfield.live.recorder_process import READY, order_of, read_order
+from skinfield.live.recorder_settings import RecorderSettings
+from skinfield.live.recorder_state import forget_state, read_state
+from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.sources.recordings.mcap_steps import Steps
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
+PERIOD = 0.01  # s
+
+
+@pytest.fixture
+def engine() -> Iterator[FakeEngine]:
+    made = FakeEngine(unique_name())
+    yield made
+    made.close()
+    forget_state(made.ring.name)
+
+
+def cycles(engine: FakeEngine, count: int) -> None:
+    for _ in range(count):
+        engine.cycle()
+        time.sleep(PERIOD)
+
+
+def numbers(path: Path) -> list[int]:
+    return [each.number for each in LiveRecording.open(path).cycles()]
+
+
+def recorded(engine: FakeEngine, path: Path, since_ns: int) -> None:
+    settings = RecorderSettings(name=engine.ring.name, path=path, since_ns=since_ns)
+    recorder = Recorder(settings)
+    recorder.step()
+    engine.cycle()
+    recorder.close()
+
+
+# since when
+
+
+def test_what_the_ring_still_has_is_recorded_with_its_readings(
+    engine: FakeEngine, tmp_path: Path
+) -> None:
+    cycles(engine, 30)
+    path, since_ns = tmp_path / "a.mcap", time.time_ns()
+    cycles(engine, 10)
+    recorded(engine, path, since_ns)
+    steps = list(Steps(LiveRecording.open(path)))
+    first = steps[0].cycle.number
+    assert [each.cycle.number for each in steps] == list(range(first, 42))
+    assert [each.data for each in steps] == engine.written[first - 1 :]
+    assert not any(each.missing for each in steps)
+    wall_ns = [each.cycle.wall_ns for each in steps]
+    assert wall_ns[0] <= since_ns - BEGINNING * 1e9 < wall_ns[1]
+
+
+def test_no_further_back_than_the_ring_goes(engine: FakeEngine, tmp_path: Path) -> None:
+    for _ in range(200):
+        engine.cycle()
+    recorded(engine, path := tmp_path / "a.mcap", 1)
+    found = numbers(path)
+    assert found == list(range(200 - engine.sizes[0] * 3 // 4 + 2, 202))
+
+
+def test_not_before_a_new_baseline(engine: FakeEngine, tmp_path: Path) -> None:
+    """What is enclosed holds from the first cycle on."""
+
+    def calibrated(blocks, now):  # type: ignore[no-untyped-def]
+        blocks.put_rows(now, 0, Kind.CALIBRATION, np.ones((24, 6)))
+
+    cycles(engine, 5)
+    engine.cycle(extra=calibrated)
+    cycles(engine, 2)
+    recorded(engine, path := tmp_path / "a.mcap", 1)
+    assert numbers(path) == [9]
+
+
+def test_not_before_readings_that_are_gone(tmp_path: Path) -> None:
+    engine = FakeEngine(unique_name(), taxels=200, log_bytes=1 << 12)
+    try:
+        cycles(engine, 30)
+        recorded(engine, path := tmp_path / "a.mcap", 1)
+        assert numbers(path) == [31]
+    finally:
+        engine.close()
+        forget_state(engine.ring.name)
+
+
+# one that waits
+
+
+@pytest.fixture
+def recorders(engine: FakeEngine) -> Iterator[ReadyRecorders]:
+    made = ReadyRecorders(engine.ring.name, said.append)
+    said.clear()
+    yield made
+    made.close()
+
+
+said: list[str] = []
+
+
+def test_one_that_stands_ready_records_from_the_click_on(
+    recorders: ReadyRecorders, engine: FakeEngine, tmp_path: Path
+) -> None:
+    assert recorders.pid is None
+    recorders.tend()
+    assert recorders.pid is None  # nobody wants one yet
+    recorders.prepare()
+    pid, path = recorders.pid, tmp_path / "a.mcap"
+    wait_for(lambda: recorders.stands_ready)
+    assert read_state(engine.ring.name) is None  # a rehearsal is no recording
+    engine.close()
+    engine.__init__(engine.ring.name)  # another ring of the name  # type: ignore[misc]
+    cycles(engine, 5)
+    with recorders(path):
+        state = read_state(engine.ring.name)
+        assert state is not None
+        assert (state.pid, Path(state.path)) == (pid, path)
+        cycles(engine, 5)
+        recorders.tend()
+        assert recorders.pid is None  # the next comes later
+    assert numbers(path) == list(range(2, 11))
+    assert said == []
+    recorders._next = 0.0
+    recorders.tend()
+    assert recorders.pid not in (None, pid)
+
+
+def killed(recorders: ReadyRecorders) -> None:
+    child = recorders._child
+    assert child is not None
+    child.kill()
+    child.wait()
+
+
+def test_one_that_dies_is_replaced_and_a_click_before_begins_afresh(
+    recorders: ReadyRecorders, tmp_path: Path
+) -> None:
+    recorders.prepare()
+    killed(recorders)
+    assert not recorders.stands_ready
+    recorders.tend()
+    assert recorders.pid is None  # not at once: it may die again
+    recorders._next = 0.0
+    recorders.tend()
+    killed(recorders)
+    with recorders(path := tmp_path / "a.mcap"):
+        assert path.exists()
+    assert said[-1] == NOT_READY
+    assert LiveRecording.open(path).finished
+
+
+def test_a_click_while_it_is_being_loaded_waits_for_it(
+    recorders: ReadyRecorders, tmp_path: Path
+) -> None:
+    recorders.prepare()
+    pid = recorders.pid
+    with recorders(path := tmp_path / "a.mcap"):
+        state = read_state(recorders._name)
+        assert state is not None
+        assert state.pid == pid
+    assert said == [LOADING]
+    assert LiveRecording.open(path).finished
+
+
+def test_one_that_waits_ends_with_whoever_would_tell_it() -> None:
+    """On a skin that is not there yet."""
+    command = [sys.executable, "-m", "skinfield.live.recorder", unique_name(), "--wait"]
+    found = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    assert (found.returncode, found.stdout, found.stderr) == (0, READY, b"")
+
+
+def test_orders_come_back_as_they_were_given(tmp_path: Path) -> None:
+    path = tmp_path / "a\nb.mcap"
+    order = order_of(path, 5)
+    assert order.count(b"\n") == 1
+    assert read_order(order) == (path, 5)
+    with pytest.raises(InputError, match="expected JSON of path and since_ns"):
+        read_order(b"nonsense\n")
