@@ -77,6 +77,28 @@ def test_a_frozen_port_is_undecided_and_says_so():
     assert not find_faults(healthy(5), ICubByte()).decided
 
 
+@pytest.mark.parametrize("noise", [0.05, 0.15, 0.3, 0.5])
+def test_a_quiet_taxel_that_rounding_keeps_still_is_neither_dead_nor_stuck(noise):
+    rng = np.random.default_rng(11)
+    own = noise * np.exp(0.5 * rng.standard_normal(72))  # most change now and then, some never
+    for level in (np.full(72, 240.0), 240.0 + rng.uniform(-0.5, 0.5, 72)):
+        counts = np.rint(level + own * rng.standard_normal((1000, 72)))
+        counts[:20, 8] = np.rint(209.3 + 0.4 * rng.standard_normal(20))  # touched, then at rest
+        for start in range(0, 1000, 100):
+            faults = find_faults(counts[start : start + 100], ICubByte())
+            assert (faults.verdict == Verdict.OK).all(), (start, faults.sentences)
+
+
+def test_a_dead_taxel_is_found_as_soon_as_noise_outweighs_the_rounding():
+    rng = np.random.default_rng(12)
+    own = 0.93 * np.exp(0.5 * rng.standard_normal(72))
+    counts = np.rint(240.0 + own * rng.standard_normal((100, 72)))
+    counts[:, 5] = 240.0
+    faults = find_faults(counts, ICubByte())
+    assert faults.decided
+    assert np.flatnonzero(faults.verdict == Verdict.DEAD).tolist() == [5]
+
+
 def test_noise_is_measured_against_the_calibration_where_there_is_one():
     counts = healthy()
     patch = Patch(np.arange(180.0).reshape(60, 3))

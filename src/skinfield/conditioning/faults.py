@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from skinfield.conditioning.calibration import Calibration
 from skinfield.conditioning.convention import Bools, Convention
 from skinfield.conditioning.quiet import fast_noise, readings_per_value
-from skinfield.conditioning.robust import recorded
+from skinfield.conditioning.robust import recorded, whole_numbers
 from skinfield.errors import Floats, InputError, check_positive, check_range
 
 
@@ -41,10 +41,13 @@ class FaultLimits:
     ----------
     least_changes : int
         Of value, that nearly all varying taxels must have shown before one without any is dead.
+    least_steps : int
+        The same of changes that rounding alone does not make, see `steps`.
     stuck_readings : int
         Least length of a final run of one value.
     stuck_changes : float
-        Changes that the taxel would have shown in that run at its own earlier rate.
+        Steps that the taxel would have shown in that run at its own earlier rate, and half of
+        which it must have shown before.
     stuck_longer : float
         Times its longest earlier run.
     noisy : float
@@ -54,6 +57,7 @@ class FaultLimits:
     """
 
     least_changes: int = 10
+    least_steps: int = 3
     stuck_readings: int = 50
     stuck_changes: float = 20.0
     stuck_longer: float = 3.0
@@ -61,7 +65,10 @@ class FaultLimits:
     saturated_share: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("least_changes", "stuck_readings", "stuck_changes", "stuck_longer", "noisy"):
+        for name in (
+            "least_changes", "least_steps", "stuck_readings", "stuck_changes", "stuck_longer",
+            "noisy",
+        ):  # fmt: skip
             check_positive(name, getattr(self, name), "a limit above which a taxel is faulty")
         check_range("saturated_share", self.saturated_share, 0.0, 1.0, "a share of the readings")
 
@@ -129,13 +136,14 @@ def find_faults(
         )
     clamped = np.zeros(counts.shape, bool) if convention is None else convention.saturated(counts)
     absent = np.isnan(counts).all(axis=0)
-    changed = _changes(counts)
+    changed, stepped = _changes(counts), steps(counts)
     varying = np.asarray(changed.any(axis=0))
-    decided = _enough_changes(changed, varying, limits)
+    decided = _enough(changed, varying, limits.least_changes)
+    decided = decided and _enough(stepped, varying, limits.least_steps)
     run = _final_run(counts)
     verdict = np.zeros(taxels, np.int8)
     verdict[_too_noisy(counts, calibration, limits) & varying] = Verdict.NOISY
-    verdict[_stuck(changed, run, clamped[-1], limits) & varying] = Verdict.STUCK
+    verdict[_stuck(changed, stepped, run, clamped[-1], limits) & varying] = Verdict.STUCK
     if decided:
         verdict[~varying] = Verdict.DEAD
     verdict[clamped.mean(axis=0) > limits.saturated_share] = Verdict.SATURATED
@@ -151,9 +159,22 @@ def _changes(counts: Floats) -> Bools:
     return np.asarray(np.nan_to_num(np.diff(counts, axis=0)) != 0)
 
 
-def _enough_changes(changed: Bools, varying: Bools, limits: FaultLimits) -> bool:
-    seen = changed.sum(axis=0)[varying]
-    return bool(len(seen) and np.percentile(seen, 10) >= limits.least_changes)
+def steps(counts: Floats) -> Bools:
+    """Where a value differs from the one before by more than rounding hides, (T - 1, L).
+
+    By two counts or more where all numbers are whole, else at all. A taxel whose noise is less
+    than half a count holds one value for as long as its level lies in the middle of that count,
+    and changes in every other reading where its level lies between two: neither how often others
+    change by one count, nor how often it did before, says how often it should.
+    """
+    least = 1.5 if whole_numbers(counts) else 0.0
+    return np.asarray(np.abs(np.nan_to_num(np.diff(counts, axis=0))) > least)
+
+
+def _enough(seen: Bools, varying: Bools, least: int) -> bool:
+    """Whether nine in ten varying taxels show at least so many of what was seen (T - 1, L)."""
+    count = seen.sum(axis=0)[varying]
+    return bool(len(count) and np.percentile(count, 10) >= least)
 
 
 def _final_run(counts: Floats) -> NDArray[np.int64]:
@@ -164,13 +185,17 @@ def _final_run(counts: Floats) -> NDArray[np.int64]:
 
 
 def _stuck(
-    changed: Bools, run: NDArray[np.int64], clamped_now: Bools, limits: FaultLimits
+    changed: Bools,
+    stepped: Bools,
+    run: NDArray[np.int64],
+    clamped_now: Bools,
+    limits: FaultLimits,
 ) -> Bools:
     """Final runs that a taxel's own past, and the others' present, make incredible."""
     stuck = np.zeros(len(run), bool)
     for taxel in np.flatnonzero((run >= limits.stuck_readings) & ~clamped_now):
-        before = changed[: len(changed) + 1 - run[taxel], taxel]
-        if not before.any():
+        before = stepped[: len(stepped) + 1 - run[taxel], taxel]
+        if before.sum() < limits.stuck_changes / 2:
             continue
         at = np.flatnonzero(before)
         longest = int(np.max(np.diff(at, prepend=-1)))
@@ -219,7 +244,8 @@ def _sentences(
     if not decided:
         found.append(
             f"in {len(counts)} readings the taxels change too rarely to tell a dead one from a "
-            "quiet one: a frozen port, a recording without noise, or too short a one"
+            "quiet one: a frozen port, a recording without noise or with less than a count of it, "
+            "or too short a one"
         )
     return tuple(found)
 
