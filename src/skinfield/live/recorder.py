@@ -18,7 +18,7 @@ from skinfield.live.control import order
 from skinfield.live.fit_ring import LAYOUT as FIT
 from skinfield.live.recorder_disk import Disk
 from skinfield.live.recorder_drain import Drain
-from skinfield.live.recorder_place import Place, place_now, place_since
+from skinfield.live.recorder_place import Place, load, place_now, place_since
 from skinfield.live.recorder_queue import Queue, Told
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import RecorderState
@@ -76,7 +76,8 @@ class Recorder:
         self.settings, self._say, self._rehearsal = settings, say, rehearsal
         self._reader = RingReader(settings.name)
         self._began, self._began_ns = time.monotonic(), time.time_ns()
-        now = place_now(self._reader)  # before the calibration: a new one from here on is recorded
+        load()
+        before = place_now(self._reader)
         layout = layout_of(self._reader)
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader)
@@ -93,7 +94,7 @@ class Recorder:
         self._queue = Queue(settings.queue_bytes)
         sources = [str(each) for each in self._reader.description.get("sources", [])]
         self._watch = Watch(self._reader, self._queue, tares)
-        place = self._place(now)
+        place = self._place(before, tares)
         self._drain = Drain(self._reader, self._queue, layout, sources, shower, place)
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
@@ -110,12 +111,19 @@ class Recorder:
             self._since = self._began - (self._began_ns - place.wall_ns) * 1e-9
         self._ask_at = math.inf if rehearsal else self._began
 
-    def _place(self, now: Place) -> Place:
-        """Where to begin: far enough back for a replay from the time on that is wanted."""
-        since_ns = self.settings.since_ns
+    def _place(self, before: Place, tares: int) -> Place:
+        """Where to begin: far enough back for a replay from the time on that is wanted.
+
+        A calibration that is newer than the enclosed one must be in the file, and is behind
+        `before`.
+        """
+        status, since_ns = self._reader.status_view, self.settings.since_ns
+        now = place_now(self._reader)  # first: a calibration that comes after it is recorded
+        if int(status["tares"][0]) != tares:
+            return before
         if not since_ns:
             return now
-        known = int(self._reader.status_view["stale_ns"][0]) + int(BEGINNING * 1e9)
+        known = int(status["stale_ns"][0]) + int(BEGINNING * 1e9)
         return place_since(self._reader, since_ns - known, now)
 
     def _write_state(self) -> None:

@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from skinfield.acquisition.block import Kind
+from skinfield.acquisition.kernel import find_among
+from skinfield.live.recorder_kernel import told_in
 from skinfield.live.slots import Head
 from skinfield.ring import RingReader
 
@@ -28,6 +30,12 @@ class Place(NamedTuple):
     wall_ns: int = 0
 
 
+def load() -> None:
+    """Load what is compiled: the ring would not wait for it later."""
+    told_in(b"")
+    find_among(np.zeros(0, np.int64), 0, 0, 0, 0)
+
+
 def place_now(reader: RingReader) -> Place:
     """Behind the newest cycle; of an engine that starts, before all that is there."""
     number = reader.number  # before the log's end is looked at: no cycle without its readings
@@ -43,19 +51,16 @@ def place_since(reader: RingReader, since_ns: int, now: Place) -> Place:
     since_ns : int, ns
         Since the epoch.
     now : Place
-        Noted before the calibration was read that the recording encloses.
 
     Returns
     -------
     Place
-        `now` if the calibration has changed since then, as the enclosed one holds from the first
+        `now` if there was a new calibration in between, as the enclosed one holds from the first
         cycle on, or if readings are not there any more.
     """
-    from skinfield.acquisition.kernel import find_among
-
     place = _found(reader, since_ns, now)
     data, lost = reader.log_reader(place.position).read()
-    words = np.frombuffer(data, "<i8", len(data) // 8)
+    words = np.frombuffer(bytearray(data), "<i8", len(data) // 8)
     calibration = int(Kind.CALIBRATION)
     if lost or find_among(words, 0, len(words), calibration, calibration) >= 0:
         return now
