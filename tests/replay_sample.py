@@ -2,6 +2,7 @@
 
 import io
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
 from skinfield.acquisition import Blocks, Channels, Kind
 from skinfield.acquisition.recorded import CycleFlag, CycleLayout, Enclosed
 from skinfield.contacts.live import CONTACT
+from skinfield.live.fit_ring import LAYOUT as FIT
 from skinfield.live.recipe import Recipe
 from skinfield.live.slots import PATCH, Head, Slot
 from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
@@ -57,6 +59,7 @@ def write(
     without: range = range(0),
     tared_at: int = -1,
     close: bool = True,
+    beside: Callable[[RecordingWriter, Slot, int], None] | None = None,
 ) -> list[Known]:
     """Write `cycles` cycles of a press that comes and goes.
 
@@ -68,6 +71,8 @@ def write(
         Nor are these cycles and their readings.
     tared_at : int
         Cycle before which another baseline is taken.
+    beside : function of writer, slot and number, optional
+        Called after each cycle; what a fit found may be written then.
     """
     cycle, made = cycle_of(settings(), NOISE), []
     recipe: Recipe = cycle.recipe
@@ -77,9 +82,9 @@ def write(
         Enclosed("ring.json", "application/json", json.dumps({"period": 1e-9 * PERIOD}).encode()),
         tare_file(table),
     )
-    writer = RecordingWriter(
-        path, skin_files, layout=ROWS, settings=RecordingSettings(overwrite=True)
-    )
+    fit = None if beside is None else FIT
+    how = RecordingSettings(overwrite=True)
+    writer = RecordingWriter(path, skin_files, layout=ROWS, fit=fit, settings=how)
     channels, slot, blocks = Channels(72), Slot.empty(cycle.sizes), Blocks(1 << 13)
     change, position = pressed_counts() - REST, 0
     for number in range(cycles):
@@ -105,6 +110,8 @@ def write(
                 writer.flush()
             if number == tared_at:
                 writer.event(wall, "calibrated", "the baseline was taken anew", tares=2)
+            if beside is not None:
+                beside(writer, slot, number)
         made.append(_known(told, slot))
     if close:
         writer.close()

@@ -6,15 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from skinfield.errors import InputError, SkinfieldError, check_choice
-from skinfield.live.best import best_contacts, recent_patches
 from skinfield.live.fit_reader import FitReader
 from skinfield.ring import State
 from skinfield.viewer.desk import Desk, Press
 from skinfield.viewer.feed import Feed
-from skinfield.viewer.fields import Fields
 from skinfield.viewer.live_feed import LiveFeed
 from skinfield.viewer.presser import NO_VIRTUAL, Presser, Virtual
 from skinfield.viewer.recordings import Recordings
+from skinfield.viewer.seen_best import seen_best
 from skinfield.viewer.tuner import TUNED, tune, tuning_told
 from skinfield.viewer.updates import Seen, seen_plainly
 
@@ -98,18 +97,7 @@ class LiveDesk(Desk):
         if snapshot is None or fit is None or not self._fitting:
             return seen_plainly(snapshot)
         with self._fit_lock:
-            rows, by = best_contacts(snapshot, fit)
-            found = fit.latest()
-            if found is None or len(found.patches) != len(snapshot.patches):
-                return Seen(snapshot, rows, by)
-            recent = recent_patches(snapshot, found)
-            names = [patch.name for patch in feed.skin]
-            fields = {
-                name: pressure
-                for place, name in enumerate(names)
-                if recent[place] and (pressure := fit.pressure(place)) is not None
-            }
-        return Seen(snapshot, rows, by, Fields(fields))
+            return seen_best(snapshot, fit.latest())
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """See `Desk`."""

@@ -11,10 +11,13 @@ from skinfield.layout import Skin
 from skinfield.live.answered import Answered, Passed
 from skinfield.live.recipe import Recipe
 from skinfield.live.replay import Replay
+from skinfield.live.replay_fit import ReplayFit
 from skinfield.live.snapshot import Snapshot
 from skinfield.viewer.replay_clock import SPEEDS, Clock
 from skinfield.viewer.replay_shown import Shown
 from skinfield.viewer.replay_times import Times, told_events
+from skinfield.viewer.seen_best import seen_best
+from skinfield.viewer.updates import Seen
 
 ENDS = 10.0  # s for the thread to end
 LISTENED = 64  # cycles that are answered between looks for another order, without pacing
@@ -26,6 +29,7 @@ class ReplayFeed:
 
     A thread answers the cycles again, the same as they were live, bit for bit; what is shown is
     the newest one. Where readings are missing nothing can be answered, and all patches are missing.
+    Contacts that a fit found beside the engine are as they were recorded.
 
     Parameters
     ----------
@@ -59,6 +63,7 @@ class ReplayFeed:
         self.events = told_events(self.replay, self._times)
         self.holes = self._times.holes
         self._shown = Shown(self.replay)
+        self._fit, self._fit_lock = ReplayFit(self.replay), threading.Lock()
         self._changed = threading.Condition()
         self._clock = Clock(playing)
         self._target: int | None = None  # time to go to, ns
@@ -100,6 +105,13 @@ class ReplayFeed:
     def latest(self) -> Snapshot | None:
         """The newest cycle, in memory of its own; None before the first one is there."""
         return self._shown.snapshot()
+
+    def seen(self) -> Seen:
+        """The same with the best contacts that were known at that time, as the live page has it."""
+        snapshot, time_ns = self._shown.now()
+        with self._fit_lock:
+            found = None if snapshot is None else self._fit.at(time_ns)
+        return seen_best(snapshot, found)
 
     def status(self) -> dict[str, Any]:
         """As `Status.as_dict`, of the time that is shown; `state` is "playing" or "paused"."""

@@ -124,13 +124,17 @@ class Shown:
 
     def snapshot(self) -> Snapshot | None:
         """The cycle that is shown, in memory of its own; None before the first one."""
+        return self.now()[0]
+
+    def now(self) -> tuple[Snapshot | None, int]:
+        """The same, and what time it is there, ns since the epoch."""
         with self._lock:
             if self._snapshot is None and self._number:
                 own = Slot.empty(self._sizes)
                 for part in fields(Slot):
                     np.copyto(getattr(own, part.name), getattr(self._slot, part.name))
                 self._snapshot = Snapshot(own, self._number, self._models_now(), self._wall_ns)
-            return self._snapshot
+            return self._snapshot, self.time_ns
 
     def _models_now(self) -> Models:
         """Of what was in force then."""

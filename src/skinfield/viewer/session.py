@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.viewer.orders import flag, number, press_of, text
 from skinfield.viewer.stage import Stage
-from skinfield.viewer.updates import Seen, Updates, seen_plainly
+from skinfield.viewer.updates import Seen, Updates
 from skinfield.viewer.wire import VERSION
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ class Session:
         seen: list[Seen]
         truth: Sequence[Given] = ()
         if replay is not None:
-            seen = [seen_plainly(replay.latest())]
+            seen = [replay.seen()]
         else:
             seen, truth = page.desk.seen(stage.feeds), page.truth
         numbers = [None if s.snapshot is None else s.snapshot.number for s in seen]
