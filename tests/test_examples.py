@@ -1,7 +1,9 @@
 """Every example runs as it stands and prints the number that it should."""
 
+import os
 import re
 import runpy
+import shutil
 from pathlib import Path
 
 import matplotlib
@@ -27,6 +29,14 @@ def test_each_example_is_tested() -> None:
     assert {file.stem for file in EXAMPLES.glob("*.py")} == set(FOUND)
 
 
+def keep(picture: Path) -> None:
+    """Copy a picture to where people look at them, if there is such a place."""
+    if asked := os.environ.get("SKINFIELD_PICTURES"):
+        folder = Path(asked) / "examples"
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copy(picture, folder)
+
+
 @pytest.mark.parametrize("name", FOUND)
 def test_example(
     name: str,
@@ -42,6 +52,7 @@ def test_example(
     assert low < float(re.findall(rf"([\d.]+)(?: ±.*)? {unit}\b", printed)[-1]) < high, printed
     for picture in re.findall(r"\S+\.png", printed):
         assert (tmp_path / picture).stat().st_size > 10_000
+        keep(tmp_path / picture)
 
 
 def test_the_filter_sees_what_a_single_reading_loses(
