@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import zarr
 from click.testing import CliRunner
+from fit_rings import FakeFit, contact
 from pyarrow import parquet
 from recorder_ring import FakeEngine
 
@@ -35,6 +36,26 @@ def recorded(tmp_path_factory):
     engine.close()
     forget_state(name)
     return path, np.array(engine.counts), engine.skin
+
+
+@pytest.fixture(scope="module", name="fitted")
+def _fitted(tmp_path_factory):
+    """With a fit beside the engine: 1 N, then that and 2 N on another place, then nothing."""
+    name = f"exp{uuid.uuid4().hex[:12]}"
+    path = tmp_path_factory.mktemp("export") / "fit.mcap"
+    engine, fit = FakeEngine(name), FakeFit(name)
+    recorder = Recorder(RecorderSettings(name=name, path=path))
+    found = [(1.0,), (1.0, 2.0), ()]
+    for number, forces in enumerate(found):
+        engine.cycle()
+        rows = [contact(0.01 * k, force=force, track=k + 3) for k, force in enumerate(forces)]
+        fit.tell(*rows, stamp_ns=10 + number, pressure=[5.0])
+        recorder.step()
+    recorder.close()
+    fit.close()
+    engine.close()
+    forget_state(name)
+    return path
 
 
 def run(*words: str):
@@ -94,6 +115,30 @@ def test_csv(recorded, tmp_path):
     assert [row["cycle"] for row in csv.DictReader(lines)][:3] == ["2", "3", "3"]
     happened = json.loads((tmp_path / "a.events.json").read_text())
     assert happened["timing"][-1]["cycles"] >= 0
+
+
+@pytest.mark.parametrize("ending", ["h5", "csv"])
+def test_contacts_of_a_fit(fitted, tmp_path, ending):
+    target = tmp_path / f"a.{ending}"
+    run("export", str(fitted), "-o", str(target))
+    if ending == "h5":
+        with h5py.File(target) as store:
+            table = {name: store["fit_contacts"][name][:] for name in store["fit_contacts"]}
+    else:
+        with (tmp_path / "a.fit_contacts.csv").open() as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        table = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    assert table["normal_force"].tolist() == [1.0, 1.0, 2.0]
+    assert table["track"].tolist() == [3, 3, 4]
+    assert table["stamp_ns"].tolist() == [10, 11, 11]
+    assert table["radius"].tolist() == [5e-3] * 3
+    assert (np.diff(table["wall_ns"]) >= 0).all()
+
+
+def test_a_bag_has_the_engines_own(fitted, tmp_path):
+    run("export", str(fitted), "--format", "rosbag2", "-o", str(tmp_path / "bag"))
+    assert (tmp_path / "bag" / "metadata.yaml").exists()
+    assert json.loads(run("info", str(fitted), "--json"))["fit"]["answers"] == 3
 
 
 def test_what_cannot_be(recorded, tmp_path):

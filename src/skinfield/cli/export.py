@@ -18,13 +18,15 @@ HELD = 4096  # cycles whose rows are written together
     help="""Turn FILE, a recording of a live skin, into arrays and tables that others read.
 
 The raw counts of every patch over time, one row per scan and empty where a taxel did not answer;
-contacts; each patch's answer in each cycle; the cycles' times; and what happened. In the order of
-the layout's taxels, stamps in ns since the epoch, all else in SI units.
+the engine's contacts and, where a contact fit ran beside it, the fit's; each patch's answer in each
+cycle; the cycles' times; and what happened. In the order of the layout's taxels, stamps in ns since
+the epoch, all else in SI units.
 
 \b
-  out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, patch_cycles, cycles, events
-  out.parquet, .csv    the counts; beside it out.contacts.*, out.patch_cycles.*, out.cycles.*
-                       and out.events.json
+  out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
+                       cycles, events
+  out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
+                       out.patch_cycles.*, out.cycles.* and out.events.json
 
 It is read and written piece by piece: a recording may be longer than memory.
 
@@ -77,6 +79,7 @@ class _Work:
     """From the messages of a recording to the pieces of an export."""
 
     def __init__(self, recording: Any, names: tuple[str, ...]) -> None:
+        from skinfield.cli.export_fit import FitRows
         from skinfield.sinks.live_tables import Exported
         from skinfield.sources.recordings.mcap_table import Scan, port_of, ports_of
 
@@ -99,16 +102,23 @@ class _Work:
             "cycles": CYCLE,
         }
         units = tuple(port.unit for port in its)
+        self._fit = FitRows.of(recording)
+        if self._fit is not None:
+            self._tables["fit_contacts"] = self._fit.fields
         self.what = Exported(str(recording.path), chosen, units, self._tables)
         self._held: list[Any] = []
 
     def into(self, sink: Any) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
         from skinfield.acquisition.recorded import BLOCKS, CYCLES
+        from skinfield.acquisition.recorded_fit import FITS
 
-        recording = self._recording
-        for topic, at, message in recording.messages((BLOCKS, CYCLES)):
-            if topic == CYCLES:
+        recording, fit = self._recording, self._fit
+        for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):
+            if topic == FITS:
+                if fit is not None and len(rows := fit.rows_of(at, message.data)):
+                    sink.add_rows("fit_contacts", rows)
+            elif topic == CYCLES:
                 cycle = recording.cycle_of(at, message)
                 if cycle is not None:
                     self._held.append(cycle)

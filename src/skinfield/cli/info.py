@@ -67,7 +67,7 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
         if began
         else "never"
     )
-    chunks, lost, contacts = found["chunks"], found["lost"], found["contacts"]
+    chunks, lost, contacts, fit = (found[each] for each in ("chunks", "lost", "contacts", "fit"))
     ratio = chunks["unpacked_bytes"] / max(chunks["packed_bytes"], 1)
     whole = "" if found["finished"] else "; not finished: skinfield recover makes a whole file"
     enclosed = ", ".join(f"{name} ({size:,} bytes)" for name, size in found["attachments"].items())
@@ -84,6 +84,7 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
         ("answered after", _quantiles(found["ready_us"])),
         ("contacts", f"{contacts['tracks']:,} tracks in {contacts['cycles']:,} cycles, at most "
                      f"{contacts['most_at_once']} at once"),
+        ("contact fit", f"{fit['answers']:,} answers, {fit['bytes'] / 1e6:.2f} MB"),
         ("lost", f"{lost['messages']:,} messages before the host; in the ring "
                  f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "
                  f"disk {lost['dropped_bytes']:,} bytes, {lost['dropped_cycles']:,} cycles"),

@@ -18,7 +18,7 @@ from skinfield.layout import Patch
 from skinfield.sinks.sink import Closing
 
 ENDINGS = (".parquet", ".csv", ".zarr", ".h5")
-TABLES = ("contacts", "patch_cycles", "cycles")
+TABLES = ("contacts", "fit_contacts", "patch_cycles", "cycles")  # fits: where there is one
 Rows = NDArray[np.void]
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.acquisition.recorded import BLOCKS, CYCLES, Cycle, CycleFlag
+from skinfield.acquisition.recorded_fit import FITS
 from skinfield.errors import FileError, InputError
 from skinfield.sources.recordings.mcap_bodies import Damaged, Op
 from skinfield.sources.recordings.mcap_live import LiveRecording
@@ -35,6 +36,7 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
     """
     blocks, cycles = _Blocks(recording), _Cycles()
     times: list[int] = []
+    fit = {"answers": 0, "bytes": 0}
     for topic, at, message in recording.messages():
         times = [min(times[0], message.time_ns), max(times[1], message.time_ns)] if times else (
             [message.time_ns] * 2
@@ -43,6 +45,9 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
             blocks.add(at, message)
         elif topic == CYCLES and (cycle := _cycle_of(recording, at, message)) is not None:
             cycles.add(cycle)
+        elif topic == FITS:
+            fit["answers"] += 1
+            fit["bytes"] += len(message.data)
         if progress is not None:
             progress(at, recording.outline.size)
     seconds = (times[1] - times[0]) * 1e-9 if times else 0.0
@@ -57,6 +62,7 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         "patches": blocks.patches(seconds),
         "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
         **cycles.summary(seconds),
+        "fit": fit,
         "lost": _lost(events),
         "events": dict(Counter(str(event.get("kind")) for event in events)),
         "last_events": events[-SHOWN:],
