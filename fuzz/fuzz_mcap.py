@@ -11,10 +11,14 @@ import numpy as np
 from mcap.reader import make_reader
 
 from skinfield.acquisition.recorded import CYCLE_HEAD, CycleLayout
+from skinfield.acquisition.recorded_fit import FIT_HEAD
 from skinfield.errors import FileError, InputError
+from skinfield.live.fit_ring import LAYOUT as FIT
 from skinfield.live.recorder_recover import recover
+from skinfield.live.replay_fit import slot_of
 from skinfield.sinks.mcap.compression import Lz4, NoCompression, Zstd
 from skinfield.sinks.mcap.container import Container
+from skinfield.sources.recordings.mcap_fits import FitTimes, fit_layout_of, fits_of
 from skinfield.sources.recordings.mcap_live import LiveRecording
 from skinfield.sources.recordings.mcap_moments import Moments
 from skinfield.sources.recordings.mcap_records import MAGIC
@@ -23,6 +27,10 @@ from skinfield.sources.recordings.mcap_summary import summary_of
 from skinfield.sources.recordings.mcap_table import collected_live, stream_of
 
 ROWS = CycleLayout(np.dtype([("track", "<i8")]), np.dtype([("force", "<f8")]))
+ROWS_OF_FIT = (FIT.patch.itemsize, 1, FIT.contact.itemsize, FIT.form.itemsize)
+FIT_RECORD = FIT_HEAD.pack(1, FIT_HEAD.size, 2, 5, 0, 9, 4, 1, *ROWS_OF_FIT, 1)
+FIT_RECORD += struct.pack("<IIii", 1, 1, 1, 1) + bytes(sum(ROWS_OF_FIT) - 9)  # one patch, a contact
+FIT_RECORD += struct.pack("<If", 3, 2.0)  # on one node
 PORTS = b'{"ports": [["a", 9, "count"]]}'
 FOLDER = Path(tempfile.gettempdir()) / "skinfield-fuzz-mcap"
 FOLDER.mkdir(exist_ok=True)
@@ -58,6 +66,7 @@ def sample(compression: object, finish: bool) -> bytes:
     container.add_channel("/skin/blocks", "x", ("b", "", b""))
     container.add_channel("/skin/cycles", "x", ("c", "", b""), ROWS.metadata())
     container.add_channel("/skin/events", "json", ("e", "", b""))
+    container.add_channel("/skin/fit", "x", ("f", "", b""), FIT.metadata())
     container.add_attachment("configuration.json", "application/json", PORTS, 1)
     for number in range(2):
         block = struct.pack("<qIHBB8s", 10, 0, 8, 1, 0, bytes(range(8)))
@@ -65,6 +74,8 @@ def sample(compression: object, finish: bool) -> bytes:
         head = (1, CYCLE_HEAD.size, 1, number, 1, 2, 3, 4, 5, 24 * number + 24, 1, 2, 1, 8, 1, 8, 0)
         container.add_message(2, number, 5, CYCLE_HEAD.pack(*head) + bytes(32))
         container.add_message(3, number, 5, b'{"kind": "dropped", "bytes": 3}')
+        fit = FIT_RECORD[:16] + struct.pack("<q", number) + FIT_RECORD[24:]
+        container.add_message(4, number, 5, fit)
         container.flush()
     if finish:
         container.finish()
@@ -76,14 +87,20 @@ SEEDS = [
     for compression in (Zstd(), Lz4(), NoCompression())
     for finish in (True, False)
 ]
+SEEDS.append(FIT_RECORD)
 
 BEGINNING = MAGIC + sample(NoCompression(), finish=False)
 
 
 def one_input(data: bytes) -> None:
-    """Take the bytes for the records of a file, then for a chunk of messages in a good one."""
+    """Take the bytes for records of a file, then for a chunk of messages, then for a fit's."""
     check(MAGIC + data)
     check(BEGINNING + chunk_of(data))
+    with contextlib.suppress(InputError):
+        record = FIT.decode(data)
+        slot = slot_of(record) if max(record.sizes) < 99 else None
+        assert slot is None or np.count_nonzero(slot.pressure) <= len(record.nodes)
+        assert FIT.encode(FIT.decode(FIT.encode(record))) == FIT.encode(record)
 
 
 def chunk_of(data: bytes) -> bytes:
@@ -91,7 +108,7 @@ def chunk_of(data: bytes) -> bytes:
     inner = b""
     for piece in data.split(b"\n"):
         if len(piece) > 1:
-            channel = struct.pack("<HIQQ", piece[1] % 4, 0, 1, 1) if piece[0] % 2 else b""
+            channel = struct.pack("<HIQQ", piece[1] % 5, 0, 1, 1) if piece[0] % 2 else b""
             opcode = 5 if channel else piece[0] % 16
             body = channel + piece[2:]
             inner += struct.pack("<BQ", opcode, len(body)) + body
@@ -125,5 +142,14 @@ def read(path: Path) -> None:
     assert all(begin < end for begin, end in moments.holes(2))
     for number, _ in enumerate(found.outline.records):
         deque(Steps(found, first=number), 0)
+    fitted = [record.number for record in fits_of(found)]
+    times = FitTimes(found, moments)
+    for place in moments.fits:
+        record = times.before(place.time_ns)
+        if record is not None:
+            assert record.number in fitted
+            layout = fit_layout_of(found)
+            assert layout is not None
+            assert layout.decode(layout.encode(record)).places.tolist() == record.places.tolist()
     summary_of(found)
     collected_live(stream_of(found))

@@ -20,7 +20,7 @@ from skinfield.live import fit_reader, recorder_fit
 from skinfield.live.answered import Answered
 from skinfield.live.estimates import Models
 from skinfield.live.fit_reader import FitReader
-from skinfield.live.fit_ring import Fitted
+from skinfield.live.fit_ring import LAYOUT, Fitted
 from skinfield.live.recipe import Recipe
 from skinfield.live.recorder_fit import FitDrain
 from skinfield.live.recorder_queue import Queue
@@ -253,7 +253,7 @@ def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: 
             writer.write_fit(slot.recorded(number).wall_ns, bytes(56))
         elif number == 55:
             fit.tell(contact(), told_ns=0)
-            data = recorder_fit.LAYOUT.encode(
+            data = LAYOUT.encode(
                 replace(recorder_fit.record_of(fit.master, 1), time_ns=0)
             )
             writer.write_fit(1, data)
