@@ -4,6 +4,7 @@ Properties are tried on the same cases every time, so that a slow machine or a l
 nobody's first run; `pytest --hypothesis-profile=default` draws new ones.
 """
 
+import gc
 import os
 from pathlib import Path
 
@@ -12,6 +13,12 @@ from hypothesis import settings
 
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
+
+
+def pytest_collection_finish() -> None:
+    """Thousands of tests are kept to the end: no garbage collection has to look at them."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

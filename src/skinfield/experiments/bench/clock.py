@@ -27,6 +27,17 @@ def undisturbed() -> Iterator[None]:
             gc.enable()
 
 
+@contextmanager
+def settled() -> Iterator[None]:
+    """With what is there by now left out of garbage collections: each `undisturbed` needs one."""
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+
+
 def laps(function: Callable[[], object], count: int) -> Floats:
     """Seconds of each of `count` calls."""
     out = np.empty(count)

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 
 from skinfield.experiments.bench.anytime import Point, anytime
 from skinfield.experiments.bench.calls import Call, whole_calls
+from skinfield.experiments.bench.clock import settled
 from skinfield.experiments.bench.grids import PAPER, GridTime, grid_times
 from skinfield.experiments.bench.machine import Company, Machine, Watch, this_machine
 from skinfield.experiments.bench.scene import make_scene
@@ -66,11 +67,12 @@ def run_bench(settings: BenchSettings, show: Show = say_nothing) -> Bench:
     when = datetime.now(UTC).isoformat(timespec="seconds")
     machine = this_machine()
     scene = make_scene(settings, lambda done, of: show("pressing two fingers", done, of))
-    watch = Watch()
-    grids = grid_times(settings, scene, show)
-    points = anytime(settings, scene, show)
-    calls = whole_calls(settings, scene, show)
-    company = watch.company()
+    with settled():
+        watch = Watch()
+        grids = grid_times(settings, scene, show)
+        points = anytime(settings, scene, show)
+        calls = whole_calls(settings, scene, show)
+        company = watch.company()
     return Bench(
         size=settings.size.name,
         seed=settings.seed,
