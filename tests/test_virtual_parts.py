@@ -18,15 +18,17 @@ from skinfield.virtual import (
     VirtualSettings,
     Wires,
     fault_from_text,
+    solving,
     temperature_from_text,
 )
 from skinfield.virtual.faults import numbers_of
 from skinfield.virtual.scene_files import load_scene, scene_from_text
-from skinfield.virtual.scenes import SCENES
+from skinfield.virtual.scenes import SCENES, scene_by_name
 from skinfield.virtual.settings import settings_from_json
 from skinfield.virtual.tables import FORCES, SPACING, PressTable, cache_path, table_for
 from skinfield.virtual.tool import Tool
 from skinfield.virtual.touch import Point, Track
+from skinfield.virtual.world import World
 from skinfield.virtual.world_kernel import add_press
 
 SKIN = Skin((by_name("hexagon72"),))
@@ -215,3 +217,43 @@ def test_settings_go_through_json():
     for bad in ("{", "[]", '{"skim": "hexagon72"}', '{"wires": 3}', '{"rate": "fast"}'):
         with pytest.raises(InputError):
             settings_from_json(bad)
+
+
+class Solved:
+    """Stands for a process that solves a table."""
+
+    def __init__(self, words: list[str], **_: object) -> None:
+        self.radius, self.done = float(words[3]), False
+
+    def poll(self) -> int | None:
+        return 0 if self.done else None
+
+
+def test_tools_wait_for_their_turn_the_newest_first(monkeypatch) -> None:
+    begun: list[Solved] = []
+    monkeypatch.setattr(
+        solving.subprocess, "Popen", lambda *a, **k: begun.append(Solved(*a, **k)) or begun[-1]
+    )
+    monkeypatch.setattr(solving, "is_stored", lambda *_: False)
+    monkeypatch.setattr(solving, "table_for", lambda tool, *_: tool)
+    mine = solving.Solving(Layer())
+    tools = [Tool(1e-3 * radius) for radius in range(1, 2 + solving.QUEUED + solving.AT_ONCE)]
+    for tool in tools[:-1]:
+        mine.start(tool, 4e-3)
+    assert [each.radius for each in begun] == [tools[0].radius, tools[1].radius]
+    with pytest.raises(InputError, match="others wait to be prepared"):
+        mine.start(tools[-1], 4e-3)
+    begun[0].done = True
+    assert mine.poll()
+    assert mine.get(tools[0], 4e-3) == tools[0]
+    assert begun[-1].radius == tools[-2].radius
+
+
+def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
+    world = World(SKIN, Layer(), scene_by_name("idle", SKIN, 0))
+    hard = table_for(Tool(), Layer(), 4e-3)  # what is stored for any tool
+    monkeypatch.setattr(solving, "is_stored", lambda *_: True)
+    monkeypatch.setattr(solving, "table_for", lambda *_: hard)
+    with pytest.raises(InputError, match="press lighter"):
+        world.press({"x": 0.0, "y": 0.0, "radius": 2e-3, "force": 1e3})
+    assert world.waits == []

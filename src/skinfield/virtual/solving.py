@@ -10,7 +10,8 @@ from skinfield.virtual.tables import PressTable, is_stored, table_for
 from skinfield.virtual.tool import Tool
 
 Key = tuple[Tool, float]
-AT_ONCE = 2  # tables that are solved at a time
+AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
+QUEUED = 16  # that wait for their turn
 SCRIPT = """
 import sys
 from skinfield.mechanics import Layer
@@ -33,6 +34,7 @@ class Solving:
     layer: Layer
     _there: dict[Key, PressTable] = field(default_factory=dict)
     _running: dict[Key, subprocess.Popen[bytes]] = field(default_factory=dict)
+    _queue: list[Key] = field(default_factory=list)
 
     def get(self, tool: Tool, pad_diameter: float) -> PressTable | None:
         """A table, if it is there."""
@@ -46,12 +48,12 @@ class Solving:
         return self._there[key]
 
     def start(self, tool: Tool, pad_diameter: float) -> None:
-        """Have a table solved; one that was solved before is there at once.
+        """Have a table solved, at once or in its turn; one that was solved before is there.
 
         Raises
         ------
         InputError
-            If others are being solved: each takes a processor for seconds.
+            If too many wait.
         """
         key = (tool, pad_diameter)
         if key in self._running:
@@ -59,12 +61,23 @@ class Solving:
         if is_stored(tool, self.layer, pad_diameter):
             self.now(tool, pad_diameter)
             return
-        if len(self._running) >= AT_ONCE:
+        if key in self._queue:
+            self._queue.remove(key)  # it is wanted now: before others
+        if len(self._queue) >= QUEUED:
             raise InputError(
-                f"tool is a {tool.shape} of {tool.radius * 1e3:g} mm while {AT_ONCE} others are "
-                "being prepared, expected it some seconds later"
+                f"tool is a {tool.shape} of {tool.radius * 1e3:g} mm while {QUEUED} others wait to "
+                "be prepared, expected it some seconds later"
             )
-        layer = self.layer
+        self._queue.append(key)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin the newest that wait: what was asked for last is looked at now."""
+        while self._queue and len(self._running) < AT_ONCE:
+            self._solve(self._queue.pop())
+
+    def _solve(self, key: Key) -> None:
+        (tool, pad_diameter), layer = key, self.layer
         numbers = (layer.thickness, layer.young_modulus, layer.poisson_ratio)
         words = [str(tool.radius), tool.shape, str(pad_diameter), *map(str, numbers)]
         words.append(str(layer.relative_permittivity))
@@ -83,6 +96,7 @@ class Solving:
             if process.poll() is not None:
                 del self._running[key]
                 self.now(*key)
+        self._begin()
         return len(self._there) > before
 
     def close(self) -> None:
@@ -91,3 +105,4 @@ class Solving:
             process.kill()
             process.wait()
         self._running.clear()
+        self._queue.clear()

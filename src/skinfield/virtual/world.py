@@ -170,11 +170,12 @@ class World:
             raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
         if name not in self._by_hand and len(self._by_hand) >= MOST:
             raise InputError(f"{MOST} presses are there, expected fewer: release some first")
-        table = self._solving.get(tool, self._pad(patch))
+        pad = self._pad(patch)
+        if self._solving.get(tool, pad) is None:
+            self._solving.start(tool, pad)
+        table = self._solving.get(tool, pad)  # one that was stored is there at once
         if table is not None:
             table.check_force(force, tool)
-        else:
-            self._solving.start(tool, self._pad(patch))
         self._by_hand[name] = Touch(name, patch, tool, x, y, force)
         return {"id": name, "x": x, "y": y, "radius": tool.radius, "solving": table is None}
 
