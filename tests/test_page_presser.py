@@ -89,7 +89,7 @@ def test_what_the_skin_let_go_is_told_and_gone(case) -> None:
     case.skin.waits, case.skin.notes = [], ["press 1-a was let go: too hard"]
     assert case.presser.truth() == []
     case.presser.truth()
-    assert case.said == ["press 1-a was let go: too hard"]
+    assert case.said == ["a press was let go: too hard"]
     assert case.presser.standing == 0
     assert not case.presser.preparing
 

@@ -1,6 +1,6 @@
 // The colour bar: the scene's own map, with round ticks in the unit that reads best.
 import { byId, element, setText } from "./dom.js";
-import { fixed, placesOf, ticks, unitFor } from "./format.js";
+import { fixed, placesOf, significant, ticks, unitFor } from "./format.js";
 import { CalmRange } from "./range.js";
 import { MAP_OF, mapGradient } from "./scene/colours.js";
 
@@ -73,7 +73,7 @@ export class ColourBar {
     setText(byId("range-unit"), label || "–");
     setText(byId("colour-name"), `${NAMES[this.#quantity] ?? ""}${label ? `, ${label}` : ""}`);
     if (this.#auto.checked) this.#hi.value = Number((hi / factor).toPrecision(6));
-    const words = `${NAMES[this.#quantity] ?? "Colour bar"} from ${lo / factor} to ${hi / factor} ${label}`;
+    const words = `${NAMES[this.#quantity] ?? "Colour bar"} from ${[lo, hi].map((value) => significant(value / factor)).join(" to ")} ${label}`;
     byId("colour-bar").setAttribute("aria-label", words);
     this.#changed({ lo, hi, map });
   }

@@ -2,9 +2,9 @@
 
 const STEPS = {
   Pa: [[1e6, "MPa"], [1e3, "kPa"], [1, "Pa"]],
-  m: [[1e-3, "mm"], [1e-6, "µm"]],
+  m: [[1e-3, "mm"]],
   N: [[1, "N"], [1e-3, "mN"]],
-  1: [[1, ""]], // of a ratio, such as ΔC/C₀
+  1: [[1, "ΔC/C₀"]], // the one ratio that taxels tell
 };
 
 /**

@@ -18,7 +18,7 @@ export class PressGestures {
   #prefix;
 
   /**
-   * @param {(command: object) => void} send
+   * @param {(command: object) => Promise<boolean>} send false: it was refused
    * @param {() => {shape: string, radius: number, force: number}} tool of the panel, m and N
    * @param {string} prefix of the ids, so that two pages never share one
    */
@@ -31,6 +31,12 @@ export class PressGestures {
   /** Ids of the presses that stand or are held. */
   get ids() {
     return [...this.#presses.keys()];
+  }
+
+  /** Presses that are asked for and not among those that press by now: [{id, position}]. */
+  missing(pressing) {
+    const there = (id) => pressing.some((each) => each === id || String(each).endsWith(`-${id}`));
+    return [...this.#presses].filter(([id]) => !there(id)).map(([id, { position }]) => ({ id, position }));
   }
 
   /** Is a press held right now? */
@@ -110,8 +116,16 @@ export class PressGestures {
     const id = `${this.#prefix}${this.#count}`;
     const press = this.#spot(at);
     this.#presses.set(id, { ...press, standing: false });
-    this.#send({ do: "press", id, ...press });
+    this.#begin(id, press);
     return id;
+  }
+
+  /** A press that is refused is none: nothing may be moved or lifted by its name. */
+  async #begin(id, press) {
+    const stands = await this.#send({ do: "press", id, ...press });
+    if (stands !== false) return;
+    this.#presses.delete(id);
+    if (this.#held?.id === id) this.#held = null;
   }
 
   #spot({ patch, position }) {

@@ -195,10 +195,18 @@ function show(head, arrays) {
   const pairs = matched(head.contacts, head.truth);
   const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
   plots.add(time, pairs, head);
-  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key) });
+  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords() });
+  press.seen(head.truth);
   replay.at(head.time_s);
   const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);
   byId("latency-plot").setAttribute("aria-label", `Latency of the estimates, now ${latency}`);
+}
+
+/** What a table without contacts says: nobody knows of any before there are answers. */
+function noneWords() {
+  const { state: name } = state.status ?? {};
+  const answers = !name || state.hello?.mode === "replay" || name === "running" || name === "mixed";
+  return answers ? "No contact" : `No answer: ${state.controls?.busy ?? `the engine is ${name}`}`;
 }
 
 // what this browser alone shows

@@ -12,6 +12,7 @@ export class PressPanel {
   #gestures;
   #limits = null; // press of the newest hello
   #off = null;
+  #busy = null; // what the server does, in words
   #mode = "live";
   #playing = null; // the scene that plays, as told
   #asked = new Asked(() => this.#showScene());
@@ -56,8 +57,9 @@ export class PressPanel {
   }
 
   /** Why pressing is off, if it is; the scene that plays, if that is told. */
-  controls({ off, scene }) {
+  controls({ off, scene, busy }) {
     this.#off = off?.press ?? null;
+    this.#busy = busy ?? null;
     this.#playing = scene;
     this.#asked.told();
     this.#showScene();
@@ -89,6 +91,13 @@ export class PressPanel {
     const { clientWidth: width, clientHeight: height } = this.#scene.canvas;
     const hit = this.#scene.pick(width / 2, height / 2);
     if (hit?.position) this.#gestures.tap({ patch: hit.patch, position: Array.from(hit.position) });
+  }
+
+  /** Tell what presses now; presses that wait for something are shown, with what they wait for. */
+  seen(truths) {
+    const why = this.#busy;
+    const waiting = why ? this.#gestures.missing(truths.map(({ id }) => id)) : [];
+    this.#scene.setWaiting(waiting.map((press) => ({ ...press, why })));
   }
 
   /** There is a new connection: what was pressed over the one before cannot be named any more. */

@@ -4,6 +4,7 @@ import { bytes, count, fixed, micros } from "./format.js";
 
 const GOOD = new Set(["running", "live", "playing", "paused"]);
 const WAITING = new Set(["starting", "calibrating", "connecting", "mixed"]);
+const NO_ANSWERS = new Set(["starting", "calibrating"]); // cycles there are, but no estimates
 const MOST_NOTES = 6;
 
 const REPLAYED = new Set(["playing", "paused"]); // of a recording that is shown by itself
@@ -25,7 +26,7 @@ export function statusWords(status) {
   const some = `${engines.length - gone} of ${engines.length} engines run`;
   const parts = [status.state === "mixed" ? some : (status.state ?? "unknown")];
   if (engines.length > 1 && status.state !== "mixed") parts.push(`${engines.length} engines`);
-  if (rate > 0) parts.push(`${count(rate)} estimates/s`);
+  if (rate > 0 && !NO_ANSWERS.has(status.state)) parts.push(`${count(rate)} estimates/s`);
   if (Number.isFinite(worst("p50"))) parts.push(`latency ${micros(worst("p50"))}, p99 ${micros(worst("p99"))}`);
   if (late > 0) parts.push(`${count(late)} late`);
   return parts;

@@ -14,15 +14,16 @@ export class ContactsTable {
    * Show contacts matched with presses.
    * @param {Array} rows of match.matched
    * @param {Array} truths
-   * @param {{now: number, patchName: (i) => string, slotOf: (track) => number}} of the page
+   * @param {{now: number, patchName: (i) => string, slotOf: (track) => number, none: string}} of
+   *   the page; none: what to say where there is no contact
    */
-  show(rows, truths, { now, patchName, slotOf }) {
+  show(rows, truths, { now, patchName, slotOf, none }) {
     const missed = unfound(rows, truths);
     const made = [
       ...rows.map((row) => contactRow(row, patchName, slotOf)),
       ...missed.map((truth) => missedRow(truth, patchName)),
     ];
-    if (made.length === 0) made.push(emptyRow());
+    if (made.length === 0) made.push(emptyRow(none));
     this.#body.replaceChildren(...made);
     this.#say(rows, now);
   }
@@ -95,8 +96,8 @@ function missedRow(truth, patchName) {
   );
 }
 
-function emptyRow() {
-  return element("tr", { class: "empty" }, element("td", { colspan: "8", text: "No contact" }));
+function emptyRow(text = "No contact") {
+  return element("tr", { class: "empty" }, element("td", { colspan: "8", text }));
 }
 
 function swatch(slot) {

@@ -24,6 +24,23 @@ test("a click presses and stays", () => {
   assert.deepEqual(gestures.ids, ["p1"]);
 });
 
+test("a press that is refused is not moved or lifted any more", async () => {
+  gestures = new PressGestures((command) => (sent.push(command), Promise.resolve(command.do !== "press")), () => ({ ...tool }), "p");
+  click(0);
+  await Promise.resolve();
+  await Promise.resolve();
+  assert.deepEqual(gestures.ids, []);
+  gestures.setForce(3);
+  click(1);
+  assert.deepEqual(words(), ["press p1", "press p2"]);
+});
+
+test("presses that are asked for are missing until they press", () => {
+  click(0);
+  assert.deepEqual(gestures.missing([]), [{ id: "p1", position: [0.01, 0.02, 0] }]);
+  assert.deepEqual(gestures.missing(["7-p1"]), []);
+});
+
 test("a hold lifts on release", () => {
   gestures.down(at(0));
   gestures.up(at(0.5));

@@ -4,7 +4,7 @@
  */
 
 import * as THREE from "three";
-import { trackName } from "../format.js";
+import { fixed, trackName } from "../format.js";
 import { Arrows, arrowLength } from "./arrows.js";
 import { Labels } from "./labels.js";
 import { Lines } from "./lines.js";
@@ -27,6 +27,7 @@ export class Marks {
     this.group.add(this.lines.mesh, this.arrows.mesh, this.labels.group);
     this.contacts = [];
     this.truth = [];
+    this.waiting = []; // presses that are asked for: {id, position, why}
     this.focus = null;
     this.tool = null;
     this.size = 0.1;
@@ -67,6 +68,7 @@ export class Marks {
     this.wanted.length = 0;
     this.kept.length = 0;
     for (const press of this.truth) this.#truth(press, view);
+    for (const press of this.waiting) this.#waits(press, view);
     for (const contact of this.contacts) this.#contact(contact, view);
     for (const [i, patch] of this.patches.all) this.#missing(i, patch, view);
     if (this.focus) this.#window(this.focus);
@@ -116,6 +118,16 @@ export class Marks {
     this.#ring(press, radius, this.onSkin.truth, { dashed: true });
   }
 
+  /** A press that is asked for and does not press yet. */
+  #waits({ id, position, why }, view) {
+    this.#label(`w${id}`, this.seen.set(...position).clone(), view, {
+      title: "the press waits",
+      detail: why,
+      accent: this.theme.truth,
+      side: -1,
+    });
+  }
+
   #missing(i, { answer, waiting, surface, about }, view) {
     if (answer !== "missing" || waiting || !surface) return;
     const [x, y, z] = surface.nodes.sphere.centre;
@@ -137,7 +149,7 @@ export class Marks {
   #where({ patch, x, y }) {
     const { all } = this.patches;
     const name = all.size > 1 ? `${all.get(patch)?.about.name ?? patch}  ` : "";
-    return `${name}x ${millimetres(x)}  y ${millimetres(y)} mm`;
+    return `${name}x ${fixed(1e3 * x)}  y ${fixed(1e3 * y)} mm`;
   }
 
   /** Labels are not to hide a contact, nor its arrow. */
@@ -231,11 +243,4 @@ export class Marks {
     }
     return axes;
   }
-}
-
-
-/** With a true minus sign, which is as wide as a plus. */
-function millimetres(metres) {
-  const text = (1e3 * metres).toFixed(1);
-  return text.startsWith("-") ? `−${text.slice(1)}` : text;
 }

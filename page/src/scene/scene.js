@@ -5,6 +5,7 @@
  */
 
 import * as THREE from "three";
+import { fixed } from "../format.js";
 import { OrbitCamera } from "./camera.js";
 import { mapTable } from "./colours.js";
 import { FINEST } from "./grid.js";
@@ -80,6 +81,7 @@ export class SkinScene {
     this.marks.size = hello.size || 0.1;
     this.marks.contacts = [];
     this.marks.truth = [];
+    this.marks.waiting = [];
     this.marks.focus = this.focusOf;
     this.marks.tool = null;
     this.pressable = Boolean(hello.press);
@@ -109,6 +111,12 @@ export class SkinScene {
     this.marks.contacts = head.contacts ?? [];
     this.marks.truth = head.truth ?? [];
     this.redraw();
+  }
+
+  /** @param {{id: string, position: number[], why: string}[]} presses that are still to come */
+  setWaiting(presses) {
+    if (presses.length || this.marks.waiting.length) this.redraw();
+    this.marks.waiting = presses;
   }
 
   /** @returns {Promise<void>} fulfilled when what was set so far is on the screen */
@@ -266,7 +274,7 @@ export class SkinScene {
 
   #describe({ patch, x, y }) {
     const { name } = this.patches.all.get(patch).about;
-    return `${name}  x ${(1e3 * x).toFixed(1)} mm  y ${(1e3 * y).toFixed(1)} mm`;
+    return `${name}  x ${fixed(1e3 * x)} mm  y ${fixed(1e3 * y)} mm`;
   }
 
   redraw() {

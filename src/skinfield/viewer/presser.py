@@ -103,6 +103,7 @@ class Presser:
     def _let_go(self, note: str) -> None:
         for id in [each for each in self._presses if f"press {each} " in note]:
             del self._presses[id]
+            note = note.replace(f"press {id} ", "a press ")  # its name is the page's own
         self._say(note)
 
     def press(self, given: Press) -> dict[str, Any]:

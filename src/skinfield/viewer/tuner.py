@@ -1,5 +1,6 @@
 """Settings of a running engine, in the units of the page."""
 
+import math
 from typing import Any
 
 from skinfield.errors import InputError
@@ -45,9 +46,17 @@ def tune(live: Live, what: str, value: Any) -> None:
         name, unit = UNITS[what]
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"{what} is {value!r:.80}, expected a number")
-        changes = {name: value * unit}
+        changes = {name: _within(live, name, value * unit)}
     elif what in ("resolution", "focus"):
         changes = {what: value}
     else:
         raise InputError(f"what is {what[:40]!r}, expected solver or one of {', '.join(TUNED)}")
     live.tune(**changes)
+
+
+def _within(live: Live, name: str, value: float) -> float:
+    """A value in SI; a limit of the page is the engine's, whose last bit is lost in its unit."""
+    for limit in live.limits.as_dict(live.tuning)[name]["range"]:
+        if math.isclose(value, limit, rel_tol=1e-6):
+            return float(limit)
+    return value
