@@ -74,8 +74,11 @@ class ReadyRecorders:
     def __call__(self, path: Path) -> Iterator[None]:
         """Record into a file, from now on, as long as it is entered."""
         from skinfield.cli.run_parts import recording, start_recorder
+        from skinfield.live.control import order
 
         since_ns = time.time_ns()
+        with contextlib.suppress(InputError):  # an engine that does not listen now begins with one
+            order(self._name, "key")  # a replay begins there, if the recorder comes in time
         child = self._ordered(path, since_ns)
         if child is None or not self._begins(child, path):
             self._say(NOT_READY)
