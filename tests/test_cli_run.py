@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from live_skins import unique_name, wait_for
+from websockets.sync.client import ClientConnection, connect
 
 from skinfield.cli.endings import end_undisturbed, told_to_end
 from skinfield.cli.main import main
@@ -163,9 +164,35 @@ class Running:
         except InputError:
             return False
 
+    def opened(self, port: int) -> ClientConnection:
+        """A browser of its page, for which a recorder stands ready."""
+        browser = connect(f"ws://127.0.0.1:{port}/socket")
+        self.wait_for(lambda: any(map(waits, self.seen)))
+        return browser
+
     def all_gone(self) -> bool:
         """Whether none of its processes is left."""
         return not any(lives(each) for each in self.seen)
+
+
+def waits(pid: int) -> bool:
+    """Whether a process is a recorder that stands ready, or will."""
+    try:
+        return b"--wait" in Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return False
+
+
+def serves(port: int) -> bool:
+    """Whether a page is there."""
+    with socket.socket() as found:
+        return found.connect_ex(("127.0.0.1", port)) == 0
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return int(found.getsockname()[1])
 
 
 @contextmanager
@@ -217,10 +244,12 @@ def whole(path: Path) -> bool:
 
 
 def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> None:
-    file, second = tmp_path / "a.mcap", tmp_path / "b.mcap"
-    with running("--record", str(file)) as found:
+    file, second, port = tmp_path / "a.mcap", tmp_path / "b.mcap", free_port()
+    with running("--record", str(file), "--port", str(port)) as found:
         found.wait_for(lambda: found.is_at(State.RUNNING) and file.exists())
         assert len(found.seen) >= 3  # virtual skin, engine, recorder
+        found.wait_for(lambda: serves(port))
+        found.opened(port)
         found.process.kill()
         found.process.communicate()
         wait_for(found.all_gone)
@@ -230,8 +259,11 @@ def test_killed_it_leaves_no_process_and_the_next_takes_over(tmp_path: Path) -> 
 
 def check_ctrl_c_while_it_runs(name: str, file: Path) -> None:
     """On a ring that was left behind, whose engine had a baseline."""
-    with running("--json", "--record", str(file), name=name) as found:
+    port = free_port()
+    with running("--json", "--record", str(file), "--port", str(port), name=name) as found:
         found.wait_for(found.feels)
+        assert not any(map(waits, found.seen))  # nobody looks on
+        found.opened(port)
         text, errors = ends(found, signal.SIGINT)
         assert found.process.returncode == 0, errors
         said = json.loads(text)
