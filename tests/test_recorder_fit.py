@@ -14,6 +14,7 @@ from skinfield.acquisition.recorded_fit import FitRecord
 from skinfield.live import fit_reader
 from skinfield.live.fit_ring import Fitted, fit_name
 from skinfield.live.recorder import Recorder
+from skinfield.live.recorder_queue import Beside, Entry, Queue
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import forget_state
 from skinfield.ring import Field, Ring
@@ -167,6 +168,16 @@ def test_a_full_queue_leaves_answers_out_and_no_readings(engine: FakeEngine, pat
     told = ended(engine, recorder, path)
     fit.close()
     assert [each.contacts["normal_force"].tolist() for each in told] == [[2.0]]
+
+
+def test_a_queue_keeps_half_of_its_room_for_readings() -> None:
+    queue = Queue(1 << 12)
+    taken = [queue.offer(Beside(1, bytes(1000))) for _ in range(3)]
+    assert taken == [True, True, False]
+    assert queue.put(Entry(1, 0, bytes(1500)))
+    assert not queue.put(Entry(1, 1500, bytes(2000)))  # from here on readings are missing
+    assert [len(each.data) for each in queue.take(0.0)] == [1000, 1000, 1500]  # type: ignore[union-attr]
+    assert not queue.offer(Beside(1, b"1"))
 
 
 def test_wrong_numbers_in_the_ring_end_nothing(engine: FakeEngine, path: Path) -> None:
