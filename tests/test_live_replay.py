@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,11 @@ from live_skins import settings, wait_for
 from mcap_sample import ROWS
 from numpy.testing import assert_array_equal
 
+from skinfield.acquisition.recorded import CycleFlag
 from skinfield.errors import FileError
 from skinfield.live.client import Live, connect
+from skinfield.live.control import order
+from skinfield.live.engine_process import LISTEN
 from skinfield.live.recorder import Recorder
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import forget_state
@@ -54,9 +58,23 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
             wait_for(lambda: recorder.step() or answers_again(live), 120.0)
             first = live.reader.number
             goes_on(ENOUGH)
-        recorder.close()
+            recorder.close()
+            late = recorded_late(live, path.with_name("late.mcap"))
     forget_state(made.name)
-    return {"path": path, "before": before, "after": after, "away": (last, first)}
+    return {"path": path, "before": before, "after": after, "away": (last, first), "late": late}
+
+
+def recorded_late(live: Live, path: Path) -> dict[str, Any]:
+    """A file that is wanted from a time on at which its recorder is not there yet."""
+    name, since_ns = live.reader.name, time.time_ns()
+    order(name, "key")
+    asked = live.reader.number
+    wait_for(lambda: live.reader.number > asked + 2 * LISTEN)
+    number = live.reader.number
+    recorder = Recorder(RecorderSettings(name=name, path=path, since_ns=since_ns))
+    wait_for(lambda: recorder.step() or live.reader.number > number + ENOUGH)
+    recorder.close()
+    return {"path": path, "since_ns": since_ns, "number": number}
 
 
 def answers_again(live: Live) -> bool:
@@ -82,6 +100,22 @@ def test_all_comes_out_the_same_across_a_new_baseline_and_a_crash(
     away = np.diff(numbers)
     assert (away > 1).sum() == 1  # while the engine was started again
     assert source.gaps == 0
+
+
+def test_one_that_began_late_is_answered_from_the_time_on_that_was_wanted(
+    recorded: dict[str, Any],
+) -> None:
+    late = recorded["late"]
+    source = Replay(late["path"])
+    answered = [(each.recorded, each.same, each.whole) for each in source]
+    assert all(same for _, same, _ in answered)
+    whole = [cycle for cycle, _, whole in answered if whole]
+    assert whole[0].flags & CycleFlag.KEY
+    assert whole[0].number <= late["number"]  # from before the recorder was there
+    keys = [each for each in source.moments.keys if each >= late["since_ns"]]
+    assert whole[0].wall_ns <= keys[0]
+    assert source.gaps == 0
+    assert len(whole) > ENOUGH
 
 
 def test_other_decisions_are_noticed(recorded: dict[str, Any]) -> None:
