@@ -4,6 +4,7 @@ from skinfield.conditioning.baseline import Baseline as Baseline
 from skinfield.conditioning.baseline import estimate_baseline as estimate_baseline
 from skinfield.conditioning.boards import CySkinCount as CySkinCount
 from skinfield.conditioning.boards import ICubByte as ICubByte
+from skinfield.conditioning.boards import PlainCount as PlainCount
 from skinfield.conditioning.calibration import Calibration as Calibration
 from skinfield.conditioning.calibration_files import load_calibration as load_calibration
 from skinfield.conditioning.calibration_files import save_calibration as save_calibration

@@ -181,3 +181,40 @@ class CySkinCount:
                 f"{self.highest:g}: this is not a CySkin recording"
             )
         return words
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlainCount:
+    """A word per taxel that rests wherever it does, higher under pressure: a converter's own count.
+
+    What a board of one's own sends that takes no baseline off. A baseline must be measured.
+
+    Parameters
+    ----------
+    highest : float, counts
+        The largest word that is sent, 65535 for 16 bits.
+    """
+
+    highest: float = 65535.0
+
+    def __post_init__(self) -> None:
+        check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
+
+    @property
+    def lowest(self) -> float:
+        """0: no word is less."""
+        return 0.0
+
+    @property
+    def rest(self) -> float:
+        """NaN: each taxel's own."""
+        return float("nan")
+
+    @property
+    def direction(self) -> int:
+        """+1: pressure raises the count."""
+        return 1
+
+    def saturated(self, counts: Floats) -> Bools:
+        """Where a word is the least or the largest one: nothing is connected, or off the scale."""
+        return np.asarray((counts <= self.lowest) | (counts >= self.highest))

@@ -69,7 +69,6 @@ class Cycle:
         self._newest, self._arrived = np.zeros((2, patches), np.int64)
         self._touched = np.zeros(patches, np.int64)
         self._how, self._scale = quantity_scale(recipe.quantity, recipe.layer, binding.unit)
-        self._lowest = float(recipe.quantity.lowest)
         board = recipe.board
         self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
         self._kept = Slot.empty(self.sizes)
@@ -92,7 +91,29 @@ class Cycle:
         self._alive = np.ascontiguousarray(table[:, 3] > 0)
         gain = np.where(self._alive, table[:, 1], 1.0)
         self._per_gain = 1.0 / gain
+        self._lowest = self._lowest_of(table[self._alive, 1])
         self.tuned.forget()
+
+    def _lowest_of(self, gain: Floats) -> float:
+        """What no taxel reads, in the quantity's unit; `gain` (N,) is of those that live.
+
+        A board's scale ends some way beyond its rest on the unloaded side. A taxel that reads
+        further below its own baseline than that was touched when the baseline was taken. Pressure
+        cannot push a taxel there: to explain it by what rises beside a press takes ten times the
+        force that was let go.
+        """
+        from skinfield.live.condition_kernel import STRAIN
+
+        lowest, board = float(self.recipe.quantity.lowest), self.recipe.board
+        if board is None or self._binding.unit != "count" or not len(gain):
+            return lowest
+        beyond = _beyond_rest(board)
+        if not beyond:
+            return lowest
+        change = -beyond / float(np.abs(gain).min())
+        if self._how == STRAIN:
+            change = change / (1.0 + change) if change > -1.0 else -np.inf
+        return max(lowest, change * self._scale)
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
@@ -261,6 +282,13 @@ class Cycle:
         self._kept.patches[:] = np.zeros(1, PATCH)
         self._touches.resume(self._kept)
         self.tracks[0] = 0
+
+
+def _beyond_rest(board: Convention) -> float:
+    """Counts from a board's rest to the end of its scale on the unloaded side; 0: not known."""
+    unloaded = board.highest if board.direction < 0 else board.lowest
+    beyond = -board.direction * (unloaded - board.rest)
+    return float(beyond) if np.isfinite(beyond) else 0.0
 
 
 def _clamps(board: Convention) -> tuple[float, float]:

@@ -1,5 +1,6 @@
 """Baseline and noise of all taxels, from the first readings of an untouched skin."""
 
+import time
 import warnings
 from dataclasses import dataclass
 
@@ -15,14 +16,16 @@ from skinfield.live.settings import LiveSettings
 from skinfield.mechanics import Layer
 from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
 from skinfield.pipeline.conditioned import Conditioning
-from skinfield.pipeline.survey import survey
+from skinfield.pipeline.survey import survey, untouched
 from skinfield.reading import Recording
 
 LEAST = 100  # readings that make a baseline
 MOST = 2000  # that are kept
 SHARE = 0.9  # of the channels that ever answered: so many new ones make a further reading
 SLOWEST = 0.2  # s after which whatever came is taken for a reading
-PATIENCE = 10.0  # times the asked time, after which fewer readings must do
+PATIENCE = 10.0  # times the asked time, after which fewer readings, or touched ones, must do
+LOOK = 0.2  # s between looks whether the skin is untouched
+SHARE_OF_LOOKS = 0.1  # of the time, at most, that they may take
 USUAL = 5.0  # times the longest usual interval of a taxel: its reading is then too old
 TOGETHER = 50  # readings of the median taxel that go into the noise of each
 OUTLIER = 3.0  # standard deviations beyond which a count is drawn in
@@ -66,6 +69,10 @@ class Tared:
 class Tare:
     """Collects readings until they make a baseline.
 
+    Something that lies on the skin meanwhile would be part of it: a taxel that is let go later
+    reads less than nothing then, which only ten times the force around it would explain. So it goes
+    on for up to `PATIENCE` times the asked time, until there is a stretch without.
+
     Parameters
     ----------
     settings : LiveSettings
@@ -80,13 +87,14 @@ class Tare:
         self._ever = np.zeros(binding.channels, np.bool_)
         self._newest: Ints = np.zeros(binding.channels, np.int64)
         self._began = self._last = self._filled = 0
+        self._look = 0  # ns: when to look again
 
     def skip(self, channels: Channels) -> None:
         """Leave out what is there already."""
         np.copyto(self._newest, channels.stamp_ns)
 
     def take(self, channels: Channels, now_ns: int) -> bool:
-        """Take what is new; whether there is enough."""
+        """Take what is new; whether there is enough, of an untouched skin."""
         settings, fresh = self._settings, channels.stamp_ns > self._newest
         np.copyto(self._newest, channels.stamp_ns)
         self._seen |= fresh
@@ -106,7 +114,34 @@ class Tare:
         seconds = (now_ns - self._began) * 1e-9
         if seconds < settings.tare_seconds:
             return False
-        return self._filled >= LEAST or seconds > PATIENCE * settings.tare_seconds
+        if seconds > PATIENCE * settings.tare_seconds:
+            return True
+        return self._filled >= LEAST and now_ns >= self._look and self._untouched(now_ns)
+
+    def _untouched(self, now_ns: int) -> bool:
+        """Whether every patch was untouched for a while; sets when to look again."""
+        began = time.monotonic()
+        stamps, rows = self._collected()
+        found = all(
+            np.isnan(its.counts).all() or untouched(its, _how(patch, self._settings))
+            for patch, its in zip(self._settings.skin, self._parts(stamps, rows), strict=True)
+        )
+        pause = max(LOOK, (time.monotonic() - began) / SHARE_OF_LOOKS)
+        self._look = now_ns + int(pause * 1e9)
+        return found
+
+    def _collected(self) -> tuple[Ints, Floats]:
+        """Stamps (T,) and readings (T, L), the oldest first."""
+        order = np.argsort(self._stamps[: min(self._filled, MOST)], kind="stable")
+        return self._stamps[order], self._rows[order]
+
+    def _parts(self, stamps: Ints, rows: Floats) -> list[Recording]:
+        """Of each patch."""
+        starts = self._binding.starts.tolist()
+        return [
+            Recording(stamps, rows[:, a:b], unit=self._binding.unit, source=patch.name)
+            for patch, a, b in zip(self._settings.skin, starts, starts[1:], strict=False)
+        ]
 
     def finish(self) -> Tared:
         """Baseline, noise and the age at which a reading is too old.
@@ -117,15 +152,15 @@ class Tare:
             If nothing came, or the counts are none that are known.
         """
         settings, binding = self._settings, self._binding
-        order = np.argsort(self._stamps[: min(self._filled, MOST)], kind="stable")
-        rows, stamps = self._rows[order], self._stamps[order]
+        stamps, rows = self._collected()
         if not len(rows):
             raise InputError("no reading came while the baseline was taken, expected some")
         table, noise = np.zeros((len(binding.channel), 4)), np.zeros(len(binding.channel))
         notes: list[str] = []
-        for place, patch in enumerate(settings.skin):
+        for place, (patch, recording) in enumerate(
+            zip(settings.skin, self._parts(stamps, rows), strict=True)
+        ):
             its = slice(int(binding.starts[place]), int(binding.starts[place + 1]))
-            recording = Recording(stamps, rows[:, its], unit=binding.unit, source=patch.name)
             table[its], noise[its], said = _tared(patch, recording, settings)
             notes += [f"{patch.name}: {note}" for note in said]
         return Tared(table, noise, self._stale_ns(stamps), tuple(notes))
@@ -135,6 +170,12 @@ class Tare:
             return int(self._settings.stale_after * 1e9)
         usual = float(np.percentile(np.diff(stamps), 95)) if len(stamps) > 1 else 1e9
         return int(max(USUAL * usual, YOUNGEST * 1e9))
+
+
+def _how(patch: Patch, settings: LiveSettings) -> Conditioning:
+    return Conditioning(
+        board=settings.board, gain=settings.gain, calibration=settings.calibration.get(patch.name)
+    )
 
 
 def _tared(
@@ -148,9 +189,7 @@ def _tared(
         table[:, 2] = 1.0
         noise = np.full(len(patch), settings.quantity.typical_noise)
         return table, noise, ("no taxel answered while the baseline was taken: all are left out",)
-    how = Conditioning(
-        board=settings.board, gain=settings.gain, calibration=settings.calibration.get(patch.name)
-    )
+    how = _how(patch, settings)
     found = survey(lambda: iter([recording]), patch, settings.layer, settings.quantity, how)
     known = found.conditioner.calibration
     if known is None:

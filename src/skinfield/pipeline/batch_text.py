@@ -14,7 +14,7 @@ from skinfield.errors import FileError, InputError
 @lru_cache(maxsize=1)
 def _kinds() -> Mapping[str, type]:
     """What a file may name; nothing else is ever made from one."""
-    from skinfield.conditioning import Calibration, CySkinCount, ICubByte
+    from skinfield.conditioning import Calibration, CySkinCount, ICubByte, PlainCount
     from skinfield.contacts import ContactFinder
     from skinfield.inverse import (
         ContactFit,
@@ -32,7 +32,7 @@ def _kinds() -> Mapping[str, type]:
     known = (
         *(Patch, Layer, BondedLayer, HalfSpace, Capacitance, BaseStress, Gap, ContactFinder),
         *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit),
-        *(Calibration, ICubByte, CySkinCount, Intervals, Group, Ratio),
+        *(Calibration, ICubByte, CySkinCount, PlainCount, Intervals, Group, Ratio),
     )
     return {kind.__name__: kind for kind in known}
 

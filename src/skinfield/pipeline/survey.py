@@ -14,6 +14,7 @@ from skinfield.conditioning import (
     Faults,
     ICubByte,
     NoFilter,
+    PlainCount,
     estimate_baseline,
     find_faults,
 )
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 Blocks = Callable[[], Iterator[Recording]]  # anew at each call
 ICUB_GAIN = -171.0  # bytes per unit of ΔC/C₀: 16 pF over 65536 counts, shift 2, a pad of 0.17 pF
 CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
+USUAL_RATE = 50.0  # 1/s, of recordings that do not tell theirs
 FEWEST = 16  # readings that tell a noise
 UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}
 
@@ -76,7 +78,7 @@ def survey(
     """
     first = next(blocks())
     rates = [block.rate for block in blocks() if np.isfinite(block.rate)]
-    rate = float(np.median(rates)) if rates else 50.0
+    rate = float(np.median(rates)) if rates else USUAL_RATE
     readings = sum(map(len, blocks()))
     if first.unit != "count":
         _check_unit(first, quantity)
@@ -96,6 +98,25 @@ def survey(
         notes += (f"the readings hold no noise: a typical one, {typical:g}, is taken",)
     noise = np.where(np.isfinite(noise) & (noise > 0.2 * typical), noise, typical)
     return Survey(conditioner, noise, rate, notes)
+
+
+def untouched(recording: Recording, how: "Conditioning") -> bool:
+    """Whether some stretch of a recording makes a baseline, as far as its board tells.
+
+    It does where nothing moves and no taxel rests on the pressed side of the board's rest, but for
+    those at the clamp, which are not heard. Where no baseline is measured (a calibration is there,
+    the board takes it off, or the numbers are no counts) there is nothing to wait for.
+    """
+    if recording.unit != "count" or how.calibration is not None:
+        return True
+    board = how.board if how.board is not None else _board_of(lambda: iter([recording]))[0]
+    if isinstance(board, CySkinCount) or len(recording) < FEWEST:
+        return True
+    rate = recording.rate if np.isfinite(recording.rate) else USUAL_RATE
+    found = estimate_baseline(recording.counts, rate, convention=board)
+    with np.errstate(invalid="ignore"):
+        heard = ~board.saturated(np.rint(found.baseline))
+    return found.stretch.still and not (found.loaded & heard).any()
 
 
 def _check_unit(recording: Recording, quantity: Quantity) -> None:
@@ -125,8 +146,10 @@ def _of_counts(
             )
         noise, baseline, said = _noise(blocks, board, rate)
         notes += said
-        if baseline is not None and baseline.quiet and not isinstance(board, CySkinCount):
-            calibration = Calibration.from_baseline(patch, baseline, gain=gain, alive=faults.usable)
+        if baseline is not None and _measures(board, baseline):
+            calibration = Calibration.from_baseline(
+                patch, baseline, gain=gain, alive=faults.usable, even_if_loaded=True
+            )
         else:
             step = np.maximum(np.nan_to_num(noise), 12**-0.5)  # at least a count's own
             calibration = Calibration.from_convention(
@@ -136,6 +159,13 @@ def _of_counts(
         calibration = calibration.without(~faults.usable)
     conditioner = Conditioner(quantity, layer, calibration, board)
     return conditioner, conditioner.noise_in_quantity(calibration.quantity_std()), notes
+
+
+def _measures(board: Convention, baseline: Baseline) -> bool:
+    """Whether a baseline is better than the rest by convention, if there is one."""
+    if not np.isfinite(board.rest):
+        return True
+    return baseline.quiet and not isinstance(board, CySkinCount)
 
 
 def icub_gain(board: ICubByte) -> float:
@@ -195,16 +225,34 @@ def _rank(baseline: Baseline, board: Convention | None) -> tuple[bool, float, fl
 
 
 def _board_of(blocks: Blocks) -> tuple[Convention, tuple[str, ...]]:
-    """Guess the board by the range of its counts, and say so."""
+    """Guess the board by the range of its counts, and say so.
+
+    CySkin's boards clip at their rest, so that taxels which nothing touches read 0 again and again.
+    Words of which most taxels never read 0 are of a board that rests elsewhere.
+    """
     lowest = min(float(np.nanmin(b.counts, initial=np.inf)) for b in blocks())
     highest = max(float(np.nanmax(b.counts, initial=-np.inf)) for b in blocks())
     if lowest >= 0 and highest <= 255:
         said = f"counts from {lowest:g} to {highest:g}: taken as iCub bytes that rest at 240"
         return ICubByte(), (said,)
+    if lowest >= 0 and highest <= 65535 and not _clipped(blocks):
+        said = f"counts from {lowest:g} to {highest:g}, most never 0: each taxel has its own rest"
+        return PlainCount(), (said,)
     if lowest >= 0 and highest <= 65535:
         said = f"counts from {lowest:g} to {highest:g}: taken as CySkin counts that rest at 0"
         return CySkinCount(), (said,)
     raise InputError(
         f"counts range from {lowest:g} to {highest:g}, expected 0 to 255 (iCub) or 0 to 65535 "
-        "(CySkin): say which board sent them (--board), or give a calibration (--calibration)"
+        "(16 bits): say which board sent them (--board), or give a calibration (--calibration)"
     )
+
+
+def _clipped(blocks: Blocks) -> bool:
+    """Whether at least half of the taxels that answer are 0 at times, or too few readings tell."""
+    least = np.full(next(blocks()).counts.shape[1], np.inf)
+    readings = 0
+    for block in blocks():
+        readings += len(block)
+        there = ~np.isnan(block.counts)
+        np.fmin(least, np.min(block.counts, axis=0, initial=np.inf, where=there), out=least)
+    return readings < FEWEST or bool(np.median(least[np.isfinite(least)]) <= 0.0)

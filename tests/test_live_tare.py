@@ -1,0 +1,125 @@
+"""Baselines of virtual skins whose truth is known, and forces that come of them."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from live_skins import LAYER, settings
+
+import skinfield as sf
+from skinfield.acquisition import Blocks, Channels, Kind, Port
+from skinfield.conditioning import ICubByte
+from skinfield.live.binding import bind
+from skinfield.live.cycle import Cycle
+from skinfield.live.recipe import Recipe
+from skinfield.live.slots import Slot
+from skinfield.live.tare import Tare, Tared
+from skinfield.simulate import Sphere, press
+from skinfield.virtual import VirtualSettings
+from skinfield.virtual.electronics import Converters
+from skinfield.virtual.packet_device import REST, packet_converters
+from skinfield.virtual.yarp import byte_converters
+
+PATCH = sf.layouts.hexagon72()
+STEP_NS = 10_000_000  # a hundred readings a second
+ON, BETWEEN = (0.0, 7.5e-3), (4.5e-3, 14.3e-3)  # m: on a taxel, and 2.7 mm from the nearest
+UNTOUCHED = np.zeros(len(PATCH))
+PATIENCE = 1050  # readings, of a tare of a second
+
+
+@cache
+def pressed(x: float, y: float) -> np.ndarray:
+    """ΔC/C₀ of a newton of a finger."""
+    body = Sphere(radius=10e-3, force=1.0, position=(x, y))
+    return press(LAYER, [body], 40e-3, 0.5e-3).readings(
+        PATCH.plane, PATCH.pad_diameter, "capacitance"
+    )
+
+
+class Skin:
+    """Electronics of the virtual skin, and the engine's own code behind them."""
+
+    def __init__(self, hardware: str, noise: float, seed: int = 0) -> None:
+        bus = {"yarp": "tcp", "packet": "udp"}[hardware]
+        made = VirtualSettings(hardware=hardware, bus=bus, noise=noise, seed=seed)
+        skin = sf.Skin((PATCH,))
+        bytewise = hardware == "yarp"
+        board = ICubByte() if bytewise else None
+        self.settings = settings(skin=PATCH, board=board, tare_seconds=1.0)
+        self.kind = Kind.BYTES if bytewise else Kind.SHORTS
+        make = byte_converters if bytewise else packet_converters
+        self.converters: Converters = make(skin, made)
+        self.recipe = Recipe.of(self.settings, (Port("port", len(PATCH)),))
+        self.binding = bind(self.settings.skin, self.recipe.ports)
+        self.channels, self.now = Channels(len(PATCH)), 10**18
+        self._cycle: Cycle | None = None
+
+    def feed(self, change: np.ndarray) -> None:
+        self.now += STEP_NS
+        self.converters.change[:] = change
+        self.converters.convert(0.0)
+        blocks = Blocks(1 << 12)
+        blocks.put(self.now, 0, self.converters.counts, self.kind)
+        self.channels.apply(blocks)
+
+    def tare(self, touches: np.ndarray, readings: int) -> tuple[Tared, int]:
+        """Touched for so many readings, then let go; and how many it took."""
+        tare = Tare(self.settings, self.binding)
+        for number in range(1, 5000):
+            self.feed(touches if number <= readings else UNTOUCHED)
+            if tare.take(self.channels, self.now):
+                return tare.finish(), number
+        raise AssertionError("the baseline does not end")
+
+    def forces(self, tared: Tared, change: np.ndarray, count: int = 10) -> np.ndarray:
+        """Of all contacts, N, in each of some readings."""
+        if self._cycle is None:
+            self._cycle = Cycle(
+                self.recipe, self.binding, tared.calibration, tared.noise_std, tared.stale_ns
+            )
+        cycle = self._cycle
+        slot, found = Slot.empty(cycle.sizes), []
+        for number in range(count):
+            self.feed(change)
+            cycle.answer(self.channels, self.now, slot, key=number == 0, budget=1.0)
+            found.append(slot.used_contacts()["normal_force"].sum())
+        return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("hardware", "noise"),
+    [("yarp", 0.0), ("yarp", 0.1), ("yarp", 0.3), ("packet", 0.1), ("packet", 0.3)],
+)
+def test_a_newton_is_about_one_whatever_the_noise(hardware: str, noise: float) -> None:
+    skin = Skin(hardware, noise)
+    tared, taken = skin.tare(UNTOUCHED, 0)
+    assert taken <= 110
+    rest = 240.0 if hardware == "yarp" else REST
+    off = np.abs(tared.calibration[:, 0] - rest)
+    assert (off < 0.05 + 0.5 * skin.converters.white).all()
+    assert (tared.calibration[:, 3] == 1.0).all()  # quiet taxels are no dead ones
+    assert (tared.calibration[:, 2] >= 0.999 * 12**-0.5).all()  # what rounding gives
+    assert np.median(skin.forces(tared, UNTOUCHED)) == 0.0
+    assert np.median(skin.forces(tared, pressed(*ON))) == pytest.approx(1.0, rel=0.5)
+    assert np.median(skin.forces(tared, pressed(*BETWEEN))) < 1.5
+
+
+@pytest.mark.parametrize(("readings", "noise"), [(60, 0.3), (97, 0.1), (400, 0.1)])
+def test_a_baseline_waits_until_the_skin_is_let_go(readings: int, noise: float) -> None:
+    skin = Skin("yarp", noise, seed=readings)
+    tared, taken = skin.tare(pressed(*ON), readings)
+    assert taken < max(2 * readings, 100) + 150
+    assert np.abs(tared.calibration[:, 0] - 240.0).max() < 2.0
+    assert skin.forces(tared, UNTOUCHED).max() < 0.3
+    assert np.median(skin.forces(tared, pressed(*ON))) == pytest.approx(1.0, rel=0.5)
+
+
+def test_a_touch_that_outlasts_it_leaves_no_phantom() -> None:
+    skin = Skin("yarp", 0.1)
+    tared, taken = skin.tare(pressed(*ON), 5000)
+    assert 1000 <= taken <= PATIENCE
+    assert tared.calibration[:, 0].min() < 225.0
+    assert any("something lies on the skin" in note for note in tared.notes)
+    assert np.median(skin.forces(tared, pressed(*ON))) == 0.0  # it counts as nothing, as asked
+    assert skin.forces(tared, UNTOUCHED).max() < 0.3  # and leaves no force when it goes
+    assert 0.2 < np.median(skin.forces(tared, pressed(-7.1e-3, -8e-3))) < 1.5  # elsewhere
