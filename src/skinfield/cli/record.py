@@ -2,6 +2,7 @@
 
 import signal
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,7 @@ def _settings(name: str, output: Path, options: dict[str, Any]) -> Any:
     return RecorderSettings(
         name=name,
         path=output,
+        since_ns=time.time_ns(),
         views=tuple(
             kind
             for kind, wanted in (
