@@ -11,7 +11,7 @@ from pathlib import Path
 
 from skinfield.errors import InputError, SkinfieldError
 from skinfield.live.parent import end_with
-from skinfield.live.recorder import Recorder
+from skinfield.live.recorder import Recorder, come_first
 from skinfield.live.recorder_settings import RecorderSettings
 from skinfield.live.recorder_state import forget_state
 
@@ -54,7 +54,8 @@ def main() -> None:
     try:
         path, since_ns = given.path, given.since_ns
         if given.wait:
-            rehearse(given.name)
+            if rehearse(given.name):
+                come_first()  # now, as all is loaded: on a busy machine the order is read at once
             ordered = _wait()
             if ordered is None:
                 return  # it is not wanted any more
@@ -87,18 +88,26 @@ def _given() -> argparse.Namespace:
     return given
 
 
-def rehearse(name: str) -> None:
+def rehearse(name: str) -> bool:
     """Record a moment into nowhere: all that a recording needs is loaded afterwards.
 
     Nothing of the ring is kept, as it may be another one until a recording is wanted.
+
+    Returns
+    -------
+    bool
+        False if there is no such ring now: less is loaded then.
     """
     settings = RecorderSettings(name=name, path=Path(os.devnull), since_ns=1)
-    with contextlib.suppress(SkinfieldError):  # it is being made anew: less is loaded then
+    try:
         recorder = Recorder(settings, output=Nowhere(), rehearsal=True)
-        try:
-            recorder.step()
-        finally:
-            recorder.close()
+    except SkinfieldError:  # it is being made anew
+        return False
+    try:
+        recorder.step()
+    finally:
+        recorder.close()
+    return True
 
 
 def _wait() -> tuple[Path, int] | None:
