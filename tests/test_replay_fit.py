@@ -26,7 +26,7 @@ from skinfield.live.recorder_fit import FitDrain
 from skinfield.live.recorder_queue import Queue
 from skinfield.live.recorder_recover import recover
 from skinfield.live.replay import Replay
-from skinfield.live.replay_fit import ReplayFit
+from skinfield.live.replay_fit import ReplayFit, is_sound, slot_of
 from skinfield.live.slots import Slot
 from skinfield.live.snapshot import Snapshot
 from skinfield.sinks.mcap import RecordingWriter
@@ -246,6 +246,20 @@ def test_a_recovered_file_has_the_answers_that_were_whole(made: Made, tmp_path: 
     opened.close()
 
 
+def test_numbers_that_cannot_be_shown_are_told_from_those_that_can() -> None:
+    fit = FakeFit(unique_name(), (PATCH.name, "leg"), NODES)
+    fit.tell(contact(patch=1), contact(force=2.0, patch=1), patch=1, pressure=[1.0])
+    good = recorder_fit.record_of(fit.master, 1)
+    fit.close()
+    assert is_sound(good)
+    assert slot_of(good).contacts[1][:2].tobytes() == good.contacts.tobytes()
+    for name, value in [("x", np.nan), ("normal_force", np.inf), ("position", 1e300), ("patch", 0)]:
+        rows = good.contacts.copy()
+        rows[name][1] = value
+        assert not is_sound(replace(good, contacts=rows))
+    assert not is_sound(replace(good, pressure=np.full(1, np.nan, np.float32)))
+
+
 @pytest.mark.parametrize("what", ["another skin", "damaged"])
 def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: str) -> None:
     def beside(writer: RecordingWriter, slot: Slot, number: int) -> None:
@@ -253,9 +267,7 @@ def test_what_cannot_be_read_of_the_fit_leaves_the_engine(tmp_path: Path, what: 
             writer.write_fit(slot.recorded(number).wall_ns, bytes(56))
         elif number == 55:
             fit.tell(contact(), told_ns=0)
-            data = LAYOUT.encode(
-                replace(recorder_fit.record_of(fit.master, 1), time_ns=0)
-            )
+            data = LAYOUT.encode(replace(recorder_fit.record_of(fit.master, 1), time_ns=0))
             writer.write_fit(1, data)
 
     fit = FakeFit(unique_name(), (PATCH.name, "leg"), NODES)

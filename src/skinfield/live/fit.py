@@ -90,8 +90,9 @@ class SkinFit:
                 self._turn = place + 1
                 break
         if changed:
-            self._master.told_ns[0] = time.time_ns()
-            FitSlot.of(self.ring.begin()).copy_from(self._master)
+            slot = FitSlot.of(self.ring.begin())
+            slot.copy_from(self._master)
+            slot.told_ns[0] = time.time_ns()  # last: a replay shows it from then on
             self.ring.publish()
         return changed
 

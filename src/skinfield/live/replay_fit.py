@@ -8,6 +8,8 @@ from skinfield.live.fit_ring import LAYOUT, FitSlot
 from skinfield.live.replay import Replay
 from skinfield.sources.recordings.mcap_fits import FitTimes, fit_layout_of
 
+FAR = 1e15  # that no place (m), force (N) or pressure (Pa) comes near
+
 
 class ReplayFit:
     """Answers of the fit of a recording, for one thread at a time.
@@ -60,7 +62,22 @@ class ReplayFit:
                 f"{self._skin[0]} with {self._skin[1]}: it is damaged, or of another skin",
             )  # fmt: skip
             return None
+        if not is_sound(record):
+            self._recording.note(
+                0, f"answer {record.number} of the contact fit has contacts of other patches or "
+                f"numbers that cannot be, expected finite ones below {FAR:g}: it is damaged",
+            )  # fmt: skip
+            return None
         return slot_of(record)
+
+
+def is_sound(record: FitRecord) -> bool:
+    """Whether numbers of an answer can be shown: finite, within reach, each on its own patch."""
+    rows = record.contacts
+    shown = [rows[name].ravel() for name in ("position", "normal", "x", "y", "normal_force")]
+    own = rows["patch"] == np.repeat(record.places, record.patches["contacts"])
+    numbers = np.concatenate([*shown, record.pressure])
+    return bool(own.all() and (np.abs(numbers) < FAR).all())  # false for NaN too
 
 
 def slot_of(record: FitRecord) -> FitSlot:
