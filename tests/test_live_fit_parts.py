@@ -112,7 +112,7 @@ def test_rounding_of_averages_against_the_expected_value_of_a_rounded_count(nois
     total = np.full((1, 4), np.hypot(noise, 12**-0.5))
     found = rounding_of(total, np.array([total[0, 2]]))[0]
     worst = np.sqrt((off**2).mean())
-    assert found == pytest.approx(worst, abs=0.1 * worst + 0.06 * (noise < 0.3) + 1e-6)
+    assert found == pytest.approx(worst, abs=0.02 * worst + 1e-6)
 
 
 def contact(x: float, y: float, force: float = 1.0, track: int = 0, age: float = 0.0) -> Any:

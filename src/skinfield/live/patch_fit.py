@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from skinfield.inverse.atoms.fitter import ContactFitter
 
 BASELINE = 100.0  # readings that a baseline is the mean of, about
+HARMONICS = 20  # of what rounding does to a mean
 ROUGH = 0.02  # of the highest reading: model error of boards that are not calibrated
 FALSE_ALARMS = 1e-8  # of one reading; there are many, and averages overlap
 TOUCHED = 1e-3  # the same, where the engine sees a touch
@@ -63,8 +64,9 @@ class Accuracy:
 def rounding_of(calibration: Floats, noise_std: Floats) -> Floats:
     """What rounding to whole counts leaves of an average (L,), in the unit of `noise_std` (L,).
 
-    Of a count with normal noise of s before it is rounded, the mean is off by up to
-    exp(-2 pi² s²) / pi (the first term of the sawtooth's Fourier series).
+    Of a count with normal noise of s before it is rounded, the mean is off by the sawtooth's
+    Fourier series, each term damped by the noise: up to exp(-2 pi² k² s²) / (pi k), k = 1, 2, ...
+    What is told is the mean square over all levels, 1/12 of a count without noise.
 
     Parameters
     ----------
@@ -73,7 +75,9 @@ def rounding_of(calibration: Floats, noise_std: Floats) -> Floats:
     """
     counts = np.maximum(calibration[:, 2], 1e-9)
     before = np.maximum(counts**2 - 1.0 / 12.0, 0.0)
-    off = np.exp(-2.0 * np.pi**2 * before) / np.pi / np.sqrt(2.0)
+    term = np.arange(1.0, HARMONICS + 1.0)[:, None]
+    squares = np.exp(-4.0 * np.pi**2 * term**2 * before) / (2.0 * np.pi**2 * term**2)
+    off = np.sqrt(squares.sum(axis=0))
     return np.asarray(off / np.maximum(counts, np.sqrt(1.0 / 12.0)) * noise_std)
 
 
