@@ -6,12 +6,21 @@ pad, one product with a matrix that pads and mesh alone determine.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_finite,
+    check_range,
+    check_shape,
+)
 
 FINEST, SHARPEST, COARSEST = 0.05, 2e-4, 0.3  # elements at the axis, at edges and anywhere
 GROWTH = 0.6  # of elements with the distance from there
@@ -58,7 +67,7 @@ class RoundGap:
         sharp = as_floats("edges", edges)
         check_finite("edges", sharp, "radii at which the surface bends, in thicknesses")
         nodes = _nodes(float(away.max(initial=0.0)) + pad_diameter / 2 + BEYOND, sharp)
-        return cls(nodes, _averages(nodes, away, pad_diameter / 2))
+        return cls(nodes, _averages(nodes, away, float(pad_diameter) / 2))
 
     def charge(self, strain: ArrayLike) -> Floats:
         """Density of charge at the nodes, relative to that of plates at rest, less one.
@@ -141,25 +150,25 @@ def _growing(first: float, span: float) -> Floats:
     return np.array(ends[1:]) * (span / ends[-1])
 
 
-def _shapes(at: Floats) -> tuple[Floats, Floats]:
-    """Values and slopes (3, ...) of an element's functions at 0 to 1 along it."""
-    x = np.asarray(at)
-    values = np.stack([(1 - x) * (1 - 2 * x), 4 * x * (1 - x), x * (2 * x - 1)])
-    return values, np.stack([4 * x - 3, 4 - 8 * x, 4 * x - 1])
+@lru_cache(maxsize=4)
+def _pad_points(distances: bytes, radius: float) -> tuple[Floats, Floats, Ints]:
+    """Points that average over pads: distance from the axis, rising; weight; and whose they are.
+
+    The same for all meshes: `distances` are the bytes of an array (N,).
+    """
+    node, weight = np.polynomial.legendre.leggauss(RADII)
+    share = np.repeat(weight * (node + 1) / (2 * ANGLES), ANGLES)
+    rho, angle = radius * (node[:, None] + 1) / 2, (np.arange(ANGLES) + 0.5) * np.pi / ANGLES
+    away = np.frombuffer(distances)[:, None, None]
+    at = np.hypot(away + rho * np.cos(angle), rho * np.sin(angle)).reshape(len(away), -1)
+    order = np.argsort(at, axis=None, kind="stable")
+    return at.ravel()[order], np.tile(share, len(away))[order], order // max(len(share), 1)
 
 
 def _averages(nodes: Floats, distances: Floats, radius: float) -> Floats:
     """Means over pads (N, M) of the functions that belong to the nodes."""
-    node, weight = np.polynomial.legendre.leggauss(RADII)
-    share = weight * (node + 1) / (2 * ANGLES)
-    rho = radius * (node[:, None] + 1) / 2
-    angle = (np.arange(ANGLES) + 0.5) * np.pi / ANGLES
+    from skinfield.observation.pad_means import add_means
+
     out = np.zeros((len(distances), len(nodes)))
-    for row, distance in zip(out, distances, strict=True):
-        at = np.hypot(distance + rho * np.cos(angle), rho * np.sin(angle))
-        element = np.clip(np.searchsorted(nodes[::2], at, "right") - 1, 0, len(nodes) // 2 - 1)
-        start, end = nodes[2 * element], nodes[2 * element + 2]
-        values = _shapes((at - start) / (end - start))[0] * share[:, None]
-        for local, value in enumerate(values):
-            row += np.bincount((2 * element + local).ravel(), value.ravel(), len(nodes))
+    add_means(nodes, *_pad_points(distances.tobytes(), radius), out)
     return out

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
+from skinfield.errors import Floats, Ints
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, predict
 from skinfield.inverse.atoms.table import LOG_STEP, AtomTable
 
@@ -48,25 +48,24 @@ class Bank:
         scores = self.scores(residual)
         if not float(scores.max(initial=0.0)) > least:
             return np.empty((0, PARAMETERS))
-        best = best_of(scores, self.atoms, most, 1.2 * SPACING)
-        atoms = self.atoms[best[:, 0].astype(np.int64)].copy()
-        atoms[:, 2] = np.log(np.maximum(best[:, 1] / self.norms[best[:, 0].astype(np.int64)], 1e-9))
+        best = np.empty(most, np.int64)
+        best = best[: best_of(scores, self.atoms, 1.2 * SPACING, best)]
+        atoms = self.atoms[best]
+        atoms[:, 2] = np.log(np.maximum(scores[best] / self.norms[best], 1e-9))
         return atoms
 
 
 @njit(cache=True, nogil=True)
-def best_of(scores: Any, atoms: Floats, most: int, near: float) -> Floats:
-    """Index and score (S, 2) of the best templates, none of them beside a better one."""
-    found = np.empty((most, 2))
-    count = 0
-    for _ in range(most):
+def best_of(scores: Any, atoms: Floats, near: float, found: Ints) -> int:
+    """Write into `found` (S,) the best templates, none beside a better one; how many there are."""
+    for count in range(len(found)):
         best, value = -1, 0.0
         for t in range(len(scores)):
             if scores[t] <= value:
                 continue
             beside = False
             for k in range(count):
-                other = atoms[int(found[k, 0])]
+                other = atoms[found[k]]
                 if (
                     abs(atoms[t, 0] - other[0]) < near
                     and abs(atoms[t, 1] - other[1]) < near
@@ -77,10 +76,9 @@ def best_of(scores: Any, atoms: Floats, most: int, near: float) -> Floats:
             if not beside:
                 best, value = t, scores[t]
         if best < 0:
-            break
-        found[count, 0], found[count, 1] = best, value
-        count += 1
-    return found[:count]
+            return count
+        found[count] = best
+    return len(found)
 
 
 def make_bank(taxels: Floats, white: Floats, table: AtomTable, tables: Tables) -> Bank:

@@ -137,7 +137,7 @@ def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> B
     near = _near(problem, own, axes)
     walks = [_walk(problem, seeds, kind, free, axes, left, near, effort.places) for kind in kinds]
     atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
-    families = np.repeat(kinds, [len(walk[0]) for walk in walks])
+    families = np.repeat(kinds, [len(walk.weight) for walk in walks])
     if not len(atoms):
         return first
     weight = np.exp(log_weight - log_weight.max())
@@ -166,13 +166,11 @@ def _walk(
     left: Floats,
     near: NDArray[np.int64],
     places: int,
-) -> tuple[Floats, Floats, Floats]:
+) -> Found:
     """Places, covariance beside them, and logarithm of their weights, for one family."""
-    atoms, inner = np.empty((places, PARAMETERS)), np.zeros((places, PARAMETERS, PARAMETERS))
-    weight = np.empty(places)
     given = problem.given._replace(
         readings=left[near], white=problem.white[near], taxels=problem.taxels[near], shared=0.0
     )
     lattice = Lattice(axes, seeds[0, :2], problem.places)
-    count = explore(seeds, kind, free, lattice, given, Found(atoms, inner, weight))
-    return atoms[:count], inner[:count], weight[:count] - RARER[kind]
+    found = explore(seeds, kind, free, lattice, given, places)
+    return found._replace(weight=found.weight - RARER[kind])

@@ -1,11 +1,10 @@
 """Contacts of fitted atoms."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
@@ -13,82 +12,37 @@ from skinfield.fields import Contact
 from skinfield.inverse.atoms import outline
 from skinfield.inverse.atoms.body import body_of
 from skinfield.inverse.atoms.profiles import FLAT
-from skinfield.inverse.atoms.render_kernels import (
-    NODE,
-    WEIGHT,
-    Mesh,
-    Surface,
-    held,
-    mesh_of,
-    points_along,
-    pressure,
-    pressure_terms,
-)
+from skinfield.inverse.atoms.render_kernels import Mesh, Surface, mesh_of
+from skinfield.inverse.atoms.render_pressure import render
 from skinfield.inverse.atoms.render_std import SIZE
-from skinfield.inverse.atoms.render_tables import TERMS
 from skinfield.inverse.atoms.render_workspace import Workspace
 from skinfield.layout import Grid
 
 LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
 
 
-@njit(cache=True, nogil=True)
-def _pressure_at(
-    atoms: Floats, family: Any, surface: Surface, x: float, y: float, room: Floats
-) -> float:
-    """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
-    total = 0.0
-    for n in range(len(atoms)):
-        radius = held(atoms[n, 3], surface)
-        pressure_terms(radius, family[n], surface, room)
-        count = points_along(radius, atoms[n, 4])
-        east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
-        for q in range(count):
-            away_x = x - atoms[n, 0] - NODE[count, q] * east
-            away_y = y - atoms[n, 1] - NODE[count, q] * north
-            square = 1.0 - (away_x * away_x + away_y * away_y) / (radius * radius)
-            if square <= 0.0:
-                continue
-            value = 0.0
-            for j in range(TERMS - 1, -1, -1):
-                value = value * square + room[j]
-            root = np.sqrt(square)
-            value = value / max(root, 0.5) if family[n] == FLAT else value * root
-            total += WEIGHT[count, q] * atoms[n, 2] * value / (np.pi * radius * radius)
-    return total
-
-
-@njit(cache=True, nogil=True)
-def _inside(atoms: Floats, mesh: Mesh, found: Any) -> int:
-    """Write the nodes in any of the atoms, else the nearest one; returns their number, sorted."""
-    count = 0
-    low, high = np.inf, -np.inf
-    for n in range(len(atoms)):
-        reach = abs(atoms[n, 4] * np.sin(atoms[n, 5])) + atoms[n, 3]
-        low, high = min(low, atoms[n, 1] - reach), max(high, atoms[n, 1] + reach)
-    first = max(int(np.ceil((low - mesh.y) / mesh.pitch)), 0)
-    last = min(int(np.floor((high - mesh.y) / mesh.pitch)), mesh.rows - 1)
-    for row in range(first, last + 1):
-        y = mesh.y + row * mesh.pitch
-        for column in range(mesh.columns):
-            x = mesh.x + column * mesh.pitch
-            for n in range(len(atoms)):
-                east, north = np.cos(atoms[n, 5]), np.sin(atoms[n, 5])
-                away_x, away_y = x - atoms[n, 0], y - atoms[n, 1]
-                half = atoms[n, 4]
-                along = min(max(away_x * east + away_y * north, -half), half)
-                away_x, away_y = away_x - along * east, away_y - along * north
-                if away_x * away_x + away_y * away_y <= atoms[n, 3] * atoms[n, 3]:
-                    found[count] = row * mesh.columns + column
-                    count += 1
-                    break
-    if count == 0:
-        row = int(np.round((atoms[0, 1] - mesh.y) / mesh.pitch))
-        column = int(np.round((atoms[0, 0] - mesh.x) / mesh.pitch))
-        row, column = min(max(row, 0), mesh.rows - 1), min(max(column, 0), mesh.columns - 1)
-        found[0] = row * mesh.columns + column
-        count = 1
-    return count
+def _inside(atoms: Floats, mesh: Mesh) -> NDArray[np.int64]:
+    """Nodes in any of the atoms, sorted; else the nearest one."""
+    reach = np.abs(atoms[:, 4] * np.sin(atoms[:, 5])) + atoms[:, 3]
+    low, high = (atoms[:, 1] - reach).min(), (atoms[:, 1] + reach).max()
+    first = max(math.ceil((low - mesh.y) / mesh.pitch), 0)
+    last = min(math.floor((high - mesh.y) / mesh.pitch), mesh.rows - 1)
+    y = mesh.y + np.arange(first, last + 1)[:, None] * mesh.pitch
+    x = mesh.x + np.arange(mesh.columns) * mesh.pitch
+    covered = np.zeros((len(y), mesh.columns), dtype=np.bool_)
+    for at_x, at_y, _, radius, half, angle in atoms.tolist():
+        east, north = math.cos(angle), math.sin(angle)
+        away_x, away_y = x - at_x, y - at_y
+        along = np.clip(away_x * east + away_y * north, -half, half)
+        covered |= (away_x - along * east) ** 2 + (away_y - along * north) ** 2 <= radius * radius
+    if covered.any():
+        return np.asarray(np.flatnonzero(covered) + first * mesh.columns)
+    row, column = (
+        round((atoms[0, 1] - mesh.y) / mesh.pitch),
+        round((atoms[0, 0] - mesh.x) / mesh.pitch),
+    )
+    row, column = min(max(row, 0), mesh.rows - 1), min(max(column, 0), mesh.columns - 1)
+    return np.array([row * mesh.columns + column])
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +77,10 @@ class ContactBuilder:
         centre = share @ atoms[:, :2]
         moves = _moves(atoms, share, centre, total)
         space, surface, mesh = self.workspace, self.surface, mesh_of(self.grid)
-        peak = _render(
+        peak = render(
             atoms, family, surface, mesh, space.first, space.boxes[0], space.cells, space.room
         )
-        cells = space.found[: _inside(atoms, mesh, space.found)].copy()
+        cells = _inside(atoms, mesh)
         shape = _shape_of(atoms, int(family[0]))
         places = self._position(np.vstack([centre, shape.outline]))  # at once: it is slow if curved
         normal, push, moment = self._resultant(places[0], centre, total, space.first)
@@ -218,25 +172,3 @@ def _area_std(moves: Floats, covariance: Floats) -> float:
     by_all[:, 3:5] = moves
     variance = float(by_all.ravel() @ covariance @ by_all.ravel())
     return float(np.sqrt(max(variance, 0.0)))
-
-
-@njit(cache=True, nogil=True)
-def _render(
-    atoms: Floats,
-    family: Any,
-    surface: Surface,
-    mesh: Mesh,
-    out: Floats,
-    box: Any,
-    cells: Floats,
-    room: Floats,
-) -> float:
-    """Write the pressure of a body, (K,) Pa; returns its peak, Pa.
-
-    That is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.
-    """
-    pressure(atoms, family, surface, mesh, out, box, cells, room)
-    peak = float(out.max())
-    for n in range(len(atoms)):
-        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1], room))
-    return peak

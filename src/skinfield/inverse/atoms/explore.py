@@ -1,4 +1,4 @@
-"""What a reading leaves open about the place of one contact, compiled.
+"""What a reading leaves open about the place of one contact.
 
 Between taxels the posterior of a contact is no ellipsoid but a curved valley, along which another
 place is made up for by another force and radius. It is walked on a lattice of places: at each,
@@ -6,42 +6,21 @@ force and radius (and half-length) are refined and then integrated out by Laplac
 as in the nested approximations of Rue, Martino and Chopin (2009).
 """
 
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.inverse.atoms.refine import Given, cholesky_solve, refine, room
+from skinfield.inverse.atoms.cost import Given
+from skinfield.inverse.atoms.refine import refined
 
 REACH = 14  # steps of the lattice each way
 STEPS = 4  # of refinement at each place
+SETTLED = 1e-2  # gain in cost of the last of them
 DEEP = 6.0  # in cost: places that are worse than the best by more do not count
-
-
-@njit(cache=True, nogil=True)
-def invert(hessian: Floats, free: Any, out: Floats) -> float:
-    """Write the inverse over free parameters, else 0, (6, 6).
-
-    Returns half the logarithm of the Hessian's determinant, infinite where that is not positive.
-    """
-    index = np.flatnonzero(free)
-    size = len(index)
-    part, right = np.empty((size, size)), np.empty(size)
-    out[:] = 0.0
-    half = 0.0
-    for column in range(size):
-        for a in range(size):
-            right[a] = 1.0 if a == column else 0.0
-            for b in range(size):
-                part[a, b] = hessian[index[a], index[b]]
-            part[a, a] = part[a, a] * (1.0 + 1e-9) + 1e-12
-        if not cholesky_solve(part, right):
-            return np.inf
-        for a in range(size):
-            out[index[a], index[column]] = right[a]
-        half += np.log(part[column, column])
-    return half
+ROUND_OFF = 1e-9, 1e-12  # of a Hessian's diagonal, and beside it: what is added so that it inverts
 
 
 class Lattice(NamedTuple):
@@ -60,75 +39,94 @@ class Found(NamedTuple):
     weight: Floats
 
 
-class Queue(NamedTuple):
-    """Steps (Q, 2) along the axes still to visit, atoms (Q, 6) to start from, and what was seen."""
+class Queue:
+    """Steps along the axes still to visit, each with the atom to start from; none twice."""
 
-    steps: Any
-    start: Floats
-    seen: Any
+    def __init__(self) -> None:
+        self.waiting: list[tuple[int, int, Floats]] = []
+        self._seen: set[tuple[int, int]] = set()
 
+    def put(self, i: int, j: int, atom: Floats) -> None:
+        """Put a place at the end, if it is new and near."""
+        if abs(i) <= REACH and abs(j) <= REACH and (i, j) not in self._seen:
+            self._seen.add((i, j))
+            self.waiting.append((i, j, atom))
 
-@njit(cache=True, nogil=True)
-def _enqueue(i: int, j: int, atom: Floats, queue: Queue, tail: int) -> int:
-    """Put a place at the end, if it is new and near; returns the new end."""
-    if abs(i) > REACH or abs(j) > REACH or queue.seen[i + REACH, j + REACH]:
-        return tail
-    queue.seen[i + REACH, j + REACH] = True
-    queue.steps[tail, 0], queue.steps[tail, 1] = i, j
-    queue.start[tail] = atom
-    return tail + 1
-
-
-@njit(cache=True, nogil=True)
-def _begin(seeds: Floats, lattice: Lattice, queue: Queue) -> int:
-    """Put the places nearest to the seeds into the queue; returns its end."""
-    axes = lattice.axes
-    determinant = axes[0, 0] * axes[1, 1] - axes[0, 1] * axes[1, 0]
-    tail = 0
-    for m in range(seeds.shape[0]):
-        dx, dy = seeds[m, 0] - lattice.origin[0], seeds[m, 1] - lattice.origin[1]
-        i = int(np.round((dx * axes[1, 1] - dy * axes[1, 0]) / determinant))
-        j = int(np.round((dy * axes[0, 0] - dx * axes[0, 1]) / determinant))
-        tail = _enqueue(i, j, seeds[m], queue, tail)
-    return tail
+    def take(self, most: int) -> list[tuple[int, int, Floats]]:
+        """The first of them."""
+        first, self.waiting = self.waiting[:most], self.waiting[most:]
+        return first
 
 
-@njit(cache=True, nogil=True)
 def explore(
-    seeds: Floats, family: int, free: Any, lattice: Lattice, given: Given, found: Found
-) -> int:
+    seeds: Floats, family: int, free: NDArray[np.bool_], lattice: Lattice, given: Given, most: int
+) -> Found:
     """Walk over places from the seeds (M, 6) while the cost stays near the least.
 
-    `free` (6,) says what is refined at each place beside it. Writes into `found`, as many places
-    as there is room for; returns how many.
+    `free` (6,) says what is refined at each place beside it; `most` places are found at most.
     """
-    most, side = found.weight.shape[0], 2 * REACH + 1
-    size = most * 8 + seeds.shape[0]
-    queue = Queue(
-        np.empty((size, 2), dtype=np.int64),
-        np.empty((size, 6)),
-        np.zeros((side, side), dtype=np.bool_),
-    )
-    head, tail, count = 0, _begin(seeds, lattice, queue), 0
-    moves = np.zeros((1, 6), dtype=np.bool_)
-    moves[0, 2:] = free[2:]
-    kinds, atom = np.array([family]), np.empty((1, 6))
-    normal = room(given.taxels.shape[0], 1)
-    best = np.inf
-    while head < tail and count < most:
-        i, j = queue.steps[head]
-        atom[0] = queue.start[head]
-        atom[0, :2] = lattice.origin + i * lattice.axes[0] + j * lattice.axes[1]
-        head += 1
-        if (atom[0, :2] < lattice.places[0]).any() or (atom[0, :2] > lattice.places[1]).any():
-            continue
-        cost = refine(atom, kinds, moves, given, STEPS, 1e-2, normal)[0]
-        if cost > best + DEEP:
-            continue
-        best = min(best, cost)
-        found.weight[count] = -cost - invert(normal.hessian, moves[0], found.inner[count])
-        found.atoms[count] = atom[0]
-        count += 1
-        for way in range(9):
-            tail = _enqueue(i + way // 3 - 1, j + way % 3 - 1, atom[0], queue, tail)
-    return count
+    queue, best = Queue(), np.inf
+    for seed, (i, j) in zip(seeds, _steps(seeds, lattice), strict=True):
+        queue.put(int(i), int(j), seed)
+    atoms: list[Floats] = []
+    hessians: list[Floats] = []
+    costs: list[float] = []
+    while queue.waiting and len(costs) < most:
+        for i, j, atom, cost, hessian in _wave(
+            queue.take(most - len(costs)), family, free, lattice, given
+        ):
+            if cost > best + DEEP:
+                continue
+            best = min(best, cost)
+            atoms.append(atom)
+            costs.append(cost)
+            hessians.append(hessian)
+            for way in range(9):
+                queue.put(i + way // 3 - 1, j + way % 3 - 1, atom)
+    inner, half = inverses(np.array(hessians).reshape(-1, 6, 6), free)
+    return Found(np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half)
+
+
+def _steps(seeds: Floats, lattice: Lattice) -> Floats:
+    """Of the places nearest to seeds (M, 6), (M, 2)."""
+    return np.round(np.linalg.solve(lattice.axes.T, (seeds[:, :2] - lattice.origin).T).T)
+
+
+def _wave(
+    places: list[tuple[int, int, Floats]],
+    family: int,
+    free: NDArray[np.bool_],
+    lattice: Lattice,
+    given: Given,
+) -> Iterator[tuple[int, int, Floats, float, Floats]]:
+    """Steps, refined atom, cost and its Hessian of each place that lies on the patch."""
+    atoms = np.array([atom for _, _, atom in places])
+    steps = np.array([(i, j) for i, j, _ in places])
+    atoms[:, :2] = lattice.origin + steps[:, :1] * lattice.axes[0] + steps[:, 1:] * lattice.axes[1]
+    low, high = lattice.places
+    on = np.flatnonzero(((atoms[:, :2] >= low) & (atoms[:, :2] <= high)).all(axis=1))
+    atoms = atoms[on]
+    moves = np.zeros((len(on), 1, 6), dtype=np.bool_)
+    moves[:, 0, 2:] = free[2:]
+    kinds = np.full((len(on), 1), family)
+    made = refined(atoms[:, None], kinds, moves, given, STEPS, SETTLED)
+    for n, (i, j) in enumerate(steps[on].tolist()):
+        yield i, j, atoms[n], float(made.cost[n]), made.hessian[n]
+
+
+def inverses(hessians: Floats, free: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Inverses (C, 6, 6) over what is free beside the place, else 0.
+
+    And half the logarithm of the determinants (C,), infinite where one is not positive.
+    """
+    index = np.flatnonzero(free[2:]) + 2
+    rows = np.ix_(np.arange(len(hessians)), index, index)
+    part = hessians[rows]
+    diagonal = np.arange(len(index))
+    part[:, diagonal, diagonal] *= 1.0 + ROUND_OFF[0]
+    part[:, diagonal, diagonal] += ROUND_OFF[1]
+    sign, size = np.linalg.slogdet(part)
+    part[sign <= 0.0] = np.eye(len(index))
+    out = np.zeros_like(hessians)
+    out[rows] = np.linalg.inv(part)
+    return out, np.where(sign > 0.0, 0.5 * size, np.inf)

@@ -1,20 +1,22 @@
 """A prepared contact fit: from readings to contacts and fields."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.errors import Floats, InputError
+from skinfield.fields import Contact
+from skinfield.inverse.atoms.answer import Answer, Known, Touches, holds, notes_on
 from skinfield.inverse.atoms.bank import MARGIN, Bank, make_bank
 from skinfield.inverse.atoms.belief import Effort, belief_of, stated
+from skinfield.inverse.atoms.cost import Priors
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, tables_of
-from skinfield.inverse.atoms.left_over import LOUD, explains, noise_scale, significant
+from skinfield.inverse.atoms.left_over import explains, noise_scale, significant
 from skinfield.inverse.atoms.problem import AtomSet, Problem
 from skinfield.inverse.atoms.profiles import RING
-from skinfield.inverse.atoms.refine import Priors
 from skinfield.inverse.atoms.render import AtomRenderer
-from skinfield.inverse.atoms.rims import drawable
+from skinfield.inverse.atoms.rims import Drawable, drawable
 from skinfield.inverse.atoms.search import search
 from skinfield.inverse.atoms.table import atom_table
 from skinfield.inverse.operator import Fit
@@ -32,8 +34,6 @@ ROUNDS = 5  # of searches, until the noise is as what is left over
 PLACES = 100  # that are tried to tell how sure a contact is, for each family
 FEW = 14  # for a contact that the reading before had, too
 STEP, WIDE_STEP = 0.9, 1.2  # standard deviations between places, for many and for few
-MOVED = 0.5  # standard deviations within which what was known of a contact still holds
-CHANGED = 0.2  # of its force's logarithm, likewise
 RISE = 1.5  # of the readings' squares over the noise, after which shapes are compared again
 
 
@@ -93,12 +93,18 @@ class ContactFitter:
         self._kept: tuple[Known, ...] = ()
         self._compared, self._scale = 0.0, 1.0
 
-    def run_in(self) -> None:
-        """Load all that is compiled: a first reading is as fast as the next."""
+    def run_in(self, fields: bool = True) -> None:
+        """Load all that is compiled: a first reading is as fast as the next.
+
+        Parameters
+        ----------
+        fields : bool
+            Whether `fit` is to be called; else `touches` alone, which needs half as much.
+        """
         strongest = int(np.argmax(self._bank.norms))
         template = self._bank.templates[strongest].astype(np.float64)
         for strength in FIRST:
-            self.fit(template * (strength * self.model.noise_std))
+            (self.fit if fields else self.touches)(template * (strength * self.model.noise_std))
         self.reset()
 
     def take_noise(self, noise: Floats) -> None:
@@ -119,6 +125,19 @@ class ContactFitter:
 
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
         """See `ContactOperator.fit`."""
+        answer = self._answer(readings, deadline_ns)
+        return self._idle(answer) if answer.drawn is None else self._fit_of(answer, answer.drawn)
+
+    def touches(self, readings: Floats, deadline_ns: int | None = None) -> Touches:
+        """Contacts and pressure as of `fit`, without the fields that take the longest to draw."""
+        answer = self._answer(readings, deadline_ns)
+        explained = explains(answer.problem, answer.found)
+        if answer.drawn is None:
+            return Touches(np.zeros(len(self.model.grid)), (), explained)
+        return Touches(*self._pressed(answer.drawn), explained)
+
+    def _answer(self, readings: Floats, deadline_ns: int | None) -> Answer:
+        """The atoms that explain a reading, as they are drawn."""
         settings, before = self.settings, self._before if self.settings.warm else None
         problem = self.problem(readings, deadline_ns)
         shapes = self._shapes_due(problem)
@@ -137,8 +156,10 @@ class ContactFitter:
         self._before = found
         if not len(found):
             self._kept = ()
-            return self._idle(problem, scale)
-        return self._fit_of(problem, found, same, scale)
+            return Answer(problem, found, scale, None)
+        atoms, covariance = self._stated(problem, found, same)
+        drawn = drawable(atoms, found.family, covariance, self._thickness)
+        return Answer(problem, found, scale, drawn)
 
     def _shapes_due(self, problem: Problem) -> bool:
         """Whether the readings say much more, or less, than when shapes were last compared."""
@@ -170,7 +191,8 @@ class ContactFitter:
         floor = self.settings.model_error * float(np.abs(readings).max())
         return np.asarray(1.0 / np.hypot(scale * self.noise, floor))
 
-    def _idle(self, problem: Problem, scale: float) -> Fit:
+    def _idle(self, answer: Answer) -> Fit:
+        problem = answer.problem
         nodes, zero = len(self.model.grid), np.zeros(len(problem.readings))
         offset = problem.offset(zero)
         return Fit(
@@ -182,20 +204,24 @@ class ContactFitter:
             cells=np.empty(0, np.int64),
             offset=offset,
             explained=explains(problem, problem.nothing()),
-            notes=_notes(problem, 0, scale, offset),
+            notes=notes_on(problem, 0, answer.scale, offset),
         )
 
-    def _fit_of(self, problem: Problem, found: AtomSet, same: bool, scale: float) -> Fit:
-        atoms, covariance = self._stated(problem, found, same)
-        nodes = len(self.model.grid)
-        pressure, std, moved = np.empty(nodes), np.empty(nodes), np.empty((nodes, 3))
-        drawn = drawable(atoms, found.family, covariance, self._thickness)
+    def _pressed(self, drawn: Drawable) -> tuple[Floats, tuple[Contact, ...]]:
+        """Pressure (K,) in Pa and contacts of what is drawn."""
+        pressure = np.empty(len(self.model.grid))
         self._renderer.pressure(drawn.atoms, drawn.family, pressure)
-        self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)
-        self._renderer.displacement(drawn.atoms, drawn.family, moved)
         contacts = self._renderer.contacts(
             drawn.atoms, drawn.family, drawn.covariance, drawn.groups
         )
+        return pressure, contacts
+
+    def _fit_of(self, answer: Answer, drawn: Drawable) -> Fit:
+        problem, found, nodes = answer.problem, answer.found, len(self.model.grid)
+        std, moved = np.empty(nodes), np.empty((nodes, 3))
+        pressure, contacts = self._pressed(drawn)
+        self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)
+        self._renderer.displacement(drawn.atoms, drawn.family, moved)
         return Fit(
             pressure=pressure,
             pressure_std=std,
@@ -205,7 +231,7 @@ class ContactFitter:
             cells=np.flatnonzero(pressure),
             offset=problem.offset(found.predicted),
             explained=explains(problem, found),
-            notes=_notes(problem, len(found), scale, problem.offset(found.predicted)),
+            notes=notes_on(problem, len(found), answer.scale, problem.offset(found.predicted)),
         )
 
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
@@ -232,39 +258,3 @@ class ContactFitter:
             )
         self._kept = tuple(kept)
         return atoms, covariance
-
-
-def _notes(problem: Problem, count: int, scale: float, offset: float) -> tuple[str, ...]:
-    notes = []
-    if problem.late:
-        notes.append(f"ContactFit stopped at the deadline, with {count} found")
-    if scale > LOUD:
-        notes.append("ContactFit saw more noise than was stated, and went by what it saw")
-    if abs(offset) > problem.common > 0.0:
-        notes.append("ContactFit took what all taxels share for an offset: tare the skin")
-    return tuple(notes)
-
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """What was found out about an atom (6,).
-
-    Attributes
-    ----------
-    atom : (6,) array
-        The minimum of the cost.
-    offset : (6,) array
-        From there to the posterior's mean, which is stated: its error is smaller.
-    covariance : (6, 6) array
-    """
-
-    atom: Floats
-    offset: Floats
-    covariance: Floats
-
-
-def holds(known: Known, atom: Floats) -> bool:
-    """Whether an atom is still about where it was when its covariance was found."""
-    off = atom - known.atom
-    deviation = np.sqrt(np.diag(known.covariance)[:2])
-    return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)

@@ -11,10 +11,8 @@ import numpy as np
 from numba import njit
 
 from skinfield.errors import Floats
-from skinfield.inverse.atoms.stale import drop_stale
+from skinfield.inverse.atoms.compiled import inner
 from skinfield.inverse.atoms.table import DISTANCE_STEP, LOG_STEP, SIGHT, AtomTable
-
-drop_stale()  # before the first function of this folder is compiled, or read from disk
 
 PARAMETERS = 6
 NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment
@@ -52,7 +50,7 @@ def tables_of(table: AtomTable) -> Tables:
     )
 
 
-@njit(cache=True, nogil=True)
+@inner
 def along(coefficients: Floats, place: float) -> tuple[float, float]:
     """Value and slope per node of a B-spline (N,) at a place inside."""
     at = int(place)
@@ -67,7 +65,7 @@ def along(coefficients: Floats, place: float) -> tuple[float, float]:
     return value, slope
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _radial(
     grid: Floats, place: float, log_step: float, power: Floats, nodes: int, out: Floats
 ) -> None:
@@ -99,7 +97,7 @@ def _radial(
                 out[2, j] += by_u * row[j]
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _look_up(radial: Floats, distance: float, last: int, found: Floats) -> None:
     """Value, slope by distance in nodes, and the other two slopes, at a distance in nodes."""
     j = int(distance)
@@ -130,7 +128,7 @@ def predict(
         _add_atom(n, atoms[n], family[n], taxels, tables, radial, out, jacobian)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _depth(
     atom: Floats, family: int, slenderness: float, tables: Tables, power: Floats
 ) -> tuple[float, float, float, float]:
@@ -153,7 +151,7 @@ def _depth(
     return force * scale / (1.0 - u), u, scale_slope, thinning
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _add_atom(
     n: int,
     atom: Floats,

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.problem import BURST, LONG, ROUND, SETTLED, AtomSet, Problem
 from skinfield.inverse.atoms.profiles import BALL, RING
-from skinfield.inverse.atoms.refine import refine_each
+from skinfield.inverse.atoms.refine import refined
 
 OFF_LATTICE = 2.0  # how much more than the best template an atom between the templates may gain
 LENGTHS = (1.2, 3.0)  # half-lengths from which a drawn-out contact is sought, in thicknesses
@@ -39,8 +39,9 @@ def settle(
 ) -> Floats:
     """Refine each of the seeds (S, 6) alone, in place, on what is left to explain; costs (S,)."""
     given = problem.given._replace(readings=left)
-    costs = refine_each(seeds, np.full(len(seeds), family), free, given, BURST, SETTLED)
-    return np.asarray(costs)
+    kinds = np.full((len(seeds), 1), family)
+    moves = np.tile(free, (len(seeds), 1, 1))
+    return refined(seeds[:, None], kinds, moves, given, BURST, SETTLED).cost
 
 
 def without(problem: Problem, found: AtomSet, index: int) -> AtomSet:

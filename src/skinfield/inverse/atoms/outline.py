@@ -1,9 +1,8 @@
 """Outlines of atoms in the plane, and which of them overlap."""
 
-from typing import Any
+import math
 
 import numpy as np
-from numba import njit
 
 from skinfield.errors import Floats
 
@@ -58,33 +57,20 @@ def semi_axes(atom: Floats) -> tuple[float, float]:
 
 def bodies(atoms: Floats) -> list[list[int]]:
     """Atoms (N, 6) that overlap, directly or through others: lists of rows, together all."""
-    owner = _owners(np.ascontiguousarray(atoms))
-    return [np.flatnonzero(owner == name).tolist() for name in dict.fromkeys(owner.tolist())]
+    rows: list[list[float]] = atoms.tolist()
+    owner = list(range(len(rows)))  # number of the body that each belongs to
+    for i, one in enumerate(rows):
+        for j, other in enumerate(rows[:i]):
+            if owner[i] != owner[j] and _square_apart(one, other) < (one[3] + other[3]) ** 2:
+                old, new = max(owner[i], owner[j]), min(owner[i], owner[j])
+                owner = [new if name == old else name for name in owner]
+    return [[n for n, its in enumerate(owner) if its == name] for name in dict.fromkeys(owner)]
 
 
-@njit(cache=True, nogil=True)
-def _owners(atoms: Floats) -> Any:
-    """Number of the body that each atom belongs to, (N,)."""
-    count = len(atoms)
-    owner = np.arange(count)
-    for i in range(count):
-        for j in range(i):
-            if owner[i] != owner[j]:
-                reach = atoms[i, 3] + atoms[j, 3]
-                if _square_apart(atoms[i], atoms[j]) < reach * reach:
-                    old = max(owner[i], owner[j])
-                    new = min(owner[i], owner[j])
-                    for k in range(i + 1):
-                        if owner[k] == old:
-                            owner[k] = new
-    return owner
-
-
-@njit(cache=True, nogil=True)
-def _square_apart(first: Floats, second: Floats) -> float:
+def _square_apart(first: list[float], second: list[float]) -> float:
     """Squared distance in m² of the segments of two atoms."""
-    east, north = first[4] * np.cos(first[5]), first[4] * np.sin(first[5])
-    other_east, other_north = second[4] * np.cos(second[5]), second[4] * np.sin(second[5])
+    east, north = first[4] * math.cos(first[5]), first[4] * math.sin(first[5])
+    other_east, other_north = second[4] * math.cos(second[5]), second[4] * math.sin(second[5])
     x, y = second[0] - first[0], second[1] - first[1]
     cross = east * other_north - north * other_east
     if cross != 0.0:
@@ -92,7 +78,7 @@ def _square_apart(first: Floats, second: Floats) -> float:
         other_along = (x * north - y * east) / cross
         if abs(along) <= 1.0 and abs(other_along) <= 1.0:
             return 0.0
-    nearest = np.inf
+    nearest = math.inf
     for side in (-1.0, 1.0):  # else an end is nearest
         away = _square_from(x + side * other_east, y + side * other_north, east, north)
         other = _square_from(side * east - x, side * north - y, other_east, other_north)
@@ -100,7 +86,6 @@ def _square_apart(first: Floats, second: Floats) -> float:
     return nearest
 
 
-@njit(cache=True, nogil=True)
 def _square_from(x: float, y: float, east: float, north: float) -> float:
     """Squared distance of a point from a segment to both sides of the origin."""
     square = east * east + north * north

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.inverse.atoms.bank import Bank
+from skinfield.inverse.atoms.cost import Given, Priors
 from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, predict
-from skinfield.inverse.atoms.refine import Given, Priors, refine, room
+from skinfield.inverse.atoms.refine import refined
 
 ROUND = np.array([True, True, True, True, False, False])
 LONG = np.ones(6, dtype=np.bool_)
@@ -142,13 +143,13 @@ class Problem:
         """Atoms moved to the next minimum of the cost, or until the time is up."""
         atoms = np.array(atoms, order="C")
         free = np.where(np.any(atoms[:, 4:], axis=1)[:, None], LONG, ROUND)
-        normal = room(len(self.readings), len(atoms))
         done = 0
         while True:
-            cost, tried = refine(atoms, family, free, self.given, BURST, SETTLED, normal)
-            done += tried
-            if tried < BURST or done >= iterations or self.late:
-                return AtomSet(atoms, family, float(cost), normal.predicted, normal.hessian)
+            made = refined(atoms[None], family[None], free[None], self.given, BURST, SETTLED)
+            done += int(made.tried[0])
+            if made.tried[0] < BURST or done >= iterations or self.late:
+                cost, predicted, hessian = float(made.cost[0]), made.predicted[0], made.hessian[0]
+                return AtomSet(atoms, family, cost, predicted, hessian)
 
     def misfit(self, found: AtomSet) -> float:
         """By how many standard deviations the squares of the residuals exceed their number."""

@@ -7,13 +7,14 @@ On a layer much thicker than the contact is wide they are Hertz's
 annulus: what a rim or the edge of a cup leaves, as far as taxels below a layer can tell.
 """
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from skinfield.errors import Floats
+from skinfield.inverse.atoms.ring_sums import Point, ring_sums
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ FAMILIES = (BALL, FLAT, RING)
 RIM = 0.4  # thicknesses: width of a ring
 CELL = 0.08  # thicknesses: side of the square that stands for a point
 RIM_RINGS = 4
+NEAR, FAR, REACH = 400, 3000, 60.0  # mesh of a point's response: within a thickness, and beyond
 RINGS = 12  # Gauss-Legendre nodes in sqrt(1 - r²/a²), in which both pressures are smooth
 
 
@@ -95,13 +97,8 @@ def unit_indentation(
     cell = max(CELL * layer.thickness, radius / 25.0 if family != RING else 0.0)
     radii, forces = _fine_rings(layer, mechanics, family, radius, cell)
     point = _point_indentation(layer, cast(Hashable, mechanics), cell)
-    out = np.zeros(len(r))
-    for ring, force in zip(radii, forces, strict=True):
-        count = 16 + int(np.ceil(2.0 * np.pi * ring / cell))
-        cosine = np.cos((np.arange(count) + 0.5) * np.pi / count)
-        square = np.square(r)[:, None] + ring**2 - 2.0 * ring * np.asarray(r)[:, None] * cosine
-        out += force * point(np.sqrt(np.maximum(square, 0.0))).mean(axis=1)
-    return out
+    counts = 16 + np.ceil(2.0 * np.pi * radii / cell).astype(np.int64)
+    return ring_sums(np.ascontiguousarray(r, dtype=np.float64), radii, forces, counts, point)
 
 
 def edges_of(layer: Layer, family: int, radius: float) -> Floats:
@@ -137,15 +134,17 @@ def _rim(layer: Layer, radius: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=64)
-def _point_indentation(layer: Layer, mechanics: Any, cell: float) -> Callable[[Floats], Floats]:
+def _point_indentation(layer: Layer, mechanics: Any, cell: float) -> Point:
     """Displacement in m per N on a small square, whose size hides the pole, by distance in m."""
     from scipy.interpolate import CubicSpline
 
     h = layer.thickness
-    near, far = np.linspace(0.0, h, 400, endpoint=False), np.linspace(h, 60.0 * h, 3000)
+    near, far = np.linspace(0.0, h, NEAR, endpoint=False), np.linspace(h, REACH * h, FAR)
     mesh = np.concatenate([near, far])
     offsets = np.column_stack([mesh, np.zeros_like(mesh)])
-    return CubicSpline(mesh, mechanics.indentation(layer, offsets, cell) / cell**2)
+    spline = CubicSpline(mesh, mechanics.indentation(layer, offsets, cell) / cell**2)
+    cubics = np.ascontiguousarray(spline.c.T)
+    return Point(mesh, cubics, h / NEAR, (REACH - 1.0) * h / (FAR - 1), NEAR)
 
 
 @lru_cache(maxsize=256)

@@ -1,6 +1,7 @@
 """From fitted atoms to fields on a grid and to contacts."""
 
 from collections.abc import Hashable, Sequence
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -8,11 +9,13 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, check_finite
 from skinfield.fields import Contact
-from skinfield.inverse.atoms import outline, render_kernels, render_moved, render_std
+from skinfield.inverse.atoms import outline, render_moved, render_std
 from skinfield.inverse.atoms.contacts import ContactBuilder
 from skinfield.inverse.atoms.profiles import BALL, FLAT
 from skinfield.inverse.atoms.render_kernels import mesh_of, surface_of
-from skinfield.inverse.atoms.render_tables import LARGEST, surface_table
+from skinfield.inverse.atoms.render_moved import Moves, moves_of
+from skinfield.inverse.atoms.render_pressure import render
+from skinfield.inverse.atoms.render_tables import LARGEST, displacement_table, pressure_table
 from skinfield.inverse.atoms.render_workspace import Workspace
 from skinfield.layout import Grid
 from skinfield.mechanics import Layer, Mechanics
@@ -35,13 +38,22 @@ class AtomRenderer:
     """
 
     def __init__(self, grid: Grid, layer: Layer, mechanics: Mechanics) -> None:
-        self.grid = grid
-        self._surface = surface_of(surface_table(layer, cast(Hashable, mechanics)))
+        self.grid, self._layer, self._mechanics = grid, layer, mechanics
+        self._surface = surface_of(pressure_table(layer, cast(Hashable, mechanics)))
         self._mesh = mesh_of(grid)
-        flat = grid.patch.surface.is_flat
-        self._frames = np.array(grid.frames[:1] if flat else grid.frames)
         self._space = Workspace(len(grid))
         self._builder = ContactBuilder(grid, self._surface, self._space)
+
+    @cached_property
+    def _moves(self) -> Moves:
+        """What displacements are made of: tabulated when the first one is asked for."""
+        return moves_of(displacement_table(self._layer, cast(Hashable, self._mechanics)))
+
+    @cached_property
+    def _frames(self) -> Floats:
+        """Of all nodes (K, 3, 3), or (1, 3, 3) where all are the same."""
+        flat = self.grid.patch.surface.is_flat
+        return np.array(self.grid.frames[:1] if flat else self.grid.frames)
 
     def pressure(self, atoms: Floats, family: Family, out: Floats) -> None:
         """Write the mean pressure on each cell into `out` (K,), Pa.
@@ -51,7 +63,7 @@ class AtomRenderer:
         atom covers several cells.
         """
         space = self._prepared(atoms, family)
-        render_kernels.pressure(
+        render(
             atoms, family, self._surface, self._mesh, out, space.boxes[0], space.cells, space.room
         )
 
@@ -62,6 +74,7 @@ class AtomRenderer:
             atoms,
             family,
             self._surface,
+            self._moves,
             self._mesh,
             self._frames,
             out,

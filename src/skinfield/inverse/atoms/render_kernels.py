@@ -7,9 +7,9 @@ drawn out along a segment where the half-length is not 0: a mixture of round one
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from skinfield.errors import Floats
+from skinfield.inverse.atoms.compiled import inner
 from skinfield.inverse.atoms.render_tables import (
     INNER,
     LARGEST,
@@ -17,7 +17,7 @@ from skinfield.inverse.atoms.render_tables import (
     OUTER,
     SMALLEST,
     TERMS,
-    SurfaceTable,
+    PressureTable,
 )
 from skinfield.layout import Grid
 
@@ -41,13 +41,11 @@ NODE, WEIGHT = _along()
 
 
 class Surface(NamedTuple):
-    """A `SurfaceTable` as compiled functions take it."""
+    """A `PressureTable` as compiled functions take it."""
 
     pressure: Floats
-    displacement: Floats
     first_log: float
     thickness: float
-    reach: float
 
 
 class Mesh(NamedTuple):
@@ -60,11 +58,9 @@ class Mesh(NamedTuple):
     columns: int
 
 
-def surface_of(table: SurfaceTable) -> Surface:
+def surface_of(table: PressureTable) -> Surface:
     """Arrays of a table."""
-    return Surface(
-        table.pressure, table.displacement, table.first_log, table.thickness, table.reach
-    )
+    return Surface(table.pressure, table.first_log, table.thickness)
 
 
 def mesh_of(grid: Grid) -> Mesh:
@@ -72,13 +68,13 @@ def mesh_of(grid: Grid) -> Mesh:
     return Mesh(float(grid.origin[0]), float(grid.origin[1]), grid.pitch, *grid.shape)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def held(radius: float, surface: Surface) -> float:
     """The radius, brought to where it is tabulated."""
     return min(max(radius, SMALLEST * surface.thickness), LARGEST * surface.thickness)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def points_along(radius: float, half: float) -> int:
     """How many round atoms make up one: dense enough that they overlap."""
     if half <= 0.0:
@@ -86,7 +82,7 @@ def points_along(radius: float, half: float) -> int:
     return min(max(int(np.ceil(3.0 + 2.0 * half / radius)), FEWEST), MOST)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _blend(radius: float, surface: Surface, basis: Floats) -> int:
     """Cubic B-splines (4,) over ln(radius); returns the first of the four nodes."""
     place = (np.log(radius / surface.thickness) - surface.first_log) / LOG_STEP
@@ -100,7 +96,7 @@ def _blend(radius: float, surface: Surface, basis: Floats) -> int:
     return at - 1
 
 
-@njit(cache=True, nogil=True)
+@inner
 def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -> None:
     """Coefficients of the pressure of 1 N, times pi a², into `room` (2 TERMS,)."""
     basis = room[TERMS:]
@@ -115,7 +111,7 @@ def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -
         )
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _chord(square: float, family: int, terms: Floats, chord: Floats) -> float:
     r"""Prepare integrals of the pressure along a chord of half-length s.
 
@@ -133,7 +129,7 @@ def _chord(square: float, family: int, terms: Floats, chord: Floats) -> float:
     return carried + (terms[0] if family == 1 else 0.0)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _add_round(
     x: float,
     y: float,
@@ -182,7 +178,7 @@ def _add_round(
                     break
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Floats) -> None:
     """Tilt of the shares (2,), per pitch, and their centre (2,), pitches from the box's first cell.
 
@@ -226,7 +222,7 @@ def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Fl
     )
 
 
-@njit(cache=True, nogil=True)
+@inner
 def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
     """First row and column, and rows and columns, that an atom covers; False if all are off."""
     wide = abs(atom[4] * np.cos(atom[5])) + radius
@@ -240,7 +236,7 @@ def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
     )
 
 
-@njit(cache=True, nogil=True)
+@inner
 def add_pressure(
     atom: Floats,
     family: int,
@@ -278,7 +274,7 @@ def add_pressure(
     return True
 
 
-@njit(cache=True, nogil=True)
+@inner
 def pressure(
     atoms: Floats,
     family: Any,

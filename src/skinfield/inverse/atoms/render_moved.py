@@ -1,11 +1,12 @@
 """Displacement of the surface by atoms, compiled."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from skinfield.errors import Floats
+from skinfield.inverse.atoms.compiled import inner
 from skinfield.inverse.atoms.render_kernels import (
     COUNT,
     NODE,
@@ -16,13 +17,25 @@ from skinfield.inverse.atoms.render_kernels import (
     held,
     points_along,
 )
-from skinfield.inverse.atoms.render_tables import FOLD, INNER, OUTER
+from skinfield.inverse.atoms.render_tables import FOLD, INNER, OUTER, DisplacementTable
 
 NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
 FAR_POINTS = 4  # along the segment, for nodes farther away
 
 
-@njit(cache=True, nogil=True)
+class Moves(NamedTuple):
+    """A `DisplacementTable` as compiled functions take it."""
+
+    displacement: Floats
+    reach: float
+
+
+def moves_of(table: DisplacementTable) -> Moves:
+    """Arrays of a table."""
+    return Moves(table.displacement, table.reach)
+
+
+@inner
 def _near(atom: Floats, radius: float, surface: Surface, mesh: Mesh, box: Any) -> None:
     """First row and column and those behind the last, of the nodes near an atom."""
     wide = abs(atom[4] * np.cos(atom[5])) + radius + NEAR * surface.thickness
@@ -33,19 +46,25 @@ def _near(atom: Floats, radius: float, surface: Surface, mesh: Mesh, box: Any) -
     box[3] = int(np.floor((atom[0] + wide - mesh.x) / mesh.pitch)) + 1
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _radial_terms(
-    radius: float, force: float, family: int, surface: Surface, terms: Floats, room: Floats
+    radius: float,
+    force: float,
+    family: int,
+    surface: Surface,
+    moves: Moves,
+    terms: Floats,
+    room: Floats,
 ) -> None:
     """Coefficients (2, COUNT) of one radius and force."""
     first = _blend(radius, surface, room)
     scale = force / radius
     b0, b1, b2, b3 = scale * room[0], scale * room[1], scale * room[2], scale * room[3]
     for part in range(2):
-        t0 = surface.displacement[family, first, part]
-        t1 = surface.displacement[family, first + 1, part]
-        t2 = surface.displacement[family, first + 2, part]
-        t3 = surface.displacement[family, first + 3, part]
+        t0 = moves.displacement[family, first, part]
+        t1 = moves.displacement[family, first + 1, part]
+        t2 = moves.displacement[family, first + 2, part]
+        t3 = moves.displacement[family, first + 3, part]
         for j in range(COUNT):
             terms[part, j] = b0 * t0[j] + b1 * t1[j] + b2 * t2[j] + b3 * t3[j]
 
@@ -72,14 +91,15 @@ def _response(
     return up, away
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _add_round(
     x: float,
     y: float,
     radius: float,
     share: float,
     terms: Floats,
-    surface: Surface,
+    thickness: float,
+    reach: float,
     mesh: Mesh,
     box: Any,
     inside: bool,
@@ -89,7 +109,7 @@ def _add_round(
 
     To the nodes inside the box, or to those outside.
     """
-    far = min(radius + surface.reach, 1e9)
+    far = min(radius + reach, 1e9)
     pitch = mesh.pitch
     first_row = max(int(np.ceil((y - far - mesh.y) / pitch)), 0)
     first_column = max(int(np.ceil((x - far - mesh.x) / pitch)), 0)
@@ -98,7 +118,7 @@ def _add_round(
     if inside:
         first_row, first_column = max(first_row, box[0]), max(first_column, box[1])
         end_row, end_column = min(end_row, box[2]), min(end_column, box[3])
-    square, limit, fold = radius * radius, far * far, FOLD * surface.thickness
+    square, limit, fold = radius * radius, far * far, FOLD * thickness
     normal, radial = terms[0], terms[1]
     for row in range(first_row, end_row):
         away_y = mesh.y + row * pitch - y
@@ -122,6 +142,7 @@ def displacement(
     atoms: Floats,
     family: Any,
     surface: Surface,
+    moves: Moves,
     mesh: Mesh,
     frames: Floats,
     out: Floats,
@@ -134,9 +155,10 @@ def displacement(
     `frames` (K, 3, 3), or (1, 3, 3) where all are the same.
     """
     out[:] = 0.0
+    thickness, reach = surface.thickness, moves.reach
     for n in range(len(atoms)):
         radius = held(atoms[n, 3], surface)
-        _radial_terms(radius, atoms[n, 2], family[n], surface, terms, room)
+        _radial_terms(radius, atoms[n, 2], family[n], surface, moves, terms, room)
         _near(atoms[n], radius, surface, mesh, box)
         east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
         near = points_along(radius, atoms[n, 4])
@@ -144,7 +166,7 @@ def displacement(
             for q in range(count):
                 x, y = atoms[n, 0] + NODE[count, q] * east, atoms[n, 1] + NODE[count, q] * north
                 share = WEIGHT[count, q]
-                _add_round(x, y, radius, share, terms, surface, mesh, box, inside, out)
+                _add_round(x, y, radius, share, terms, thickness, reach, mesh, box, inside, out)
     for k in range(len(out)):
         frame = frames[k if len(frames) > 1 else 0]
         u, v, w = out[k, 0], out[k, 1], out[k, 2]

@@ -6,13 +6,14 @@ import numpy as np
 from numba import njit
 
 from skinfield.errors import Floats
+from skinfield.inverse.atoms.compiled import inner
 from skinfield.inverse.atoms.render_kernels import Mesh, Surface, add_pressure
 
 SIZE = 6  # parameters of an atom
 NEGLIGIBLE = 1e-12  # of a variance: what of it is left over by those before
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _root(covariance: Floats, factor: Floats) -> int:
     """Lower triangle whose square is the covariance, in columns without zeros; their number."""
     count = 0
@@ -32,7 +33,7 @@ def _root(covariance: Floats, factor: Floats) -> int:
     return count
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _move(atom: Floats, step: Floats, factor: float, moved: Floats) -> None:
     """Atom at the end of a step; the radius grows by its logarithm, so that it stays positive."""
     for i in range(SIZE):
@@ -41,7 +42,7 @@ def _move(atom: Floats, step: Floats, factor: float, moved: Floats) -> None:
     moved[4] = abs(moved[4])
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _gather(
     mesh: Mesh, first: Any, second: Any, plain: Floats, moved: Floats, share: float, out: Floats
 ) -> None:
@@ -55,7 +56,7 @@ def _gather(
             moved[k] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _clear(mesh: Mesh, box: Any, out: Floats) -> None:
     for row in range(max(box[0], 0), min(box[0] + box[2], mesh.rows)):
         low, high = max(box[1], 0), min(box[1] + box[3], mesh.columns)

@@ -10,9 +10,10 @@ sqrt(r² - a²) beside it; they come from the mechanics' response to a small loa
 in polar coordinates about the point that moves, so that neither pole nor edge is left.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import cast
 
 import numpy as np
 
@@ -36,53 +37,73 @@ Kernel = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True, eq=False)
-class SurfaceTable:
+class PressureTable:
     """Cubic B-splines over ln(a/h), the nodes `LOG_STEP` apart.
 
     Attributes
     ----------
     pressure : (2, radii, TERMS) array
         The coefficients c of balls and of flat ends.
+    first_log : float
+        ln(a/h) of the first node.
+    thickness : float, m
+    """
+
+    pressure: Floats
+    first_log: float
+    thickness: float
+
+
+@dataclass(frozen=True, eq=False)
+class DisplacementTable:
+    """The same of the displacement: it takes much longer to make, and not all need it.
+
+    Attributes
+    ----------
     displacement : (2, radii, 2, INNER + 4 OUTER) array
         Of 1 N, times the radius: along the outward normal, m²/N, and away from the axis over the
         distance from it, m/N. First the coefficients of powers of t, then per interval of
         x = s / (s + FOLD h), s² = r² - a², those of the cubic, the highest power first.
-    first_log : float
-        ln(a/h) of the first node.
-    thickness : float, m
     reach : float, m
         Beside the contact, beyond which nothing moves.
     """
 
-    pressure: Floats
     displacement: Floats
-    first_log: float
-    thickness: float
     reach: float
 
 
-@lru_cache(maxsize=8)
-def surface_table(layer: Layer, mechanics: Mechanics) -> SurfaceTable:
-    """Tabulate, once for each layer."""
-    h = layer.thickness
-    first = np.log(SMALLEST) - MARGIN * LOG_STEP
+def _logs() -> Floats:
+    """Nodes of ln(a/h)."""
     count = int(np.ceil(np.log(LARGEST / SMALLEST) / LOG_STEP)) + 2 * MARGIN + 1
-    radii = h * np.exp(first + LOG_STEP * np.arange(count))
-    coefficients = np.array(
-        [[_pressure_terms(layer, mechanics, family, a) for a in radii] for family in (BALL, FLAT)]
-    )
+    return np.asarray(np.log(SMALLEST) - MARGIN * LOG_STEP + LOG_STEP * np.arange(count))
+
+
+@lru_cache(maxsize=8)
+def pressure_table(layer: Layer, mechanics: Mechanics) -> PressureTable:
+    """Tabulate, once for each layer."""
+    coefficients = _splines(_all_pressure_terms(layer, cast(Hashable, mechanics)))
+    return PressureTable(coefficients, float(_logs()[0]), layer.thickness)
+
+
+@lru_cache(maxsize=8)
+def displacement_table(layer: Layer, mechanics: Mechanics) -> DisplacementTable:
+    """Tabulate, once for each layer."""
+    h, coefficients = layer.thickness, _all_pressure_terms(layer, cast(Hashable, mechanics))
     response = _point_response(layer, mechanics)
-    moved = np.stack(
-        [_displacement_terms(response, h, a, coefficients[:, i]) for i, a in enumerate(radii)],
-        axis=1,
-    )
+    moved = [
+        _displacement_terms(response, h, h * float(a), terms)
+        for a, terms in zip(np.exp(_logs()), coefficients.transpose(1, 0, 2), strict=True)
+    ]
     finite = np.isfinite(mechanics.reach(layer))
-    return SurfaceTable(
-        pressure=_splines(coefficients),
-        displacement=_splines(moved),
-        first_log=float(first),
-        thickness=h,
-        reach=REACH * h if finite else np.inf,
+    return DisplacementTable(_splines(np.stack(moved, axis=1)), REACH * h if finite else np.inf)
+
+
+@lru_cache(maxsize=8)
+def _all_pressure_terms(layer: Layer, mechanics: Mechanics) -> Floats:
+    """Coefficients c (2, radii, TERMS)."""
+    radii = layer.thickness * np.exp(_logs())
+    return np.array(
+        [[_pressure_terms(layer, mechanics, family, a) for a in radii] for family in (BALL, FLAT)]
     )
 
 
@@ -131,7 +152,7 @@ def _point_response(layer: Layer, mechanics: Mechanics) -> Callable[[Floats], Fl
 
 
 def _displacement_terms(response: Kernel, h: float, a: float, terms: Floats) -> Floats:
-    """Coefficients (2, 2, INNER + 4 OUTER) of one radius, see `SurfaceTable`.
+    """Coefficients (2, 2, INNER + 4 OUTER) of one radius, see `DisplacementTable`.
 
     `terms` (2, TERMS) are those of the pressure of both families.
     """
@@ -150,7 +171,12 @@ def _displacement_terms(response: Kernel, h: float, a: float, terms: Floats) -> 
 
 def _rule(a: float, h: float) -> tuple[Floats, Floats]:
     """Gauss-Legendre nodes and weights on [0, 1] that resolve a response of the layer."""
-    node, weight = np.polynomial.legendre.leggauss(NODES + int(NODES_PER_THICKNESS * a / h))
+    return _unit_rule(NODES + int(NODES_PER_THICKNESS * a / h))
+
+
+@lru_cache(maxsize=64)
+def _unit_rule(count: int) -> tuple[Floats, Floats]:
+    node, weight = np.polynomial.legendre.leggauss(count)
     return (node + 1.0) / 2.0, weight / 2.0
 
 

@@ -19,7 +19,6 @@ class Workspace:
     def __init__(self, nodes: int) -> None:
         self.pictures = np.zeros((2, nodes))
         self.first = np.zeros(nodes)
-        self.found = np.empty(nodes, dtype=np.int64)
         self.boxes = np.zeros((2, 4), dtype=np.int64)
         self.cells = np.empty(1024)
         self.room = np.empty(2 * TERMS)
