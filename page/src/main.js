@@ -79,7 +79,7 @@ function opened() {
 function refuse(refused) {
   byId("refused").hidden = !refused;
   byId("main").hidden = refused;
-  if (refused) status.connection("this page needs its token");
+  if (refused) status.refused();
 }
 
 function patchName(i) {

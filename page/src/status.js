@@ -51,6 +51,12 @@ export class StatusLine {
     if (this.#lost) this.#say("waiting", [text]);
   }
 
+  /** The server does not let this page in. */
+  refused() {
+    this.connection("this page needs its token");
+    setText(byId("mode"), "locked");
+  }
+
   hello({ mode, name }) {
     this.#mode = mode;
     setText(byId("mode"), mode === "replay" ? "recording" : mode === "remote" ? "remote" : "live");

@@ -92,7 +92,12 @@ def _recording(given: dict[str, Any], console: Console) -> Iterator[tuple[Any, A
             style="yellow",
         )
     for each in feed.replay.recording.damage[:3]:
-        console.print(str(each), style="yellow")
+        console.print(
+            f"damaged at byte {each.byte}: {each.why}",
+            style="yellow",
+            markup=False,
+            highlight=False,
+        )
     try:
         yield (lambda: (feed,)), ReplayDesk(feed)
     finally:

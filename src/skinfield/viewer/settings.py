@@ -46,7 +46,7 @@ class PageSettings:
             raise InputError(
                 f"host is {self.host!r}, which others can reach, and token has "
                 f"{len(self.token)} characters, expected 8 or more: whoever opens the page can "
-                f"press, tare and record. For example --token {secrets.token_urlsafe(12)}"
+                f"press, tare and record. For example --token {secrets.token_hex(12)}"
             )
 
     @property
