@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.contacts.live import CONTACT
 from skinfield.errors import Floats
 from skinfield.fields import Contact
-from skinfield.inverse import ContactFit, Fit
+from skinfield.inverse import ContactFit
 from skinfield.layout import Grid, Patch
 from skinfield.live.fit_ring import FORM, SHAPES, Fitted
 from skinfield.live.fit_tracks import NEAR, FitTracks
@@ -19,6 +19,7 @@ from skinfield.live.recipe import Recipe
 from skinfield.live.steady import Mean, Steady
 
 if TYPE_CHECKING:
+    from skinfield.inverse.atoms.answer import Touches
     from skinfield.inverse.atoms.fitter import ContactFitter
 
 BASELINE = 100.0  # readings that a baseline is the mean of, about
@@ -96,7 +97,7 @@ def prepared(patch: Patch, recipe: Recipe) -> "ContactFitter":
         quantity.typical_noise,
     )
     fitter = ContactFitter(FITTING, model)
-    fitter.run_in()
+    fitter.run_in(fields=False)
     return fitter
 
 
@@ -205,7 +206,7 @@ class PatchFit:
         moved = mean.readings < self._fitted
         return moved or mean.readings >= AGAIN * self._fitted or since >= REST_NS
 
-    def _fit(self, mean: Mean, noise: Floats, rate: float) -> Fit:
+    def _fit(self, mean: Mean, noise: Floats, rate: float) -> "Touches":
         """The fit with the usual model error, else with that of boards without calibration."""
         assert self._fine is not None  # it is ready
         assert self._rough is not None
@@ -215,13 +216,13 @@ class PatchFit:
             fitter.take_rate(rate)
             if mean.readings >= ANEW:
                 fitter.reset()
-            fit = fitter.fit(mean.values, time.perf_counter_ns() + LONGEST_NS)
+            fit = fitter.touches(mean.values, time.perf_counter_ns() + LONGEST_NS)
             self._was_rough = fitter is self._rough
             if fit.explained:
                 break
         return fit
 
-    def _take(self, fit: Fit, mean: Mean, engine: Rows, touched: bool) -> None:
+    def _take(self, fit: "Touches", mean: Mean, engine: Rows, touched: bool) -> None:
         if not fit.explained:
             self.reset()
             self.state = Fitted.UNHELPFUL
