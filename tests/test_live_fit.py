@@ -23,6 +23,7 @@ from skinfield.live.ring_fields import open_ring
 from skinfield.live.slots import Head, Slot
 from skinfield.ring import Ring, RingReader
 from skinfield.simulate import Sphere, press
+from skinfield.viewer.live_feed import LiveFeed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
@@ -156,6 +157,16 @@ def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: Ski
     assert found is not None
     assert found.patches["state"][0] == int(Fitted.UNHELPFUL)
     reader.close()
+
+
+def test_the_page_tells_what_the_fit_does(ring: Ring, fit: SkinFit) -> None:
+    fit.tell()
+    feed = LiveFeed(ring.name)
+    told = feed.status()["fit"]
+    feed.close()
+    assert told["phase"] == "ready"
+    assert told["failed"] == ""
+    assert told["fits"] == fit.ring.status["fits"][0]
 
 
 def test_a_new_baseline_is_taken_over(ring: Ring, fit: SkinFit) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 from skinfield.layout import Skin
 from skinfield.live.client import Live
+from skinfield.live.fit_reader import FitReader
 from skinfield.live.recipe import Recipe
 from skinfield.live.snapshot import Snapshot
 from skinfield.live.status import Observer
@@ -29,6 +30,7 @@ class LiveFeed:
     def __init__(self, name: str) -> None:
         self.live = Live(name)
         self._observer = Observer(self.live.reader, window=RECENT)
+        self._fit = FitReader(name)
         self._lock = threading.Lock()
         self._newest: Snapshot | None = None
 
@@ -61,11 +63,12 @@ class LiveFeed:
         return bool(self.live.reader.replaced())
 
     def status(self) -> dict[str, Any]:
-        """What there is now, and happened in the last second."""
+        """What there is now, and happened in the last second; with what the fit beside it does."""
         with self._lock:
-            return self._observer.look().as_dict()
+            return self._observer.look().as_dict() | {"fit": self._fit.status()}
 
     def close(self) -> None:
         """Let go of the ring."""
         with self._lock:
+            self._fit.close()
             self.live.close()
