@@ -8,9 +8,10 @@ from live_skins import LAYER, settings
 
 import skinfield as sf
 from skinfield.acquisition import Blocks, Channels, Kind, Port
-from skinfield.conditioning import ICubByte
+from skinfield.conditioning import CySkinCount, ICubByte, PlainCount
 from skinfield.live.binding import bind
 from skinfield.live.cycle import Cycle
+from skinfield.live.lowest import lowest_change
 from skinfield.live.recipe import Recipe
 from skinfield.live.slots import Slot
 from skinfield.live.tare import Tare, Tared
@@ -118,8 +119,36 @@ def test_a_touch_that_outlasts_it_leaves_no_phantom() -> None:
     skin = Skin("yarp", 0.1)
     tared, taken = skin.tare(pressed(*ON), 5000)
     assert 1000 <= taken <= PATIENCE
-    assert tared.calibration[:, 0].min() < 225.0
     assert any("something lies on the skin" in note for note in tared.notes)
+    assert tared.calibration[:, 0].min() < 225.0
+    check_no_phantom(skin, tared)
+
+
+def test_nor_does_one_that_a_board_without_a_rest_cannot_tell() -> None:
+    skin = Skin("packet", 0.1)
+    tared, taken = skin.tare(pressed(*ON), 5000)
+    assert taken <= 110
+    assert tared.calibration[:, 0].max() > REST + 2000.0
+    check_no_phantom(skin, tared)
+
+
+def check_no_phantom(skin: Skin, tared: Tared) -> None:
     assert np.median(skin.forces(tared, pressed(*ON))) == 0.0  # it counts as nothing, as asked
-    assert skin.forces(tared, UNTOUCHED).max() < 0.3  # and leaves no force when it goes
+    assert skin.forces(tared, UNTOUCHED).max() < 0.5  # where the taxel below it would make 15 N
     assert 0.2 < np.median(skin.forces(tared, pressed(-7.1e-3, -8e-3))) < 1.5  # elsewhere
+
+
+@pytest.mark.parametrize(
+    ("board", "gain", "noise", "expected"),
+    [
+        (ICubByte(), -171.0, 0.6, -15.0 / 171.0),
+        (ICubByte(no_load=235), -171.0, 0.6, -20.0 / 171.0),
+        (CySkinCount(), 20e3, 20.0, -np.inf),
+        (None, 20e3, 20.0, -0.1),
+        (PlainCount(), 20e3, 1000.0, -0.3),
+    ],
+)
+def test_what_no_taxel_reads(board: object, gain: float, noise: float, expected: float) -> None:
+    known = np.tile([0.0, gain, noise, 1.0], (5, 1))
+    assert lowest_change(board, known) == pytest.approx(expected)  # type: ignore[arg-type]
+    assert lowest_change(board, known[:0]) == -np.inf  # type: ignore[arg-type]

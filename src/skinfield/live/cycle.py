@@ -10,6 +10,7 @@ from skinfield.conditioning import Convention
 from skinfield.engine import Engine
 from skinfield.errors import Floats, Ints, check_shape
 from skinfield.live.binding import Binding
+from skinfield.live.lowest import lowest_change
 from skinfield.live.recipe import Recipe
 from skinfield.live.slots import PATCH, Head, Sizes, Slot
 from skinfield.live.tare import quantity_scale
@@ -91,26 +92,17 @@ class Cycle:
         self._alive = np.ascontiguousarray(table[:, 3] > 0)
         gain = np.where(self._alive, table[:, 1], 1.0)
         self._per_gain = 1.0 / gain
-        self._lowest = self._lowest_of(table[self._alive, 1])
+        self._lowest = self._lowest_of(table[self._alive])
         self.tuned.forget()
 
-    def _lowest_of(self, gain: Floats) -> float:
-        """What no taxel reads, in the quantity's unit; `gain` (N,) is of those that live.
-
-        A board's scale ends some way beyond its rest on the unloaded side. A taxel that reads
-        further below its own baseline than that was touched when the baseline was taken. Pressure
-        cannot push a taxel there: to explain it by what rises beside a press takes ten times the
-        force that was let go.
-        """
+    def _lowest_of(self, known: Floats) -> float:
+        """What no taxel reads, in the quantity's unit, by the calibration (N, 4) of the living."""
         from skinfield.live.condition_kernel import STRAIN
 
-        lowest, board = float(self.recipe.quantity.lowest), self.recipe.board
-        if board is None or self._binding.unit != "count" or not len(gain):
+        lowest = float(self.recipe.quantity.lowest)
+        if self._binding.unit != "count":
             return lowest
-        beyond = _beyond_rest(board)
-        if not beyond:
-            return lowest
-        change = -beyond / float(np.abs(gain).min())
+        change = lowest_change(self.recipe.board, known)
         if self._how == STRAIN:
             change = change / (1.0 + change) if change > -1.0 else -np.inf
         return max(lowest, change * self._scale)
@@ -282,13 +274,6 @@ class Cycle:
         self._kept.patches[:] = np.zeros(1, PATCH)
         self._touches.resume(self._kept)
         self.tracks[0] = 0
-
-
-def _beyond_rest(board: Convention) -> float:
-    """Counts from a board's rest to the end of its scale on the unloaded side; 0: not known."""
-    unloaded = board.highest if board.direction < 0 else board.lowest
-    beyond = -board.direction * (unloaded - board.rest)
-    return float(beyond) if np.isfinite(beyond) else 0.0
 
 
 def _clamps(board: Convention) -> tuple[float, float]:
