@@ -10,7 +10,7 @@ const ASIDE = 11; // px between a label and what it names
 const COVER_LABEL = 4000;
 const COVER_CONTACT = 260;
 /** Shifts worth trying, px. */
-const NUDGES = [16, -16, 32, -32, 48, -48];
+const NUDGES = [16, -16, 32, -32, 48, -48, 64, -64, 80, -80];
 /** A label changes its side only for so much gain: it is not to jump to and fro. */
 const STAY = 20;
 
