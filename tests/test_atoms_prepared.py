@@ -1,6 +1,7 @@
 """What a fit is prepared from: its sums against plain ones, and no more than it needs."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from skinfield.inverse.atoms.explore import inverses
 from skinfield.inverse.atoms.fitter import ContactFitter
 from skinfield.inverse.atoms.refine import refine
 from skinfield.inverse.atoms.ring_sums import Point, ring_sums
-from skinfield.observation.ring_layer import _far, _pull, _ring
+from skinfield.observation.ring_layer import _far, _pull_with, _ring_with
 from skinfield.observation.round_gap import ANGLES, RADII, RoundGap
 
 Floats = NDArray[np.float64]
@@ -69,12 +70,21 @@ def test_rings_from_afar_are_those_one_by_one() -> None:
     rng = np.random.default_rng(1)
     rings = np.stack([rng.uniform(0.1, 9.0, 101), rng.uniform(0.05, 1.4, 101), rng.random(101)])
     room, out = np.empty((3, 303)), np.empty((2, 101))
+    ring: Any = _ring_with  # whose `py_func` is what is compiled
+    pull: Any = _pull_with
+
+    def log(r: float, s: float, z: float) -> float:
+        return math.log(((r - s) ** 2 + z**2) / ((r + s) ** 2 + z**2))
+
     for r, height in ((0.0, 0.4), (2.5, 1.0), (30.0, 0.9)):
         _far(r, height, rings, room, room.view(np.int64), out)
         for n, (s, t, weight) in enumerate(rings.T):
-            above, image = _ring(r, s, height - t), _ring(r, s, height + t)
-            assert out[0, n] == pytest.approx(weight * (above - image), rel=1e-12, abs=1e-14)
-            assert out[1, n] == pytest.approx(weight * _pull(r, s, t), rel=1e-12, abs=1e-14)
+            part = [ring.py_func(r, s, z, log(r, s, z)) for z in (height - t, height + t)]
+            expected = (
+                weight * (part[0] - part[1]),
+                weight * pull.py_func(r, s, t, log(r, s, t)),
+            )
+            assert_allclose(out[:, n], expected, rtol=1e-12, atol=1e-14)
 
 
 def test_a_pad_reads_the_mean_over_its_points() -> None:

@@ -14,18 +14,28 @@ beside the rim of a flat end.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, TypeVar
 
 import numpy as np
 from numba import njit
 
 from skinfield.errors import Floats, Ints
 
+F = TypeVar("F", bound=Callable[..., Any])
 FAR, NEAR = 2, 6  # points of quadrature in an element: from afar, and near or at one of its ends
 APART, CLOSE = 2.0, 0.7  # lengths of an element from which it is far, or one of its ends near
 MANTISSA = 0x000FFFFFFFFFFFFF  # bits of a double
 ROOT, LN2 = 0x0006A09E667F3BCD, math.log(2.0)  # mantissa of sqrt(2)
+
+
+def inner(function: F) -> F:
+    """Compile what compiled functions alone call: without the wrappers for Python and C."""
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    made: F = njit(nogil=True, error_model="numpy", **options)(function)
+    return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,14 +88,14 @@ def charge_density(surface: Floats, points: Floats, line: Floats) -> Floats:
     return np.asarray(below @ lu_solve(factors, surface[:, 1] - 1.0, check_finite=False))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _ring(r: float, s: float, above: float) -> float:
     """Potential of a ring of radius s, per length and radius, `above` the ring's plane."""
     m = ((r - s) ** 2 + above**2) / ((r + s) ** 2 + above**2)
     return _ring_with(r, s, above, math.log(m))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _ring_with(r: float, s: float, above: float, log: float) -> float:
     """The same, by the logarithm of the complementary parameter m."""
     wide = (r + s) ** 2 + above**2
@@ -97,13 +107,13 @@ def _ring_with(r: float, s: float, above: float, log: float) -> float:
     return (first - second * log) / (math.pi * math.sqrt(wide))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _pull(r: float, s: float, t: float) -> float:
     """Charge on the pads' plane below a ring at the height t and its image, as in `_ring`."""
     return _pull_with(r, s, t, math.log(((r - s) ** 2 + t**2) / ((r + s) ** 2 + t**2)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _pull_with(r: float, s: float, t: float, log: float) -> float:
     """The same, by the logarithm of the complementary parameter."""
     wide, near = (r + s) ** 2 + t**2, (r - s) ** 2 + t**2
@@ -115,7 +125,7 @@ def _pull_with(r: float, s: float, t: float, log: float) -> float:
     return -2.0 / math.pi * t * (first - second * log) / (near * math.sqrt(wide))
 
 
-@njit(cache=True, nogil=True)
+@inner
 def _rule(r: float, z: float, start: Floats, end: Floats) -> tuple[int, int]:
     """Which points integrate along an element for a place at r and z."""
     length = math.hypot(end[0] - start[0], end[1] - start[1])
@@ -129,7 +139,7 @@ def _rule(r: float, z: float, start: Floats, end: Floats) -> tuple[int, int]:
     return FAR, FAR + NEAR
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _logarithms(values: Floats, bits: Ints, room: Floats, room_bits: Ints, out: Floats) -> None:
     """Natural logarithms (N,) of normal positive numbers; each of the `bits` is the same memory.
 
@@ -176,7 +186,7 @@ def _far(r: float, height: float, rings: Floats, room: Floats, bits: Ints, out: 
         pull[n] = weight[n] * _pull_with(r, s, t, log[2 * count + n])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Potential at the surface's nodes and charge below them, per density at the nodes."""
     count = len(surface)
