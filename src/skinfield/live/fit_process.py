@@ -6,6 +6,7 @@ publishes better contacts into a ring of its own.
 
 import argparse
 import contextlib
+import importlib
 import os
 import signal
 import sys
@@ -20,6 +21,7 @@ from skinfield.ring import RingReader
 NICE = 2  # behind the engine and the page, and not starved by them
 STEP = 0.02  # s from one look at the skin to the next
 PAUSE = 0.2  # s between looks for a skin that is not there
+NEEDED = ("skinfield.inverse.atoms.fitter", "scipy.interpolate", "scipy.linalg", "scipy.ndimage")
 
 
 def serve(name: str, end: float) -> None:
@@ -28,6 +30,7 @@ def serve(name: str, end: float) -> None:
         try:
             reader = RingReader(name)
         except InputError:
+            _load()
             time.sleep(PAUSE)
             continue
         with reader:
@@ -36,6 +39,12 @@ def serve(name: str, end: float) -> None:
                 continue
             with SkinFit(name, reader) as fit:
                 _follow(fit, reader, end)
+
+
+def _load() -> None:
+    """Import what preparing needs, as long as there is nothing to prepare for."""
+    for module in NEEDED:
+        importlib.import_module(module)
 
 
 def _follow(fit: SkinFit, reader: RingReader, end: float) -> None:
