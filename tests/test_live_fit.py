@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 import skinfield as sf
 from skinfield.acquisition import Port
+from skinfield.conditioning import Convention, CySkinCount, ICubByte, PlainCount
 from skinfield.live.best import best_contacts
 from skinfield.live.client import Live, chosen
-from skinfield.live.fit import SkinFit
+from skinfield.live.fit import SkinFit, clips_at_rest
 from skinfield.live.fit_reader import FitReader
 from skinfield.live.fit_ring import Fitted, fit_name
 from skinfield.live.recipe import Recipe
@@ -180,6 +181,33 @@ def test_a_new_baseline_is_taken_over(ring: Ring, fit: SkinFit) -> None:
     after = answered(ring)[0]["force_std"][0]
     tare(ring)
     assert after > before
+
+
+def test_boards_that_clip_at_rest_are_left_to_the_engine() -> None:
+    made = settings(board=CySkinCount())
+    ring, _ = open_ring(made, Recipe.of(made, (Port("ticking", len(PATCH)),)))
+    try:
+        with ring, RingReader(made.name) as source, SkinFit(made.name, source) as own:
+            assert not own.look()  # before there is a baseline
+            tare(ring)
+            play(ring, np.maximum(pressed(Sphere(radius=10e-3, force=1.0, position=PLACE)), 0), 20)
+            assert own.look()
+            assert not own.look()
+            own.tell()
+            rows, by, reader = answered(ring)
+            assert (by, rows["normal_force"][0]) == (["engine"], 1.6)
+            assert reader.status()["left_to_engine"] == [PATCH.name]
+            reader.close()
+    finally:
+        Ring.remove(made.name)
+
+
+@pytest.mark.parametrize(
+    ("board", "clips"),
+    [(CySkinCount(), True), (ICubByte(), False), (PlainCount(), False), (None, False)],
+)
+def test_which_boards_clip_at_rest(board: Convention | None, clips: bool) -> None:
+    assert clips_at_rest(board) == clips
 
 
 def test_a_skin_is_told_from_its_fit(ring: Ring, fit: SkinFit) -> None:

@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from skinfield.conditioning import Convention
 from skinfield.engine.state import Answer
 from skinfield.live.fit_ring import (
     LOG_BYTES,
@@ -82,6 +83,8 @@ class SkinFit:
         self._take_in()
         if not self._known():
             return False
+        if clips_at_rest(self.recipe.board):
+            return self._leave()
         count, began, changed = len(self.patches), time.monotonic_ns(), False
         for step in range(count):
             place = (self._turn + step) % count
@@ -90,11 +93,24 @@ class SkinFit:
                 self._turn = place + 1
                 break
         if changed:
-            slot = FitSlot.of(self.ring.begin())
-            slot.copy_from(self._master)
-            slot.told_ns[0] = time.time_ns()  # last: a replay shows it from then on
-            self.ring.publish()
+            self._publish()
         return changed
+
+    def _publish(self) -> None:
+        slot = FitSlot.of(self.ring.begin())
+        slot.copy_from(self._master)
+        slot.told_ns[0] = time.time_ns()  # last: a replay shows it from then on
+        self.ring.publish()
+
+    def _leave(self) -> bool:
+        """Leave all patches to the engine; whether that is news."""
+        new = [each for each in self.patches if each.state != Fitted.UNHELPFUL]
+        for each in new:
+            each.state = Fitted.UNHELPFUL
+            self._master.patches[each.patch]["state"] = int(Fitted.UNHELPFUL)
+        if new:
+            self._publish()
+        return bool(new)
 
     def _take_in(self) -> None:
         """Hand the readings of all cycles that are new to their patches."""
@@ -211,3 +227,14 @@ class SkinFit:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def clips_at_rest(board: Convention | None) -> bool:
+    """Whether a board sends nothing of what a taxel reads below its rest, as CySkin's does.
+
+    Then a fit finds too small a force, as a light touch with a point makes the taxel below it read
+    as much: only that those beside it read less than nothing tells a finger from that.
+    """
+    return board is not None and board.rest == (
+        board.lowest if board.direction > 0 else board.highest
+    )
