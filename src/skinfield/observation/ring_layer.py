@@ -126,15 +126,13 @@ def _pull_with(r: float, s: float, t: float, log: float) -> float:
 
 
 @inner
-def _rule(r: float, z: float, start: Floats, end: Floats) -> tuple[int, int]:
-    """Which points integrate along an element for a place at r and z."""
-    length = math.hypot(end[0] - start[0], end[1] - start[1])
-    before, behind = math.hypot(r - start[0], z - start[1]), math.hypot(r - end[0], z - end[1])
-    if min(before, behind) > APART * length:
+def _rule(before: float, behind: float, length: float) -> tuple[int, int]:
+    """Which points integrate along an element; squares of its length and its ends' distances."""
+    if min(before, behind) > APART * APART * length:
         return 0, FAR
-    if before < CLOSE * length and before <= behind:
+    if before < CLOSE * CLOSE * length and before <= behind:
         return FAR + NEAR, FAR + 2 * NEAR
-    if behind < CLOSE * length:
+    if behind < CLOSE * CLOSE * length:
         return FAR + 2 * NEAR, FAR + 3 * NEAR
     return FAR, FAR + NEAR
 
@@ -191,8 +189,10 @@ def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple
     """Potential at the surface's nodes and charge below them, per density at the nodes."""
     count = len(surface)
     potential, below = np.zeros((count, count)), np.zeros((count, count))
-    rings = np.empty((3, FAR * (count - 1)))
+    rings, lengths = np.empty((3, FAR * (count - 1))), np.empty(count - 1)
     for element in range(count - 1):
+        wide = surface[element + 1, 0] - surface[element, 0]
+        lengths[element] = wide**2 + (surface[element + 1, 1] - surface[element, 1]) ** 2
         for point in range(FAR):
             rings[0, FAR * element + point] = points[element, point, 0]
             rings[1, FAR * element + point] = points[element, point, 1]
@@ -202,9 +202,13 @@ def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple
     for row in range(count):
         r, height = surface[row]
         _far(r, height, rings, room, bits, far)
+        before = (r - surface[0, 0]) ** 2 + surface[0, 1] ** 2  # of the place on the pads' plane
+        there = (r - surface[0, 0]) ** 2 + (height - surface[0, 1]) ** 2
         for element in range(count - 1):
-            start, end = surface[element], surface[element + 1]
-            first, last = _rule(r, 0.0, start, end)
+            radius, at_height = surface[element + 1]
+            behind = (r - radius) ** 2 + at_height**2
+            first, last = _rule(before, behind, lengths[element])
+            before = behind
             for point in range(first, last):
                 if last == FAR:
                     part = far[1, FAR * element + point]
@@ -213,7 +217,9 @@ def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple
                     part = weight[element, point] * _pull(r, s, t)
                 below[row, element] += part * (1 - at[point])
                 below[row, element + 1] += part * at[point]
-            first, last = _rule(r, height, start, end)
+            behind = (r - radius) ** 2 + (height - at_height) ** 2
+            first, last = _rule(there, behind, lengths[element])
+            there = behind
             for point in range(first, last):
                 if last == FAR:
                     part = far[0, FAR * element + point]
