@@ -151,7 +151,7 @@ class LiveDesk(Desk):
             self._fit_lost = True
             self.say("warn", "the contact fit has ended: the engine's own contacts are shown")
         waits_for_fit = phase == "preparing" or (phase is None and not self._fit_lost)
-        return "forces are rough until the fit is ready" if waits_for_fit else ""
+        return "forces rough until the fit is ready" if waits_for_fit else ""
 
     def _waits_for(self) -> str:
         """What has to end before anything may press, in words."""
