@@ -3,7 +3,10 @@ import { Asked } from "./asked.js";
 import { able } from "./controls.js";
 import { byId, clamp, setOptions, setText } from "./dom.js";
 import { PressGestures } from "./gestures.js";
+import { notice } from "./notices.js";
 
+const RING_PX = 12; // from one ring of places that are tried to the next
+const ROUND = 16; // places on a ring
 const SHAPES = { ball: "Ball", flat: "Flat end" };
 
 export class PressPanel {
@@ -88,9 +91,24 @@ export class PressPanel {
   /** Press where the middle of the picture is, without a pointer. */
   pressMiddle() {
     if (!this.able) return;
+    const hit = this.#nearMiddle();
+    if (hit) this.#gestures.tap({ patch: hit.patch, position: Array.from(hit.position) });
+    else notice("info", "no skin is in the picture: Home shows the whole of it");
+  }
+
+  /** Skin in the middle of the picture, or what is nearest to it: a curved skin may be hollow there. */
+  #nearMiddle() {
     const { clientWidth: width, clientHeight: height } = this.#scene.canvas;
-    const hit = this.#scene.pick(width / 2, height / 2);
-    if (hit?.position) this.#gestures.tap({ patch: hit.patch, position: Array.from(hit.position) });
+    for (let reach = 0; reach < Math.hypot(width, height) / 2; reach += RING_PX) {
+      for (let k = 0; k < (reach ? ROUND : 1); k += 1) {
+        const angle = (2 * Math.PI * k) / ROUND - Math.PI / 2;
+        const [x, y] = [width / 2 + reach * Math.cos(angle), height / 2 + reach * Math.sin(angle)];
+        const inside = x >= 0 && y >= 0 && x < width && y < height;
+        const hit = inside ? this.#scene.pick(x, y) : null;
+        if (hit?.position) return hit;
+      }
+    }
+    return null;
   }
 
   /** Tell what presses now; presses that wait for something are shown, with what they wait for. */
