@@ -17,8 +17,9 @@ EAGER = 6  # shapes that are prepared before anything touches them; others when 
 class FitShapes:
     """One prepared fit for each shape that patches of a skin have.
 
-    Preparing takes seconds for each, and the first time on a machine the better part of a minute,
-    as all is compiled then. It happens in a thread of its own, of what is touched first.
+    Preparing takes seconds for the first one and less for the others, which share its tables, and
+    the first time on a machine ten more, as all is compiled then. It happens in a thread of its
+    own, of what is touched first.
 
     Parameters
     ----------
