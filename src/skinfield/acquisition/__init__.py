@@ -8,6 +8,7 @@ from skinfield.acquisition.blocks import Blocks as Blocks
 from skinfield.acquisition.blocks import Channels as Channels
 from skinfield.acquisition.can import CanMessages as CanMessages
 from skinfield.acquisition.source import Count as Count
+from skinfield.acquisition.source import Lasting as Lasting
 from skinfield.acquisition.source import Port as Port
 from skinfield.acquisition.source import Retry as Retry
 from skinfield.acquisition.source import Source as Source

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -108,6 +108,23 @@ class Stream(Protocol):
 
     def close(self) -> None:
         """Tell the boards to stop where that is usual, and let go of everything."""
+        ...
+
+
+@runtime_checkable
+class Lasting(Protocol):
+    """A stream of boards that send until they are told to stop, and calibrate when told to start.
+
+    What presses them then would become their rest. So those that send are let alone when an engine
+    follows on another, or a stream on one that broke.
+    """
+
+    def resume(self) -> None:
+        """Called right after opening: tell only boards that are silent."""
+        ...
+
+    def leave(self) -> None:
+        """Called before closing: do not tell the boards to stop."""
         ...
 
 

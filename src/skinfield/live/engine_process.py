@@ -66,6 +66,8 @@ class EngineProcess:
         )
         self.journal = Journal(self.ring, self.intake.blocks, settings, fresh_ring)
         known = None if fresh_ring else known_tare(self.ring)
+        if known is not None:
+            self.intake.resume()
         self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
         self.control = Control(settings.name)
         self.cycle: Cycle | None = None
@@ -104,7 +106,8 @@ class EngineProcess:
                     self._listen_to_sources()
             self.ring.set_state(self.ending)
         except BaseException:
-            self.ring.set_state(State.FAILED)
+            self.ending = State.FAILED
+            self.ring.set_state(self.ending)
             raise
         finally:
             self.close()
@@ -272,7 +275,7 @@ class EngineProcess:
 
     def close(self) -> None:
         """Let go of everything; the ring stays for its readers."""
-        self.intake.close()
+        self.intake.close(leave=self.ending != State.STOPPED)
         self.control.close()
         self.ring.close()
 

@@ -11,6 +11,7 @@ from skinfield.acquisition import (
     Channels,
     Count,
     Kind,
+    Lasting,
     Port,
     Retry,
     Source,
@@ -107,7 +108,18 @@ class Member:
         self.retry.broke(now_ns)
         self._silent, self._heard = False, 0
         self._tell(blocks, now_ns, 0)
+        self.leave()
         self.close()
+
+    def leave(self) -> None:
+        """See `Lasting`."""
+        if isinstance(self.stream, Lasting):
+            self.stream.leave()
+
+    def resume(self) -> None:
+        """See `Lasting`."""
+        if isinstance(self.stream, Lasting):
+            self.stream.resume()
 
     def close(self) -> None:
         """Close its stream; an error in that must not keep others from being closed."""
@@ -134,6 +146,7 @@ class Member:
             self.failure = f"{type(error).__name__}: {error}"
             return
         self.stream, self.failure = stream, ""
+        self.resume()
         self.retry.came_back(now_ns)
         self._tell(blocks, now_ns, 1)
 
@@ -231,7 +244,15 @@ class Intake:
         rows = np.array([member.counters for member in self.members])
         return int(rows[:, Count.LOST].sum() + rows[:, Count.OVERFLOWED].sum())
 
-    def close(self) -> None:
-        """Close all sources."""
+    def resume(self) -> None:
+        """Called before the first poll by an engine that follows on another: see `Lasting`."""
+        for member in self.members:
+            member.resume()
+
+    def close(self, leave: bool = False) -> None:
+        """Close all sources; boards go on if they are left to another engine: see `Lasting`."""
+        if leave:
+            for member in self.members:
+                member.leave()
         for member in self.members:
             member.close()

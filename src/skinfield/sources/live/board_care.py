@@ -1,11 +1,12 @@
 """Boards of a bus are told what they should do, and told again when they forgot it.
 
-A board is told its settings and to start
+A board calibrates anew each time that it is told, and then takes for its rest whatever presses it.
+So one that goes on by itself after a pause is left alone. It is told its settings and to start
 
-- when the stream opens, and when its bus comes back;
+- when the stream opens, but for the stream of an engine that was started again;
 - when it was silent for `SILENCE` or ten periods, whichever is longer: it may have booted again,
   been plugged in, or missed what it was told. Once more after 1 s, then after 2, 4, 8 and every
-  10 s, as a board calibrates anew each time and must be left to finish;
+  10 s, as it must be left to finish;
 - of an iCub, when its readings, which were of class 4, are of class 3: those of a board that nobody
   configured.
 
@@ -25,7 +26,7 @@ from skinfield.sources.buses import Bus
 
 Message = tuple[int, bytes]  # identifier, data
 
-SILENCE = 0.5  # s
+SILENCE = 2.0  # s: longer than a busy computer keeps a board's messages back
 FIRST_PAUSE, LAST_PAUSE = 1.0, 10.0  # s between attempts to wake a board
 LOOK = 0.1  # s between two looks at who is silent
 AT_ONCE = 8
@@ -77,8 +78,12 @@ class BoardCare:
 
     def begin(self, now_ns: int) -> None:
         """Tell all boards everything, as at the beginning."""
-        self._queue.clear()
+        self.resume(now_ns)
         self._queue.extend(self._all)
+
+    def resume(self, now_ns: int) -> None:
+        """Take it that all boards were told everything before, and still do it."""
+        self._queue.clear()
         self.heard_ns[:] = now_ns  # from here on they may be silent
         for row in range(len(self.heard_ns)):
             self._was_heard(row)

@@ -5,7 +5,7 @@ from time import time_ns
 
 from skinfield.acquisition import Blocks, CanMessages, Port
 from skinfield.sources.buses import Bus, BusSettings, open_bus
-from skinfield.sources.live.board_care import BoardCare
+from skinfield.sources.live.board_care import AT_ONCE, BoardCare
 from skinfield.sources.live.can_stream import CanDecoder, CanStream
 
 
@@ -50,22 +50,30 @@ class CaredStream(CanStream):
             for bus in opened:
                 bus.close()
             raise
-        now_ns = time_ns()
-        for one, bus in zip(self._care, self.buses, strict=False):
-            one.begin(now_ns)
-            if bus.up:
-                one.attend(bus, now_ns, one.waiting)
+        self._told = self._leaves = False
+        for one in self._care:
+            one.begin(time_ns())
 
     @property
     def told_again(self) -> int:
         """See above."""
         return sum(one.told_again for one in self._care)
 
+    def resume(self) -> None:
+        """See `Lasting`."""
+        for one in self._care:
+            one.resume(time_ns())
+
+    def leave(self) -> None:
+        """See `Lasting`."""
+        self._leaves = True
+
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
         taken = super()._take(blocks, channel, now_ns)
         for one, bus in zip(self._care, self.buses, strict=False):
             if bus.up:
-                one.attend(bus, now_ns)
+                one.attend(bus, now_ns, AT_ONCE if self._told else max(one.waiting, AT_ONCE))
+        self._told = True
         return taken
 
     def _heard(self, place: int, rows: CanMessages, count: int) -> None:
@@ -74,8 +82,10 @@ class CaredStream(CanStream):
 
     def _came_back(self, place: int, now_ns: int) -> None:
         if self._care:
-            self._care[place].begin(now_ns)
+            care = self._care[place]
+            (care.begin if care.waiting else care.resume)(now_ns)
 
     def _stop(self) -> None:
-        for one, bus in zip(self._care, self.buses, strict=False):
-            one.stop(bus)
+        if not self._leaves:
+            for one, bus in zip(self._care, self.buses, strict=False):
+                one.stop(bus)
