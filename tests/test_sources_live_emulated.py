@@ -8,7 +8,7 @@ import pytest
 from bus_peers import PATIENCE, free_port, group
 from live_devices import HEXAGON
 
-from skinfield.acquisition import Blocks, Channels, Count, Stream
+from skinfield.acquisition import Blocks, Channels, Count, Lasting, Source
 from skinfield.sources.live import matched, skin_for, source_from_options
 from skinfield.virtual.process import VirtualProcess, start
 from skinfield.virtual.settings import VirtualSettings
@@ -17,9 +17,19 @@ from skinfield.virtual.settings import VirtualSettings
 class Host:
     """Takes in whatever comes."""
 
-    def __init__(self, stream: Stream) -> None:
-        self.stream, self.blocks = stream, Blocks()
-        self.channels = Channels(sum(port.channels for port in stream.ports))
+    def __init__(self, source: Source) -> None:
+        self.source, self.stream, self.blocks = source, source.open(), Blocks()
+        self.channels = Channels(sum(port.channels for port in self.stream.ports))
+
+    def follow(self) -> None:
+        """Leave the boards to another stream, as engines do that follow on each other."""
+        before = self.stream
+        assert isinstance(before, Lasting)
+        before.leave()
+        before.close()
+        self.stream = self.source.open()
+        assert isinstance(self.stream, Lasting)
+        self.stream.resume()
 
     def until(self, condition: Callable[[], object]) -> None:
         end = time.monotonic() + PATIENCE
@@ -41,12 +51,27 @@ def started(hardware: str, bus: str, *channels: str, **options: str) -> tuple[Vi
         source = source_from_options(
             hardware, bus, tuple(skin.channels), skin_for(hardware, HEXAGON), options
         )
-        stream = source.open()
-        assert matched(skin_for(hardware, HEXAGON), stream.ports) == (0,)
+        host = Host(source)
+        assert matched(skin_for(hardware, HEXAGON), host.stream.ports) == (0,)
     except BaseException:
         skin.stop()
         raise
-    return skin, Host(stream)
+    return skin, host
+
+
+def test_icub_goes_on_under_a_press_for_the_next_to_read() -> None:
+    skin, host = started("icub", "udp_multicast", f"{group()}:{free_port()}", period_ms="5")
+    try:
+        host.until(lambda: host.count(Count.RECEIVED) > 200)
+        skin.press(taxel=40, force=2.0)
+        host.until(lambda: np.nanmin(host.channels.counts[:72]) < 220)
+        host.follow()
+        host.until(lambda: host.count(Count.RECEIVED) > 200)
+        assert np.nanmin(host.channels.counts[:72]) < 220  # of 240 at rest
+        assert host.stream.told_again == 0  # type: ignore[attr-defined]
+    finally:
+        host.stream.close()
+        skin.stop()
 
 
 def test_icub_that_boots_again_is_told_again() -> None:

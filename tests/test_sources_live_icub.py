@@ -87,6 +87,15 @@ def test_a_board_that_sends_is_left_alone(care: ICubCare) -> None:
     assert care.told_again == 0
 
 
+def test_boards_of_an_engine_before_are_told_only_if_they_are_silent(care: ICubCare) -> None:
+    wire = Wire()
+    care.begin(NOW)
+    care.resume(NOW)
+    assert attend(care, wire, NOW, 10.0, sends=4) == []
+    care.resume(NOW + 10 * SECOND)
+    assert 2.0 <= attend(care, wire, NOW + 10 * SECOND, 2.5)[0] <= 2.2
+
+
 def test_a_silent_board_is_told_again_ever_more_rarely(care: ICubCare) -> None:
     wire = Wire()
     care.begin(NOW)
