@@ -142,3 +142,20 @@ def converters_of(arrays: list[TaxelArray]) -> Ints:
         parts.append(array.wiring.converter + first)
         first += array.wiring.converters
     return np.concatenate(parts)
+
+
+def converters_from(skin: Skin, settings: VirtualSettings, rest: float, high: float) -> Converters:
+    """Converters of the taxels of all patches, that read `rest` at rest and 0 to `high` counts."""
+    arrays = manufacture(skin, settings)
+    gain = joined(arrays, "gain")
+    return Converters(
+        np.full(len(gain), rest),
+        gain,
+        joined(arrays, "drift"),
+        joined(arrays, "white_noise"),
+        converters_of(arrays),
+        common=settings.common_noise,
+        low=0.0,
+        high=high,
+        seed=settings.seed,
+    )

@@ -20,10 +20,10 @@ from skinfield.virtual.electronics import (
     Converters,
     starts_of,
 )
-from skinfield.virtual.faults import numbers_of
 from skinfield.virtual.links import open_link
 from skinfield.virtual.packet_device import PERIOD, REST, Device, device_of, packet_converters
 from skinfield.virtual.packet_ear import Ear
+from skinfield.virtual.patch_faults import PatchFaults
 from skinfield.virtual.schedule import Schedule
 from skinfield.virtual.settings import VirtualSettings
 
@@ -31,7 +31,7 @@ DONE, UNKNOWN = 0, 1  # results of a command
 FASTEST_US = 50
 
 
-class PacketDevices:
+class PacketDevices(PatchFaults[Device]):
     """See `hardware.Hardware`.
 
     Parameters
@@ -42,7 +42,7 @@ class PacketDevices:
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         rng = np.random.default_rng([settings.seed, 2])
-        self.devices = [device_of(patch, number) for number, patch in enumerate(skin, 1)]
+        super().__init__("device", [device_of(patch, n) for n, patch in enumerate(skin, 1)])
         self._starts = starts_of(skin)
         self.converters: Converters = packet_converters(skin, settings)
         self._base = self.converters.level.copy()
@@ -52,9 +52,7 @@ class PacketDevices:
         self._fates = Fates(packets, settings.wires, rng)
         self._kept = b""
         self._ear = Ear()
-        self.readings = self.commands = self.reboots = 0
-        self.sent = self.refused = self.withheld = 0
-        self._off = False
+        self.readings = self.commands = self.sent = self.refused = self.withheld = 0
         self._link = open_link(settings)
 
     @property
@@ -134,7 +132,7 @@ class PacketDevices:
             payload=payload,
         )
         device.encoder.sequence = (device.encoder.sequence + 1) & 0xFFFFFFFF
-        if not self._off and self._link.heard:
+        if not self.off and self._link.heard:
             self._send(memoryview(encode_packet(packet)))
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
@@ -149,7 +147,7 @@ class PacketDevices:
             for index in range(device.encoder.encode(device.values, device.clock_us)):
                 packets.append(device.encoder.packet(index).data)
         self.readings += len(members)
-        if self._off:
+        if self.off:
             self.withheld += len(packets)
         elif self._fates.idle:
             for packet in packets:
@@ -172,61 +170,17 @@ class PacketDevices:
         else:
             self.refused += 1
 
-    def check(self, kind: str, what: str) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            self._modules(what)
-        elif kind == "bus-off":
-            numbers_of(what, 1, "bus")
-        else:
-            numbers_of(what, len(self.devices), "device")
+    def _went(self, device: Device) -> None:
+        device.sending, device.period = True, PERIOD
 
-    def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """See `Hardware`."""
-        self.check(kind, what)
-        if kind == "unplug":
-            for device, module in self._modules(what):
-                device.unplugged.add(module)
-        elif kind == "bus-off":
-            self._off = True
-        else:
-            for number in numbers_of(what, len(self.devices), "device"):
-                device = self.devices[number]
-                device.quiet, device.sending, device.period = True, True, PERIOD
-                self.reboots += 1
-            self._reschedule(now_ns)
-
-    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            for device, module in self._modules(what):
-                device.unplugged.discard(module)
-        elif kind == "bus-off":
-            self._off = False
-        else:
-            for number in numbers_of(what, len(self.devices), "device"):
-                self._boot(self.devices[number])
-            self._reschedule(now_ns)
-
-    def _boot(self, device: Device) -> None:
+    def _booted(self, device: Device) -> None:
         """Begin anew: the numbers of packets and readings, and the clock."""
-        device.quiet, device.booted_ns = False, monotonic_ns()
+        device.booted_ns = monotonic_ns()
         device.encoder.sequence = device.encoder.reading = 0
         place = self.devices.index(device)
         rows = slice(int(self._starts[place]), int(self._starts[place + 1]))
         self.converters.level[rows] = self._base[rows]
         self._hello(device)
-
-    def _modules(self, what: str) -> list[tuple[Device, int]]:
-        """Modules of device 0, as ``"3"``, or of the named one, as ``"1.3"``."""
-        first, dot, second = what.partition(".")
-        found = []
-        for number in numbers_of(first, len(self.devices), "device") if dot else [0]:
-            device = self.devices[number]
-            modules = np.unique(device.patch.module).tolist()
-            for place in numbers_of(second if dot else first, len(modules), "module"):
-                found.append((device, int(modules[place])))
-        return found
 
     def set_chances(self, lose: float, duplicate: float, swap: float) -> None:
         """See `Hardware`."""
@@ -245,6 +199,6 @@ class PacketDevices:
 
     def close(self) -> None:
         """See `Hardware`."""
-        if self._fates.kept[0] == -1 and self._kept and not self._off:
+        if self._fates.kept[0] == -1 and self._kept and not self.off:
             self._send(memoryview(self._kept))
         self._link.close()

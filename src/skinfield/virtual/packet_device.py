@@ -8,7 +8,7 @@ import numpy as np
 from skinfield.errors import Floats, InputError
 from skinfield.layout import Patch, Skin
 from skinfield.protocols.packet import PacketEncoder
-from skinfield.virtual.electronics import Converters, converters_of, joined, manufacture
+from skinfield.virtual.electronics import Converters, converters_from
 from skinfield.virtual.settings import VirtualSettings
 
 REST = 1000.0  # counts of an unloaded taxel
@@ -60,16 +60,4 @@ def device_of(patch: Patch, number: int) -> Device:
 
 def packet_converters(skin: Skin, settings: VirtualSettings) -> Converters:
     """Counts of the taxels of all patches."""
-    arrays = manufacture(skin, settings)
-    gain = joined(arrays, "gain")
-    return Converters(
-        np.full(len(gain), REST),
-        gain,
-        joined(arrays, "drift"),
-        joined(arrays, "white_noise"),
-        converters_of(arrays),
-        common=settings.common_noise,
-        low=0.0,
-        high=65535.0,
-        seed=settings.seed,
-    )
+    return converters_from(skin, settings, REST, 65535.0)

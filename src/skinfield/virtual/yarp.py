@@ -21,12 +21,10 @@ from skinfield.protocols.yarp import (
 from skinfield.sources.live.places import host_and_port
 from skinfield.virtual.electronics import (
     Converters,
-    converters_of,
-    joined,
-    manufacture,
+    converters_from,
     starts_of,
 )
-from skinfield.virtual.faults import numbers_of
+from skinfield.virtual.patch_faults import PatchFaults
 from skinfield.virtual.schedule import Schedule
 from skinfield.virtual.settings import VirtualSettings
 
@@ -69,7 +67,7 @@ class Sender:
         return self.port.write(self.values.tolist(), envelope(number, now_ns * SECOND))
 
 
-class YarpPorts:
+class YarpPorts(PatchFaults[Sender]):
     """See `hardware.Hardware`.
 
     The channel is ``host:port``, where a small name server of its own answers (127.0.0.1:10000), or
@@ -89,10 +87,10 @@ class YarpPorts:
         self._starts = starts_of(skin)
         self.converters: Converters = byte_converters(skin, settings)
         self.schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        self._rate, self._off = settings.rate, False
-        self.readings = self.sent = self.withheld = self.lost = self.reboots = 0
+        self._rate = settings.rate
+        self.readings = self.sent = self.withheld = self.lost = 0
         self._root: Port | None = None
-        self.senders: list[Sender] = []
+        super().__init__("port", [])
         self.set_chances(settings.wires.lose, settings.wires.duplicate, settings.wires.swap)
         try:
             self._open(skin, settings.channels[0] if settings.channels else "")
@@ -110,7 +108,7 @@ class YarpPorts:
             self._root = Port("/root", host, port, data=table.answer)
         for patch in skin:
             sender = Sender(patch, "" if elsewhere else host, server)
-            self.senders.append(sender)
+            self.devices.append(sender)
             sender.port.register()
             if not elsewhere:
                 name = sender.port.name
@@ -141,82 +139,39 @@ class YarpPorts:
         period = round(1e9 / self._rate if self._rate else 1e9 * PERIOD)
         periods = {
             place: period
-            for place, sender in enumerate(self.senders)
+            for place, sender in enumerate(self.devices)
             if sender.port.readers and not sender.quiet
         }
-        self.schedule.set(periods, len(self.senders), now_ns)
+        self.schedule.set(periods, len(self.devices), now_ns)
 
     def filenos(self) -> Sequence[int]:
         """See `Hardware`."""
         root = self._root.filenos() if self._root is not None else []
-        return [*root, *(number for each in self.senders for number in each.port.filenos())]
+        return [*root, *(number for each in self.devices for number in each.port.filenos())]
 
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
         if self._root is not None:
             self._root.step()
-        for sender in self.senders:
+        for sender in self.devices:
             sender.port.step()
         self._reschedule(now_ns)
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
         for place in members:
-            sender = self.senders[place]
+            sender = self.devices[place]
             first, last = self._starts[place], self._starts[place + 1]
             lost = bool(self._lose) and self._rng.random() < self._lose
             self.lost += lost
-            self.withheld += self._off
+            self.withheld += self.off
             counts = self.converters.counts[first:last]
-            self.sent += sender.send(counts, now_ns, self._off or lost)
+            self.sent += sender.send(counts, now_ns, self.off or lost)
             sender.port.step()
         self.readings += len(members)
 
-    def check(self, kind: str, what: str) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            self._modules(what)
-        elif kind == "bus-off":
-            numbers_of(what, 1, "bus")
-        else:
-            numbers_of(what, len(self.senders), "port")
-
-    def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """See `Hardware`."""
-        self.check(kind, what)
-        if kind == "unplug":
-            for sender, module in self._modules(what):
-                sender.unplugged.add(module)
-        elif kind == "bus-off":
-            self._off = True
-        else:
-            for number in numbers_of(what, len(self.senders), "port"):
-                self.senders[number].quiet, self.senders[number].number = True, 0
-                self.reboots += 1
-            self._reschedule(now_ns)
-
-    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            for sender, module in self._modules(what):
-                sender.unplugged.discard(module)
-        elif kind == "bus-off":
-            self._off = False
-        else:
-            for number in numbers_of(what, len(self.senders), "port"):
-                self.senders[number].quiet = False
-            self._reschedule(now_ns)
-
-    def _modules(self, what: str) -> list[tuple[Sender, int]]:
-        """Modules of port 0, as ``"3"``, or of the named one, as ``"1.3"``."""
-        first, dot, second = what.partition(".")
-        found = []
-        for number in numbers_of(first, len(self.senders), "port") if dot else [0]:
-            sender = self.senders[number]
-            modules = np.unique(sender.patch.module).tolist()
-            for place in numbers_of(second if dot else first, len(modules), "module"):
-                found.append((sender, int(modules[place])))
-        return found
+    def _went(self, device: Sender) -> None:
+        device.number = 0
 
     def counts(self) -> dict[str, Any]:
         """See `Hardware`."""
@@ -225,7 +180,7 @@ class YarpPorts:
             "lost": self.lost,
             "duplicated": 0,
             "swapped": 0,
-            "refused": sum(sender.port.skipped for sender in self.senders),
+            "refused": sum(sender.port.skipped for sender in self.devices),
             "withheld": self.withheld,
             "commands": 0,
             "reboots": self.reboots,
@@ -233,7 +188,7 @@ class YarpPorts:
 
     def close(self) -> None:
         """See `Hardware`."""
-        for sender in self.senders:
+        for sender in self.devices:
             with suppress(InputError):  # a name server that is gone knows nothing any more
                 sender.port.unregister()
             sender.port.close()
@@ -243,16 +198,4 @@ class YarpPorts:
 
 def byte_converters(skin: Skin, settings: VirtualSettings) -> Converters:
     """Bytes of the taxels of all patches, as the robot's boards make them of iCub's skin."""
-    arrays = manufacture(skin, settings)
-    gain = joined(arrays, "gain")
-    return Converters(
-        np.full(len(gain), REST),
-        gain,
-        joined(arrays, "drift"),
-        joined(arrays, "white_noise"),
-        converters_of(arrays),
-        common=settings.common_noise,
-        low=0.0,
-        high=255.0,
-        seed=settings.seed,
-    )
+    return converters_from(skin, settings, REST, 255.0)
