@@ -186,7 +186,8 @@ class Supervisor:
         how = f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
         last = said.strip().splitlines()[-1] if said.strip() else how
         self.failure = plain_error(last)
-        self._tell("failed", f"ended with {how}: {self.failure}")
+        why = "" if self.failure == how else f": {self.failure}"
+        self._tell("failed", f"ended with {how}{why}")
         self._again()
 
     def _again(self) -> None:
