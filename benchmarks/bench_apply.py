@@ -21,8 +21,8 @@ import numpy as np
 from numba import njit
 
 import skinfield as sf
-from skinfield.experiments.paper.algorithm import reconstruct_as_paper
-from skinfield.experiments.paper.timing import lap
+from skinfield.lab.bench.machine import laps as lap
+from skinfield.lab.paper import reconstruct_as_paper
 
 
 @njit(fastmath=True)
@@ -51,6 +51,7 @@ def row(nodes: int, paper_laps: int, laps: int) -> dict[str, float]:
     paper = lap(
         lambda: reconstruct_as_paper(readings, patch.plane, grid.plane, layer, grid.cell_area),
         paper_laps,
+        1,
     )
     single, out = readings.astype(np.float32), np.empty(4 * len(grid), np.float32)
     operator = rec.operator.ravel(order="K")

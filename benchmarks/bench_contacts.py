@@ -30,8 +30,8 @@ from numba import njit
 
 import skinfield as sf
 from skinfield.contacts import ContactTable
-from skinfield.experiments.paper.timing import lap
 from skinfield.fields import Contact
+from skinfield.lab.bench.machine import laps as lap
 
 reference.flooded = njit(reference.flooded)
 PLACES = np.array([[-9e-3, -9e-3], [9e-3, 9e-3], [12e-3, -12e-3]])
@@ -77,7 +77,7 @@ def row(rec: sf.Reconstructor, count: int, laps: int) -> dict[str, object]:
         ),
         "floor": (lambda: add_up(pressure), laps),
     }
-    times = {name: lap(*each) for name, each in work.items()}
+    times = {name: lap(call, count, 1) for name, (call, count) in work.items()}
     made: dict[str, object] = {"nodes": grid.shape[0], "pressed": count, "contacts": len(find())}
     for name, spent in times.items():
         made[f"{name}_p50_s"] = float(np.median(spent))

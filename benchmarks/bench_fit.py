@@ -24,10 +24,10 @@ import numpy as np
 from bench_apply import add_up
 
 import skinfield as sf
-from skinfield.experiments.paper.algorithm import reconstruct_as_paper
-from skinfield.experiments.paper.timing import lap
-from skinfield.inverse.atoms.kernel import PARAMETERS, predict, tables_of
+from skinfield.inverse.atoms.fit_kernel import PARAMETERS, predict, tables_of
 from skinfield.inverse.atoms.table import atom_table
+from skinfield.lab.bench.machine import laps as lap
+from skinfield.lab.paper import reconstruct_as_paper
 from skinfield.layout.generators import icub_hexagon
 from skinfield.simulate import Sphere, press
 
@@ -128,7 +128,7 @@ def paper_row(quantity: str, laps: int) -> dict[str, object]:
     work: Callable[[], object] = lambda: reconstruct_as_paper(  # noqa: E731
         reading, PATCH.plane, grid.plane, LAYER, grid.cell_area
     )
-    spent = 1e3 * lap(work, laps)
+    spent = 1e3 * lap(work, laps, 1)
     return {
         "quantity": quantity, "contacts": "any", "method": "paper, all its work", "found": None,
         "cold_p50_ms": float(np.median(spent)), "cold_p99_ms": float(np.percentile(spent, 99)),

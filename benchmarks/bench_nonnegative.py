@@ -35,7 +35,7 @@ from pressed_readings import LAYER, PATCH, SHAPES, chains, model_of, staying, un
 from scipy.optimize import nnls
 
 import skinfield as sf
-from skinfield.inverse.bumps import bump_of, seen_through
+from skinfield.inverse.non_negative import bump_of, seen_through
 from skinfield.observation import ObservationModel
 
 PRIORS = {"smooth": sf.NonNegative(), "white": sf.NonNegative(length_scale=0.0)}

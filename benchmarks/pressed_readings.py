@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 import skinfield as sf
-from skinfield.experiments.bench.scene import RADIUS, paths
+from skinfield.lab.bench.scene import RADIUS, paths
 from skinfield.observation import ObservationModel
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press
-from skinfield.simulate.pressing.anywhere import readings_anywhere
+from skinfield.simulate.pressing.press import readings_anywhere
 
 PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer(2e-3, 100e3, 0.5)
 QUANTITIES: dict[str, Any] = {"stress": sf.BaseStress(), "capacitance": sf.Capacitance()}

@@ -15,9 +15,8 @@ import time
 import uuid
 from pathlib import Path
 
-from skinfield.live.recorder_state import forget_state, read_state
+from skinfield.live.recorder import forget_state, read_state
 from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_steps import Steps
 
 HERE = Path(__file__).resolve().parent
 ENGINE = HERE.parent / "tests" / "recorder_ring.py"
@@ -69,11 +68,11 @@ def cpu_of(pid: int) -> float:
 def report(path: Path, state: object, cycles: int, logged: int, took: float, cpu: float) -> None:
     """Say what the engine wrote and what is in the file."""
     began = time.monotonic()
-    steps = [(len(step.data), step.missing) for step in Steps(LiveRecording.open(path))]
-    read = time.monotonic() - began
-    saved, size = sum(each for each, _ in steps), path.stat().st_size
+    found = LiveRecording.open(path)
+    saved, there = sum(len(each.data) for each in found.blocks()), len(list(found.cycles()))
+    read, size = time.monotonic() - began, path.stat().st_size
     print(f"{took:.1f} s: {cycles} cycles and {logged} bytes of log written")
-    print(f"in the file: {len(steps)} cycles and {saved} bytes, {cycles - len(steps)} and "
+    print(f"in the file: {there} cycles and {saved} bytes, {cycles - there} and "
           f"{logged - saved} missing; {size / 1e6:.1f} MB, {logged / size:.2f} to 1")  # fmt: skip
     print(f"recorder: {100 * cpu / took:.1f} % of one processor; longest write or sync "
           f"{1e3 * state.longest:.0f} ms; read back in {read:.1f} s")  # fmt: skip

@@ -2,7 +2,7 @@
 
     python benchmarks/soak.py [--minutes 30] [--rate 1000] [--record FILE] [--json FILE]
 
-A virtual skin in a process of its own sends the bytes of iCub's boards over udp_multicast; the
+A virtual skin in a process of its own sends the bytes of iCub's boards over UDP; the
 engine answers at the same rate; a recorder writes all of it; two readers fetch every estimate they
 can, one by the futex, one every 20 ms. A line is printed each minute, and in the end what was sent,
 received, lost and why, which cycles were late, the memory of each process at the start and the end,
@@ -27,13 +27,13 @@ from rich.table import Table
 import skinfield as sf
 from skinfield.conditioning import ICubByte
 from skinfield.errors import InputError
+from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.live.client import Live
 from skinfield.live.settings import LiveSettings
 from skinfield.live.status import Observer, Status
 from skinfield.live.supervisor import Supervisor
-from skinfield.realtime.cyclictest import Cyclictest
 from skinfield.ring import State
-from skinfield.sources.live.spec import source_from_options
+from skinfield.sources.live.factory import source_from_options
 from skinfield.sources.recordings.mcap_live import LiveRecording
 from skinfield.virtual.process import start
 from skinfield.virtual.settings import VirtualSettings
@@ -91,7 +91,7 @@ def ended(process: "subprocess.Popen[str]") -> str:
 def boards(place: str, rate: float) -> VirtualSettings:
     """Of a hexagon that nobody touches yet."""
     return VirtualSettings(
-        bus="udp_multicast",
+        bus="udp",
         channels=(place,),
         rate=rate,
         scene="idle",
@@ -104,13 +104,13 @@ def engine_settings(place: str, rate: float, name: str) -> LiveSettings:
     """Of the same hexagon."""
     patch = sf.layouts.hexagon72()
     period = {"period_ms": str(max(round(1e3 / rate), 1))}
-    source = source_from_options("icub", "udp_multicast", (place,), sf.Skin((patch,)), period)
+    source = source_from_options("icub", "udp", (place,), sf.Skin((patch,)), period)
     return LiveSettings(skin=patch, sources=(source,), name=name, board=ICubByte(), rate=rate)
 
 
 def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -> dict[str, Any]:
     with ExitStack() as parts:
-        place = f"239.74.163.2:{port}"
+        place = f"127.0.0.1:{port}"
         skin = parts.enter_context(start(boards(place, rate)))
         settings = engine_settings(place, rate, f"soak-{port}")
         supervisor = parts.enter_context(Supervisor(settings))
@@ -162,13 +162,13 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
 
 def cyclictest(granted: dict[str, Any], rate: float, seconds: float) -> Any:
     try:
-        return Cyclictest(
-            cpu=granted.get("cpu"),
-            priority=max(int(granted.get("priority", 0)), 1),
+        return Cyclictest.start(
+            granted.get("cpu"),
+            max(int(granted.get("priority", 0)), 1),
             period_ns=int(1e9 / rate),
             seconds=seconds,
             offset_ns=int(0.5e9 / rate),
-        ).start()
+        )
     except InputError as error:
         sys.stderr.write(f"{error}\n")
         return None

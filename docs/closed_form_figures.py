@@ -9,12 +9,9 @@ from typing import Any
 import click
 import numpy as np
 
-from skinfield.figures import save
-from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
 from skinfield.mechanics import Layer
-from skinfield.mechanics.axisymmetric import indent_to_radius, kappa
+from skinfield.mechanics.axisymmetric import Paraboloid, Taper, indent_to_radius, kappa
 from skinfield.mechanics.hertz import HertzSphere, SneddonCone, effective_modulus
-from skinfield.mechanics.profiles import Paraboloid, Taper
 from skinfield.mechanics.thin_layer import (
     CORRECTIONS,
     DIMITRIADIS,
@@ -27,6 +24,8 @@ from skinfield.mechanics.thin_layer import (
     edge_length,
     paraboloid_reach,
 )
+from skinfield.plot import save
+from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
 
 IMAGES = Path(__file__).parent / "images"
 H = 1e-3  # m; the curves have no dimension

@@ -19,10 +19,9 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.figures import save
-from skinfield.figures.maps import outline_pads
-from skinfield.figures.style import add_colour_bar, add_title, new_figure, signed_colours, style
-from skinfield.simulate.pressing.anywhere import readings_anywhere
+from skinfield.plot.maps import outline_pads
+from skinfield.plot.style import add_colour_bar, add_title, new_figure, save, signed_colours, style
+from skinfield.simulate.pressing.press import readings_anywhere
 
 IMAGES = Path(__file__).parent / "images"
 PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer()

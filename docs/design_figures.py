@@ -1,24 +1,24 @@
 """Make the pictures of design-a-skin.md, and print the numbers that the page quotes."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import click
-from click.testing import CliRunner
 from PIL import Image
 
-from skinfield.cli import main
-
+CODE = "from skinfield.cli import main; main()"
 IMAGES = Path(__file__).parent / "images"
-CAPACITANCE = ("--noise", "0.002", "--radius", "1")
-STRESS = ("--quantity", "stress", "--noise", "400", "--radius", "1")
+CAPACITANCE = ("--noise", "0.002", "--radius-mm", "1")
+STRESS = ("--quantity", "stress", "--noise", "400", "--radius-mm", "1")
 PICTURES = {
-    "design-capacitance-2mm": ("hexagon72", "--thickness", "2", *CAPACITANCE),
-    "design-capacitance-4mm": ("hexagon72", "--thickness", "4", *CAPACITANCE),
-    "design-stress-2mm": ("hexagon72", "--thickness", "2", *STRESS),
-    "design-stress-4mm": ("hexagon72", "--thickness", "4", *STRESS),
-    "design-thickness": ("hexagon72", "--compare-thickness", "1,2,3,4,5,6", *STRESS),
+    "design-capacitance-2mm": ("hexagon72", "--thickness-mm", "2", *CAPACITANCE),
+    "design-capacitance-4mm": ("hexagon72", "--thickness-mm", "4", *CAPACITANCE),
+    "design-stress-2mm": ("hexagon72", "--thickness-mm", "2", *STRESS),
+    "design-stress-4mm": ("hexagon72", "--thickness-mm", "4", *STRESS),
+    "design-thickness": ("hexagon72", "--compare-thickness-mm", "1,2,3,4,5,6", *STRESS),
     "design-thickness-capacitance": (
-        "hexagon72", "--compare-thickness", "1,2,3,4,5,6", *CAPACITANCE,
+        "hexagon72", "--compare-thickness-mm", "1,2,3,4,5,6", *CAPACITANCE,
     ),
 }  # fmt: skip
 
@@ -27,12 +27,11 @@ def draw() -> None:
     """All pictures, by the command that the page shows."""
     for name, words in PICTURES.items():
         file = IMAGES / f"{name}.png"
-        result = CliRunner().invoke(main, ["design", *words, "-o", str(file)])
-        if result.exit_code:
-            raise SystemExit(result.output)
+        command = [sys.executable, "-c", CODE, "design", *words, "-o", str(file), "--force"]
+        result = subprocess.run(command, check=True, capture_output=True, text=True)
         with Image.open(file) as picture:
             picture.convert("RGB").quantize(128, dither=Image.Dither.NONE).save(file, optimize=True)
-        click.echo(f"== {name}: skinfield design {' '.join(words)}\n{result.output}")
+        click.echo(f"== {name}: skinfield design {' '.join(words)}\n{result.stdout}")
 
 
 if __name__ == "__main__":

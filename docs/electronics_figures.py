@@ -11,8 +11,9 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.figures import save
-from skinfield.figures.style import (
+from skinfield.mechanics import StandardLinearSolid
+from skinfield.plot import save
+from skinfield.plot.style import (
     BLUE,
     FAINT,
     INK,
@@ -23,7 +24,6 @@ from skinfield.figures.style import (
     new_figure,
     style,
 )
-from skinfield.mechanics import StandardLinearSolid
 from skinfield.simulate.electronics import (
     Electronics,
     Noise,

@@ -19,8 +19,8 @@ import skinfield as sf
 from skinfield.engine import CycleReport
 from skinfield.engine.state import Step
 from skinfield.errors import Floats
-from skinfield.figures import save
-from skinfield.figures.style import ABOVE, BELOW, FAINT, INK, QUIET, add_title, new_figure, style
+from skinfield.plot import save
+from skinfield.plot.style import ABOVE, BELOW, FAINT, INK, QUIET, add_title, new_figure, style
 
 IMAGES = Path(__file__).parent / "images"
 PATCH = sf.layouts.hexagon72()

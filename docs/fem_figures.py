@@ -16,8 +16,7 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats, InputError
-from skinfield.experiments.agreement import agreement_table, agreements
-from skinfield.fem import (
+from skinfield.lab.fem import (
     AxisymmetricSolution,
     FlatProfile,
     Profile,
@@ -26,8 +25,9 @@ from skinfield.fem import (
     indent_large,
     pad_capacitance,
 )
-from skinfield.figures import save
-from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
+from skinfield.lab.sections.agreement import agreement_table, agreements
+from skinfield.plot import save
+from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
 
 DOCS = Path(__file__).parent
 LAYER = sf.Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)

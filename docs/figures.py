@@ -9,10 +9,11 @@ The presses are those of `presses.py` beside this file.
 import csv
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -35,11 +36,28 @@ from presses import (
 
 import skinfield as sf
 from skinfield.cli import main as skinfield
-from skinfield.figures import draw_blindness, draw_timeline, save
-from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
-from skinfield.layout.hull import inside_hull
+from skinfield.errors import Floats
+from skinfield.layout.geometry import inside_hull
+from skinfield.plot import draw_timeline
+from skinfield.plot.maps import draw_cells, extent_of, frame_axes, outline_pads
+from skinfield.plot.style import (
+    BLUE,
+    FAINT,
+    INK,
+    ORANGE,
+    QUIET,
+    TITLE,
+    add_colour_bar,
+    add_title,
+    new_figure,
+    save,
+    style,
+)
 from skinfield.simulate import Cylinder, Sphere
 from skinfield.sources import open_recording
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 IMAGES = Path(__file__).parent / "images"
 SHOWN = {"stress": (1e-3, "kPa"), "capacitance": (100.0, "%")}  # factor and unit of a figure
@@ -71,16 +89,7 @@ def blindness(quantity: str) -> None:
     factor, unit = SHOWN[quantity]
     best = readings(BALL, grid.plane, quantity).max(axis=1) * factor
     floor = SIGMAS * QUANTITIES[quantity].typical_noise * factor
-    figure = draw_blindness(
-        grid,
-        best,
-        label="best taxel's reading of 1 N",
-        unit=unit,
-        line=[[0.0, 29e-3], [0.0, -29e-3]],
-        floor=floor,
-        floor_label=f"{SIGMAS:g} times the noise:",
-        title=f"A ball of 12 mm with 1 N, read as {quantity}",
-    )
+    figure = draw_blindness(grid, best, floor, quantity, f"best taxel's reading of 1 N ({unit})")
     save(figure, IMAGES / f"blind-{quantity}.png")
     inside = inside_hull(PATCH.plane, grid.plane)
     centre = float(best[np.linalg.norm(grid.plane, axis=1).argmin()])
@@ -90,6 +99,40 @@ def blindness(quantity: str) -> None:
         f"centre {centre:.3f} {unit}; {np.mean(best[inside] < floor):.0%} of the patch below "
         f"{floor:g} {unit}, {np.mean(0.2 * best[inside] < floor):.0%} at 0.2 N"
     )
+
+
+def draw_blindness(
+    grid: sf.Grid, best: Floats, floor: float, quantity: str, label: str
+) -> "Figure":
+    """Draw a map of the best reading, and its profile along the middle of the patch."""
+    along = np.linspace(29e-3, -29e-3, 601)
+    profile = best.reshape(grid.shape)[
+        :, np.abs(grid.plane[: grid.shape[1], 0]).argmin()
+    ]  # of x = 0
+    profile = np.interp(along, grid.plane[:: grid.shape[1], 1], profile)
+    over = np.hypot(PATCH.plane[:, 0], PATCH.plane[:, 1] - along[:, None]).min(axis=1)
+    with style():
+        figure = new_figure(10.0, 4.6)
+        title = f"A ball of 12 mm with 1 N, read as {quantity}"
+        figure.text(0.02, 0.95, title, va="center", **TITLE)
+        axes = figure.add_axes((0.065, 0.12, 0.37, 0.66))
+        add_colour_bar(axes, draw_cells(axes, grid, best), label)
+        frame_axes(axes, grid.patch, extent_of(grid))
+        outline_pads(axes, PATCH)
+        axes.plot([0, 0], along[[0, -1]] * 1e3, color=BLUE, lw=1.3, ls=(0, (4, 2)))
+        add_title(axes, "a", "Over the patch", "circles: pads; white: blind; dashed: line of b")
+        beside = figure.add_axes((0.59, 0.135, 0.385, 0.645))
+        x, top = (along[0] - along) * 1e3, 1.12 * profile.max()
+        pads = (over <= PATCH.pad_diameter / 2).tolist()
+        beside.fill_between(x, 0, top, where=pads, color=FAINT, alpha=0.5, lw=0)
+        beside.plot(x, profile, color=BLUE)
+        beside.axhline(floor, color=ORANGE, lw=1.1, label=f"{SIGMAS:g} times the noise: {floor:g}")
+        beside.legend(frameon=False, fontsize=8, loc="lower right", bbox_to_anchor=(1, 1))
+        beside.set(xlim=(0, x[-1]), ylim=(min(0.0, float(profile.min())), top))
+        beside.set(xlabel="distance along the line (mm)", ylabel=label)
+        beside.spines[["top", "right"]].set_visible(False)
+        add_title(beside, "b", "Along the line", "grey: the line is over a pad")
+    return figure
 
 
 def ring() -> None:
@@ -285,14 +328,13 @@ def real_foot(recording: str, force: str, layout: str) -> None:
 
     One number, the modulus, is fitted while the robot stands.
     """
-    common = ["--layout", layout, "--poisson", "0.3"]
+    common = ["--skin", layout, "--poisson", "0.3"]
     table, result = IMAGES / "foot.csv", IMAGES / "foot.json"
     run("calibrate scale", recording, force, *common)
     run("calibrate scale", recording, force, *common, "--seconds", f"0,{STANDING:g}",
-        "--summary", str(result))  # fmt: skip
+        "-o", str(result), "--force")  # fmt: skip
     modulus = json.loads(result.read_text())["modulus_kpa"]
-    run("reconstruct", recording, *common, "--modulus-kpa", f"{modulus:.0f}", "-o", str(table),
-        "--plot", str(IMAGES / "foot.png"))  # fmt: skip
+    run("reconstruct", recording, *common, "--modulus-kpa", f"{modulus:.0f}", "-o", str(table))
     with table.open() as lines:
         rows = list(csv.DictReader(lines))
     load: dict[int, float] = {}
@@ -324,7 +366,8 @@ def real_foot(recording: str, force: str, layout: str) -> None:
 
 def run(command: str, *arguments: str) -> None:
     """Run a command of skinfield."""
-    skinfield([*command.split(), *arguments], standalone_mode=False)
+    with suppress(SystemExit):
+        skinfield([*command.split(), *arguments])
 
 
 @click.command()
@@ -335,9 +378,6 @@ def main(foot: str | None, force: str | None, foot_layout: str | None) -> None:
     """Make all pictures."""
     IMAGES.mkdir(exist_ok=True)
     run("demo", "-o", str(IMAGES / "demo.png"))
-    ball = ["--indenter", "sphere radius=6"]
-    ring_beside = ["--indenter", "ring inner_radius=3 outer_radius=5 tilt_y=2 x=14 force=2"]
-    run("press", *ball, *ring_beside, "--layout", "hexagon72", "--plot", str(IMAGES / "press.png"))
     holes()
     for quantity in QUANTITIES:
         blindness(quantity)

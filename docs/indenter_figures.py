@@ -11,8 +11,8 @@ import click
 import numpy as np
 
 import skinfield as sf
-from skinfield.figures import save
-from skinfield.figures.style import INK, QUIET, new_figure, number, signed_colours, style
+from skinfield.plot import save
+from skinfield.plot.style import INK, QUIET, new_figure, number, signed_colours, style
 from skinfield.simulate import (
     Bar,
     Cone,

@@ -12,9 +12,9 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.experiments.light_touch.section import light_touch
-from skinfield.experiments.light_touch.trials import Touch, clean
-from skinfield.experiments.settings import Settings, size_by_name
+from skinfield.lab.report import Settings, size_by_name
+from skinfield.lab.sections.detection import Trial
+from skinfield.lab.sections.light_touch import light_touch
 
 IMAGES = Path(__file__).parent / "images"
 LAYER = sf.Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
@@ -30,7 +30,7 @@ def rates(size: str) -> None:
     for sentence in section.sentences:
         click.echo(sentence)
     for table in section.tables:
-        if table.shown:
+        if table.on_page:
             click.echo(f"\n{table.columns}")
             for row in table.rows:
                 click.echo(row)
@@ -52,8 +52,8 @@ def traps() -> None:
         return float(found.mean())
 
     click.echo("\nfalse alarms per 1000, and 0.1 N over a taxel found in 15 readings")
-    touch = clean(Touch("stress", "over a taxel", 0.1), Settings(), 4000, 9)
-    pressed = touch + rng.normal(scale=NOISE / np.sqrt(15), size=touch.shape)
+    light = Trial("over a taxel", 0.1).clean(Settings(), 4000, 40, 9)
+    pressed = light + rng.normal(scale=NOISE / np.sqrt(15), size=light.shape)
     for name, detector in (("as stated", plain), ("offset unknown", free), ("half", half)):
         for share in (0.0, 0.25, 0.5, 1.0):
             rate = 1e3 * alarms(detector, white + share * offset)
@@ -73,7 +73,7 @@ def traps() -> None:
         )  # fmt: skip
         rates = [1e3 * alarms(detector, total / 15, 15) for detector in (plain, told)]
         click.echo(f"  correlation {kept:g} in time: {rates[0]:.2f}, told of it {rates[1]:.2f}")
-        pressed = touch + (total / 15)[: len(touch)]
+        pressed = light + (total / 15)[: len(light)]
         click.echo(f"    and found {alarms(told, pressed, 15):.1%}")
 
 

@@ -5,7 +5,7 @@
 
 How long it takes is in benchmarks/bench_nonnegative.py.
 
-The presses are those of `skinfield.experiments.cases.standard`, solved on cells of 0.25 mm and
+The presses are those of `skinfield.lab.case_sets`, solved on cells of 0.25 mm and
 carried to places that no setting was chosen by.
 """
 
@@ -19,12 +19,11 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.experiments.cases.case import Case
-from skinfield.experiments.cases.standard import AROUND, KINDS
-from skinfield.experiments.scoring.validation import Entrant
-from skinfield.figures import save
-from skinfield.figures.maps import outline_pads
-from skinfield.figures.style import add_colour_bar, add_title, new_figure, signed_colours, style
+from skinfield.lab.case_sets import AROUND, KINDS
+from skinfield.lab.cases import Case
+from skinfield.lab.validation import Entrant
+from skinfield.plot.maps import outline_pads
+from skinfield.plot.style import add_colour_bar, add_title, new_figure, save, signed_colours, style
 from skinfield.simulate import Press, press
 
 IMAGES = Path(__file__).parent / "images"

@@ -12,7 +12,7 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.layout.hull import inside_hull
+from skinfield.layout.geometry import inside_hull
 from skinfield.observation import Quantity
 from skinfield.simulate import Cylinder, Sphere, press
 

@@ -14,8 +14,9 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.figures import save
-from skinfield.figures.style import (
+from skinfield.inverse import SheetEstimate
+from skinfield.plot import save
+from skinfield.plot.style import (
     INK,
     QUIET,
     add_colour_bar,
@@ -24,7 +25,6 @@ from skinfield.figures.style import (
     signed_colours,
     style,
 )
-from skinfield.inverse import SheetEstimate
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press
 
 IMAGES = Path(__file__).parent / "images"

@@ -14,12 +14,15 @@ import click
 import numpy as np
 
 import skinfield as sf
-from skinfield.experiments.cases.truth import TrueContact
-from skinfield.experiments.coverage.plan import SOLVERS, CoveragePlan
-from skinfield.experiments.coverage.section import section_of
-from skinfield.experiments.coverage.trials import rehearsal_of, rows_of_quantity
-from skinfield.experiments.scoring.matching import matched
-from skinfield.experiments.scoring.rows import Row
+from skinfield.lab.cases import TrueContact
+from skinfield.lab.score import Row, matched
+from skinfield.lab.sections.coverage import (
+    SOLVERS,
+    CoveragePlan,
+    rehearsal_of,
+    rows_of_quantity,
+    section_of,
+)
 
 IMAGES = Path(__file__).parent / "images"
 PAIRS = 250  # of presses at each distance
@@ -73,7 +76,7 @@ def two_bodies() -> Iterator[str]:
             ]
             found = learnt(reading).contacts
             for match in matched(PLAN.patch, true, found)[0]:
-                contact, force = found[match.found], match.true_force
+                contact, force = found[match.estimated], match.true_force
                 ends = contact.force_interval(0.9)
                 inside = match.distance <= contact.place_radius(0.9)
                 held.append((ends[0] <= force <= ends[1], inside))

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.acquisition import CanMessages
-from skinfield.figures.save import save
-from skinfield.figures.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, style
+from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
 from skinfield.sources.buses import BusSettings, open_bus
 from skinfield.virtual import VirtualSettings
 from skinfield.virtual.process import start

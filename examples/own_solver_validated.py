@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import skinfield as sf
-from skinfield.experiments.cases.standard import standard_cases
-from skinfield.experiments.scoring.summary import summarise
-from skinfield.experiments.scoring.validation import Entrant
 from skinfield.inverse import InverseOperator
+from skinfield.lab.case_sets import standard_cases
+from skinfield.lab.score import summarise
+from skinfield.lab.validation import Entrant
 from skinfield.observation import ObservationModel
 
 
@@ -33,10 +33,10 @@ class EachAlone:
 cases = list(standard_cases(sf.layouts.hexagon72(), count=4, quantity="stress"))
 for solver in (sf.Tikhonov(), EachAlone()):
     entrant = Entrant(solver=solver, nodes=20)
-    summary = summarise([score for case in cases for score in entrant.scores(case)])
-    place, force = summary.measures["place_error_m"].median, summary.measures["force_error"].median
+    found = summarise([score.row() for case in cases for score in entrant.scores(case)])
+    force, low, high = (found[f"force_error_{end}"] for end in ("median", "low", "high"))
     print(
-        f"{type(solver).__name__}: {summary.missed.value:.0%} missed, "
-        f"force off by {force.value:.0%} [{force.low:.0%}, {force.high:.0%}], "
-        f"place off by {place.value * 1e3:.2f} mm"
+        f"{type(solver).__name__}: {found['missed']:.0%} missed, "
+        f"force off by {force:.0%} [{low:.0%}, {high:.0%}], "
+        f"place off by {found['place_error_mm_median']:.2f} mm"
     )

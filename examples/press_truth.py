@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 import skinfield as sf
-from skinfield.mechanics import axisymmetric, hertz, profiles
+from skinfield.mechanics import axisymmetric, hertz
 
 layer = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
 ball = sf.simulate.Sphere(radius=6e-3, force=1.0)  # m, N
 found = sf.simulate.press(layer, [ball], extent=16e-3)
-exact = axisymmetric.indent_by_force(layer, profiles.Ball(radius=6e-3), 1.0)
+exact = axisymmetric.indent_by_force(layer, axisymmetric.Ball(radius=6e-3), 1.0)
 modulus = hertz.effective_modulus(layer.young_modulus, layer.poisson_ratio)
 free = hertz.HertzSphere.from_force(radius=6e-3, modulus=modulus, force=1.0)
 

@@ -20,8 +20,8 @@ from skinfield.protocols.cyskin import (
     board_from_init,
     matching_checksums,
 )
-from skinfield.protocols.cyskin.ethercat import PROCESS, data_from_responses, init_from_board
-from skinfield.protocols.cyskin.snapshot import SensorOrder, snapshot_of
+from skinfield.protocols.cyskin.codec import PROCESS, data_from_responses, init_from_board
+from skinfield.protocols.cyskin.shared_memory import SensorOrder, snapshot_of
 
 INTERPRETED = True
 FENCE = 0x0123456789ABCDEF

@@ -4,33 +4,37 @@ import contextlib
 import os
 import struct
 import tempfile
-from collections import deque
 from pathlib import Path
 
 import numpy as np
 from mcap.reader import make_reader
 
-from skinfield.acquisition.recorded import CYCLE_HEAD, CycleLayout
-from skinfield.acquisition.recorded_fit import FIT_HEAD
+from skinfield.acquisition.recorded import (
+    CYCLE_HEAD,
+    FIELD_HEAD,
+    FIELDS,
+    FIT_HEAD,
+    FITS,
+    CycleLayout,
+    FieldRecord,
+)
 from skinfield.errors import FileError, InputError
 from skinfield.live.fit_ring import LAYOUT as FIT
-from skinfield.live.recorder_recover import recover
-from skinfield.live.replay_fit import is_sound, slot_of
-from skinfield.sinks.mcap.compression import Lz4, NoCompression, Zstd
-from skinfield.sinks.mcap.container import Container
-from skinfield.sources.recordings.mcap_fits import FitTimes, fit_layout_of, fits_of
-from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_moments import Moments
+from skinfield.live.recover import recover
+from skinfield.live.replay import is_sound, slot_of
+from skinfield.sinks.mcap.container import COMPRESSIONS, Compression, Container
+from skinfield.sources.recordings.mcap import collected_live, live_stream
+from skinfield.sources.recordings.mcap_live import LiveRecording, Newest
 from skinfield.sources.recordings.mcap_records import MAGIC
-from skinfield.sources.recordings.mcap_steps import Steps
 from skinfield.sources.recordings.mcap_summary import summary_of
-from skinfield.sources.recordings.mcap_table import collected_live, stream_of
 
 ROWS = CycleLayout(np.dtype([("track", "<i8")]), np.dtype([("force", "<f8")]))
 ROWS_OF_FIT = (FIT.patch.itemsize, 1, FIT.contact.itemsize, FIT.form.itemsize)
 FIT_RECORD = FIT_HEAD.pack(1, FIT_HEAD.size, 2, 5, 0, 9, 4, 1, *ROWS_OF_FIT, 1)
 FIT_RECORD += struct.pack("<IIii", 1, 1, 1, 1) + bytes(sum(ROWS_OF_FIT) - 9)  # one patch, a contact
 FIT_RECORD += struct.pack("<If", 3, 2.0)  # on one node
+FIELD_RECORD = FIELD_HEAD.pack(1, FIELD_HEAD.size, 2, 5, 0, 3, 9, 2, 0)
+FIELD_RECORD += struct.pack("<6I2f", 3, 2, 1, 1, 8, 3, 1.0, 2.0) + bytes(9 * 3)
 PORTS = b'{"ports": [["a", 9, "count"]]}'
 FOLDER = Path(tempfile.gettempdir()) / "skinfield-fuzz-mcap"
 FOLDER.mkdir(exist_ok=True)
@@ -59,14 +63,15 @@ class Kept:
         """Nothing to do."""
 
 
-def sample(compression: object, finish: bool) -> bytes:
+def sample(compression: Compression, finish: bool) -> bytes:
     """A recording of two cycles with the shortest schemas, without its first 8 bytes."""
     kept = Kept()
-    container = Container(kept, compression, 1 << 20, "skinfield", "x")  # type: ignore[arg-type]
+    container = Container(kept, compression, 1 << 20, "skinfield", "x")
     container.add_channel("/skin/blocks", "x", ("b", "", b""))
     container.add_channel("/skin/cycles", "x", ("c", "", b""), ROWS.metadata())
     container.add_channel("/skin/events", "json", ("e", "", b""))
     container.add_channel("/skin/fit", "x", ("f", "", b""), FIT.metadata())
+    container.add_channel("/skin/fields", "x", ("g", "", b""))
     container.add_attachment("configuration.json", "application/json", PORTS, 1)
     for number in range(2):
         block = struct.pack("<qIHBB8s", 10, 0, 8, 1, 0, bytes(range(8)))
@@ -76,26 +81,28 @@ def sample(compression: object, finish: bool) -> bytes:
         container.add_message(3, number, 5, b'{"kind": "dropped", "bytes": 3}')
         fit = FIT_RECORD[:16] + struct.pack("<q", number) + FIT_RECORD[24:]
         container.add_message(4, number, 5, fit)
+        container.add_message(5, number, 5, FIELD_RECORD)
         container.flush()
     if finish:
         container.finish()
     return bytes(kept.data[len(MAGIC) :])
 
 
-SEEDS = [
-    sample(compression, finish)
-    for compression in (Zstd(), Lz4(), NoCompression())
-    for finish in (True, False)
-]
-SEEDS.append(FIT_RECORD)
+SEEDS = [sample(compression, finish) for compression in COMPRESSIONS for finish in (True, False)]
+SEEDS += [FIT_RECORD, FIELD_RECORD]
 
-BEGINNING = MAGIC + sample(NoCompression(), finish=False)
+BEGINNING = MAGIC + sample("none", finish=False)
 
 
 def one_input(data: bytes) -> None:
-    """Take the bytes for records of a file, then for a chunk of messages, then for a fit's."""
+    """Take the bytes for records of a file, then for a chunk of messages, then for a message."""
     check(MAGIC + data)
     check(BEGINNING + chunk_of(data))
+    with contextlib.suppress(InputError):
+        field = FieldRecord.decode(data)
+        if len(field.sides) * field.grid < 1 << 20:
+            field.pressure_into(np.zeros((len(field.sides), field.grid), np.float32))
+        assert FieldRecord.decode(field.encode()).encode() == field.encode()
     with contextlib.suppress(InputError):
         record = FIT.decode(data)
         slot = slot_of(record) if max(record.sizes) < 99 and is_sound(record) else None
@@ -108,7 +115,7 @@ def chunk_of(data: bytes) -> bytes:
     inner = b""
     for piece in data.split(b"\n"):
         if len(piece) > 1:
-            channel = struct.pack("<HIQQ", piece[1] % 5, 0, 1, 1) if piece[0] % 2 else b""
+            channel = struct.pack("<HIQQ", piece[1] % 6, 0, 1, 1) if piece[0] % 2 else b""
             opcode = 5 if channel else piece[0] % 16
             body = channel + piece[2:]
             inner += struct.pack("<BQ", opcode, len(body)) + body
@@ -136,20 +143,19 @@ def check(data: bytes) -> None:
 def read(path: Path) -> None:
     """Everything that a recording offers."""
     found = LiveRecording.open(path)
-    for step in Steps(found):
-        assert step.missing >= 0
-    moments = Moments.of(found)
-    assert all(begin < end for begin, end in moments.holes(2))
+    for _ in (*found.blocks(), *found.cycles(), *found.events(), *found.timing()):
+        pass
+    index = found.index
+    assert all(begin <= end for begin, end in index.gaps)
     for number, _ in enumerate(found.outline.records):
-        deque(Steps(found, first=number), 0)
-    fitted = [record.number for record in fits_of(found)]
-    times = FitTimes(found, moments)
-    for place in moments.fits:
-        record = times.before(place.time_ns)
-        if record is not None:
-            assert record.number in fitted
-            layout = fit_layout_of(found)
-            assert layout is not None
-            assert layout.decode(layout.encode(record)).places.tolist() == record.places.tolist()
+        assert 0 <= index.record_before(number) < len(found.outline.records)
+    for topic, decode, known in (
+        (FIELDS, found.field_of, [each.number for each in found.fields()]),
+        (FITS, found.fit_of, [each.number for each in found.fits()]),
+    ):
+        newest = Newest(found, topic, decode)
+        for place in index.places[topic]:
+            record = newest.before(place.time_ns)
+            assert record is None or record.number in known
     summary_of(found)
-    collected_live(stream_of(found))
+    collected_live(live_stream(found))

@@ -1,21 +1,33 @@
-"""Orders from the page's socket: any text is an order that is checked, or refused in words."""
+"""Requests and commands to the page's port: answered, or refused in words."""
 
+import asyncio
 import contextlib
 import json
 import sys
 from pathlib import Path
 
+from websockets.datastructures import Headers
+from websockets.http11 import Request
+
 from skinfield.errors import InputError
-from skinfield.viewer.orders import flag, number, press_of, text
-from skinfield.viewer.stage import Stage
+from skinfield.viewer.controller import Controller
+from skinfield.viewer.http import HttpApi, PageSettings
+from skinfield.viewer.page_state import PageState
+from skinfield.viewer.scene_layout import SceneLayout
+from skinfield.viewer.session import flag, number, press_of, text
 from skinfield.viewer.wire import unpacked
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from page_feeds import StillFeed
+from page_sources import StillSource
 
-STAGE = Stage((StillFeed(),))
+LAYOUT = SceneLayout((StillSource(),))
+API = HttpApi(PageState(lambda: (), Controller()), PageSettings())
+LOOP = asyncio.new_event_loop()
 SEEDS = [
+    b"GET //[ localhost",
+    b"GET /api/status?token=%ff [::1]:8700 http://localhost",
+    b"POST /socket localhost",
     b'{"id": "a", "patch": 0, "position": [0.01, 0, 0], "force": 1, "radius": 0.004}',
     b'{"id": "a", "patch": 0, "position": [1e308, -1e308, 1e400], "shape": "ball"}',
     b'{"what": "seek", "value": NaN, "on": true, "do": [[]]}',
@@ -27,6 +39,7 @@ def one_input(data: bytes) -> None:
     """Take bytes as a message of either side."""
     with contextlib.suppress(ValueError, RecursionError):
         unpacked(data)
+    answer_request(data)
     try:
         given = json.loads(data)
     except (ValueError, RecursionError):
@@ -37,7 +50,17 @@ def one_input(data: bytes) -> None:
         lambda: text(given, "id"),
         lambda: flag(given, "on"),
         lambda: number(given, "value", 0.0, 10.0, "seconds"),
-        lambda: press_of(given, STAGE, 1),
+        lambda: press_of(given, LAYOUT, 1),
     ):
         with contextlib.suppress(InputError):
             check()
+
+
+def answer_request(data: bytes) -> None:
+    """Take bytes as method, address, host and origin of a request; no failure of the server."""
+    words = data.decode("latin-1").split(" ")
+    method, path, host, origin = (words + [""] * 4)[:4]
+    headers = Headers({"Host": host} | ({"Origin": origin} if origin else {}))
+    request = Request(path, headers, method)
+    response = LOOP.run_until_complete(API.answer(None, request))  # type: ignore[arg-type]
+    assert response is None or response.status_code < 500

@@ -3,9 +3,10 @@
 import json
 from contextlib import suppress
 
+from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.ros2.rmw_zenoh import Attachment
-from skinfield.bridges.ros2.settings import RosSettings
 from skinfield.errors import FileError, InputError
+from skinfield.settings import from_plain
 from skinfield.sinks.ros.names import LONGEST, is_topic, token_of, tokens_of
 
 SEEDS = [
@@ -29,4 +30,4 @@ def one_input(data: bytes) -> None:
     with suppress(ValueError, RecursionError, InputError):
         plain = json.loads(data)
         if isinstance(plain, dict):
-            assert is_topic(RosSettings.from_plain(plain).prefix)
+            assert is_topic(from_plain(RosSettings, plain).prefix)

@@ -6,7 +6,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.layout import Skin
 from skinfield.layout.generators import by_name
 from skinfield.virtual import fault_from_text, temperature_from_text
-from skinfield.virtual.scene_files import scene_from_bytes
+from skinfield.virtual.scenes import scene_from_bytes
 
 SKIN = Skin((by_name("icub_triangle"),))
 SEEDS = [

@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Channels, Count, blocks_of, counters
+from skinfield.acquisition import Blocks, Channels, Count, Port, blocks_of, counters
 from skinfield.errors import InputError
 from skinfield.protocols.yarp import (
     Answer,
@@ -17,13 +17,11 @@ from skinfield.protocols.yarp import (
     message,
     text_from_bottle,
 )
-from skinfield.protocols.yarp.binary import from_octets, to_octets
-from skinfield.protocols.yarp.messages import Acknowledgements
-from skinfield.protocols.yarp.skin_parts import known_name, part_of, port_of
-from skinfield.protocols.yarp.vector_kernel import take_vectors
+from skinfield.protocols.yarp.bottle import from_octets, known_name, part_of, port_of, to_octets
+from skinfield.protocols.yarp.carriers import Acknowledgements, Lines
+from skinfield.sources.live.yarp import VectorReader
 
-INTERPRETED = True
-VALUES = [[1, 2], [1.0, -0.5], "a b\n", b"\x01\xff", True]
+VALUES = [[1, 2], [1.0, -0.5], "a b\n", True]
 CHANNELS = 5
 SEEDS = [
     greeting(carrier, "/me") + message(carrier, "a", ["list", "out"]) + message(carrier, "r")
@@ -45,22 +43,31 @@ class Owner:
     name, socket_port = "/out", 10002
 
     def describe(self) -> list[str]:
-        """See `session.Owner`."""
+        """See `Port`."""
         return ["This is /out"]
 
     def add(self, wanted: str) -> str:
-        """See `session.Owner`."""
+        """See `Port`."""
         return f"Added {wanted}"
 
     remove = add
 
     def connections(self, outgoing: bool) -> dict[str, str]:
-        """See `session.Owner`."""
+        """See `Port`."""
         return {"/there": "tcp"}
 
-    def data(self, values: list) -> list[str]:
-        """See `session.Owner`."""
-        return [text_from_bottle(values)]
+
+class Link:
+    """A connection that brought lines."""
+
+    def __init__(self, data: bytes) -> None:
+        self.lines = Lines(60)
+        self.lines.feed(data)
+
+    def broke(self, why: str) -> int:
+        """See `YarpLink`."""
+        self.lines = Lines()
+        return 0
 
 
 def one_input(data: bytes) -> None:
@@ -100,10 +107,10 @@ def session(data: bytes) -> None:
     whole, pieces = Session(Owner()), Session(Owner())
     whole.take(data)
     for at in range(0, len(data), 7):
-        if pieces.done:
+        if pieces.ended:
             break
         pieces.take(data[at : at + 7])
-    assert whole.done == pieces.done
+    assert whole.ended == pieces.ended
     if whole.output is None:
         assert whole.answer == pieces.answer
 
@@ -120,15 +127,12 @@ def answers(data: bytes) -> None:
 
 
 def vectors(data: bytes) -> None:
-    """A stream of vectors becomes blocks of their channels, and nothing is taken twice."""
-    octets, seen = np.frombuffer(data, np.uint8).copy(), counters()
-    blocks, state = Blocks(64 * len(data) + 64), np.zeros(4, np.int64)
-    done = take_vectors(
-        octets, len(octets), blocks.words, blocks.octets, blocks.shorts, blocks.singles,
-        blocks.end, 10**9, 3, np.zeros(CHANNELS), state, seen,
-    )  # fmt: skip
-    assert 0 <= done <= len(octets)
+    """A stream of vectors becomes blocks of their channels."""
+    counted, blocks = counters(), Blocks(64 * len(data) + 64)
+    reader = VectorReader(Port("skin", CHANNELS), Link(data))
+    reader.take(blocks, 3, counted, 10**9)
     channels = Channels(3 + CHANNELS)
-    assert channels.apply(blocks) == seen[Count.READINGS] == len(list(blocks_of(blocks.data)))
+    assert channels.apply(blocks) == counted[Count.READINGS] == len(list(blocks_of(blocks.data)))
     assert np.isnan(channels.counts[:3]).all()
-    assert (seen >= 0).all()
+    assert (counted >= 0).all()
+    assert reader.note == "" or "expected 5 numbers" in reader.note

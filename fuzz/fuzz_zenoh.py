@@ -8,24 +8,22 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.acquisition import Port
-from skinfield.bridges.zenoh.calibration import Calibration
-from skinfield.bridges.zenoh.checked import blank_status, checked_status
-from skinfield.bridges.zenoh.fitted import contacts_from
-from skinfield.bridges.zenoh.keys import Part
 from skinfield.bridges.zenoh.messages import (
+    Calibration,
     EstimateHead,
     Plan,
+    contacts_from,
     described,
     object_of,
     strict_json,
 )
-from skinfield.bridges.zenoh.told import contact_plain
+from skinfield.bridges.zenoh.session import Part
+from skinfield.bridges.zenoh.status_messages import blank_status, checked_status, contact_plain
 from skinfield.conditioning import ICubByte
 from skinfield.contacts.live import CONTACT
 from skinfield.errors import InputError
 from skinfield.inverse import Tikhonov
-from skinfield.live.estimates import Models
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig, Models
 from skinfield.live.ring_fields import describe
 from skinfield.live.slots import Sizes
 from skinfield.live.snapshot import Snapshot
@@ -33,7 +31,7 @@ from skinfield.live.status import contacts_of
 from skinfield.mechanics import BondedLayer
 from skinfield.observation import Capacitance
 
-RECIPE = Recipe(
+MODEL_CONFIG = ModelConfig(
     skin=sf.Skin((sf.layouts.icub_triangle(),), name="one"),
     ports=(Port("port", 16),),
     layer=sf.Layer(2e-3, 150e3, 0.5),
@@ -45,12 +43,12 @@ RECIPE = Recipe(
     budget=1e-3,
     rows=3,
 )
-FIELDS = tuple(Sizes.of(RECIPE.skin, RECIPE.rungs, RECIPE.rows).fields())
-TOLD = describe("one", RECIPE, ["Source"], 1e-3)
+FIELDS = tuple(Sizes.of(MODEL_CONFIG.skin, MODEL_CONFIG.rungs, MODEL_CONFIG.rows).fields())
+TOLD = describe("one", MODEL_CONFIG, ["Source"], 1e-3)
 DESCRIPTION = described("robot", "one", TOLD, FIELDS)
 PLAN = Plan.of(DESCRIPTION)
-NOISE = Calibration(1, 1, Tikhonov(), np.full(len(RECIPE.skin[0]), 1e-3))
-STATUS = strict_json(blank_status("robot/one", RECIPE.skin) | {"state": "running"})
+NOISE = Calibration(1, 1, Tikhonov(), np.full(len(MODEL_CONFIG.skin[0]), 1e-3))
+STATUS = strict_json(blank_status("robot/one", MODEL_CONFIG.skin) | {"state": "running"})
 HEAD = EstimateHead(1, 2, 3, 4, 5, 6, PLAN.fingerprint).packed()
 
 
@@ -68,7 +66,7 @@ def cycle() -> bytes:
 
 CYCLE = cycle()
 CONTACTS = strict_json({"stamp_ns": 10**18, "contacts": [contact_plain(
-    np.ones(1, CONTACT)[0], [*RECIPE.skin] * 2, "fit")]})  # fmt: skip
+    np.ones(1, CONTACT)[0], [*MODEL_CONFIG.skin] * 2, "fit")]})  # fmt: skip
 GOOD = [CYCLE, DESCRIPTION, NOISE.packed(), STATUS, HEAD, CONTACTS]
 SEEDS = [b"", HEAD, STATUS, NOISE.packed(), bytes([0, 8, 0, 1]) + bytes(8), b"\x01" * 22]
 
@@ -101,9 +99,9 @@ def tried(read: Callable[[bytes], None], data: bytes) -> None:
 def read_cycle(data: bytes) -> None:
     """What the page and programs do with a cycle must go well."""
     slot = PLAN.slot(data)
-    models = Models(RECIPE, NOISE.noise_std)
+    models = Models(MODEL_CONFIG, NOISE.noise_std)
     snapshot = Snapshot(slot, 1, models, 2 * 10**18)
-    json.dumps(contacts_of([patch.name for patch in RECIPE.skin], slot))
+    json.dumps(contacts_of([patch.name for patch in MODEL_CONFIG.skin], slot))
     assert len(snapshot.ages()) == 1
     for name in snapshot:
         assert np.isfinite(snapshot[name].pressure).all()
@@ -119,14 +117,14 @@ def read_description(data: bytes) -> None:
 
 def read_calibration(data: bytes) -> None:
     """Noise and solver."""
-    found = Calibration.of(data, len(RECIPE.skin[0]))
+    found = Calibration.of(data, len(MODEL_CONFIG.skin[0]))
     assert np.isfinite(found.noise_std).all()
 
 
 def read_status(data: bytes) -> None:
     """Status: afterwards it has every member, and can be shown."""
-    status = checked_status(object_of(data, 1 << 20), RECIPE.skin)
-    assert status.keys() == blank_status("", RECIPE.skin).keys()
+    status = checked_status(object_of(data, 1 << 20), MODEL_CONFIG.skin)
+    assert status.keys() == blank_status("", MODEL_CONFIG.skin).keys()
     json.dumps(status, allow_nan=False)
 
 
@@ -138,7 +136,7 @@ def read_head(data: bytes) -> None:
 
 def read_contacts(data: bytes) -> None:
     """Contacts, with those of a fit."""
-    found = contacts_from(data, RECIPE.skin)
+    found = contacts_from(data, MODEL_CONFIG.skin)
     assert len(found.rows) == len(found.by)
     assert np.isfinite(found.rows["position"]).all()
     assert (found.rows["patch"] == 0).all()

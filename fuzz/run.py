@@ -156,7 +156,9 @@ def kernel_modules() -> list[str]:
     """Modules with compiled functions: Numba cannot read them once they are instrumented."""
     names = []
     for file in SOURCES.rglob("*.py"):
-        if re.search(r"^\s*(from numba|import numba)", file.read_text(), re.MULTILINE):
+        if re.search(
+            r"^\s*from (numba|skinfield\.compiled) import", file.read_text(), re.MULTILINE
+        ):
             names.append(".".join(file.relative_to(SOURCES).with_suffix("").parts))
     return names
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.contacts import ContactFinder
+from skinfield.contacts import regions_kernel as kernel
 from skinfield.fields import ModelError, PressureError, PressureNoise, PressurePosterior
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import cylinder, hexagon72, sphere_cap
@@ -142,3 +143,30 @@ def scenes(seed: int = 0, each: int = 8, kinds: dict[str, Grid] | None = None) -
                     (posterior, None)[turn % 3 == 2],
                     (ModelError(), KNOWN)[turn % 2],
                 )
+
+
+def regions(
+    values: np.ndarray, least_drop: np.ndarray, floor: float, edge: float
+) -> list[np.ndarray]:
+    """Split a picture into the regions of its peaks, each as rising flat cells; by falling peak."""
+    flat = np.ascontiguousarray(values, dtype=np.float64).ravel()
+    least = np.ascontiguousarray(least_drop, dtype=np.float64).ravel()
+    rows, columns = values.shape
+    work = kernel.room_for(rows, columns)
+    count = kernel.flood(flat, least, columns, 1.0, 0.0, floor, edge, work)
+    starts, cells = work[2][kernel.STARTS], work[2][kernel.REGIONS]
+    return [cells[starts[n] : starts[n + 1]].copy() for n in range(count)]
+
+
+def area_moves(
+    grid: Grid, pressure: np.ndarray, cells: np.ndarray, edge: float
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Cells around the border of a region, m²/Pa of each, and one deviation of the area."""
+    starts = np.array([0, len(cells)])
+    table = np.zeros((1, kernel.WIDTH))
+    table[0, kernel.PEAK] = pressure[cells].max()
+    flat = np.ascontiguousarray(pressure, dtype=np.float64)
+    _, around, weights = kernel.borders(
+        flat, grid.shape[1], grid.cell_area, edge, starts, cells, table
+    )
+    return around, weights, float(table[0, kernel.ROUNDING])

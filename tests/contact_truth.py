@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import skinfield as sf
-from skinfield.simulate.pressing.anywhere import Readings, readings_anywhere
+from skinfield.simulate.pressing.press import Readings, readings_anywhere
 
 Floats = NDArray[np.float64]
 LAYER = sf.Layer()

@@ -31,7 +31,18 @@ def contacts(
     stated = noise if error is None else error
     beside = ModelError() if model_error is None else model_error
     made = [contact_of(grid, pressure, cells, stated, beside, finder.edge) for cells in found]
-    return tuple(sorted(made, key=lambda contact: -contact.normal_force))
+    return by_force(made)
+
+
+def by_force(made: list[Contact]) -> tuple[Contact, ...]:
+    """Falling; neighbours that differ by 1e-9 at most are equal, and come by their first cell."""
+    groups: list[list[Contact]] = []
+    for contact in sorted(made, key=lambda each: -each.normal_force):
+        if groups and groups[-1][-1].normal_force <= (1.0 + 1e-9) * contact.normal_force:
+            groups[-1].append(contact)
+        else:
+            groups.append([contact])
+    return tuple(each for group in groups for each in sorted(group, key=lambda c: c.cells[0]))
 
 
 def regions(

@@ -49,7 +49,7 @@ class Told:
 class ToldOperator:
     def __init__(self, told: Told, nodes: int, problem: Any, linear: Any) -> None:
         self.told, self.nodes, self.problem, self.linear = told, nodes, problem, linear
-        self.gap, self.objective, self.iterations, self.ending = 1.0, 1.0, 0, 0
+        self.gap, self.objective, self.iterations = 1.0, 1.0, 0
         self.dual = np.zeros(len(problem.whitening))
         self.started: list[float] = []
         self.pressure_std, self.posterior = linear.pressure_std, linear.posterior
@@ -61,11 +61,7 @@ class ToldOperator:
         needed = round(1e9 * self.told.seconds[self.nodes] * self.told.slower["factor"])
         in_time = deadline_ns is None or clock.now + needed <= deadline_ns
         clock.now = clock.now + needed if in_time else max(clock.now, int(deadline_ns or 0))
-        self.again(readings, out, int(in_time))
-
-    def again(self, readings: Any, out: Any, ending: int) -> None:
-        self.gap, self.iterations = (1e-4, 3) if ending else (0.5, 1)
-        self.ending = ending
+        self.gap, self.iterations = (1e-4, 3) if in_time else (0.5, 1)
         out[:] = 1.0
         self.dual[:] = readings
 

@@ -16,8 +16,7 @@ from skinfield.layout.generators import by_name
 from skinfield.protocols.cyskin import CySkinEncoder, SharedMemoryWriter, on_boards
 from skinfield.protocols.icub import ICubConfiguration, configuration_for
 from skinfield.protocols.packet import encode_command, packets_of
-from skinfield.protocols.packet.encode import encode_counts
-from skinfield.protocols.packet.layout import Packet, PacketKind
+from skinfield.protocols.packet.packets import Packet, PacketKind, encode_counts
 from skinfield.sources.buses import BusSettings, open_bus
 
 COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
@@ -67,7 +66,7 @@ class ICubBoard:
     def unplug(self, stream: Stream) -> None:
         """Break the host's socket, and keep its port from it."""
         link = stream.buses[0]  # type: ignore[attr-defined]
-        link._receiver.close()
+        link._socket.close()
         self.blocker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         wait_for(lambda: _bound(self.blocker, self.own))
 

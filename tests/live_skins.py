@@ -11,9 +11,9 @@ import numpy as np
 import skinfield as sf
 from skinfield.acquisition import Blocks, Kind, Port, counters
 from skinfield.live.binding import bind
-from skinfield.live.cycle import Cycle
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.settings import LiveSettings
+from skinfield.live.update import Updater
 from skinfield.realtime import RealTime
 from skinfield.simulate import Sphere, press
 
@@ -105,12 +105,16 @@ def sf_board() -> object:
     return ICubByte()
 
 
-def cycle_of(made: LiveSettings, noise: float = 0.004) -> Cycle:
+def cycle_of(made: LiveSettings, noise: float = 0.004) -> Updater:
     """A cycle with a known calibration."""
     taxels = sum(map(len, made.skin))
-    recipe = Recipe.of(made, (Port("port", max(int(p.channel.max()) for p in made.skin) + 1),))
+    model_config = ModelConfig.of(
+        made, (Port("port", max(int(p.channel.max()) for p in made.skin) + 1),)
+    )
     table = np.tile([REST, GAIN, 0.6, 1.0], (taxels, 1))
-    return Cycle(recipe, bind(made.skin, recipe.ports), table, np.full(taxels, noise), 10**8)
+    return Updater(
+        model_config, bind(made.skin, model_config.ports), table, np.full(taxels, noise), 10**8
+    )
 
 
 @cache

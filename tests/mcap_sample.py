@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.acquisition.recorded import Cycle, CycleFlag, CycleLayout, Enclosed
-from skinfield.sinks.mcap import RecordingSettings, RecordingWriter, Zstd
+from skinfield.acquisition.recorded import Cycle, CycleFlag, CycleLayout, Enclosed, FieldRecord
+from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
 
 CONTACT = np.dtype([("track", "<i8"), ("force", "<f8", (3,))])
 PATCH = np.dtype([("answer", "<i4"), ("rung", "<i4"), ("force", "<f8")])
@@ -18,11 +18,18 @@ def cycle_of(number: int) -> Cycle:
     contacts["track"] = number
     patches = np.zeros(2, PATCH)
     patches["force"] = number
-    script = np.arange(4, dtype=np.int64).reshape(2, 2) + number
-    key = CycleFlag.KEY if number % 4 == 0 else CycleFlag(0)
+    flags = CycleFlag.LATE if number % 4 == 0 else CycleFlag(0)
     at = 1000 * number
-    return Cycle(number, key, at, at + 1, at + 2, at + 3, START + at, 48 * (number + 1),
-                 script, contacts, patches)  # fmt: skip
+    return Cycle(number, flags, at, at + 1, at + 2, at + 3, START + at, 48 * (number + 1),
+                 contacts, patches)  # fmt: skip
+
+
+def field_of(number: int) -> FieldRecord:
+    """Of two patches with 4 and 9 nodes of 16, and three taxels."""
+    pressure = np.zeros((2, 16), np.float32)
+    pressure[0, number % 4], pressure[1, :9] = number, 1.0
+    taxels = np.full(3, np.nan, np.float32), np.arange(3, dtype=np.float32), np.ones(3, np.uint8)
+    return FieldRecord.of(number, START + 1000 * number, np.array([2, 3]), pressure, taxels)
 
 
 def blocks_at(number: int) -> bytes:
@@ -30,19 +37,21 @@ def blocks_at(number: int) -> bytes:
 
 
 def write(
-    path: Path, cycles: int = 12, compression=None, flush_every: int = 3, close: bool = True
+    path: Path, cycles: int = 12, compression="zstd", flush_every: int = 3, close: bool = True
 ) -> RecordingWriter:
     """A cycle and 48 bytes of the log each; a chunk every `flush_every` cycles."""
     writer = RecordingWriter(
         path,
         [Enclosed("configuration.json", "application/json", b'{"a": 1}')],
         layout=ROWS,
-        settings=RecordingSettings(compression or Zstd()),
+        settings=RecordingSettings(compression),
     )
     for number in range(cycles):
         cycle = cycle_of(number)
         writer.write_blocks(cycle.wall_ns, 48 * number, blocks_at(number))
         writer.write_cycle(cycle.wall_ns, ROWS.encode(cycle))
+        if number % flush_every == 0:
+            writer.write_field(cycle.wall_ns, field_of(number).encode())
         if number % flush_every == flush_every - 1:
             writer.flush()
     writer.timing(START + 10**6, {"cycles": cycles, "wake_us": {"p50": 1.5, "max": float("nan")}})

@@ -11,9 +11,8 @@ from scipy.stats import norm
 
 from skinfield.errors import Floats
 from skinfield.inverse import NonNegative
-from skinfield.inverse.bumps import bump_of
-from skinfield.inverse.gaussian_field import taxel_distance
-from skinfield.inverse.non_negative_operator import NonNegativeOperator
+from skinfield.inverse.linear import taxel_distance
+from skinfield.inverse.non_negative import NonNegativeOperator, bump_of
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, Layer
 from skinfield.observation import BaseStress, Capacitance, ObservationModel

@@ -9,7 +9,7 @@ from skinfield.acquisition import Blocks, Kind, Port
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.contacts.live import CONTACT as ROW
 from skinfield.layout import Patch, Skin
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.ring_fields import description_of, status_fields
 from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import PATCH, Head, Sizes, Slot
@@ -28,18 +28,18 @@ def skin_of(taxels: int) -> Skin:
 
 
 class FakeEngine:
-    """Publishes a cycle whenever told: blocks of random counts, a contact, a script."""
+    """Publishes a cycle whenever told: blocks of random counts, a contact, a pressure."""
 
     def __init__(self, name: str, taxels: int = 24, slots: int = 64, log_bytes: int = 1 << 20):
         self.skin = skin_of(taxels)
         settings = LiveSettings(skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,))
         ports = (Port("arm", taxels),)
-        recipe = Recipe.of(settings, ports)
-        sizes = Sizes(1, taxels, 16, 8, (4, 3))
+        model_config = ModelConfig.of(settings, ports)
+        sizes = Sizes(1, taxels, 16, 8)
         self.fields = (sizes.fields(), status_fields(1, taxels))
         self.sizes = (slots, log_bytes)
         self.ring = Ring.create(
-            name, *self.fields, description_of(settings, recipe), slots, log_bytes
+            name, *self.fields, description_of(settings, model_config), slots, log_bytes
         )
         status = self.ring.status
         status["calibration"][:] = (200.0, -100.0, 0.5, 1.0)
@@ -71,13 +71,16 @@ class FakeEngine:
         slot = Slot.of(self.ring.begin())
         mono = time.monotonic_ns()
         slot.head[:] = 0
-        slot.head[Head.FLAGS] = CycleFlag.KEY if self.number % 10 == 0 else self.flags
+        slot.head[Head.FLAGS] = CycleFlag.LATE if self.number % 10 == 0 else self.flags
+        slot.head[Head.FRESH] = 1
         slot.head[Head.DUE_NS : Head.WALL_NS] = mono + np.arange(4)
         slot.head[Head.WALL_NS], slot.head[Head.LOG_POSITION] = now, self.ring.log_end
-        slot.head[Head.SCRIPT] = self.number % 4
-        slot.script[:] = self.number
+        slot.counts[:], slot.values[:], slot.valid[:] = counts, 1e-3 * self.number, 1
+        slot.pressure[:] = 0.0
+        slot.pressure[0, self.number % 16] = self.number
         slot.patches[:] = np.zeros(1, PATCH)
         slot.patches["contacts"] = self.number % 3
+        slot.patches["rung"] = 4
         slot.patches["force"] = self.number
         slot.contacts[:] = np.zeros(8, ROW)
         slot.contacts["track"] = self.number
@@ -91,6 +94,13 @@ class FakeEngine:
     def close(self) -> None:
         self.ring.unlink()
         self.ring.close()
+
+
+def missing_bytes(recording) -> int:
+    """Of the log between the first and the last that is in a file."""
+    blocks = list(recording.blocks())
+    spanned = blocks[-1].position + len(blocks[-1].data) - blocks[0].position
+    return spanned - sum(len(each.data) for each in blocks)
 
 
 def main() -> None:

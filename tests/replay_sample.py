@@ -11,16 +11,15 @@ import numpy as np
 from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
 
 from skinfield.acquisition import Blocks, Channels, Kind
-from skinfield.acquisition.recorded import CycleFlag, CycleLayout, Enclosed
+from skinfield.acquisition.recorded import CycleLayout, Enclosed, FieldRecord
 from skinfield.contacts.live import CONTACT
 from skinfield.live.fit_ring import LAYOUT as FIT
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.slots import PATCH, Head, Slot
 from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
 
 START = 1_700_000_000_000_000_000
 PERIOD = 10_000_000  # ns
-KEYS = 50  # cycles from key to key
 STALE = 100_000_000  # ns
 NOISE = 0.004
 ROWS = CycleLayout(CONTACT, PATCH)
@@ -44,11 +43,11 @@ def level(number: int) -> float:
     return abs(float(np.sin(number / 75 * np.pi)))
 
 
-def tare_file(table: np.ndarray) -> Enclosed:
+def tare_file(table: np.ndarray, number: int = 1) -> Enclosed:
     buffer = io.BytesIO()
     noise = np.full(len(table), NOISE)
     np.savez(buffer, calibration=table, noise_std=noise, stale_ns=np.array([STALE]), tares=[1])
-    return Enclosed("tare-1.npz", "application/octet-stream", buffer.getvalue())
+    return Enclosed(f"tare-{number}.npz", "application/octet-stream", buffer.getvalue())
 
 
 def write(
@@ -58,6 +57,7 @@ def write(
     first: int = 0,
     without: range = range(0),
     tared_at: int = -1,
+    every: int = 1,
     close: bool = True,
     beside: Callable[[RecordingWriter, Slot, int], None] | None = None,
 ) -> list[Known]:
@@ -71,14 +71,16 @@ def write(
         Nor are these cycles and their readings.
     tared_at : int
         Cycle before which another baseline is taken.
+    every : int
+        Cycles from field to field.
     beside : function of writer, slot and number, optional
         Called after each cycle; what a fit found may be written then.
     """
     cycle, made = cycle_of(settings(), NOISE), []
-    recipe: Recipe = cycle.recipe
+    model_config: ModelConfig = cycle.model_config
     table = np.tile([REST, GAIN, 0.6, 1.0], (72, 1))
     skin_files = (
-        Enclosed("configuration.json", "application/json", recipe.to_json().encode()),
+        Enclosed("configuration.json", "application/json", model_config.to_json().encode()),
         Enclosed("ring.json", "application/json", json.dumps({"period": 1e-9 * PERIOD}).encode()),
         tare_file(table),
     )
@@ -93,22 +95,22 @@ def write(
         blocks.put(wall - 1000, 0, np.rint(REST + level(number) * change), Kind.BYTES)
         if number == tared_at:
             table = table + np.array([0.25, 0.0, 0.0, 0.0])
-            rows = np.column_stack([table, np.full(72, NOISE), np.full(72, STALE * 1e-9)])
-            blocks.put_rows(wall, 0, Kind.CALIBRATION, rows)
             cycle.calibrate(table)
         channels.apply_good(blocks)
-        key = number % KEYS == 0
-        cycle.answer(channels, wall, slot, key=key)
+        cycle.answer(channels, wall, slot, reset=number == 0)
         data = bytes(blocks.data)
         position += len(data)
-        _stamp(slot, wall, position, CycleFlag.KEY if key else CycleFlag(0))
+        _stamp(slot, wall, position)
         told = slot.recorded(number)
         if number >= first and number not in without:
             writer.write_blocks(wall, position - len(data), data)
             writer.write_cycle(wall, ROWS.encode(told))
+            if number % every == 0:
+                writer.write_field(wall, _field(number, wall, slot).encode())
             if number % 10 == 9:
                 writer.flush()
             if number == tared_at:
+                writer.enclose(wall, tare_file(table, 2))
                 writer.event(wall, "calibrated", "the baseline was taken anew", tares=2)
             if beside is not None:
                 beside(writer, slot, number)
@@ -118,9 +120,14 @@ def write(
     return made
 
 
-def _stamp(slot: Slot, wall: int, position: int, flags: CycleFlag) -> None:
+def _field(number: int, wall: int, slot: Slot) -> FieldRecord:
+    taxels = slot.counts, slot.values, slot.valid
+    return FieldRecord.of(number, wall, slot.patches["rung"], slot.pressure, taxels)
+
+
+def _stamp(slot: Slot, wall: int, position: int) -> None:
     head = slot.head
-    head[Head.FLAGS], head[Head.WALL_NS], head[Head.LOG_POSITION] = int(flags), wall, position
+    head[Head.FLAGS], head[Head.WALL_NS], head[Head.LOG_POSITION] = 0, wall, position
     head[Head.DUE_NS] = wall - START
     head[Head.WAKE_NS] = wall - START + 20_000
     head[Head.ACQUIRED_NS] = wall - START + 40_000

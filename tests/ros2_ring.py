@@ -8,11 +8,11 @@ from recorder_ring import NoSource
 from skinfield.acquisition import Blocks, Kind, Port
 from skinfield.contacts.live import CONTACT
 from skinfield.layout import Patch, Skin
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.ring_fields import description_of, status_fields
+from skinfield.live.runtime_parameters import Tuning
 from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import PATCH, Head, Sizes, Slot
-from skinfield.live.tuning import Tuning
 from skinfield.ring import Ring, State
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # x to y
@@ -50,10 +50,10 @@ class TwoPatches:
         self.skin = two_patches()
         settings = LiveSettings(skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,))
         ports = tuple(Port(p.name, n) for p, n in zip(self.skin, TAXELS, strict=True))
-        recipe = Recipe.of(settings, ports)
-        sizes = Sizes(2, sum(TAXELS), 16, 8, (4, 3))
+        model_config = ModelConfig.of(settings, ports)
+        sizes = Sizes(2, sum(TAXELS), 16, 8)
         self.fields = sizes.fields(), status_fields(2, sum(TAXELS))
-        self.ring = Ring.create(name, *self.fields, description_of(settings, recipe), *ROOM)
+        self.ring = Ring.create(name, *self.fields, description_of(settings, model_config), *ROOM)
         self.blocks = Blocks(1 << 12)
         status = self.ring.status
         status["noise_std"][:], status["tares"][0] = 0.01, 1

@@ -1,153 +1,271 @@
-"""The accuracy table: its parts, its order, and what must come out of it."""
+"""Accuracy on random presses: against other presses, bounds and chance."""
 
-import csv
-import json
-import pickle
 from dataclasses import replace
-from pathlib import Path
+from functools import lru_cache
 
 import numpy as np
 import pytest
 
+import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.experiments.accuracy.picture import accuracy_figure
-from skinfield.experiments.accuracy.plan import (
-    ANYWHERE,
-    SHORT,
-    SMOKE,
+from skinfield.inverse import InverseOperator
+from skinfield.lab.accuracy import (
+    KNOWN,
+    UNKNOWN,
     AccuracyPlan,
+    Findings,
     accuracy_plan,
-    noise_per_count,
-)
-from skinfield.experiments.accuracy.rows import (
-    SINKS,
     accuracy_rows,
-    accuracy_table,
-    accuracy_tasks,
-    pose_places,
+    bound_rows,
+    idle_rows,
+    parts_of,
+    two_point_rows,
 )
-from skinfield.experiments.paper.presses import INNER, PLACES, TIPS, paper_patch
-from skinfield.experiments.scoring.rows import Row, write_csv, write_json
+from skinfield.lab.bound import bound_of, contact_family
+from skinfield.lab.case_sets import (
+    APART,
+    DEEPEST,
+    EXTENDED,
+    GROUPS,
+    LOADS,
+    SEVERAL,
+    SILICONE,
+    SINGLE,
+    RandomPress,
+    random_cases,
+    random_press,
+)
+from skinfield.lab.cases import Case
+from skinfield.lab.report import SMOKE, Missing, Section, Settings
+from skinfield.lab.score import quantiles, summarise
+from skinfield.lab.sections.accuracy import accuracy
+from skinfield.lab.validation import (
+    FLOORS,
+    GAUSSIAN,
+    PAPER,
+    Entrant,
+    Level,
+    at_level,
+    known_entrants,
+    rows_of_case,
+)
+from skinfield.layout.generators import icub_hexagon, icub_triangle
+from skinfield.observation import ObservationModel
+from skinfield.simulate import Sphere
 
-TINY = replace(SMOKE, quantities=("stress",), noise_counts=(0.05, 3.5), poses=12, cell=0.5e-3)
+PATCH = icub_hexagon()
+FEW = 10
 
 
-@pytest.fixture(scope="module")
-def rows() -> list[Row]:
-    return accuracy_table(TINY)
+@lru_cache(maxsize=1)
+def presses() -> list[RandomPress]:
+    return [random_press(PATCH, index, 7, cell=0.5e-3) for index in range(FEW)]
 
 
-def test_every_combination_has_a_row(rows: list[Row]) -> None:
-    heads = {(r["solver"], r["model"], r["load_N"], r["noise_counts"]) for r in rows}
-    assert len(rows) == len(heads) == 2 * 2 * 2 * 2
-    assert {r["quantity"] for r in rows} == {"stress"}
-    assert {r["readings"] for r in rows} == {12}
-    assert len({tuple(row) for row in rows}) == 1  # all have the same columns
-    assert not any(row["note"] for row in rows)
+def test_shares_of_the_groups_and_what_is_in_them() -> None:
+    shares = {group: GROUPS.count(group) / len(GROUPS) for group in (SINGLE, SEVERAL, EXTENDED)}
+    assert shares == {SINGLE: 0.60, SEVERAL: 0.25, EXTENDED: 0.15}
+    for press in presses():
+        kinds = {body.kind for body in press.press.indenters}
+        if press.group == SINGLE:
+            assert kinds <= {"ball", "cone"}
+        if press.group == EXTENDED:
+            assert kinds <= {"flat cylinder", "bar", "ring"}
+        assert (len(press.press.indenters) > 1) == (press.group == SEVERAL)
 
 
-def test_intervals_hold_their_medians(rows: list[Row]) -> None:
-    names = [key[:-7] for key in rows[0] if key.endswith("_median")]
-    assert {"force_error", "place_error_mm", "deformation_error"} <= set(names)
+def test_loads_depths_and_places_are_within_what_is_said() -> None:
+    low, high = PATCH.plane.min(axis=0), PATCH.plane.max(axis=0)
+    inner = 0.3 * (high - low)
+    for press in presses():
+        solved = press.press
+        assert solved.approach.max() <= DEEPEST * solved.layer.thickness
+        assert ((solved.forces > 0.999 * LOADS[0]) & (solved.forces < 1.001 * LOADS[1])).all()
+        places = np.array([contact.position for contact in press.truth.contacts])
+        assert len(places) == len(solved.indenters)
+        assert (np.abs(places - (low + high) / 2) <= inner + 0.2e-3).all()
+        if press.group == SEVERAL:
+            apart = np.linalg.norm(places[:, None] - places, axis=2)
+            assert apart[np.triu_indices(len(places), 1)].min() > APART[0] - 0.2e-3
+
+
+def test_readings_are_those_of_the_press_moved_taxel_by_taxel() -> None:
+    """The spline over the distance, and the pose, against the press solved at its place."""
+    press = presses()[0]
+    body = press.press.indenters[0]
+    assert isinstance(body, Sphere)
+    there = replace(body, position=(press.pose.x, press.pose.y))
+    direct = sf.simulate.press(press.press.layer, [there], extent=60e-3, cell=0.25e-3)
+    expected = direct.base_stress(PATCH.plane, PATCH.pad_diameter)
+    found = press.case(PATCH, "stress").readings
+    assert np.abs(found - expected).max() < 2e-3 * expected.max()
+
+
+def test_the_same_seed_gives_the_same_cases() -> None:
+    one, again = (
+        [case.readings for case in random_cases(PATCH, 1, 7, "stress", 100.0, 2, cell=0.5e-3)]
+        for _ in range(2)
+    )
+    np.testing.assert_array_equal(one, again)
+    other = next(random_cases(PATCH, 1, 8, "stress", 100.0, 2, cell=0.5e-3))
+    assert np.abs(other.readings - one[0]).max() > 1e3
+
+
+def test_a_small_patch_has_no_room_for_several() -> None:
+    with pytest.raises(InputError, match="take a larger patch"):
+        random_press(icub_triangle(), 1, 0)
+
+
+def test_a_soft_layer_bears_no_load() -> None:
+    with pytest.raises(InputError, match="expected one that bears"):
+        random_press(PATCH, 0, 0, layer=sf.Layer(0.3e-3, 3e3, 0.5), cell=0.5e-3)
+
+
+def plan_of(**changes: object) -> AccuracyPlan:
+    small = AccuracyPlan(
+        entrants=known_entrants()[:2], levels=(Level("stress", 380.0),), presses=2,
+        cell=0.5e-3, idle=300, trials=8, resamples=99,
+    )  # fmt: skip
+    return replace(small, **changes)  # type: ignore[arg-type]
+
+
+def test_a_gate_is_a_distance() -> None:
+    with pytest.raises(InputError, match="gate is 0, expected a finite number above 0"):
+        replace(known_entrants()[0], gate=0)
+
+
+def test_errors_at_the_bound_have_its_size() -> None:
+    press = next(each for each in presses() if isinstance(each.press.indenters[0], Sphere))
+    [body], [contact] = press.press.indenters, press.truth.contacts
+    rows = bound_rows(plan_of(), [body], press.truth, np.random.default_rng(0), draws=4000)
+    family = contact_family(
+        press.press.layer, Sphere(radius=body.radius, force=contact.force), "stress",
+        PATCH.pad_diameter, extent=20e-3, cell=0.4e-3, size="radius",
+    )  # fmt: skip
+    exact = family.jacobian(PATCH.plane - contact.position)
+    for name, columns, prior in ((KNOWN, 3, None), (UNKNOWN, 4, 0.6)):
+        mine = [row for row in rows if row["method"] == name]
+        bound = bound_of(exact[:, :columns], 380.0, prior)
+        place_rms = np.sqrt(np.mean([(1e-3 * row["place_error_mm"]) ** 2 for row in mine]))
+        force_rms = np.sqrt(np.mean([row["force_error"] ** 2 for row in mine]))
+        assert place_rms == pytest.approx(bound.place, rel=0.08)
+        assert force_rms == pytest.approx(bound.force, rel=0.08)
+
+
+class Blind:
+    """A field of nothing: it never finds a contact."""
+
+    def prepare(self, model: ObservationModel) -> InverseOperator:
+        nodes, taxels = len(model.grid), len(model.taxels)
+        return InverseOperator(np.zeros((nodes, taxels)), np.ones(nodes))
+
+
+def test_who_finds_nothing_misses_all_and_raises_no_alarm() -> None:
+    blind = Entrant(name="blind", solver=Blind(), nodes=10)
+    case = presses()[1].case(PATCH, "stress")
+    [row] = rows_of_case(case, [Level("stress", 380.0)], [blind], 0)
+    assert row["missed"] == row["contacts"] == len(presses()[1].press.indenters)
+    assert (row["force_error"], row["false"], row["matched"]) == (-1.0, 0, 0)
+    assert np.isnan(row["place_error_mm"])
+    [quiet] = idle_rows(plan_of(entrants=(blind,)), Level("stress", 380.0))["idle"]
+    assert (quiet["idle"], quiet["seen"]) == (300, 0)
+
+
+def test_rows_of_the_known_methods() -> None:
+    case = presses()[2].case(PATCH, "stress")
+    levels = [Level("stress", 0.0), Level("stress", 380.0)]
+    rows = list(rows_of_case(case, levels, known_entrants()[:2], 0))
+    assert [row["method"] for row in rows] == [PAPER, GAUSSIAN] * 2
     for row in rows:
-        for name in names:
-            if np.isfinite(row[f"{name}_low"]):
-                assert row[f"{name}_low"] <= row[f"{name}_median"] <= row[f"{name}_high"]
-        assert row["missed_low"] <= row["missed"] <= row["missed_high"]
+        assert 0.0 < abs(row["force_error"]) < 1.2
+        assert row["place_error_mm"] < 4.0
+        assert min(row["cold_ms"], row["warm_ms"]) > 0.0
+    again = list(rows_of_case(case, levels, known_entrants()[:2], 0))
+    assert [r["force_error"] for r in again] == [r["force_error"] for r in rows]
 
 
-def test_less_noise_misses_less_and_the_bound_is_in_proportion(rows: list[Row]) -> None:
-    def of(counts: float) -> list[Row]:
-        return [row for row in rows if row["noise_counts"] == counts]
+def test_linear_solvers_err_between_brackets_far_above_the_bound() -> None:
+    """A ball with 3 N at a low noise: what is between taxels is not seen by linear solvers."""
+    ball, level, rng = (
+        Sphere(radius=6e-3, force=3.0),
+        Level("stress", 12.0),
+        np.random.default_rng(3),
+    )
+    solved = sf.simulate.press(SILICONE, [ball], 28e-3, 0.5e-3)
+    rows, bound = [], []
+    for index, (x, y) in enumerate(rng.uniform(-12e-3, 12e-3, (6, 2)).tolist()):
+        case = Case.from_press("ball", solved, PATCH, "stress", (x, y, 0.0))
+        rows += rows_of_case(case, [level], known_entrants(20)[:2], index)
+        bound += bound_rows(plan_of(levels=(level,)), [ball], case.truth, rng, draws=20)
+    limit = quantiles([row for row in bound if row["method"] == KNOWN])
+    assert limit["place_error_mm_median"] < 0.05
+    assert limit["force_error_median"] < 0.02
+    for method in (PAPER, GAUSSIAN):
+        found = summarise([row for row in rows if row["method"] == method], resamples=99)
+        assert found["missed"] < 0.1
+        assert 0.3 < found["place_error_mm_median"] < 3.5
+        assert 0.04 < found["force_error_median"] < 0.7
+        assert 0.2 < found["blurred_pressure_error_median"] < 0.9
+        assert found["pressure_error_median"] > found["blurred_pressure_error_median"]
 
-    quiet, loud = of(0.05), of(3.5)
-    assert sum(row["missed"] for row in quiet) < sum(row["missed"] for row in loud)
-    for one, other in zip(quiet, loud, strict=True):
-        assert other["bound_place_mm"] == pytest.approx(70.0 * one["bound_place_mm"])
-        assert other["noise_std"] == pytest.approx(70.0 * one["noise_std"])
-    heavy = [row for row in quiet if row["load_N"] == 3.0]
-    for row in heavy:  # far above the bound: what is between taxels is not seen by linear solvers
-        assert row["missed"] < 0.1
-        assert row["bound_place_mm"] < 0.05 < 0.3 < row["place_error_mm_median"] < 3.5
-        assert row["bound_force"] < 0.02 < 0.04 < row["force_error_median"] < 0.7
-        assert 0.2 < row["blurred_pressure_error_median"] < 0.9
-        assert row["pressure_error_median"] > row["blurred_pressure_error_median"]
+
+def test_exact_readings_are_told_with_the_floor() -> None:
+    case = presses()[2].case(PATCH, "stress")
+    exact = at_level(case, Level("stress", 0.0), 3)
+    np.testing.assert_array_equal(exact.readings, np.stack([case.readings] * 2))
+    assert (exact.noise_std == FLOORS["stress"]).all()
+    some = at_level(case, Level("stress", 500.0), 3)
+    spread = (some.readings - case.readings).std()
+    assert 350 < spread < 650
+    with pytest.raises(InputError, match="noise is -1"):
+        Level("stress", -1.0)
 
 
-def test_tasks_are_independent_and_the_same_each_time(rows: list[Row]) -> None:
-    tasks = pickle.loads(pickle.dumps(accuracy_tasks(TINY)))
-    assert [name for name, _, _ in tasks] == ["half-sphere 1.2 cm 0.5 N", "half-sphere 1.2 cm 3 N"]
-    _, function, arguments = tasks[1]
-    alone = function(*arguments)
-    assert [str(row) for row in alone] == [str(row) for row in rows[len(rows) // 2 :]]
-
-
-def test_places_are_what_they_are_called() -> None:
-    places = pose_places(SHORT, TIPS[0], 0.5)
-    taxels = paper_patch().plane
-    nearest = {
-        name: np.sort(np.linalg.norm(taxels[None] - group[:, None], axis=2), axis=1)
-        for name, group in places.items()
+def test_two_balls_far_apart_are_two_and_close_ones_are_not() -> None:
+    level = Level("stress", 100.0)
+    plan = plan_of(pairs=(level,), entrants=known_entrants()[1:2])
+    found = {
+        distance: two_point_rows(plan, distance)["pairs"][0]["found"] for distance in (4e-3, 16e-3)
     }
-    assert list(places) == [*PLACES, ANYWHERE]
-    np.testing.assert_allclose(nearest["over a taxel"][:, 0], 0.0, atol=1e-9)
-    np.testing.assert_allclose(np.ptp(nearest["between two"][:, :2], axis=1), 0.0, atol=1e-8)
-    assert np.ptp(nearest["between three"][:, :3], axis=1).max() < 0.4e-3
-    for group in places.values():
-        assert np.linalg.norm(group, axis=1).max() <= INNER
+    assert found[4e-3] <= 1
+    assert found[16e-3] >= 5  # of eight
 
 
-def test_what_sinks_is_said() -> None:
-    [row] = accuracy_rows(TINY, TIPS[2], 3.0)  # 0.3 cm at 3 N
-    assert row["note"] == SINKS
-    assert (row["indenter"], row["load_N"]) == ("cylinder 0.3 cm", 3.0)
+def test_table_of_rows_made_by_hand() -> None:
+    rows = [
+        {
+            "case": f"{index}", "quantity": "stress", "noise": 380.0, "method": "m",
+            "contacts": 1, "matched": 1, "missed": 0, "false": index % 2,
+            "force_error": 0.1 * index, "place_error_mm": 1.0 * index,
+            "contact_force_error": 0.2, "pressure_error": 0.6, "blurred_pressure_error": 0.3,
+            "deformation_error": 0.4,
+            "cold_ms": 10.0, "warm_ms": 1.0, "place_held": 1, "force_held": 0,
+        }
+        for index in range(11)
+    ]  # fmt: skip
+    idle = [{"quantity": "stress", "noise": 380.0, "method": "m", "idle": 100, "false": 3}]
+    [row] = accuracy_rows(Findings(rows, [], idle, []), resamples=99)
+    assert row["force_error_median"] == pytest.approx(0.5)
+    assert row["place_error_mm_median"] == pytest.approx(5.0)
+    assert row["place_error_mm_p90"] == pytest.approx(9.0)
+    assert row["force_error_low"] < 0.5 < row["force_error_high"]
+    assert row["false_per_reading"] == pytest.approx(5 / 11)
+    assert row["idle_false_per_reading"] == pytest.approx(0.03)
+    assert (row["missed"], row["place_held"], row["force_held"]) == (0.0, 1.0, 0.0)
+    assert (row["cold_ms_median"], row["warm_ms_median"]) == (10.0, 1.0)
 
 
-def test_one_count_is_worth_the_same_part_of_a_press_in_each_quantity() -> None:
-    worth = noise_per_count(SHORT.layer, 0.5e-3)
-    assert worth["capacitance"] == pytest.approx(1 / 171)
-    # of a taxel below the ball at 1 N, from other solvers: 41.9 kPa for 0.2388 of ΔC/C₀
-    assert worth["stress"] == pytest.approx(41.9e3 / 0.2388 / 171, rel=0.03)
-    assert worth["gap"] < worth["capacitance"] < 1.3 * worth["gap"]
-
-
-def test_plans_are_checked() -> None:
-    assert accuracy_plan("smoke") is SMOKE
-    with pytest.raises(InputError, match="size is 'huge'"):
-        accuracy_plan("huge")
-    with pytest.raises(InputError, match="poses is 1"):
-        AccuracyPlan(poses=1)
-    with pytest.raises(InputError, match="places is 'nowhere'"):
-        AccuracyPlan(places=("nowhere",))
-    with pytest.raises(InputError, match="noise_counts"):
-        AccuracyPlan(noise_counts=(0.0,))
-
-
-def test_rows_in_files(rows: list[Row], tmp_path: Path) -> None:
-    mixed = [*rows, {"note": "sinks", "force_error_median": float("nan")}]
-    write_csv(mixed, tmp_path / "a.csv")
-    write_json(mixed, tmp_path / "a.json", seed=3)
-    with (tmp_path / "a.csv").open() as file:
-        table = list(csv.DictReader(file))
-    assert len(table) == len(mixed)
-    assert float(table[0]["load_N"]) == rows[0]["load_N"]
-    assert table[-1]["force_error_median"] == table[-1]["solver"] == ""
-    read = json.loads((tmp_path / "a.json").read_text())
-    assert read["seed"] == 3
-    assert read["rows"][-1]["force_error_median"] is None
-
-
-def test_the_picture_holds_every_solver_and_the_bound(rows: list[Row], tmp_path: Path) -> None:
-    figure = accuracy_figure(rows, noise_counts=0.05)
-    assert len(figure.axes) == 3  # place, force and misses of one quantity
-    names = figure.axes[0].get_legend_handles_labels()[1]
-    assert set(names) == {
-        "inverse (paper), half-space", "inverse (paper), layer", "Gaussian field, layer",
-        "Cramér-Rao bound (rms)",
-    }  # fmt: skip
-    heights = [line.get_ydata() for line in figure.axes[0].get_lines()]
-    bound = [row["bound_place_mm"] for row in rows if row["noise_counts"] == 0.05]
-    assert any(np.allclose(line, sorted(set(bound), reverse=True)) for line in heights)
-    figure.savefig(tmp_path / "a.png")
-    with pytest.raises(InputError, match="no rows of"):
-        accuracy_figure(rows, noise_counts=77.0)
+def test_the_section_from_its_parts() -> None:
+    plan = replace(accuracy_plan("smoke"), entrants=known_entrants()[:2])
+    results = [
+        part.function(*part.arguments)
+        for part in parts_of(replace(plan, presses=2, idle=50, trials=4))
+    ]
+    found = Findings.of(results)
+    assert len(found.rows) == 2 * 2
+    assert {row["method"] for row in found.bound} == {KNOWN, UNKNOWN}
+    section = accuracy(Settings(size=SMOKE), results)
+    assert isinstance(section, Section)
+    assert [picture.name for picture in section.pictures] == ["errors-stress", "two-points"]
+    assert all(picture.png.startswith(b"\x89PNG") for picture in section.pictures)
+    assert isinstance(accuracy(Settings(size=SMOKE), [None]), Missing)

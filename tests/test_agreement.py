@@ -3,7 +3,8 @@
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.experiments.agreement import BODIES, agree, agreement_table
+from skinfield.lab.paper import TIPS
+from skinfield.lab.sections.agreement import BODIES, agree, agreement_table, half_space_error
 from skinfield.mechanics import Layer
 from skinfield.simulate import Cylinder, Sphere
 
@@ -31,8 +32,25 @@ def test_a_sharp_flat_end_is_the_same_but_for_its_edge() -> None:
     assert row.lattice.depth == pytest.approx(row.depth, rel=4e-3)
 
 
+def test_half_space_error_is_that_of_narrow_and_wide_contacts() -> None:
+    """Stress suffers under narrow contacts, displacement under wide ones; brackets of both."""
+    ball, flat = (
+        half_space_error(TIPS[index].pressed(SOFT, 0.5, 0.4e-3))  # 1.2 cm: half-sphere, cylinder
+        for index in (1, 3)
+    )
+    assert 0.19 < ball.point_stress < 0.23
+    assert 0.10 < ball.displacement < 0.13
+    assert 0.04 < flat.point_stress < 0.08
+    assert 0.30 < flat.displacement < 0.40
+
+
+def test_a_thick_layer_is_a_half_space() -> None:
+    thick = Layer(20e-3, 100e3, 0.5)
+    assert half_space_error(TIPS[2].pressed(thick, 0.2, 0.3e-3)).displacement < 0.08
+
+
 def test_rows_become_a_table() -> None:
-    row = agree(SOFT, *BODIES[1], 0.2, 0.5e-3, finest=0.05)
+    row = agree(SOFT, *BODIES[0], 0.2, 0.5e-3, finest=0.05)
     table = agreement_table([row])
     assert len(table.rows[0]) == len(table.columns)
     assert table.rows[0][2] == pytest.approx(0.427, abs=2e-3)

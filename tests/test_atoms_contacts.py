@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from skinfield.fields import Contact
-from skinfield.inverse.atoms import outline
-from skinfield.inverse.atoms.body import body_of
-from skinfield.inverse.atoms.profiles import BALL, FLAT, unit_pressure
+from skinfield.inverse.atoms.contacts import bodies, body_of
 from skinfield.inverse.atoms.render import AtomRenderer
+from skinfield.inverse.atoms.table import BALL, FLAT, unit_pressure
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import cylinder
 from skinfield.mechanics import BondedLayer, Layer
-from skinfield.simulate.pressing.outline import enclosed
+from skinfield.simulate.pressing.press import enclosed
 
 LAYER = Layer(2e-3, 210e3, 0.5)
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))
@@ -180,7 +179,7 @@ def ring(radius: float) -> np.ndarray:
 
 def test_a_ring_of_atoms_has_its_outer_outline_and_no_area_in_the_hole() -> None:
     atoms = ring(1.2e-3)
-    assert outline.bodies(atoms) == [list(range(24))]
+    assert bodies(atoms) == [list(range(24))]
     body = body_of(atoms)
     axis = np.linspace(-7e-3, 7e-3, 701)
     points = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
@@ -205,11 +204,11 @@ def test_atoms_that_do_not_touch_have_an_outline_around_all() -> None:
 
 def test_segments_that_cross_are_one_body_and_neighbours_are_two() -> None:
     cross = np.array([[0, 0, 1, 0.2e-3, 4e-3, 0.0], [0, 0, 1, 0.2e-3, 4e-3, 1.5]])
-    assert outline.bodies(cross) == [[0, 1]]
+    assert bodies(cross) == [[0, 1]]
     apart = np.array([[0, 0, 1, 1e-3, 4e-3, 0.0], [0, 2.1e-3, 1, 1e-3, 4e-3, 0.0]])
-    assert outline.bodies(apart) == [[0], [1]]
+    assert bodies(apart) == [[0], [1]]
     chain = np.array([[x, 0, 1, 1e-3, 0, 0] for x in (0.0, 6e-3, 1.9e-3, 3.8e-3)])
-    assert outline.bodies(chain) == [[0, 2, 3], [1]]
+    assert bodies(chain) == [[0, 2, 3], [1]]
 
 
 def test_on_a_curved_patch_the_force_is_the_sum_over_the_skin() -> None:

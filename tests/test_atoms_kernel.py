@@ -9,9 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, predict, tables_of
-from skinfield.inverse.atoms.profiles import BALL, FAMILIES, FLAT, RING
-from skinfield.inverse.atoms.table import atom_table
+from skinfield.inverse.atoms.fit_kernel import PARAMETERS, Tables, predict, tables_of
+from skinfield.inverse.atoms.table import BALL, FAMILIES, FLAT, RING, atom_table
 from skinfield.mechanics import BondedLayer
 from skinfield.observation import BaseStress, Capacitance, Physics, Quantity
 

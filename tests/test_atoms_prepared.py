@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from test_atoms_search import fitter_of, noisy
 
-from skinfield.inverse.atoms.explore import inverses
+from skinfield.inverse.atoms.fit_kernel import refine
 from skinfield.inverse.atoms.fitter import ContactFitter
-from skinfield.inverse.atoms.refine import refine
-from skinfield.inverse.atoms.ring_sums import Point, ring_sums
+from skinfield.inverse.atoms.posterior import inverses
+from skinfield.inverse.atoms.table import Point, ring_sums
 from skinfield.observation.ring_layer import _far, _pull_with, _ring_with
 from skinfield.observation.round_gap import ANGLES, RADII, RoundGap
 

@@ -5,13 +5,12 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.inverse.atoms.profiles import BALL, FLAT, unit_pressure
 from skinfield.inverse.atoms.render import AtomRenderer
+from skinfield.inverse.atoms.table import BALL, FLAT, unit_pressure
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import cylinder
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
-from skinfield.mechanics.axisymmetric import indent_by_force, indent_to_radius, punch
-from skinfield.mechanics.profiles import Paraboloid
+from skinfield.mechanics.axisymmetric import Paraboloid, indent_by_force, indent_to_radius, punch
 from skinfield.observation import Deformation
 from skinfield.simulate import Sphere, press
 

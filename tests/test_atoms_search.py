@@ -8,11 +8,10 @@ from contact_truth import LAYER, PATCH, truth
 from numpy.typing import NDArray
 
 import skinfield as sf
-from skinfield.inverse.atoms.belief import Effort, belief_of, laplace
 from skinfield.inverse.atoms.fitter import CURVATURE_STD, ContactFitter
-from skinfield.inverse.atoms.problem import LOG_FORCES, AtomSet, Problem
-from skinfield.inverse.atoms.profiles import BALL, curvature_force
-from skinfield.inverse.atoms.search import search
+from skinfield.inverse.atoms.posterior import Effort, belief_of, laplace
+from skinfield.inverse.atoms.search import LOG_FORCES, AtomSet, Problem, search
+from skinfield.inverse.atoms.table import BALL, curvature_force
 from skinfield.mechanics import BondedLayer
 from skinfield.observation import BaseStress, Capacitance, ObservationModel, Quantity
 

@@ -10,20 +10,20 @@ from numpy.typing import NDArray
 from test_atoms_kernel import read, tables
 
 import skinfield as sf
-from skinfield.inverse.atoms.profiles import (
+from skinfield.inverse.atoms.table import (
     BALL,
     FAMILIES,
     FLAT,
     RING,
+    AtomTable,
+    atom_table,
     curvature_force,
     load_quadrature,
     unit_indentation,
     unit_pressure,
 )
-from skinfield.inverse.atoms.table import AtomTable, atom_table
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
-from skinfield.mechanics.axisymmetric import indent_by_force
-from skinfield.mechanics.profiles import Ball
+from skinfield.mechanics.axisymmetric import Ball, indent_by_force
 from skinfield.observation import Capacitance, Physics, Quantity
 
 Floats = NDArray[np.float64]
@@ -114,7 +114,7 @@ def first_order() -> AtomTable:
 @pytest.mark.parametrize("radius", [0.5, 2.0])
 def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> None:
     """The field in a gap that hardly changes is that of its linear kernel, on a grid."""
-    from skinfield.inverse.atoms.kernel import PARAMETERS, predict, tables_of
+    from skinfield.inverse.atoms.fit_kernel import PARAMETERS, predict, tables_of
 
     table = first_order()
     assert table.linear

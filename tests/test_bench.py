@@ -1,4 +1,4 @@
-"""What `skinfield bench` computes of its laps; the laps themselves are the machine's."""
+"""Benchmark: what `skinfield bench` computes of its laps, and its two panels."""
 
 import json
 import time
@@ -10,15 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.experiments.bench import anytime, contenders, files, grids, machine, run, scene
-from skinfield.experiments.bench.calls import Call
-from skinfield.experiments.bench.chain import Chain, run_chain
-from skinfield.experiments.bench.clock import laps, spread, undisturbed
-from skinfield.experiments.bench.contenders import Answer
-from skinfield.experiments.bench.settings import LADDER, SMOKE, BenchSettings, bench_size
-from skinfield.experiments.bench.truth import miss
-from skinfield.experiments.paper.algorithm import reconstruct_as_paper
 from skinfield.inverse import NonNegative
+from skinfield.lab.bench import costs, machine, run, scene
+from skinfield.lab.bench.costs import Answer, Call, Chain, run_chain
+from skinfield.lab.bench.machine import laps, spread, undisturbed
+from skinfield.lab.bench.picture import FLOOR, picture, written
+from skinfield.lab.bench.run import miss
+from skinfield.lab.bench.scene import LADDER, SMOKE, BenchSettings, bench_size
+from skinfield.lab.paper import reconstruct_as_paper
 from skinfield.layout import Grid
 from skinfield.pipeline import Reconstructor
 
@@ -123,8 +122,8 @@ def test_a_chain_has_deadlines_of_its_own_and_no_lead() -> None:
     assert all(left is None for _, left in cold.asked)
 
 
-def track_of(deadline: float | None, pressure: float, reference: np.ndarray) -> anytime._Track:
-    return anytime._Track(Scripted(np.full(4, pressure)), "warm", deadline, reference)
+def track_of(deadline: float | None, pressure: float, reference: np.ndarray) -> run._Track:
+    return run._Track(Scripted(np.full(4, pressure)), "warm", deadline, reference)
 
 
 def test_a_point_says_error_lateness_and_share_in_time(tiny: scene.Scene) -> None:
@@ -142,7 +141,7 @@ def test_a_point_says_error_lateness_and_share_in_time(tiny: scene.Scene) -> Non
     assert point.met == pytest.approx(3 / 6)
     assert point.late["max"] == pytest.approx(3e-3)
     assert point.late["min"] == 0.0
-    assert (point.gap["p50"], point.told, point.iterations["max"]) == (0.25, 1.0, 3)
+    assert (point.gap["p50"], point.reported, point.iterations["max"]) == (0.25, 1.0, 3)
     assert (point.missed, point.extra, point.place_median) == (2.0, 0.0, None)
     assert point.force["p50"] == 1.0  # nothing found: all of the force is missing
 
@@ -157,7 +156,7 @@ def test_without_a_deadline_nothing_is_late(tiny: scene.Scene) -> None:
 @given(st.lists(st.floats(0, 1), max_size=9), st.integers(1, 9))
 def test_a_missed_finger_is_infinitely_far(found: list[float], missed: int) -> None:
     ordered = sorted([*found, *[float("inf")] * missed])
-    middle = anytime.median_of_all(found, missed)
+    middle = run.median_of_all(found, missed)
     half = ordered[len(ordered) // 2]
     if half == float("inf"):
         assert middle is None
@@ -186,10 +185,10 @@ def test_a_contact_beside_its_finger_and_one_that_is_none() -> None:
 
 def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
     nodes, reading = 10, tiny.readings[-1]
-    model = contenders.model_of(TINY, nodes)
+    model = costs.model_of(TINY, nodes)
     for made, solver in (
-        (contenders.gaussian("g", TINY, nodes), contenders.GaussianField()),
-        (contenders.non_negative("n", model, NonNegative()), NonNegative()),
+        (costs.gaussian("g", TINY, nodes), costs.GaussianField()),
+        (costs.non_negative("n", model, NonNegative()), NonNegative()),
     ):
         made.reset()
         made.answer(reading, None)
@@ -208,7 +207,7 @@ def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
 
 def test_the_papers_inverse_prepared_is_its_algorithm(tiny: scene.Scene) -> None:
     grid = Grid.square(TINY.patch, nodes=10)
-    made = contenders.paper_prepared("paper", TINY, 10)
+    made = costs.paper_prepared("paper", TINY, 10)
     made.answer(tiny.readings[-1], None)
     printed = reconstruct_as_paper(
         tiny.readings[-1], TINY.patch.plane, grid.plane, TINY.layer, grid.cell_area
@@ -221,10 +220,9 @@ def test_the_papers_inverse_prepared_is_its_algorithm(tiny: scene.Scene) -> None
 
 
 def test_what_converged_is_no_worse_than_what_is_compared_with_it(tiny: scene.Scene) -> None:
-    model = contenders.model_of(TINY, 10)
+    model = costs.model_of(TINY, 10)
     exact, long = (
-        contenders.non_negative("n", model, solver)
-        for solver in (contenders.CONVERGED, contenders.LONG)
+        costs.non_negative("n", model, solver) for solver in (costs.CONVERGED, costs.LONG)
     )
     for made, gap in ((exact, 1e-9), (long, 1e-5)):
         made.answer(tiny.readings[-1], None)
@@ -232,27 +230,24 @@ def test_what_converged_is_no_worse_than_what_is_compared_with_it(tiny: scene.Sc
         assert made.last().met
 
 
-def bench(points: list[anytime.Point], times: list[grids.GridTime]) -> run.Bench:
+def bench(points: list[run.Point], times: list[costs.GridTime]) -> run.Bench:
     call = Call(
         solver="NonNegative", deadline=2e-5, seconds=spread([1e-5]), latency=None, gap=None,
-        told=1.0, late=spread([0.0]),
+        reported=1.0, late=spread([0.0]),
     )  # fmt: skip
     return run.Bench(
         size="smoke", seed=0, when="2024-01-01T00:00:00+00:00", machine=machine.this_machine(),
-        company=machine.Company(0.1, 0.0, 0.0, 1.0, 0), warnings=(), nodes=10, readings=3,
+        company=machine.Company(0.1, 0.0, 0.0, 1.0), warnings=(), nodes=10, readings=3,
         grids=tuple(times), points=tuple(points), calls=(call,),
     )  # fmt: skip
 
 
-def test_numbers_in_the_file_have_their_units(tiny: scene.Scene, tmp_path) -> None:
+def test_numbers_have_their_units(tiny: scene.Scene) -> None:
     track = track_of(20e-6, 1.0, np.ones((3, 4)))
     track.take(Chain(np.full(3, 30e-6), [track.contender.last()] * 3), tiny, TINY)
-    times = [grids.GridTime(10, grids.PAPER, spread([1e-3, 3e-3]))]
-    files.write_bench(bench([track.point()], times), tmp_path / "bench.json")
-    text = (tmp_path / "bench.json").read_text(encoding="utf-8")
-    assert "NaN" not in text
-    assert "Infinity" not in text
-    read = json.loads(text)
+    times = [costs.GridTime(10, costs.PAPER, spread([1e-3, 3e-3]))]
+    measured = bench([track.point()], times)
+    read = json.loads(json.dumps(run.bench_as_json(measured), allow_nan=False))
     assert read["format"] == 1
     assert set(read["machine"]) == {"processor", "cores", "system", "python", "packages", "blas"}
     assert read["grids"][0]["seconds_us"]["mean"] == 2000.0
@@ -265,10 +260,10 @@ def test_numbers_in_the_file_have_their_units(tiny: scene.Scene, tmp_path) -> No
 
 def test_the_papers_point_has_the_time_of_all_its_work() -> None:
     track = track_of(None, 1.0, np.ones((3, 4)))
-    track.contender.name = grids.PAPER
+    track.contender.name = costs.PAPER
     track.seconds, track.off = [np.ones(3)], [np.zeros(3)]
     track.misses = [miss(TINY.patch, np.zeros((1, 2)), np.ones(1), [])]
-    times = [grids.GridTime(n, grids.PAPER, spread([n * 1e-3])) for n in (10, 20)]
+    times = [costs.GridTime(n, costs.PAPER, spread([n * 1e-3])) for n in (10, 20)]
     (point,) = run.as_printed([track.point()], times, 20)
     assert point.seconds["p50"] == point.usual_seconds["p50"] == pytest.approx(20e-3)
     assert point.error == 0.0
@@ -286,13 +281,13 @@ def test_sizes() -> None:
 
 
 def test_company_is_worth_a_warning_when_it_costs() -> None:
-    quiet = machine.Company(0.3, 0.02, 0.0, 1.0, 4)
+    quiet = machine.Company(0.3, 0.02, 0.0, 1.0)
     assert quiet.warnings(2) == ()
     busy = replace(quiet, others=1.3, stolen=0.4)
     words = busy.warnings(2)
     assert "other processes used 1.3 of 2 cores" in words[0]
     assert "kept 0.4 cores away" in words[1]
-    unknown = machine.Company(3.0, None, None, 1.0, None)
+    unknown = machine.Company(3.0, None, None, 1.0)
     assert "the load was 3.0 on 2 cores" in unknown.warnings(2)[0]
 
 
@@ -320,3 +315,63 @@ def test_a_system_that_tells_nothing(tmp_path, monkeypatch) -> None:
     assert company.others is None
     assert company.stolen is None
     assert machine.this_machine().processor
+
+
+def drawn_bench() -> run.Bench:
+    def point(solver: str, start: str, error: float) -> run.Point:
+        reference = np.ones((3, 4))
+        track = run._Track(Scripted(np.ones(4)), start, None, reference)
+        track.contender.name = solver
+        track.seconds, track.off = [np.full(3, 1e-4)], [np.full(3, 2.0 * error)]
+        track.misses = [miss(TINY.patch, np.zeros((1, 2)), np.ones(1), [])]
+        return track.point()
+
+    names = (costs.PAPER, costs.FIELD, "NonNegative to 1e-4, warm", "ContactFit")
+    names += ("NonNegative to 1e-2, warm", costs.PREPARED)
+    times = [costs.GridTime(n, name, spread([n * 1e-3])) for name in names for n in (10, 20)]
+    starts = (("NonNegative", "warm", 0.0), ("NonNegative", "cold", 0.5), (costs.PAPER, "cold", 1))
+    return bench([point(*each) for each in starts], times)
+
+
+def test_costs_and_errors_are_drawn_with_their_units() -> None:
+    figure = picture(drawn_bench())
+    left, right = figure.axes
+    assert {axes.get_xscale() + axes.get_yscale() for axes in figure.axes} == {"loglog"}
+    assert [tick.get_text() for tick in left.get_xticklabels()] == ["10", "20"]
+    assert left.get_lines()[0].get_ydata() == pytest.approx([10.0, 20.0])  # ms
+    assert left.get_lines()[-1].get_ydata() == pytest.approx([0.4])  # as the paper states
+    errors = [line.get_ydata()[0] for line in right.get_lines()]
+    assert errors == pytest.approx([FLOOR, 50.0, 100.0])
+    assert right.get_lines()[2].get_color() == left.get_lines()[0].get_color()  # the paper's
+    (legend,) = figure.legends
+    names = [text.get_text() for text in legend.get_texts()]
+    assert len(names) == len(set(names))
+    assert {"NonNegative, cold", "ContactFit"} <= set(names)
+    assert any("NumPy" in text.get_text() or "numpy" in text.get_text() for text in figure.texts)
+
+
+def test_the_legend_covers_nothing() -> None:
+    figure = picture(drawn_bench())
+    figure.canvas.draw()
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert box.x0 >= figure.bbox.x0
+    assert box.x1 <= figure.bbox.x1
+    assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
+
+
+@pytest.mark.parametrize(
+    ("value", "what", "text"),
+    [
+        (2e-5, "time", "20 µs"),
+        (1e-3, "time", "1 ms"),
+        (0.05, "time", "50 ms"),
+        (1.0, "time", "1 s"),
+        (5e-7, "time", "500 ns"),
+        (1e-4, "share", "0.01 %"),
+        (1.0, "share", "100 %"),
+        (5e-4, "length", "0.5 mm"),
+    ],
+)
+def test_numbers_as_they_stand_at_ticks(value: float, what: str, text: str) -> None:
+    assert written(value, what) == text

@@ -94,3 +94,15 @@ def test_any_bytes_are_applied_or_refused(data: bytes) -> None:
             channels.apply(blocks)
     else:
         assert channels.apply(blocks) == len(read)
+
+
+def test_settings_of_older_recordings_are_passed_over() -> None:
+    blocks, channels = Blocks(1024), Channels(8)
+    counts = struct.pack("<qIHBB3B5x", 5, 2, 3, 1, 0, 7, 8, 9)
+    old = [struct.pack("<qIHBB", 5, 0, 3, kind, 0) for kind in (7, 8, 9, 10)]
+    sizes = (144, 24, 48, 8)
+    data = b"".join(head + bytes(size) for head, size in zip(old, sizes, strict=True))
+    blocks.put_data(counts + data + counts)
+    assert [block.payload.tolist() for block in blocks_of(blocks.data)] == [[7, 8, 9]] * 2
+    assert channels.apply(blocks) == 2
+    assert channels.counts[2:5].tolist() == [7, 8, 9]

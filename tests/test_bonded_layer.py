@@ -8,7 +8,7 @@ from layer_reference import FourierSum
 
 from skinfield.errors import InputError
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer
-from skinfield.mechanics.love import rectangle_displacement
+from skinfield.mechanics.cell_integrals import rectangle_displacement
 
 FREE, COVERED = BondedLayer(), BondedLayer(inextensible_cover=True)
 H, E = 2e-3, 150e3

@@ -45,6 +45,36 @@ def test_experiments_that_do_not_overlap_are_refused() -> None:
         fit_scale(STAMPS, np.zeros(500), STAMPS, FORCE)
 
 
+@pytest.mark.parametrize(
+    ("skin", "sensor", "words"),
+    [
+        (FORCE, -FORCE, "the factor from .* is -1, expected one above 0: the sensor's axis points"),
+        (
+            FORCE,
+            10 - FORCE,
+            "is -1.00, expected 0.1 or more .*: the sensor's axis points the other",
+        ),
+        (FORCE, np.zeros(500), "the sensor's force is 0 throughout, expected some load"),
+        (FORCE, np.full(500, 5.0), "is not defined, expected 0.1 .*: the sensor does not follow"),
+        (5 + 0.01 * np.cos(STAMPS), FORCE, "the skin does not follow a load that varies"),
+        (5 + 3 * np.sin(STAMPS * 7e-9), FORCE, "are not of one experiment or one clock"),
+    ],
+)
+def test_forces_that_are_not_one_load_are_refused(
+    skin: np.ndarray, sensor: np.ndarray, words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        fit_scale(STAMPS, skin, STAMPS, sensor)
+
+
+def test_a_load_that_stands_is_fitted_though_its_noise_has_no_correlation() -> None:
+    rng = np.random.default_rng(1)
+    skin, sensor = (5 + 0.05 * rng.normal(size=500) for _ in range(2))
+    fit = fit_scale(STAMPS, skin, STAMPS, 2 * sensor)
+    assert fit.factor == pytest.approx(2, rel=0.01)
+    assert abs(fit.correlation) < 0.2
+
+
 def test_the_axis_is_read_with_its_sign() -> None:
     sensor = Recording(STAMPS[:3], np.arange(18.0).reshape(3, 6), source="ft.log")
     assert column_of(sensor, "-z").tolist() == [-2, -8, -14]

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from skinfield.errors import FileError, InputError
-from skinfield.experiments.cases.case import Case, TrueContact, Truth
-from skinfield.experiments.cases.files import case_paths, load_case, load_cases, save_case
-from skinfield.experiments.cases.standard import KINDS, standard_cases
+from skinfield.lab.case_files import case_paths, load_case, save_case
+from skinfield.lab.case_sets import KINDS, standard_cases
+from skinfield.lab.cases import Case, TrueContact, Truth
 from skinfield.layout import Patch
 from skinfield.layout.generators import hexagon72
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer
@@ -39,8 +39,8 @@ def test_a_case_survives_its_file(case: Case, tmp_path: Path) -> None:
     noisy = case.with_noise(seed=3, draws=5)
     path = save_case(noisy, tmp_path)
     assert path.name == "two.npz"
-    [(found, back)] = load_cases(tmp_path)
-    assert found == path
+    assert case_paths(tmp_path) == [path]
+    back = load_case(path)
     assert (back.name, back.quantity, back.noisy) == ("two", "stress", True)
     assert back.layer == LAYER
     assert back.mechanics == BondedLayer()
@@ -154,7 +154,7 @@ def saved(case: Case, folder: Path, **changes: object) -> Path:
         ({"readings": np.array(["a"] * 72)}, "readings is of type <U1, expected numbers"),
         ({"quantity": "volts"}, "quantity is 'volts', expected one of capacitance, gap, stress"),
         ({"noise_std": 0.0}, "noise_std is 0.0, expected a finite number above 0"),
-        ({"noisy": 1}, "noisy is int64 of shape .*, expected true or false"),
+        ({"noisy": 1}, "noisy is of type int64, expected true or false"),
         ({"skinfield_case": 2}, "skinfield_case is 2, expected 1"),
         ({"layer__thickness_m": 2.0}, "give it in metres"),
         ({"layer__poisson_ratio": np.zeros(2)}, r"layer/poisson_ratio has shape \(2,\)"),
@@ -184,7 +184,7 @@ def test_no_code_is_read_from_a_file(case: Case, tmp_path: Path) -> None:
 def test_files_that_unpack_to_too_much_are_not_read(
     case: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("skinfield.experiments.cases.files.LARGEST", 1000)
+    monkeypatch.setattr("skinfield.lab.case_files.LARGEST", 1000)
     with pytest.raises(FileError, match=r"unpacks to \d+ bytes, expected at most 1000"):
         load_case(save_case(case, tmp_path))
 

@@ -4,34 +4,30 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-from test_readme import follow
+from command_line import invoke
+from test_readme import blocks
 
 from skinfield.cli.bench_tables import in_words
-from skinfield.cli.main import main
-from skinfield.experiments.bench.settings import SMOKE
+from skinfield.lab.bench.scene import SMOKE
 
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def invoke(*words: str):
-    return CliRunner().invoke(main, ["bench", *words])
+def call(*words: str):
+    return invoke(["bench", *words])
 
 
-def test_the_page_runs_from_top_to_bottom_and_leaves_numbers_and_pictures(
+def test_the_page_runs_prints_its_numbers_and_leaves_a_picture(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert follow(ROOT / "docs" / "bench.md") == (1, 1)  # skinfield bench --size smoke
-    folder = tmp_path / "bench"
-    assert {file.name for file in folder.iterdir()} == {
-        "bench.json",
-        "bench.png",
-        "bench-truth.png",
-    }
-    assert all(file.stat().st_size > 10_000 for file in folder.glob("*.png"))
-    found = json.loads((folder / "bench.json").read_text(encoding="utf-8"))
-    check(found)
+    page = {language: text for language, _, text in blocks(ROOT / "docs" / "bench.md")}
+    exec(compile(page["python"], "bench.md", "exec"), {})
+    (command,) = page["sh"].splitlines()
+    result = call(*command.split()[2:], "--json")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "bench.png").stat().st_size > 10_000
+    check(json.loads(result.stdout))
 
 
 def check(found: dict) -> None:
@@ -65,12 +61,15 @@ def check(found: dict) -> None:
     assert found["company"]["own"] > 0.0
 
 
-def test_a_folder_that_is_a_file_is_said_before_anything_is_measured(tmp_path: Path) -> None:
-    file = tmp_path / "file"
-    file.write_text("")
-    result = invoke("-o", str(file / "below"))
+@pytest.mark.parametrize(
+    ("name", "words"), [("bench", "expected one of .png"), ("none/a.png", "is no folder")]
+)
+def test_a_name_of_no_picture_is_refused_before_anything_is_measured(
+    tmp_path: Path, name: str, words: str
+) -> None:
+    result = call("-o", str(tmp_path / name))
     assert result.exit_code == 2
-    assert "cannot be made" in result.output
+    assert words in result.output
 
 
 def test_times_in_words() -> None:

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import invoke
 
 import skinfield as sf
-from skinfield.cli import main
 from skinfield.layout.generators import icub_triangle
 from skinfield.observation import BaseStress
 from skinfield.resolution import Places, SkinDesign, Touch, detectable_force
@@ -17,17 +16,16 @@ STRESS = ("--quantity", "stress", "--noise", 400)
 
 
 def run(*words: object) -> tuple[int, str]:
-    result = CliRunner().invoke(main, ["design", *(str(word) for word in words)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.output
+    result = invoke(["design", *(str(word) for word in words)])
     return result.exit_code, result.output
 
 
 def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
     picture, table, maps = (tmp_path / name for name in ("d.png", "d.csv", "d.json"))
     code, said = run(
-        "icub_triangle", "--thickness", 4, "--modulus", 0.1, "--poisson", 0.49, *STRESS,
-        "--force", 0.4, "--radius", 1.5, "--pitch-mm", 1.5, "-o", picture, "--csv", table,
-        "--json", maps,
+        "icub_triangle", "--thickness-mm", 4, "--modulus-kpa", 100, "--poisson", 0.49, *STRESS,
+        "--force-n", 0.4, "--radius-mm", 1.5, "--pitch-mm", 1.5, "-o", picture, "--maps", table,
+        "--maps", maps,
     )  # fmt: skip
     assert code == 0, said
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -58,7 +56,7 @@ def test_one_layout_is_told_drawn_and_written(tmp_path: Path) -> None:
 
 def test_thicknesses_are_compared(tmp_path: Path) -> None:
     picture = tmp_path / "t.svg"
-    code, said = run("icub_triangle", *STRESS, "--compare-thickness", "4,2", "-o", picture)
+    code, said = run("icub_triangle", *STRESS, "--compare-thickness-mm", "4,2", "-o", picture)
     assert code == 0, said
     assert "<svg" in picture.read_text()[:400]
     lines = [line for line in said.splitlines() if line.startswith("│")]
@@ -68,7 +66,7 @@ def test_thicknesses_are_compared(tmp_path: Path) -> None:
 
 def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
     code, said = run(
-        "cylinder:radius_mm=30", *STRESS, "--thickness", 4, "--pitch-mm", 4,
+        "cylinder:radius_mm=30", *STRESS, "--thickness-mm", 4, "--pitch-mm", 4,
         "-o", tmp_path / "c.png",
     )  # fmt: skip
     assert code == 0, said
@@ -81,18 +79,16 @@ def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
         (["nothing"], "no such file, and no generator"),
         (["hexagon72", "-o", "a.txt"], "expected one of .png"),
         (["hexagon72", "-o", "nowhere/d.png"], "nowhere is no folder, expected one that is there"),
-        (["hexagon72", "--csv", "a.txt"], "ends in .csv"),
-        (["hexagon72", "--csv", "nowhere/a.csv"], "nowhere is no folder"),
-        (["hexagon72", "--json", "a.csv"], "ends in .json"),
-        (["hexagon72", "--csv", "a.csv", "--compare-thickness", "1,2"], "expected one of them"),
-        (["hexagon72", "--compare-thickness", "1;2"], "thicknesses in mm"),
-        (["hexagon72", "--compare-thickness", "2"], "two or more"),
-        (["hexagon72", "--thickness", "-1"], "thickness"),
-        (["hexagon72", "--modulus", "0.1", "--modulus-kpa", "100"], "expected one of them"),
-        (["hexagon72", "--poisson", "0.7"], "poisson_ratio"),
+        (["hexagon72", "--maps", "a.txt"], "expected one of .csv"),
+        (["hexagon72", "--maps", "nowhere/a.csv"], "nowhere is no folder"),
+        (["hexagon72", "--maps", "a.csv", "--compare-thickness-mm", "1,2"], "expected one of them"),
+        (["hexagon72", "--compare-thickness-mm", "1;2"], "thicknesses in mm"),
+        (["hexagon72", "--compare-thickness-mm", "2"], "two or more"),
+        (["hexagon72", "--thickness-mm", "-1"], "--thickness-mm is -1.0, expected"),
+        (["hexagon72", "--poisson", "0.7"], "--poisson is 0.7, expected"),
         (["hexagon72", "--noise", "0"], "noise_std is 0"),
-        (["hexagon72", "--force", "nan"], "force is nan"),
-        (["hexagon72", "--radius", "0.01", "--linear"], "radius is"),
+        (["hexagon72", "--force-n", "nan"], "force is nan"),
+        (["hexagon72", "--radius-mm", "0.01", "--linear"], "radius is"),
         (["hexagon72", "--pitch-mm", "-2"], "pitch is"),
         (["hexagon72", "--pitch-mm", "0.001"], "expected at most 400000"),
         (["hexagon72", "--false-alarms", "2", "--linear"], "false_alarm_rate is 2"),
@@ -111,5 +107,5 @@ def test_what_is_wrong_is_said(words: list[str], part: str, tmp_path: Path) -> N
 def test_help_teaches() -> None:
     code, said = run("--help")
     assert code == 0
-    for words in ("skinfield design hexagon72", "--compare-thickness", "no method can beat"):
+    for words in ("skinfield design hexagon72", "--compare-thickness-mm", "no method can beat"):
         assert words in " ".join(said.split())

@@ -4,18 +4,16 @@ import json
 import os
 from pathlib import Path
 
-from click.testing import CliRunner
+from command_line import invoke
 
-from skinfield.cli.main import main
-from skinfield.experiments import run as running
-from skinfield.experiments.section import Experiment, Missing, Part, Section
-from skinfield.experiments.settings import SMOKE, Settings
+from skinfield.lab import experiments as running
+from skinfield.lab.report import SMOKE, Experiment, Missing, Part, Section, Settings
 
 SETTINGS = Settings(size=SMOKE)
 
 
-def invoke(*words: str):
-    return CliRunner().invoke(main, ["experiments", *words])
+def call(*words: str):
+    return invoke(["experiments", *words])
 
 
 def quick(settings: Settings) -> Section:
@@ -51,16 +49,16 @@ def absent(settings: Settings) -> Missing:
 
 def test_one_part_from_nothing_and_kept(tmp_path: Path) -> None:
     words = ("--size", "smoke", "--only", "model", "--workers", "1", "-o", str(tmp_path))
-    first = invoke(*words)
+    first = call(*words)
     assert first.exit_code == 0, first.output
     assert first.output.split()[-2:] == ["wrote", str(tmp_path / "report.html")]
     assert "does not hold" in first.output
-    names = {file.name for file in (tmp_path / "half-space").iterdir()}
-    assert names == {"task.json", "section.json", "errors.csv", "errors.png"}
+    names = {file.name for file in (tmp_path / "agreement").iterdir()}
+    assert names == {"task.json", "section.json", "agreement.csv", "errors.png", "half-space.png"}
     page = (tmp_path / "report.html").read_text()
-    stamp = (tmp_path / "half-space" / "section.json").stat().st_mtime_ns
-    assert invoke(*words).exit_code == 0
-    assert (tmp_path / "half-space" / "section.json").stat().st_mtime_ns == stamp
+    stamp = (tmp_path / "agreement" / "section.json").stat().st_mtime_ns
+    assert call(*words).exit_code == 0
+    assert (tmp_path / "agreement" / "section.json").stat().st_mtime_ns == stamp
     again = (tmp_path / "report.html").read_text()
     assert (
         page.split("<main>")[1].split("</main>")[0] == again.split("<main>")[1].split("</main>")[0]
@@ -98,7 +96,7 @@ def test_parts_are_kept_and_handed_on_in_order(tmp_path: Path) -> None:
 def test_a_part_that_fails_stops_no_other(tmp_path: Path, monkeypatch) -> None:
     parts = (Experiment("bad", (), failing), Experiment("good", (), quick))
     monkeypatch.setattr(running, "chosen", lambda names: parts)
-    result = invoke("--size", "smoke", "--workers", "1", "-o", str(tmp_path))
+    result = call("--size", "smoke", "--workers", "1", "-o", str(tmp_path))
     assert result.exit_code == 2
     assert "bad.failed.txt" in "".join(result.output.split())
     page = (tmp_path / "report.html").read_text()
@@ -129,7 +127,7 @@ def test_parts_run_side_by_side_on_one_thread_each_and_missing_ones_are_named(
 
 
 def test_a_name_that_is_none(tmp_path: Path) -> None:
-    result = invoke("--only", "fig12", "-o", str(tmp_path))
+    result = call("--only", "fig12", "-o", str(tmp_path))
     assert result.exit_code == 2
     assert "'fig12' names no experiment, expected some of imposed, fig3" in " ".join(
         result.output.split()
@@ -139,18 +137,14 @@ def test_a_name_that_is_none(tmp_path: Path) -> None:
 def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.write_text("")
-    assert invoke("--only", "model", "-o", str(file)).exit_code == 2
-    below = invoke(
-        "--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below")
-    )
+    assert call("--only", "model", "-o", str(file)).exit_code == 2
+    below = call("--only", "model", "--size", "smoke", "--workers", "1", "-o", str(file / "below"))
     assert below.exit_code == 2
     assert "cannot be made" in below.output
 
 
 def test_recorded_data_without_a_folder_is_said(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.delenv("SKINFIELD_SHARED_DATA", raising=False)
-    result = invoke(
-        "--only", "real-tables", "--size", "smoke", "--workers", "1", "-o", str(tmp_path)
-    )
+    result = call("--only", "real-foot", "--size", "smoke", "--workers", "1", "-o", str(tmp_path))
     assert result.exit_code == 0, result.output
     assert "no folder of recordings was given" in (tmp_path / "report.html").read_text()

@@ -4,25 +4,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import invoke
 
 import skinfield as sf
-from skinfield.cli import main
-from skinfield.cli.indenters import indenter_from_text, mapping_from_text
+from skinfield.cli.press import indenter_from_text, mapping_from_text
 from skinfield.errors import InputError
 from skinfield.simulate import Cylinder, Sphere, press
 
 
 def run(*words: object) -> tuple[int, str]:
-    result = CliRunner().invoke(main, ["press", *(str(word) for word in words)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.output
+    result = invoke(["press", *(str(word) for word in words)])
     return result.exit_code, result.output
 
 
 def test_one_ball_is_told_drawn_and_written(tmp_path: Path) -> None:
     picture, fields = tmp_path / "press.png", tmp_path / "press.npz"
     code, said = run(
-        "--indenter", "sphere radius=6 x=6 y=-4 force=1", "--layout", "hexagon72",
+        "--indenter", "sphere radius=6 x=6 y=-4 force=1", "--skin", "hexagon72",
         "--extent-mm", 30, "--modulus-kpa", 100, "--plot", picture, "-o", fields,
     )  # fmt: skip
     assert code == 0, said
@@ -130,7 +128,7 @@ def test_the_command_says_what_is_wrong_before_it_works(tmp_path: Path) -> None:
         (("--indenter", "mesh file=nowhere.stl"), "nowhere.stl cannot be read"),
         (("-o", "press.txt"), "ends in .npz"),
         (("--plot", "press.txt"), ".png"),
-        (("--layout", "nowhere"), "no such file, and no generator"),
+        (("--skin", "nowhere"), "no such file, and no generator"),
         (("--indenter", "sphere radius=6 force=90"), "sinks"),
         (("--indenter", "bar length=80 width=4"), "raise extent"),
     ):

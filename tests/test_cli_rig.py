@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command_line import Done, invoke
 from test_readme import ROOT, blocks, follow
 
-from skinfield.cli import main
 from skinfield.conditioning import load_calibration
 from skinfield.config import load_scenario
 from skinfield.layout import load_layout
@@ -21,8 +20,8 @@ FOAM = Path(__file__).resolve().parents[1] / "examples" / "scenarios" / "foam.to
 SCENARIO = FOAM.read_text(encoding="utf-8")
 
 
-def call(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
+def call(*words: str) -> Done:
+    return invoke(list(words))
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +91,20 @@ def test_its_scale_is_fitted_by_its_load_cell(made: Path) -> None:
     modulus = float(re.search(r"modulus ([\d.]+) kPa", result.output).group(1))  # type: ignore[union-attr]
     assert modulus == pytest.approx(90.0, rel=0.15)
     assert float(re.search(r"correlation ([\d.]+)", result.output).group(1)) > 0.9  # type: ignore[union-attr]
+
+
+def test_a_scale_along_the_wrong_axis_is_refused_and_not_written(
+    made: Path, tmp_path: Path
+) -> None:
+    written = tmp_path / "scale.json"
+    result = call(
+        "calibrate", "scale", str(made / "recording.npz"), str(made / "load_cell.csv"),
+        "--layout", str(made / "layout.toml"), "--calibration", str(made / "calibration.toml"),
+        "--poisson", "0.3", "--axis", "z", "-o", str(written),
+    )  # fmt: skip
+    assert result.exit_code == 2, result.output
+    assert "expected one above 0: the sensor's axis points the other way" in result.output
+    assert not written.exists()
 
 
 def test_a_template_is_written_once(tmp_path: Path) -> None:

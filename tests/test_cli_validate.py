@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command_line import Done, invoke
 from test_readme import follow
 
-from skinfield.cli import main
-from skinfield.experiments.cases.files import load_case
+from skinfield.lab.case_files import load_case
 
 OWN = """
 import numpy as np
@@ -30,8 +29,8 @@ def make(gain):
 """
 
 
-def call(*words: str) -> Result:
-    return CliRunner().invoke(main, list(words))
+def call(*words: str) -> Done:
+    return invoke(list(words))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +61,7 @@ def test_cases_do_not_mix_with_those_of_another_set(tmp_path: Path) -> None:
     refused = call(*words)
     assert refused.exit_code == 2
     assert "1 NPZ file such as old.npz" in refused.output
-    assert call(*words, "--replace").exit_code == 0
+    assert call(*words, "--force").exit_code == 0
     assert {path.name for path in tmp_path.iterdir()} == {"000_ball12_1N.npz", "notes.txt"}
 
 
@@ -76,7 +75,7 @@ def test_either_standard_cases_or_unseen_ones(tmp_path: Path) -> None:
 def test_validate_prints_and_writes(folder: Path, tmp_path: Path) -> None:
     result = call(
         "validate", str(folder), "--grid", "20", "--per-case",
-        "--json", str(tmp_path / "s.json"), "--csv", str(tmp_path / "s.csv"),
+        "-o", str(tmp_path / "s.json"), "-o", str(tmp_path / "s.csv"),
     )  # fmt: skip
     assert result.exit_code == 0, result.output
     for words in ("gaussian on 3 cases, 12 readings", "place of a contact found, mm", "ball6"):
@@ -107,7 +106,7 @@ def test_own_solver_from_the_current_folder(
     forces = []
     for words in (("my_own_solver:Mine",), ("my_own_solver:ready",),
                   ("my_own_solver:make", "--settings", '{"gain": 0.25}')):  # fmt: skip
-        result = call("validate", str(folder), "--grid", "12", "--json", "a.json",
+        result = call("validate", str(folder), "--grid", "12", "-o", "a.json", "--force",
                       "--solver", *words)  # fmt: skip
         assert result.exit_code == 0, result.output
         rows = json.loads(Path("a.json").read_text())["rows"]
@@ -133,9 +132,8 @@ def test_own_solver_from_the_current_folder(
         (("--require", "beauty=1"), "expected MEASURE=NUMBER"),
         (("--require", "missed"), "expected MEASURE=NUMBER"),
         (("--gate-mm", "-1"), "--gate-mm is -1.0, expected a finite number above 0"),
-        (("--csv", "s.xyz"), "--csv is 's.xyz', expected a name that ends in .csv"),
-        (("--json", "s.csv"), "--json is 's.csv', expected a name that ends in .json"),
-        (("--csv", "nowhere/s.csv"), "nowhere is no folder"),
+        (("-o", "s.xyz"), "--output is 's.xyz', expected a name that ends in .csv or .json"),
+        (("-o", "nowhere/s.csv"), "nowhere is no folder"),
         (("--solver", "paper", "--settings", '{"snr": 3}'), "the paper's method has none"),
         (("--grid", "1"), "nodes is 1"),
     ],
@@ -164,7 +162,7 @@ def test_a_case_beyond_memory_is_named(folder: Path, monkeypatch: pytest.MonkeyP
     def full(*words: object) -> None:
         raise MemoryError("169 GiB")
 
-    monkeypatch.setattr("skinfield.experiments.scoring.validation.Entrant.scores", full)
+    monkeypatch.setattr("skinfield.lab.validation.Entrant.scores", full)
     result = call("validate", str(folder))
     assert result.exit_code == 2
     assert "000_ball12_1N.npz does not fit into memory" in result.output
@@ -175,7 +173,7 @@ def exact(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("unseen") / "cases"
     result = call(
         "cases", str(made), "--unseen", "2", "--seed", "4", "--quantity", "stress",
-        "--layout", "icub_hexagon", "--draws", "0",
+        "--skin", "icub_hexagon", "--draws", "0",
     )  # fmt: skip
     assert result.exit_code == 0, result.output
     return made
@@ -185,7 +183,7 @@ def test_several_solvers_at_several_noises(exact: Path, tmp_path: Path) -> None:
     files = tmp_path / "t.json", tmp_path / "t.csv"
     result = call(
         "validate", str(exact), "--solver", "paper", "--solver", "gaussian", "--grid", "20",
-        "--noise", "0", "--noise", "400", "--json", str(files[0]), "--csv", str(files[1]),
+        "--noise", "0", "--noise", "400", "-o", str(files[0]), "-o", str(files[1]),
         "--figures", str(tmp_path / "pictures"),
     )  # fmt: skip
     assert result.exit_code == 0, result.output
@@ -204,7 +202,7 @@ def test_unseen_presses_are_made_scored_and_kept(tmp_path: Path) -> None:
     words = (
         "validate", "--unseen", "2", "--quantity", "stress", "--noise", "400", "--solver",
         "gaussian", "--grid", "20", "--idle", "50", "--workers", "1", "--keep",
-        str(tmp_path / "kept"), "--json",
+        str(tmp_path / "kept"), "-o",
     )  # fmt: skip
     first, again = tmp_path / "a.json", tmp_path / "b.json"
     for path in (first, again):
@@ -221,7 +219,7 @@ def test_unseen_presses_are_made_scored_and_kept(tmp_path: Path) -> None:
 def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.json"
     result = call("validate", str(folder), "--solver", "tikhonov", "--solver", "gaussian",
-                  "--grid", "16", "--json", str(path))  # fmt: skip
+                  "--grid", "16", "-o", str(path))  # fmt: skip
     assert result.exit_code == 0, result.output
     read = json.loads(path.read_text())
     assert list(read["summary"]) == read["options"]["solver"] == ["tikhonov", "gaussian"]
@@ -237,11 +235,11 @@ def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) ->
         (("--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
         (("cases", "--keep", "kept"), "--keep has no effect here: it belongs to --unseen"),
         (("cases", "--figures", "f"), "it belongs to --unseen or --noise"),
-        (("cases", "--noise", "2", "--per-case"), "--json has every press"),
+        (("cases", "--noise", "2", "--per-case"), "-o FILE.json has every press"),
         (("--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
         (("--unseen", "2", "--settings", '{"snr": 3}'), "--settings has no effect here: it"),
         (("--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to --solver"),
-        (("--unseen", "2", "--layout", "nowhere"), "generator is 'nowhere'"),
+        (("--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
         (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
         (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",
           '{"snr": 2}'), "expected one that takes them"),

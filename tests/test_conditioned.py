@@ -6,7 +6,8 @@ import pytest
 import skinfield as sf
 from skinfield.conditioning import Calibration, CySkinCount, Exponential, ICubByte
 from skinfield.errors import InputError
-from skinfield.pipeline.conditioned import Conditioning, condition, without_empty
+from skinfield.pipeline.conditioned import condition, without_empty
+from skinfield.pipeline.diagnostics import Conditioning
 from skinfield.reading import Recording
 
 PATCH = sf.layouts.icub_triangle()

@@ -65,7 +65,7 @@ def test_files_bring_back_every_bit(tmp_path, ending, calibration):
 @given(data=st.data())
 def test_garbage_is_a_file_error_and_nothing_else(tmp_path, ending, data):
     file = tmp_path / f"g{ending}"
-    save_calibration(Calibration.identity(Patch(np.eye(3)), noise_std=0.01), file)
+    save_calibration(Calibration.identity(Patch(1e-2 * np.eye(3)), noise_std=0.01), file)
     content = bytearray(file.read_bytes())
     for _ in range(data.draw(st.integers(1, 4))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
@@ -88,11 +88,11 @@ def test_noise_is_a_file_error(tmp_path, content):
 
 
 def test_another_patch_version_or_ending_is_refused(tmp_path):
-    patch = Patch(np.eye(3), uid=np.array([16, 17, 18]), name="palm")
+    patch = Patch(1e-2 * np.eye(3), uid=np.array([16, 17, 18]), name="palm")
     file = tmp_path / "c.toml"
     save_calibration(Calibration.identity(patch, noise_std=0.01), file)
     assert load_calibration(file, patch).unit == "1"
-    other = Patch(np.eye(3), uid=np.array([16, 18, 17]), name="sole")
+    other = Patch(1e-2 * np.eye(3), uid=np.array([16, 18, 17]), name="sole")
     with pytest.raises(FileError, match=r"uid\[1\].* is 17, expected 18 as in patch 'sole'"):
         load_calibration(file, other)
     with pytest.raises(FileError, match="3 taxels, expected 2"):
@@ -109,7 +109,7 @@ def test_another_patch_version_or_ending_is_refused(tmp_path):
 
 
 def test_the_dead_tell_nothing_and_stay_invalid():
-    patch = Patch(np.eye(3))
+    patch = Patch(1e-2 * np.eye(3))
     alive = np.array([True, False, True])
     c = Calibration([240, np.nan, 240], [-100, np.nan, -50], [2, np.nan, 2], alive, patch.uid)
     assert c.quantity_std().tolist() == [0.02, np.inf, 0.04]
@@ -122,7 +122,7 @@ def test_the_dead_tell_nothing_and_stay_invalid():
 
 
 def test_wrong_figures_are_refused():
-    patch = Patch(np.eye(3))
+    patch = Patch(1e-2 * np.eye(3))
     with pytest.raises(InputError, match=r"noise_std\[0\] is 0.0, expected a finite number above"):
         Calibration.identity(patch, noise_std=0.0)
     with pytest.raises(InputError, match="expected the sign -1"):
@@ -136,7 +136,7 @@ def test_wrong_figures_are_refused():
 
 
 def test_a_loaded_baseline_is_not_taken_unawares():
-    patch, rng = Patch(np.eye(3)), np.random.default_rng(1)
+    patch, rng = Patch(1e-2 * np.eye(3)), np.random.default_rng(1)
     standing = np.rint(200 + 2 * rng.standard_normal((300, 3)))
     baseline = estimate_baseline(standing, 50.0, convention=ICubByte())
     assert not baseline.quiet

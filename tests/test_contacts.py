@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from contact_scenes import regions
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from skinfield.contacts import ContactFinder
-from skinfield.contacts.regions import border, regions
+from skinfield.contacts.finder import border
 from skinfield.fields import PressureNoise
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import cylinder

@@ -8,15 +8,13 @@ from dataclasses import asdict, fields, replace
 import contacts_reference as reference
 import numpy as np
 import pytest
-from contact_scenes import FINDERS, bumps, errors_on, grids, scenes
+from contact_scenes import FINDERS, area_moves, bumps, errors_on, grids, regions, scenes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from skinfield.contacts import ContactFinder
-from skinfield.contacts.area import area_moves
-from skinfield.contacts.flood_kernel import sort_falling
-from skinfield.contacts.regions import regions
+from skinfield.contacts.regions_kernel import sort_falling
 from skinfield.errors import InputError
 from skinfield.fields import Contact, ModelError, PressureNoise
 from skinfield.layout import Grid, Patch, quadrics
@@ -182,7 +180,7 @@ def test_what_is_dear_is_worked_out_once_and_when_asked_for() -> None:
 
 
 def test_copies_and_pickles_hold_all_and_nothing_else() -> None:
-    import skinfield.contacts.resultant as resultant
+    import skinfield.contacts.finder as resultant
 
     for made in (
         copy.copy(one_contact()),

@@ -13,13 +13,13 @@ from scipy.stats import poisson
 
 import skinfield as sf
 from skinfield.detection import Detector, LargestMatch, MarginalLikelihood
-from skinfield.detection.posterior import FORCE_ERROR
+from skinfield.detection.detection import FORCE_ERROR
+from skinfield.detection.detector import halved
+from skinfield.detection.dictionary import round_touches
 from skinfield.detection.statistics import Matches, log_evidence
-from skinfield.detection.stream import halved
-from skinfield.detection.templates import round_touches
 from skinfield.errors import InputError
-from skinfield.experiments.light_touch.section import light_touch
-from skinfield.experiments.settings import SMOKE, Settings
+from skinfield.lab.report import SMOKE, Settings
+from skinfield.lab.sections.light_touch import light_touch
 
 LAYER = sf.Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
 NOISE = 3.8e3  # Pa, at which the paper's method misses 0.2 N
@@ -481,7 +481,7 @@ def test_impossible_capacitance_and_missing_values_in_bulk_are_refused() -> None
 
 def test_the_section_finds_the_targets_and_keeps_the_rate() -> None:
     section = light_touch(Settings(size=SMOKE))
-    assert [picture.name for picture in section.pictures] == ["roc", "forces", "time"]
+    assert [picture.name for picture in section.pictures] == ["roc", "time"]
     light = {row[:3]: row for row in section.tables[0].rows}
     assert float(light["stress", 0.2, "over a taxel"][-2]) >= 99.0
     assert float(light["stress", 0.1, "over a taxel"][-2]) >= 85.0  # of a hundred presses

@@ -28,7 +28,7 @@ from skinfield.simulate.electronics import (
     icub_electronics,
     ideal_electronics,
 )
-from skinfield.simulate.electronics.wiring import wiring
+from skinfield.simulate.electronics.delivery import wiring
 
 HEXAGON = generators.icub_hexagon()
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))

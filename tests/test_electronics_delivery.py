@@ -16,7 +16,7 @@ from skinfield.conditioning import (
 )
 from skinfield.errors import InputError
 from skinfield.layout import generators
-from skinfield.layout.generators.templates import TEN_PAD_TRIANGLE
+from skinfield.layout.generators import TEN_PAD_TRIANGLE
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Defect,

@@ -5,7 +5,7 @@ import pytest
 
 from skinfield.layout import Patch, generators
 from skinfield.simulate.electronics import Delivery, Electronics, Noise
-from skinfield.simulate.electronics.wiring import wiring
+from skinfield.simulate.electronics.delivery import wiring
 
 HEXAGON = generators.icub_hexagon()
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))

@@ -8,7 +8,7 @@ import pytest
 from skinfield.conditioning import ICubByte
 from skinfield.errors import InputError
 from skinfield.layout import Patch, generators
-from skinfield.layout.generators.templates import TEN_PAD_TRIANGLE
+from skinfield.layout.generators import TEN_PAD_TRIANGLE
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Delivery,

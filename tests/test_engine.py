@@ -217,3 +217,58 @@ def test_readings_that_do_not_fit(linear: Engine) -> None:
     with pytest.raises(InputError, match="expected numbers"):
         linear(good | {"other": ["x"] * 72})
     assert not linear(good).report.missing
+
+
+def flat_of(readings: dict[str, Floats]) -> Floats:
+    return np.concatenate([readings[patch.name] for patch in SKIN])
+
+
+def test_flat_readings_are_checked(linear: Engine) -> None:
+    taxels = sum(map(len, SKIN))
+    with pytest.raises(InputError, match="readings has shape"):
+        linear.run(np.zeros(3))
+    with pytest.raises(InputError, match="readings has shape"):
+        linear.run(np.zeros(taxels, np.float32))
+    with pytest.raises(InputError, match="valid has shape"):
+        linear.run(np.zeros(taxels), np.ones(taxels))
+
+
+@pytest.mark.parametrize("kind", ["linear", "searching"])
+def test_flat_readings_are_answered_as_those_by_name(
+    kind: str, request: pytest.FixtureRequest
+) -> None:
+    engine: Engine = request.getfixturevalue(kind)
+    readings = readings_of(SKIN, ("hexagon72", "moved"), seed=11)
+    readings["other"][3] = np.nan
+    engine.reset()
+    estimates = engine(readings, budget=10.0).keep()
+    engine.reset()
+    engine.run(flat_of(readings), budget=10.0)
+    for index, patch in enumerate(SKIN):
+        row = estimates.report[patch.name]
+        assert np.array_equal(engine.results.pressure_of(index), estimates[patch.name].pressure)
+        assert engine.rungs[engine.results.rung[index]] == row.rung
+        assert engine.results.invalid[index] == row.invalid == (patch.name == "other")
+
+
+@pytest.mark.parametrize("kind", ["linear", "searching"])
+def test_a_rehearsal_changes_nothing(kind: str, request: pytest.FixtureRequest) -> None:
+    """Not what was answered, nor what follows."""
+    engine: Engine = request.getfixturevalue(kind)
+    rows = [flat_of(readings_of(SKIN, ("hexagon72",), seed=seed)) for seed in range(6)]
+
+    def lived(rehearse: bool) -> list[bytes]:
+        engine.reset()
+        found = []
+        for row in rows:
+            engine.run(row, budget=10.0)
+            number = engine.cycle
+            if rehearse:
+                engine.rehearse()
+                engine.rehearse(1e-4)
+            assert engine.cycle == number
+            fields = [engine.results.pressure_of(patch).tobytes() for patch in range(len(SKIN))]
+            found.append(b"".join([*fields, engine.results.answer.tobytes()]))
+        return found
+
+    assert lived(rehearse=True) == lived(rehearse=False)

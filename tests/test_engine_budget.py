@@ -9,7 +9,7 @@ from engine_clock import PATCH, engine_of, readings_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.engine.spending_kernel import plan
+from skinfield.engine.cycle_kernel import plan
 from skinfield.engine.state import Step
 
 

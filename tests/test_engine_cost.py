@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from skinfield.engine.cost import CostModel
-from skinfield.engine.learning_kernel import take_in
+from skinfield.engine.cycle_kernel import take_in
 from skinfield.engine.state import FEASIBLE, LINEAR, WARM, State
+from skinfield.engine.timing_model import CostModel
 from skinfield.errors import InputError
 
 

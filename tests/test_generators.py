@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.layout.generators import names
+from skinfield.layout import generators as names
 from skinfield.layout.patch import Patch
 
 TABLE72 = 1e-3 * np.array(  # one module about its centroid, rounded to a micrometre

@@ -10,7 +10,7 @@ from scipy.special import j0, j1
 
 from skinfield.errors import InputError
 from skinfield.mechanics import HalfSpace, Layer
-from skinfield.mechanics.point_force import (
+from skinfield.mechanics.half_space import (
     base_traction,
     coincident_displacement,
     displacement,

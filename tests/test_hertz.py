@@ -12,13 +12,15 @@ from scipy.special import ellipkm1
 from skinfield.errors import InputError
 from skinfield.mechanics.hertz import (
     FlatPunch,
+    FullStick,
     HertzLine,
     HertzSphere,
+    PartialSlip,
     SneddonCone,
     SneddonSphere,
     effective_modulus,
+    tangential_stiffness,
 )
-from skinfield.mechanics.stick import FullStick, PartialSlip, tangential_stiffness
 
 E, NU = 2e5, 0.4
 STAR = effective_modulus(E, NU)

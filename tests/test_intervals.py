@@ -15,14 +15,19 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.experiments.coverage.section import coverage, coverage_parts_of, panels
-from skinfield.experiments.section import Missing, Section
-from skinfield.experiments.settings import SMOKE, Settings
 from skinfield.fields import Contact, Estimate
+from skinfield.lab.report import SMOKE, Missing, Section, Settings
+from skinfield.lab.sections.coverage import coverage, coverage_parts, panels
 from skinfield.layout import Grid
 from skinfield.pipeline import Intervals, load_intervals, save_intervals
-from skinfield.pipeline.learnt import learn, nearest
-from skinfield.pipeline.rehearsal import Rehearsal, _carried, _solved, rehearse
+from skinfield.pipeline.interval_training import (
+    Rehearsal,
+    _carried,
+    _solved,
+    learn,
+    nearest,
+    rehearse,
+)
 from skinfield.simulate import Bar, Cylinder, Sphere, press
 from skinfield.testing.solver import square_patch
 
@@ -307,13 +312,15 @@ def test_the_report_counts_what_was_held() -> None:
     assert "Of the 8 calibrated rows of the table, 8 hold" in section.sentences[3]
     assert section.tables[0].rows[0][5:7] == ("90 [83–94]", "80 [71–87]")
     assert section.pictures[0].png.startswith(b"\x89PNG")
-    line = panels(rows)[0][0]
-    assert line.held[0].shares == pytest.approx([0.9] * 4)
+    honest, one, other = panels(rows)[0][0].curves
+    assert honest.y == pytest.approx([50.0, 68.0, 90.0, 95.0])
+    assert one.y == pytest.approx([90.0] * 4)
+    assert other.y == pytest.approx([90.0] * 4)
     assert isinstance(coverage(Settings(size=SMOKE), [None]), Missing)
 
 
 def test_the_smoke_form_of_the_experiment_runs() -> None:
-    (part,) = coverage_parts_of(Settings(size=SMOKE))
+    (part,) = coverage_parts(Settings(size=SMOKE))
     rows = part.function(*part.arguments)
     assert [row["intervals"] for row in rows] == ["stated", "calibrated"]
     assert all(0 < row["found"] <= row["trials"] for row in rows)

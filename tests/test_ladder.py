@@ -10,7 +10,7 @@ import skinfield as sf
 from skinfield.errors import Floats, InputError
 from skinfield.layout import generators
 from skinfield.observation import ObservationModel
-from skinfield.pipeline.ladder_restriction import RestrictedPosterior, Restriction
+from skinfield.pipeline.multigrid_levels import RestrictedPosterior, Restriction
 
 NOISE = 0.002
 PATCH = generators.icub_triangle()

@@ -8,7 +8,7 @@ import pytest
 import skinfield as sf
 from skinfield.errors import Floats, InputError
 from skinfield.layout import generators
-from skinfield.pipeline.ladder_restriction import Restriction
+from skinfield.pipeline.multigrid_levels import Restriction
 
 NOISE = 0.002
 PATCH = generators.hexagon72()

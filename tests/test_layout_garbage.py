@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from skinfield.errors import FileError, InputError
 from skinfield.layout import Skin, generators, load_layout, save_layout
 from skinfield.layout.formats import FORMATS
-from skinfield.layout.formats.lzf import decompress
+from skinfield.layout.formats.pcd import decompress
 
 FUZZ = settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

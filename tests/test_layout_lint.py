@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.layout import Patch, Skin, generators, load_layout, save_layout
+from skinfield.layout.geometry import facing_from_positions
 from skinfield.layout.lint import lint, lint_skin
-from skinfield.layout.normals import facing_from_positions
 
 DOME = generators.sphere_cap()
 SHEET = generators.rectangular(rows=5, columns=6)
@@ -22,12 +22,12 @@ def codes(path: Path) -> dict[str, str]:
     return {found.code: found.severity for found in lint(path)}
 
 
-def cyskin_file(folder: Path, patch: Patch, uids=None, faces=(), tf=None) -> Path:
+def cyskin_file(folder: Path, patch: Patch, uids=None, faces=(), tf=None, unit=1.0) -> Path:
     taxels = [
         {"id": int(uid), "x": x, "n": n, "type": "pressure", "cut": 0}
         for uid, x, n in zip(
             np.arange(len(patch)) * 16 + 1 if uids is None else uids,
-            patch.positions.tolist(), patch.normals.tolist(), strict=True,
+            (unit * patch.positions).tolist(), patch.normals.tolist(), strict=True,
         )
     ]  # fmt: skip
     frame = {"name": "link", "tf_matrix": np.eye(4).T.ravel().tolist() if tf is None else tf}
@@ -134,7 +134,7 @@ def test_missing_and_long_normals(tmp_path: Path) -> None:
 
 
 def test_millimetres_given_as_metres(tmp_path: Path) -> None:
-    path = cyskin_file(tmp_path, Patch(SHEET.positions * 1000, normals=SHEET.normals))
+    path = cyskin_file(tmp_path, SHEET, unit=1000.0)
     assert codes(path)["millimetres"] == "error"
     np.testing.assert_allclose(load_layout(path)[0].positions, SHEET.positions, atol=1e-12)
 

@@ -17,8 +17,8 @@ from skinfield.acquisition import Port
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.contacts.live import CONTACT
 from skinfield.engine.state import Answer
-from skinfield.live.include import include_folder
-from skinfield.live.recipe import Recipe
+from skinfield.live import include_folder
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.ring_fields import VERSION, open_ring
 from skinfield.live.slots import PATCH, Head, Slot
 from skinfield.ring import Field, Ring, State
@@ -88,7 +88,7 @@ def test_header_is_clean_for(compiler: str, option: str, tmp_path: Path) -> None
 @contextmanager
 def ring_of_a_skin() -> Iterator[Ring]:
     made = settings()
-    ring, _ = open_ring(made, Recipe.of(made, (Port("ticking", 72),)))
+    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", 72),)))
     try:
         with ring:
             yield ring

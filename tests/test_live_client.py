@@ -1,8 +1,10 @@
-"""What a reader of a ring gets, cycle by cycle; the ring is filled here."""
+"""Readers of a live skin's ring, cycle by cycle, and what ends no engine."""
 
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,10 +12,16 @@ from live_skins import settings
 from numpy.testing import assert_array_equal
 
 from skinfield.acquisition import Port
+from skinfield.acquisition.recorded import CycleFlag
+from skinfield.errors import InputError
+from skinfield.live.baseline import Baseline
 from skinfield.live.client import Live
-from skinfield.live.recipe import Recipe
+from skinfield.live.engine_process import EngineProcess
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.ring_fields import open_ring
 from skinfield.live.slots import Head, Slot
+from skinfield.live.supervisor import Supervisor
+from skinfield.realtime import TimingTable
 from skinfield.ring import Ring
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
@@ -22,7 +30,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are teste
 @pytest.fixture
 def ring() -> Iterator[Ring]:
     made = settings()
-    found, _ = open_ring(made, Recipe.of(made, (Port("ticking", 72),)))
+    found, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", 72),)))
     try:
         with found:
             yield found
@@ -83,3 +91,101 @@ def test_a_loop_passes_over_cycles_without_a_new_reading(ring: Ring) -> None:
         third = publish(ring)
         waiting.join()
     assert [each.number for each in found] == [third]
+
+
+SECOND = 10**9
+
+
+def test_a_log_that_one_poll_could_overfill_is_refused() -> None:
+    made = settings(log_bytes=1 << 20)
+    with pytest.raises(InputError, match="log_bytes is 1048576, expected at least 4194304"):
+        open_ring(made, ModelConfig.of(made, ()))
+
+
+def test_a_new_baseline_that_fails_leaves_the_old_one() -> None:
+    def finish() -> Baseline:
+        raise InputError("counts reach 300")
+
+    notes: dict[str, object] = {}
+    engine = SimpleNamespace(again=SimpleNamespace(finish=finish), _note=notes.update)
+    EngineProcess._finish_tare(engine, SimpleNamespace())  # type: ignore[arg-type]
+    assert engine.again is None
+    assert notes == {"tare": ["the baseline stays as it was: counts reach 300"]}
+
+
+@pytest.mark.parametrize(
+    ("due", "flags"),
+    [
+        (0, CycleFlag(0)),
+        (6, CycleFlag.LATE),
+        (40, CycleFlag.LATE | CycleFlag.OVERRUN),
+    ],
+)
+def test_cycles_say_that_they_were_late(
+    monkeypatch: pytest.MonkeyPatch, due: int, flags: CycleFlag
+) -> None:
+    def nothing(*_: object, **__: object) -> bool:
+        return False
+
+    slot = SimpleNamespace(head=np.zeros(len(Head), np.int64))
+    slot.head[Head.DUE_NS] = (100 - due) * SECOND
+    clock = SimpleNamespace(monotonic_ns=lambda: 100 * SECOND)
+    monkeypatch.setattr("skinfield.live.engine_process.time", clock)
+    engine = SimpleNamespace(
+        reset=True,
+        parameters=SimpleNamespace(budget_ns=400_000),
+        flags=0,
+        intake=SimpleNamespace(channels=None),
+        timing=TimingTable(20 * SECOND, 5 * SECOND),
+        ring=SimpleNamespace(publish=nothing, heartbeat=nothing),
+        waiter=SimpleNamespace(skipped=0),
+    )
+    cycle = SimpleNamespace(answer=nothing)
+    EngineProcess._answer(engine, cycle, slot, int(slot.head[Head.DUE_NS]), 0)  # type: ignore[arg-type]
+    assert CycleFlag(int(slot.head[Head.FLAGS])) == flags
+    assert not engine.reset
+
+
+def test_an_engine_that_cannot_be_started_now_is_started_later(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    supervisor, tries = Supervisor(settings()), []
+
+    def start() -> None:
+        tries.append(1)
+        if len(tries) < 3:
+            raise OSError(11, "Resource temporarily unavailable")
+        supervisor._stopping.set()
+
+    monkeypatch.setattr(supervisor, "_start", start)
+    monkeypatch.setattr("skinfield.live.supervisor.PAUSES", (0.01,))
+    supervisor._watch()
+    assert len(tries) == 3
+    assert [each.what for each in supervisor.events] == ["failed", "failed"]
+    assert "temporarily unavailable" in supervisor.failure
+    supervisor.status_path.unlink()
+
+
+def test_signals_without_a_name_are_told_by_their_number(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    supervisor = Supervisor(settings())
+    monkeypatch.setattr(supervisor, "_again", lambda: None)
+    supervisor._gone(-40)
+    supervisor._gone(-9)
+    assert [each.text for each in supervisor.events] == [
+        "ended with signal 40",
+        "ended with signal SIGKILL",
+    ]
+    supervisor.status_path.unlink()
+
+
+def test_the_watch_goes_on_where_its_events_cannot_be_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    supervisor = Supervisor(settings())
+    monkeypatch.setattr(
+        "skinfield.live.supervisor.sidecar", lambda name, what: tmp_path / "not there" / name
+    )
+    supervisor._tell("failed", "text")
+    assert supervisor.events[-1].text == "text"

@@ -1,34 +1,280 @@
-"""The fit beside the engine, on a ring that is filled here."""
+"""Fit beside the engine: averages, numbers of contacts, and all of it on a ring filled here."""
 
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from live_skins import LAYER, settings, wait_for
+from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 import skinfield as sf
 from skinfield.acquisition import Port
 from skinfield.conditioning import Convention, CySkinCount, ICubByte, PlainCount
-from skinfield.live.best import best_contacts
+from skinfield.contacts.live import CONTACT
 from skinfield.live.client import Live, chosen
-from skinfield.live.fit import SkinFit, clips_at_rest
-from skinfield.live.fit_reader import FitReader
-from skinfield.live.fit_ring import Fitted, fit_name
-from skinfield.live.recipe import Recipe
+from skinfield.live.fit_process import SkinFit, clips_at_rest
+from skinfield.live.fit_ring import (
+    FitReader,
+    FitSlot,
+    Fitted,
+    best_contacts,
+    fit_name,
+    is_fit,
+    write_engine,
+)
+from skinfield.live.fit_worker import FIRST, Accuracy, FitTracks, Numbers, rounding_of
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.ring_fields import open_ring
-from skinfield.live.slots import Head, Slot
+from skinfield.live.slots import PATCH, Head, Slot
+from skinfield.live.stationary_mean import GAP_NS, Mean, StationaryMean
 from skinfield.ring import Ring, RingReader
 from skinfield.simulate import Sphere, press
-from skinfield.viewer.live_feed import LiveFeed
+from skinfield.viewer.source import LiveSource
+
+TAXELS, PERIOD_NS = 20, 10_000_000
+NOISES = np.full(TAXELS, 0.002)
+ALL = np.ones(TAXELS)
+PRESSED = np.zeros(TAXELS)
+PRESSED[:3] = 0.03, 0.02, 0.01
+
+
+def readings(level: np.ndarray, count: int, seed: int) -> np.ndarray:
+    return level + np.random.default_rng(seed).normal(0.0, 0.002, (count, TAXELS))
+
+
+def fed(stationary: StationaryMean, rows: np.ndarray, start: int = 0) -> int:
+    for number, row in enumerate(rows, start):
+        stationary.take(row, ALL, (number + 1) * PERIOD_NS)
+    return start + len(rows)
+
+
+def mean_of(stationary: StationaryMean) -> Mean:
+    found = stationary.mean(NOISES)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 32, 100])
+def test_what_rests_is_averaged(count: int) -> None:
+    stationary, rows = StationaryMean(TAXELS), readings(PRESSED, count, 1)
+    fed(stationary, rows)
+    found = mean_of(stationary)
+    assert found.readings == count
+    assert found.stamp_ns == count * PERIOD_NS
+    assert_allclose(found.values, rows.mean(axis=0), atol=1e-12)
+
+
+def test_no_more_readings_are_kept_than_asked_for() -> None:
+    stationary, rows = StationaryMean(TAXELS, most=16), readings(PRESSED, 100, 2)
+    fed(stationary, rows)
+    assert_allclose(mean_of(stationary).values, rows[-16:].mean(axis=0), atol=1e-12)
+
+
+@pytest.mark.parametrize("after", [1, 2, 3, 5, 11, 40])
+def test_an_average_ends_where_the_touch_began(after: int) -> None:
+    stationary = StationaryMean(TAXELS)
+    start = fed(stationary, readings(np.zeros(TAXELS), 64, 3))
+    fed(stationary, readings(PRESSED, after, 4), start)
+    assert mean_of(stationary).readings == after
+
+
+def test_a_faint_touch_is_seen_to_begin_by_all_of_its_taxels_together() -> None:
+    faint = np.zeros(TAXELS)
+    faint[:8] = 3.0 * NOISES[:8]  # no taxel stands out of a single reading
+    stationary = StationaryMean(TAXELS)
+    start = fed(stationary, readings(np.zeros(TAXELS), 64, 8))
+    fed(stationary, readings(faint, 24, 9), start)
+    assert mean_of(stationary).readings == 24
+
+
+def test_readings_before_a_gap_do_not_count() -> None:
+    stationary = StationaryMean(TAXELS)
+    start = fed(stationary, readings(PRESSED, 20, 5))
+    stationary.take(PRESSED, ALL, start * PERIOD_NS + GAP_NS + PERIOD_NS)
+    assert mean_of(stationary).readings == 1
+
+
+def test_a_taxel_that_is_left_out_now_and_then_is_the_mean_of_its_own() -> None:
+    stationary, rows = StationaryMean(TAXELS), readings(PRESSED, 8, 6)
+    for number, row in enumerate(rows):
+        valid = ALL.copy()
+        valid[4] = number % 2
+        valid[5] = 0.0
+        stationary.take(np.where(valid > 0, row, np.nan), valid, (number + 1) * PERIOD_NS)
+    found = mean_of(stationary)
+    assert found.readings == 8
+    assert found.values[4] == pytest.approx(rows[1::2, 4].mean())
+    assert found.valid[4]
+    assert not found.valid[5]
+    assert found.values[5] == 0.0
+    assert np.isinf(Accuracy(NOISES, 0.0 * NOISES).of(found)[5])
+
+
+def test_nothing_is_known_before_the_first_reading() -> None:
+    assert StationaryMean(TAXELS).mean(NOISES) is None
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.2, 0.35, 0.5, 1.0])
+def test_rounding_of_averages_against_the_expected_value_of_a_rounded_count(noise: float) -> None:
+    places, counts = np.linspace(-0.5, 0.5, 201), np.arange(-8, 9)
+    if noise:
+        edges = norm.cdf((counts + 0.5 - places[:, None]) / noise)
+        chance = np.diff(edges, axis=1, prepend=0.0)
+    else:
+        chance = (np.rint(places)[:, None] == counts).astype(float)
+    off = chance @ counts - places
+    total = np.full((1, 4), np.hypot(noise, 12**-0.5))
+    found = rounding_of(total, np.array([total[0, 2]]))[0]
+    worst = np.sqrt((off**2).mean())
+    assert found == pytest.approx(worst, abs=0.02 * worst + 1e-6)
+
+
+def contact(x: float, y: float, force: float = 1.0, track: int = 0, age: float = 0.0) -> Any:
+    row = np.zeros(1, CONTACT)
+    row["x"], row["y"], row["normal_force"], row["track"], row["age"] = x, y, force, track, age
+    return row
+
+
+def together(*rows: Any) -> Any:
+    return np.concatenate([np.zeros(0, CONTACT), *rows])
+
+
+def test_numbers_are_those_of_the_engine_and_last() -> None:
+    tracks, stamp = FitTracks(Numbers()), 5_000_000_000
+    rows = together(contact(0.0, 0.0), contact(0.02, 0.0))
+    engine = together(contact(0.019, 0.002, track=7, age=0.5), contact(0.001, 0.0, track=4))
+    tracks.number(rows, engine, stamp)
+    assert_array_equal(rows["track"], [4, 7])
+    assert_allclose(rows["age"], [0.0, 0.5])
+    later = together(contact(0.0202, 0.0), contact(0.0, 0.001))
+    tracks.number(later, together(contact(0.0, 0.0, track=9)), stamp + 20_000_000)
+    assert_array_equal(later["track"], [7, 4])  # though the engine calls it 9 by now
+    assert_allclose(later["age"], [0.52, 0.02])
+    assert later["speed"][1] > later["speed"][0] > 0.0
+
+
+def test_what_the_engine_does_not_see_has_a_number_of_its_own() -> None:
+    numbers = Numbers()
+    first, second = FitTracks(numbers), FitTracks(numbers)
+    rows = together(contact(0.0, 0.0), contact(0.03, 0.0))
+    first.number(rows, together(contact(0.015, 0.0, track=3)), 1_000_000_000)
+    assert_array_equal(rows["track"], [FIRST, FIRST + 1])  # 15 mm away is another one
+    again = together(contact(0.0, 0.0))
+    second.number(again, together(), 1_000_000_000)
+    assert again["track"][0] == FIRST + 2
+    first.number(again, together(), 3_000_000_000)
+    assert again["track"][0] == FIRST + 3  # after so long it is a new one
+
+
+class Reader(FitReader):
+    """Of a slot that is handed in."""
+
+    def __init__(self, slot: FitSlot | None) -> None:
+        self._newest = slot
+
+    def latest(self) -> FitSlot | None:
+        return self._newest
+
+
+def snapshot(stamp_ns: int, contacts: Any, answer: int = 3) -> Any:
+    patches = np.zeros(2, PATCH)
+    patches["stamp_ns"], patches["answer"] = stamp_ns, answer
+    patches["contacts"] = [(contacts["patch"] == n).sum() for n in range(2)]
+    return SimpleNamespace(patches=patches, contacts=contacts)
+
+
+def slot_of(stamp_ns: int, contacts: Any, touched: int = 1) -> FitSlot:
+    slot = FitSlot.empty(2, 9, 4)
+    slot.patches["state"][0] = int(Fitted.DONE)
+    slot.patches["stamp_ns"], slot.patches["touched"] = stamp_ns, touched
+    slot.patches["contacts"][0] = len(contacts)
+    slot.contacts[0][: len(contacts)] = contacts
+    slot.pressure[0] = 5.0
+    return slot
+
+
+def test_the_fits_contacts_count_where_it_has_kept_up() -> None:
+    other = contact(0.0, 0.0, 2.0, track=5)
+    other["patch"] = 1
+    engine = together(contact(0.0, 0.0, 1.6, track=4, age=1.0), other)
+    fit = Reader(slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)))
+    rows, by = best_contacts(snapshot(10**9 + PERIOD_NS, engine), fit)
+    assert_array_equal(rows["normal_force"], [1.0, 2.0])
+    assert by == ["fit", "engine"]
+    assert_array_equal(fit.pressure(0), np.full(9, 5.0))
+    assert fit.pressure(1) is None
+
+
+def test_a_contact_that_began_since_is_the_engines() -> None:
+    engine = together(
+        contact(0.0, 0.0, 1.6, track=4, age=1.0),
+        contact(0.01, 0.0, 0.3, track=8, age=1.0),  # of before: the fit does not have it
+        contact(0.03, 0.0, 0.5, track=9, age=0.01),
+        contact(0.003, 0.0, 0.5, track=10, age=0.01),  # the same as 4, by another number
+    )
+    fit = Reader(slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)))
+    rows, by = best_contacts(snapshot(10**9 + 2 * PERIOD_NS, engine), fit)
+    assert_array_equal(rows["track"], [4, 9])
+    assert by == ["fit", "engine"]
+
+
+@pytest.mark.parametrize(
+    "why", ["no fit", "not there", "old", "old and moved", "very old", "lifted", "unhelpful"]
+)
+def test_else_the_engines_count(why: str) -> None:
+    engine = together(contact(0.0, 0.0, 1.6, track=4, age=1.0))
+    slot, answer = slot_of(10**9, contact(0.001, 0.0, 1.0, track=4)), 3
+    late = 10**9 if why in ("old", "old and moved") else 3 * 10**9 if why == "very old" else 0
+    if why != "old":
+        write_engine(slot.patches[0], contact(0.0, 0.0, 1.6))
+    if why == "old and moved":
+        engine["x"] += 5e-3
+    if why == "lifted":
+        engine, answer = engine[:0], 1
+    if why == "unhelpful":
+        slot.patches["state"] = int(Fitted.UNHELPFUL)
+    fit = None if why == "no fit" else Reader(None if why == "not there" else slot)
+    rows, by = best_contacts(snapshot(10**9 + late, engine, answer), fit)
+    assert_array_equal(rows, engine)
+    assert by == ["engine"] * len(engine)
+
+
+def test_a_fit_may_be_late_while_the_touch_rests() -> None:
+    engine = together(contact(0.0005, 0.0, 1.5, track=4, age=1.0))
+    slot = slot_of(10**9, contact(0.001, 0.0, 1.0, track=4))
+    write_engine(slot.patches[0], contact(0.0, 0.0, 1.6))
+    rows, by = best_contacts(snapshot(2 * 10**9, engine), Reader(slot))
+    assert_array_equal(rows["normal_force"], [1.0])
+    assert by == ["fit"]
+
+
+def test_what_only_the_fit_sees_is_shown_while_the_engine_sees_nothing() -> None:
+    fit = Reader(slot_of(10**9, contact(0.001, 0.0, 0.2, track=FIRST), touched=0))
+    rows, by = best_contacts(snapshot(10**9, together(), answer=1), fit)
+    assert_array_equal(rows["normal_force"], [0.2])
+    assert by == ["fit"]
+
+
+def test_a_fit_that_is_not_there_says_nothing() -> None:
+    reader = FitReader("no-such-skin")
+    assert reader.latest() is None
+    assert reader.status() == {}
+    reader.close()
+    assert is_fit(fit_name("skin"))
+    assert not is_fit("skin")
+
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
-PATCH = sf.layouts.hexagon72()
+HEXAGON = sf.layouts.hexagon72()
 NOISE, STEP_NS = 0.002, 10_000_000
 PLACE, DEAD = (-4e-3, 6.3e-3), 11  # m, between taxels; a taxel far from there
 LONG = 600.0  # s: a fresh clone compiles first
@@ -38,7 +284,7 @@ Floats = NDArray[np.float64]
 @pytest.fixture(scope="module", name="ring")
 def _ring() -> Iterator[Ring]:
     made = settings()
-    found, _ = open_ring(made, Recipe.of(made, (Port("ticking", len(PATCH), "dC/C0"),)))
+    found, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON), "dC/C0"),)))
     try:
         with found:
             tare(found)
@@ -56,7 +302,7 @@ def tare(ring: Ring, noise: float = NOISE) -> None:
 def pressed(*bodies: Sphere) -> Floats:
     """ΔC/C₀ of a press, on cells that the fit does not share."""
     made = press(LAYER, list(bodies), 40e-3, 0.5e-3)
-    return made.readings(PATCH.plane, PATCH.pad_diameter, "capacitance")
+    return made.readings(HEXAGON.plane, HEXAGON.pad_diameter, "capacitance")
 
 
 def play(ring: Ring, level: Floats, count: int, *, answer: int = 3, seen: float = 1.6) -> None:
@@ -65,13 +311,13 @@ def play(ring: Ring, level: Floats, count: int, *, answer: int = 3, seen: float 
     for _ in range(count):
         slot = Slot.of(ring.begin())
         slot.head[Head.FRESH] = 1
-        slot.patches["fresh"], slot.patches["answer"] = len(PATCH), answer
+        slot.patches["fresh"], slot.patches["answer"] = len(HEXAGON), answer
         slot.patches["stamp_ns"] = (1000 + ring.number) * STEP_NS
         slot.patches["contacts"] = answer > 1
         row = slot.contacts[0][0]
         row["track"], row["x"], row["y"], row["normal_force"] = 4, *PLACE, seen
         row["age"], row["position"] = 1.0, (*PLACE, 0.0)
-        slot.values[:] = level + rng.normal(0.0, NOISE, len(PATCH))
+        slot.values[:] = level + rng.normal(0.0, NOISE, len(HEXAGON))
         slot.valid[:] = 1
         slot.values[DEAD], slot.valid[DEAD] = 0.3, 0
         ring.publish()
@@ -80,7 +326,7 @@ def play(ring: Ring, level: Floats, count: int, *, answer: int = 3, seen: float 
 @pytest.fixture(scope="module", name="fit")
 def _fit(ring: Ring) -> Iterator[SkinFit]:
     with RingReader(ring.name) as reader, SkinFit(ring.name, reader) as made:
-        play(ring, np.zeros(len(PATCH)), 1, answer=1)
+        play(ring, np.zeros(len(HEXAGON)), 1, answer=1)
         made.look()
         wait_for(lambda: not busy(made), LONG)
         yield made
@@ -117,18 +363,18 @@ def test_force_and_place_are_true_where_the_engine_is_far_off(ring: Ring, fit: S
     assert 40 <= found.patches["readings"][0] <= 42  # with one or two of before, perhaps
     pressure = reader.pressure(0)
     assert pressure is not None
-    assert pressure.sum() * sf.Grid.square(PATCH, 20).cell_area == pytest.approx(
+    assert pressure.sum() * sf.Grid.square(HEXAGON, 20).cell_area == pytest.approx(
         rows["normal_force"][0], rel=1e-3
     )
     reader.close()
 
 
 def test_it_ends_with_the_touch(ring: Ring, fit: SkinFit) -> None:
-    play(ring, np.zeros(len(PATCH)), 3, answer=1)
+    play(ring, np.zeros(len(HEXAGON)), 3, answer=1)
     rows, _, reader = answered(ring)  # before the fit has looked
     reader.close()
     assert len(rows) == 0
-    play(ring, np.zeros(len(PATCH)), 30, answer=1)
+    play(ring, np.zeros(len(HEXAGON)), 30, answer=1)
     wait_for(fit.look)
     rows, _, reader = answered(ring)
     assert len(rows) == 0
@@ -137,7 +383,7 @@ def test_it_ends_with_the_touch(ring: Ring, fit: SkinFit) -> None:
 
 
 def test_what_the_engine_takes_for_a_touch_is_none(ring: Ring, fit: SkinFit) -> None:
-    play(ring, np.zeros(len(PATCH)), 40, seen=0.2)
+    play(ring, np.zeros(len(HEXAGON)), 40, seen=0.2)
     wait_for(fit.look)
     rows, _, reader = answered(ring)
     reader.close()
@@ -145,7 +391,7 @@ def test_what_the_engine_takes_for_a_touch_is_none(ring: Ring, fit: SkinFit) -> 
 
 
 def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: SkinFit) -> None:
-    rough = np.random.default_rng(7).normal(0.0, 0.05, len(PATCH))
+    rough = np.random.default_rng(7).normal(0.0, 0.05, len(HEXAGON))
     play(ring, rough, 20)
     wait_for(fit.look)
     rows, by, reader = answered(ring)
@@ -153,7 +399,7 @@ def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: Ski
     assert by == ["engine"]
     assert rows["normal_force"][0] == 1.6
     assert reader.pressure(0) is None
-    assert reader.status()["left_to_engine"] == [PATCH.name]
+    assert reader.status()["left_to_engine"] == [HEXAGON.name]
     found = reader.latest()
     assert found is not None
     assert found.patches["state"][0] == int(Fitted.UNHELPFUL)
@@ -162,7 +408,7 @@ def test_what_no_few_contacts_explain_is_left_to_the_engine(ring: Ring, fit: Ski
 
 def test_the_page_tells_what_the_fit_does(ring: Ring, fit: SkinFit) -> None:
     fit.tell()
-    feed = LiveFeed(ring.name)
+    feed = LiveSource(ring.name)
     told = feed.status()["fit"]
     feed.close()
     assert told["phase"] == "ready"
@@ -185,7 +431,7 @@ def test_a_new_baseline_is_taken_over(ring: Ring, fit: SkinFit) -> None:
 
 def test_boards_that_clip_at_rest_are_left_to_the_engine() -> None:
     made = settings(board=CySkinCount())
-    ring, _ = open_ring(made, Recipe.of(made, (Port("ticking", len(PATCH)),)))
+    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON)),)))
     try:
         with ring, RingReader(made.name) as source, SkinFit(made.name, source) as own:
             assert not own.look()  # before there is a baseline
@@ -196,7 +442,7 @@ def test_boards_that_clip_at_rest_are_left_to_the_engine() -> None:
             own.tell()
             rows, by, reader = answered(ring)
             assert (by, rows["normal_force"][0]) == (["engine"], 1.6)
-            assert reader.status()["left_to_engine"] == [PATCH.name]
+            assert reader.status()["left_to_engine"] == [HEXAGON.name]
             reader.close()
     finally:
         Ring.remove(made.name)
@@ -219,7 +465,7 @@ def test_a_skin_is_told_from_its_fit(ring: Ring, fit: SkinFit) -> None:
 
 def test_the_process_ends_when_it_is_told_to_and_takes_its_ring_away() -> None:
     made = settings()
-    ring, _ = open_ring(made, Recipe.of(made, (Port("ticking", len(PATCH)),)))
+    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON)),)))
     command = [sys.executable, "-m", "skinfield.live.fit_process", made.name]
     try:
         with ring:

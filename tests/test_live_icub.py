@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bus_peers import free_port, group
 from live_skins import settings, wait_for
 
 from skinfield.live.client import Live, Snapshot, Stale, connect
 from skinfield.live.status import Observer
 from skinfield.live.supervisor import Supervisor
-from skinfield.sources.buses import BusSettings, open_bus
-from skinfield.sources.live.spec import source_from_options
+from skinfield.sources.live.factory import source_from_options
 from skinfield.virtual import VirtualSettings
 from skinfield.virtual.process import VirtualProcess, start
 
@@ -25,26 +23,6 @@ NEAR, FACTOR = 3e-3, 2.5  # m; of a press, by the quick inverse on a layer of 2 
 PATIENCE = 90.0  # s
 STALE = 0.4  # s
 STARTS = 600.0  # s: every kernel may have to be compiled first
-
-
-def multicast_works() -> bool:
-    """Whether what is sent to a group arrives."""
-    try:
-        place = BusSettings("udp_multicast", group(), free_port())
-        one, other = open_bus(place), open_bus(place)
-    except OSError:
-        return False
-    from skinfield.acquisition import CanMessages
-
-    rows = CanMessages(4)
-    try:
-        wait_for(lambda: one.send(0x201, b"\x07\x00") and other.receive(rows), 3.0)
-    except AssertionError:
-        return False
-    finally:
-        one.close()
-        other.close()
-    return True
 
 
 class Skin:
@@ -69,28 +47,22 @@ class Skin:
         return found.age < 0.3 and patch["invalid"] == 0 and not len(found.contacts)
 
 
-def started(bus: str, parts: ExitStack) -> Skin:
+def started(parts: ExitStack) -> Skin:
     """A skin whose engine answers."""
-    if bus == "udp_multicast":
-        if not multicast_works():
-            pytest.skip("multicast: what is sent to a group does not arrive on this machine")
-        place = f"{group()}:{free_port()}"
-    else:
-        place = "127.0.0.1:0"
-    virtual = VirtualSettings(bus=bus, channels=(place,), rate=RATE, scene="idle", lead_in=0.0)
+    virtual = VirtualSettings(rate=RATE, scene="idle", lead_in=0.0)
     boards = parts.enter_context(start(virtual, STARTS))
     made = settings(rungs=(10, 20))
-    source = source_from_options("icub", bus, tuple(boards.channels), made.skin)
+    source = source_from_options("icub", "udp", tuple(boards.channels), made.skin)
     made = settings(sources=(source,), rungs=(10, 20), tare_seconds=1.5, stale_after=STALE)
     supervisor = parts.enter_context(Supervisor(made))
     supervisor.wait(STARTS).close()
     return Skin(boards, parts.enter_context(connect(made.name)), supervisor)
 
 
-@pytest.fixture(scope="module", params=["udp", "udp_multicast"])
-def everywhere(request: pytest.FixtureRequest) -> Iterator[Skin]:
+@pytest.fixture(scope="module")
+def everywhere() -> Iterator[Skin]:
     with ExitStack() as parts:
-        yield started(request.param, parts)
+        yield started(parts)
 
 
 @pytest.fixture

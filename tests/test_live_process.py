@@ -16,14 +16,15 @@ from numpy.testing import assert_array_equal
 import skinfield as sf
 from skinfield.acquisition import Count
 from skinfield.errors import InputError
-from skinfield.live.beside import beside
 from skinfield.live.client import Live, NotRunning, Stale, connect
 from skinfield.live.control import order
 from skinfield.live.status import Observer
 from skinfield.live.supervisor import EngineFailed, Supervisor
 from skinfield.ring import Ring, State
-from skinfield.viewer import PageSettings, serve_page
-from skinfield.viewer.live_feed import LiveFeed
+from skinfield.ring.files import sidecar
+from skinfield.settings import PageSettings
+from skinfield.viewer import serve_page
+from skinfield.viewer.source import LiveSource
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
@@ -35,8 +36,8 @@ def running():
         supervisor.wait(120.0).close()
         yield supervisor
     assert not [each for each in Ring.names() if each.name == made.name]
-    assert not beside(made.name, "supervisor").exists()
-    assert not beside(made.name, "control").exists()
+    assert not sidecar(made.name, "supervisor").exists()
+    assert not sidecar(made.name, "control").exists()
 
 
 def name_of(supervisor: Supervisor) -> str:
@@ -111,7 +112,7 @@ def test_a_new_baseline_is_taken_on_order(running) -> None:
 def test_orders_that_are_none_change_nothing(running) -> None:
     import socket
 
-    address = str(beside(name_of(running), "control"))
+    address = str(sidecar(name_of(running), "control"))
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
         for data in (b"", b"{", b"[]", b'{"do": 3}', b'{"do": "fly"}', b"\xff" * 2000):
             sender.sendto(data, address)
@@ -139,7 +140,7 @@ def test_a_reader_that_dies_disturbs_nobody(running) -> None:
 
 
 def test_the_page_shows_a_running_skin(running) -> None:
-    feed = LiveFeed(name_of(running))
+    feed = LiveSource(name_of(running))
     try:
         with serve_page(PageSettings(port=0), lambda: (feed,)) as page:
             address = f"http://127.0.0.1:{page.port}/api/status"
@@ -166,7 +167,7 @@ def test_the_engine_comes_back_after_a_kill_on_the_same_ring(running) -> None:
         assert_array_equal(live.reader.status["calibration"], calibration)  # no new baseline
         assert not live.reader.replaced()
     assert any(each.what == "failed" and "SIGKILL" in each.text for each in running.events)
-    told = json.loads(beside(name_of(running), "supervisor").read_text())
+    told = json.loads(sidecar(name_of(running), "supervisor").read_text())
     assert told["restarts"] >= 1
 
 
@@ -208,7 +209,7 @@ def test_it_ends_with_its_parent() -> None:
         wait_for(lambda: not Path(f"/proc/{engine}").exists())
     finally:
         Ring.remove(name)
-        beside(name, "supervisor").unlink(missing_ok=True)
+        sidecar(name, "supervisor").unlink(missing_ok=True)
 
 
 def test_without_a_skin_it_is_said() -> None:

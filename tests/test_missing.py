@@ -6,9 +6,9 @@ import pytest
 import skinfield as sf
 from skinfield.fields import Contact, Estimate, PressureNoise
 from skinfield.inverse import InverseOperator, Solver
-from skinfield.inverse.gaussian_field import PITCHES, taxel_distance
+from skinfield.inverse.linear import PITCHES, taxel_distance
 from skinfield.observation import ObservationModel
-from skinfield.pipeline import missing
+from skinfield.pipeline import plan
 
 PATCH = sf.layouts.hexagon72()
 LAYER = sf.Layer(2e-3, 100e3, 0.4)
@@ -194,23 +194,23 @@ def test_in_single_precision_and_in_a_window(pressed: np.ndarray) -> None:
 def test_many_sets_are_solved_in_parts_and_only_few_are_kept(pressed: np.ndarray) -> None:
     solver = sf.Tikhonov()
     mine, other = reconstructor(solver), reconstructor(Anew(solver))
-    count = 2 * missing.SETS + 5
+    count = 2 * plan.SETS + 5
     valid = masks(2, count)
     readings = np.resize(pressed, (count, 72))
     assert_same(mine(readings, valid=valid), other(readings, valid=valid))
-    for mask in masks(4, 3 * missing.CALLS_KEPT):
+    for mask in masks(4, 3 * plan.CALLS_KEPT):
         mine(pressed[0], valid=mask)
     kept = mine.plan.missing
     assert kept is not None
-    assert len(kept._kept) == missing.CALLS_KEPT
+    assert len(kept._kept) == plan.CALLS_KEPT
 
 
 def test_one_dead_taxel_in_more_readings_than_a_product_takes(pressed: np.ndarray) -> None:
     mine = reconstructor(SMOOTH)
-    readings = np.resize(pressed, (missing.CHUNK + 30, 72))
+    readings = np.resize(pressed, (plan.CHUNK + 30, 72))
     readings[:, 17] = np.nan
     found = mine(readings)
-    for row in (0, missing.CHUNK - 1, missing.CHUNK, missing.CHUNK + 29):
+    for row in (0, plan.CHUNK - 1, plan.CHUNK, plan.CHUNK + 29):
         assert_same_single(found[row], mine(readings[row]))
 
 

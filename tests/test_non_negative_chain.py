@@ -8,7 +8,7 @@ from non_negative_reference import Dense, Either, amounts_of, small_model, solve
 
 from skinfield.errors import Floats
 from skinfield.inverse import NonNegative
-from skinfield.inverse.non_negative_operator import NonNegativeOperator
+from skinfield.inverse.non_negative import NonNegativeOperator
 from skinfield.observation import BaseStress, Capacitance, ObservationModel
 
 BOTH = [BaseStress(), Capacitance()]

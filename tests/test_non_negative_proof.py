@@ -20,8 +20,8 @@ from non_negative_reference import (
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.inverse import NonNegative, non_negative_problem
-from skinfield.inverse.non_negative_operator import NonNegativeOperator
+from skinfield.inverse import NonNegative, non_negative
+from skinfield.inverse.non_negative import NonNegativeOperator
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, Layer
 from skinfield.observation import BaseStress, Capacitance, ObservationModel
@@ -228,9 +228,9 @@ def test_what_stamps_lack_is_in_the_proof(
     model = small_model(24, 7, quantity)
     _, dense, cases = large(quantity)
     plain = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
-    monkeypatch.setattr(non_negative_problem, "LARGE", 0)
-    monkeypatch.setattr(non_negative_problem, "SPARSE", 2.0)
-    monkeypatch.setattr(non_negative_problem, "CUT", cut)
+    monkeypatch.setattr(non_negative, "LARGE", 0)
+    monkeypatch.setattr(non_negative, "SPARSE", 2.0)
+    monkeypatch.setattr(non_negative, "TILE_CUT", cut)
     operator = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
     assert len(plain.problem.cells) == 0
     assert len(operator.problem.cells) > 0

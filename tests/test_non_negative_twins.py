@@ -22,7 +22,7 @@ from scipy.optimize import nnls
 
 import skinfield as sf
 from skinfield.errors import Floats, InputError
-from skinfield.inverse import NonNegative, non_negative_problem
+from skinfield.inverse import NonNegative, non_negative
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, Layer
 from skinfield.observation import BaseStress, Capacitance, ObservationModel
@@ -154,7 +154,7 @@ def test_taxels_are_left_out_in_place_as_by_a_new_operator(
     large: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if large:
-        monkeypatch.setattr(non_negative_problem, "LARGE", 0)
+        monkeypatch.setattr(non_negative, "LARGE", 0)
     model = small_model(24, 7, BOTH[1])
     whole = NonNegative().prepare(model)
     part = whole.without(np.ones(len(model.taxels), dtype=bool))
@@ -178,7 +178,7 @@ def test_taxels_are_left_out_in_place_as_by_a_new_operator(
 
 
 def test_a_start_says_nothing_of_taxels_that_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(non_negative_problem, "LARGE", 0)  # by stamps, which still hold them
+    monkeypatch.setattr(non_negative, "LARGE", 0)  # by stamps, which still hold them
     model = small_model(24, 7)
     operator = NonNegative().prepare(model)
     assert len(operator.problem.cells) > 0

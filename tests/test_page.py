@@ -1,6 +1,8 @@
 """The page of a running skin, in a real browser: it shows, presses, changes and records."""
 
 import math
+import os
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,10 +13,10 @@ from browser import STARTS, Look, Served, looking, pictures, running_browser, se
 from live_skins import unique_name
 from page_gestures import Hand
 
-from skinfield.live.fit_tracks import FIRST
+from skinfield.live.fit_worker import FIRST
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
-QUIET = ("--headless", "--scene", "idle", "--rate", "250", "--priority", "0")
+QUIET = ("--headless", "--scene", "idle", "--rate-hz", "250", "--priority", "0")
 NEAR = 4.0  # mm, of what the engine alone finds at once
 PLACES = [(0.0, 3.0), (-13.0, 6.0), (11.0, -8.0), (6.0, 14.0)]  # mm
 MM, PERCENT = 2.0, 15.0  # what a press is found within
@@ -252,6 +254,27 @@ def test_exaggeration_deepens_the_dent(look: Look, hand: Hand) -> None:
         assert shown == pytest.approx(expected, rel=1e-6)
 
 
+RING_AND_TIP = """() => {
+  const { scene } = skinfield, { arrows, lines } = scene.marks, ring = [];
+  for (let at = 0; at < 13 * lines.count; at += 13)  // the press that is known is dashed
+    if (lines.data[at + 12] > 0) ring.push(scene.project(lines.data.slice(at, at + 3)));
+  const { x, y } = scene.project(arrows.data.slice(3, 6));
+  const mean = (name) => ring.reduce((sum, each) => sum + each[name], 0) / ring.length;
+  const wide = Math.max(...ring.map((each) => each.x)) - Math.min(...ring.map((each) => each.x));
+  return { tip: [x, y], middle: [mean("x"), mean("y")], wide };
+}"""
+
+
+def test_an_arrow_ends_in_the_middle_of_its_ring(look: Look, hand: Hand, kept: Path) -> None:
+    hand.click(-6.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    look.page.wait_for_timeout(300)
+    found = look.value(RING_AND_TIP)
+    assert found["wide"] > 10  # px
+    assert math.dist(found["tip"], found["middle"]) < 0.15 * found["wide"]
+    look.shoot(kept, "arrow")
+
+
 def test_dark_and_light(look: Look, hand: Hand, kept: Path) -> None:
     hand.click(0.0, 3.0)
     look.wait_rows(lambda rows: len(rows) == 1)
@@ -448,3 +471,17 @@ def test_tare_takes_a_new_baseline(look: Look, hand: Hand) -> None:
     look.until("!document.querySelector('[data-testid=tare]').hasAttribute('aria-busy')")
     hand.click(0.0, 3.0)
     look.wait_rows(lambda rows: len(rows) == 1 and is_found(rows[0]))
+
+
+def test_contacts_are_grey_once_the_engine_has_ended(
+    look: Look, hand: Hand, skin: Served, kept: Path
+) -> None:
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    look.until("skinfield.state.contacts.every((each) => !each.old)")
+    os.kill(skin.ask("/api/status")["engines"][0]["pid"], signal.SIGKILL)
+    look.until("skinfield.state.contacts.length > 0 && skinfield.state.contacts[0].old")
+    assert look.page.locator("tr.old").count() == 1
+    look.shoot(kept, "ended")
+    skin.wait_running()
+    look.until("skinfield.state.contacts.length > 0 && !skinfield.state.contacts[0].old")

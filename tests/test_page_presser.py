@@ -3,7 +3,7 @@
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.viewer.desk import Press
+from skinfield.viewer.controller import Press
 from skinfield.viewer.presser import MOST, Presser
 
 
@@ -56,7 +56,7 @@ def test_a_refused_press_is_none(case) -> None:
         case.presser.press(press("1-a", 3.0))
     with pytest.raises(InputError, match="expected its force and radius"):
         case.presser.press(press("1-a", None))
-    assert case.presser.standing == 0
+    assert case.presser.placed == 0
     case.presser.lift("1-a")
     assert case.presser.let_off(0.0)
 
@@ -75,7 +75,7 @@ def test_presses_wait_for_the_baseline(case) -> None:
     assert case.skin.there == {"1-a": 1.0}
     assert case.skin.scenes == ["press", "idle"]
     assert "2 N at most" in case.said[0]
-    assert case.presser.standing == 1
+    assert case.presser.placed == 1
     case.presser.do_waiting()
     assert len(case.said) == 1
 
@@ -90,7 +90,7 @@ def test_what_the_skin_let_go_is_told_and_gone(case) -> None:
     assert case.presser.truth() == []
     case.presser.truth()
     assert case.said == ["a press was let go: too hard"]
-    assert case.presser.standing == 0
+    assert case.presser.placed == 0
     assert not case.presser.preparing
 
 
@@ -100,7 +100,7 @@ def test_presses_go_with_their_browser(case) -> None:
     del case.skin.there["1-b"]  # let go, and not noted yet
     case.presser.leave("1-")
     assert case.skin.there == {"11-a": 1.0}
-    assert case.presser.standing == 1
+    assert case.presser.placed == 1
     case.presser.lift(None)
     assert case.skin.there == {}
 

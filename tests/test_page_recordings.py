@@ -14,12 +14,12 @@ from live_skins import unique_name, wait_for
 from websockets.sync.client import connect
 
 from skinfield.errors import InputError
-from skinfield.live.recorder_state import RecorderState, forget_state
-from skinfield.viewer import PageSettings, serve_page
-from skinfield.viewer.feed import Feed
-from skinfield.viewer.live_desk import LiveDesk
-from skinfield.viewer.live_feed import LiveFeed
+from skinfield.live.recorder import RecorderState, forget_state
+from skinfield.settings import PageSettings
+from skinfield.viewer import serve_page
+from skinfield.viewer.live_controller import LiveController
 from skinfield.viewer.recordings import SILENT, Recordings
+from skinfield.viewer.source import DataSource, LiveSource
 
 
 class Recorder:
@@ -67,7 +67,7 @@ def recorder() -> Iterator[Recorder]:
 
 @pytest.fixture
 def recordings(recorder: Recorder, tmp_path: Path) -> Recordings:
-    def replay(path: Path) -> Feed:
+    def replay(path: Path) -> DataSource:
         raise AssertionError("no file is opened here")
 
     return Recordings(recorder.name, recorder, replay, tmp_path)
@@ -81,15 +81,15 @@ def killed(recorder: Recorder) -> None:
 
 
 def test_one_is_begun_and_ended(recordings: Recordings) -> None:
-    assert recordings.told() is None
+    assert recordings.state() is None
     file = recordings.begin()["file"]
-    told = recordings.told()
+    told = recordings.state()
     assert told is not None
     assert (told["file"], told["mine"]) == (file, True)
     with pytest.raises(InputError, match="a recording is going on"):
         recordings.begin()
     assert recordings.end() == {"file": file}
-    assert recordings.told() is None
+    assert recordings.state() is None
     assert (recordings.names, recordings.notices()) == ([file], [])
     with pytest.raises(InputError, match="no recording was begun"):
         recordings.end()
@@ -100,12 +100,12 @@ def test_a_killed_recorder_is_told_and_another_may_begin(
 ) -> None:
     file = recordings.begin()["file"]
     killed(recorder)
-    assert recordings.told() is None
+    assert recordings.state() is None
     (said,) = recordings.notices()
     assert "skinfield recover" in said
     assert recordings.notices() == []
     assert recordings.names == [file]
-    assert recordings.told() is None  # what it left behind counts no more
+    assert recordings.state() is None  # what it left behind counts no more
     again = recordings.begin()["file"]
     assert again != file
     recordings.close()
@@ -120,7 +120,7 @@ def test_the_end_of_a_killed_recorder_says_how_to_save_the_file(
     with pytest.raises(InputError, match="skinfield recover"):
         recordings.end()
     assert recordings.names == [file]
-    assert recordings.told() is None
+    assert recordings.state() is None
     recordings.begin()
     recordings.end()
 
@@ -130,26 +130,26 @@ def test_what_others_record_counts_as_long_as_they_say_so(
 ) -> None:
     other = RecorderState(pid=os.getppid(), path="x.mcap", told_ns=time.time_ns())
     other.write(recorder.name)
-    found = recordings.told()
+    found = recordings.state()
     assert found is not None
     assert (found["file"], found["mine"]) == ("x.mcap", False)
     with pytest.raises(InputError, match="a recording is going on"):
         recordings.begin()
     replace(other, told_ns=other.told_ns - int(2 * SILENT * 1e9)).write(recorder.name)
-    assert recordings.told() is None
+    assert recordings.state() is None
     replace(other, pid=2**22 + 1).write(recorder.name)  # more than there can be
-    assert recordings.told() is None
+    assert recordings.state() is None
 
 
 def test_one_stands_ready_from_the_first_browser_on(
     recordings: Recordings, recorder: Recorder
 ) -> None:
-    desk = LiveDesk(lambda: LiveFeed("nonesuch"), recordings=recordings)
-    desk.controls()
+    controller = LiveController(lambda: LiveSource("nonesuch"), recordings=recordings)
+    controller.controls()
     assert recorder.asked == ["tend"]  # which does nothing until one is wanted
-    with serve_page(PageSettings(port=0), lambda: (), desk) as page:
+    with serve_page(PageSettings(port=0), lambda: (), controller) as page:
         assert "prepare" not in recorder.asked
         with connect(f"ws://127.0.0.1:{page.port}/socket"):
             wait_for(lambda: "prepare" in recorder.asked)
-    desk.close()
+    controller.close()
     assert recorder.asked[-1] == "close"

@@ -10,34 +10,35 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from page_feeds import NotingDesk, StillFeed
+from page_sources import NotingController, StillSource
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from skinfield.errors import InputError
-from skinfield.viewer import Page, PageSettings, serve_page
+from skinfield.settings import PageSettings
+from skinfield.viewer import Page, serve_page
 from skinfield.viewer.wire import unpacked
 
 LONG = 60.0  # s
 
 
 @pytest.fixture(scope="module")
-def feed() -> StillFeed:
-    made = StillFeed()
+def source() -> StillSource:
+    made = StillSource()
     made.read(1.0)
     return made
 
 
 @pytest.fixture
-def desk() -> NotingDesk:
-    return NotingDesk()
+def controller() -> NotingController:
+    return NotingController()
 
 
 @pytest.fixture
-def page(feed: StillFeed, desk: NotingDesk) -> Iterator[Page]:
-    with serve_page(PageSettings(port=0), lambda: (feed,), desk) as served:
+def page(source: StillSource, controller: NotingController) -> Iterator[Page]:
+    with serve_page(PageSettings(port=0), lambda: (source,), controller) as served:
         end = time.monotonic() + LONG
-        while not len(served.stage):
+        while not len(served.layout):
             assert time.monotonic() < end
             time.sleep(0.01)
         yield served
@@ -89,8 +90,9 @@ def ask(talk: ClientConnection, **order: Any) -> dict[str, Any]:
     return answer
 
 
-def get(page: Page, path: str, **headers: str) -> tuple[int, bytes, Any]:
-    asked = urllib.request.Request(f"http://127.0.0.1:{page.port}{path}", headers=headers)
+def get(page: Page, path: str, method: str = "GET", **headers: str) -> tuple[int, bytes, Any]:
+    address = f"http://127.0.0.1:{page.port}{path}"
+    asked = urllib.request.Request(address, headers=headers, method=method)
     try:
         with urllib.request.urlopen(asked, timeout=LONG) as answer:
             return answer.status, answer.read(), answer.headers
@@ -118,6 +120,17 @@ def test_one_port_serves_the_page_and_json(page: Page) -> None:
         assert get(page, path)[0] == 404
 
 
+def test_other_methods_and_addresses_that_are_none_are_refused(page: Page) -> None:
+    for method in ("POST", "PUT", "DELETE", "OPTIONS"):
+        status, text, headers = get(page, "/api/status", method)
+        assert (status, headers["Allow"]) == (405, "GET")
+        assert b"expected GET" in text
+    for path, host in (("//[", "localhost"), ("//[::1", "localhost"), ("/", "[")):
+        status, text, _ = get(page, path, Host=host)
+        assert status == 400
+        assert b"expected one of this page" in text
+
+
 def test_pages_and_names_elsewhere_are_refused(page: Page) -> None:
     assert get(page, "/api/status", Host="robot.example")[0] == 403
     assert get(page, "/api/status", Origin="http://elsewhere.example")[0] == 403
@@ -131,13 +144,13 @@ def test_pages_and_names_elsewhere_are_refused(page: Page) -> None:
         assert following(talk, "hello")["wire"] == 1
 
 
-def test_a_token_is_asked_for_where_others_can_reach(feed: StillFeed) -> None:
+def test_a_token_is_asked_for_where_others_can_reach(source: StillSource) -> None:
     for host in ("0.0.0.0", "192.168.1.2", "robot.local", "::"):
         with pytest.raises(InputError, match="expected 8 or more"):
             PageSettings(host=host, token="short")
     assert PageSettings(host="::1").is_here
     settings = PageSettings(host="0.0.0.0", port=0, token="a-long-token")
-    with serve_page(settings, lambda: (feed,)) as page:
+    with serve_page(settings, lambda: (source,)) as page:
         assert page.address.endswith("/?token=a-long-token")
         assert get(page, "/")[0] == 200  # nothing of the skin is in it
         assert get(page, "/api/status")[0] == 401
@@ -150,17 +163,19 @@ def test_a_token_is_asked_for_where_others_can_reach(feed: StillFeed) -> None:
             assert following(talk, "hello")["mode"] == "remote"
 
 
-def test_a_taken_port_is_refused_or_another_found(page: Page, feed: StillFeed) -> None:
+def test_a_taken_port_is_refused_or_another_found(
+    page: Page, source: StillSource, monkeypatch: pytest.MonkeyPatch
+) -> None:
     refused = pytest.raises(InputError, match=f"port {page.port} of 127.0.0.1 cannot be served")
-    with refused, serve_page(PageSettings(port=page.port), lambda: (feed,)):
+    with refused, serve_page(PageSettings(port=page.port), lambda: (source,)):
         pass
-    other = PageSettings(port=page.port, other_port=True)
-    with serve_page(other, lambda: (feed,)) as second:
+    monkeypatch.setattr("skinfield.viewer.server.PORT", page.port)
+    with serve_page(PageSettings(), lambda: (source,)) as second:
         assert second.port not in (0, page.port)
 
 
-def test_an_update_is_the_estimate(page: Page, feed: StillFeed) -> None:
-    snapshot = feed.latest()
+def test_an_update_is_the_estimate(page: Page, source: StillSource) -> None:
+    snapshot = source.latest()
     assert snapshot is not None
     with socket(page) as talk:
         patches = following(talk, "hello")["patches"]
@@ -188,13 +203,13 @@ def test_an_update_is_the_estimate(page: Page, feed: StillFeed) -> None:
     assert np.linalg.norm(apart) < 2e-3  # in one picture, whatever its frame
 
 
-def test_one_update_is_in_flight_and_the_newest_wins(page: Page, feed: StillFeed) -> None:
+def test_one_update_is_in_flight_and_the_newest_wins(page: Page, source: StillSource) -> None:
     with socket(page) as talk:
         following(talk, "controls")
         head, _ = following_update(talk)
         for _ in range(2):
-            feed.read(1.0)
-        page_number = feed.latest().number  # type: ignore[union-attr]
+            source.read(1.0)
+        page_number = source.latest().number  # type: ignore[union-attr]
         for _ in range(2):  # before the first is drawn only the status comes
             assert isinstance(talk.recv(LONG), str)
         talk.send(json.dumps({"do": "ack", "number": head["number"] + 5}))  # of none that was sent
@@ -202,8 +217,8 @@ def test_one_update_is_in_flight_and_the_newest_wins(page: Page, feed: StillFeed
         assert following_update(talk)[0]["cycle"] == page_number
 
 
-def test_each_browser_chooses_what_it_sees(page: Page, feed: StillFeed) -> None:
-    snapshot = feed.latest()
+def test_each_browser_chooses_what_it_sees(page: Page, source: StillSource) -> None:
+    snapshot = source.latest()
     assert snapshot is not None
     snapshot.prepare()
     with socket(page) as one, socket(page) as other:
@@ -217,7 +232,9 @@ def test_each_browser_chooses_what_it_sees(page: Page, feed: StillFeed) -> None:
         assert following_update(other)[0]["quantity"] == "pressure"
 
 
-def test_orders_reach_the_desk_or_are_refused_in_words(page: Page, desk: NotingDesk) -> None:
+def test_orders_reach_the_controller_or_are_refused_in_words(
+    page: Page, controller: NotingController
+) -> None:
     with socket(page) as talk:
         head, _ = following_update(talk, condition=with_truth)
         place = head["truth"][0]["position"]
@@ -225,14 +242,14 @@ def test_orders_reach_the_desk_or_are_refused_in_words(page: Page, desk: NotingD
         said = ask(talk, **press, force=1.0, radius=6e-3, shape="ball")
         assert said["ok"]
         assert_allclose((said["x"], said["y"]), (0.0, 7.5e-3), atol=1e-8)
-        done = desk.orders[0][1]
+        done = controller.orders[0][1]
         assert done.patch == "hexagon72"
         assert done.id.endswith("-a")
         assert "2 N at most" in ask(talk, **press, force=3.0)["error"]
         assert ask(talk, do="set", what="threshold_N", value=0.2)["ok"]
         window = {"patch": 0, "low": [0.0, 0.0], "high": [0.01, 0.01]}
         assert ask(talk, do="set", what="focus", value=window)["ok"]
-        assert desk.orders[-1] == ("focus", window | {"patch": "hexagon72"})
+        assert controller.orders[-1] == ("focus", window | {"patch": "hexagon72"})
         for wrong, words in (
             (press | {"position": [0.0, 1e400, 0.0]}, "three numbers"),
             (press | {"position": [0.0, True, 0.0]}, "three numbers"),
@@ -254,33 +271,33 @@ def test_orders_reach_the_desk_or_are_refused_in_words(page: Page, desk: NotingD
 
 
 def test_a_part_that_fails_is_told_and_presses_go_with_their_browser(
-    page: Page, desk: NotingDesk
+    page: Page, controller: NotingController
 ) -> None:
     with socket(page) as talk:
         assert "OSError: no room" in ask(talk, do="record", on=True)["error"]
         assert ask(talk, do="hello")["ok"]  # the page goes on
     end = time.monotonic() + LONG
-    while not desk.left:
+    while not controller.left:
         assert time.monotonic() < end
         time.sleep(0.01)
-    assert desk.left[0].endswith("-")
+    assert controller.left[0].endswith("-")
 
 
-def test_browsers_learn_of_another_skin(feed: StillFeed) -> None:
-    second = StillFeed("second")
+def test_browsers_learn_of_another_skin(source: StillSource) -> None:
+    second = StillSource("second")
     second.read()
-    feeds: list[StillFeed] = [feed]
-    with serve_page(PageSettings(port=0), lambda: tuple(feeds)) as page, socket(page) as talk:
+    sources: list[StillSource] = [source]
+    with serve_page(PageSettings(port=0), lambda: tuple(sources)) as page, socket(page) as talk:
         while len(following(talk, "hello")["patches"]) != 1:
             pass
-        feeds.append(second)
+        sources.append(second)
         told = following(talk, "hello")["patches"]
         assert [each["engine"] for each in told] == ["still", "second"]
         first, _ = following_update(talk, "geometry")
         head, _ = following_update(talk, "geometry")
         assert [first["patch"], head["patch"]] == [0, 1]
-        places = page.stage.standing
+        places = page.layout.placed
         apart = places[1].pose[:3, 3] - places[0].pose[:3, 3]
         assert np.linalg.norm(apart) > 0.05  # side by side
-        feeds.pop()
+        sources.pop()
         assert len(following(talk, "hello")["patches"]) == 1

@@ -217,7 +217,7 @@ async def stalls(address: str, seconds: float) -> tuple[list[int], int]:
 def test_one_update_is_in_flight_and_the_engine_goes_on(folder: Path, browser: Any) -> None:
     name = unique_name()
     words = ("run", "--name", name, "--skin", "cylinder", "--headless", "--scene", "idle",
-             "--rate", "200", "--priority", "0", "--no-fit")  # fmt: skip
+             "--rate-hz", "200", "--priority", "0", "--no-fit")  # fmt: skip
     with served(*words, folder=folder) as running:
         running.wait_running()
         before = running.ask("/api/status")["engines"][0]["since_start"]["cycles"]

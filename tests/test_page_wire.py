@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
-from page_feeds import StillFeed
+from page_sources import StillSource
 
 import skinfield as sf
 from skinfield.layout import Grid
-from skinfield.viewer.stage import Stage
+from skinfield.viewer.scene_layout import SceneLayout
 from skinfield.viewer.wire import packed, scaled, unpacked
 
 PATCHES = {
@@ -81,17 +81,17 @@ def test_sixteen_bits_keep_a_field() -> None:
 @pytest.mark.parametrize("kind", PATCHES)
 def test_a_place_of_the_picture_is_one_of_the_plane(kind) -> None:
     patch = PATCHES[kind]()
-    feed = StillFeed.__new__(StillFeed)
-    stage = Stage(())
-    stage.feeds = (feed,)
-    from skinfield.viewer.stage import Standing
+    source = StillSource.__new__(StillSource)
+    layout = SceneLayout(())
+    layout.sources = (source,)
+    from skinfield.viewer.scene_layout import PlacedPatch
 
     pose = np.eye(4)
     pose[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     pose[:3, 3] = 0.1, -0.2, 0.3
-    standing = Standing(feed, 0, patch, pose)
+    placed = PlacedPatch(source, 0, patch, pose)
     grid = Grid.square(patch, 23)  # none of its nodes is one of the fine grid's, but the corners
     for node in np.flatnonzero(grid.covered)[::17]:
-        shown = standing.shown(grid.positions[node][None])[0]
-        x, y = standing.plane_of(shown)
+        shown = placed.shown(grid.positions[node][None])[0]
+        x, y = placed.plane_of(shown)
         assert_allclose((x, y), grid.plane[node], atol=2e-5)

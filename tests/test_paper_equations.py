@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.experiments.paper import algorithm as paper_algorithm
 from skinfield.inverse import Inverse
+from skinfield.lab import paper as paper_algorithm
 from skinfield.mechanics import HalfSpace, Layer
-from skinfield.mechanics.love import rectangle_normal_displacement
-from skinfield.mechanics.point_force import (
+from skinfield.mechanics.cell_integrals import rectangle_normal_displacement
+from skinfield.mechanics.half_space import (
     base_traction,
     coincident_displacement,
     displacement,

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.layout.hull import inside_hull, spans_plane
+from skinfield.layout.geometry import inside_hull, spans_plane
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) * 10e-3
 
@@ -68,6 +68,9 @@ def test_normals_of_a_flat_patch_default_to_the_upper_side(
         ({"positions": np.zeros((3, 4))}, r"expected \(taxels, 2\) or \(taxels, 3\)"),
         ({"positions": [["a", "b"]]}, "positions is .*expected numbers"),
         ({"positions": [[0, 0], [np.nan, 0]]}, r"positions\[\(1, 0\)\] is nan.*left out"),
+        ({"positions": [[0.0, 0.0], [6.0, 0.0]]}, "6 m apart over 6 m.*these are millimetres"),
+        ({"positions": [[0, 0], [0.05, 0], [11, 0]]}, "over 11 m, which no skin is.*by 1000"),
+        ({"pad_diameter": 0.5}, "pad_diameter is 0.5 m, expected a length above 0 and below 0.1"),
         ({"pad_diameter": 4.0}, "pad_diameter is 4.0 m.*4 mm is 4e-3"),
         ({"pad_diameter": -1e-3}, "pad_diameter is -0.001"),
         ({"pad_diameter": np.nan}, "pad_diameter is nan"),

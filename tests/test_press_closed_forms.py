@@ -11,15 +11,24 @@ import pytest
 
 from skinfield.mechanics import Layer
 from skinfield.mechanics.axisymmetric import (
+    Ball,
     Indentation,
+    Profile,
+    RoundedFlat,
+    Taper,
     indent_by_force,
     indent_to_depth,
     indent_to_radius,
     punch,
 )
-from skinfield.mechanics.hertz import FlatPunch, HertzSphere, SneddonCone, effective_modulus
-from skinfield.mechanics.profiles import Ball, Profile, RoundedFlat, Taper
-from skinfield.mechanics.stick import FullStick, PartialSlip
+from skinfield.mechanics.hertz import (
+    FlatPunch,
+    FullStick,
+    HertzSphere,
+    PartialSlip,
+    SneddonCone,
+    effective_modulus,
+)
 from skinfield.simulate import Cone, Cylinder, Indenter, Press, Sphere, press
 
 H, E = 4e-3, 1e5

@@ -1,4 +1,4 @@
-"""What a process asks the system for, is given and is refused; checked against /proc."""
+"""Real time: what the system grants, on this machine, on fakes and on made-up files."""
 
 import errno
 import gc
@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.realtime import Granted, RealTime, requests, system
+from skinfield.realtime import RealTime, RealTimeStatus, setup, system
+from skinfield.realtime.system import competitors, cpus_of
 
 LINUX = sys.platform == "linux"
 ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
@@ -19,7 +20,7 @@ FIFO = 1  # number of the policy, of linux/sched.h
 
 PRELUDE = """
 import gc, json, os, resource, threading
-from skinfield.realtime import RealTime, requests, surroundings
+from skinfield.realtime import RealTime, setup, system
 """
 REPORT = """
 granted = RealTime(priority={priority}).apply()
@@ -65,7 +66,7 @@ def nobody(priority: int = 80, **limits: int) -> dict:
 @pytest.mark.skipif(not LINUX, reason="asks Linux")
 def test_what_is_reported_is_what_the_system_says() -> None:
     found = child(REPORT.format(priority=70))
-    granted = Granted.from_dict(found["granted"])
+    granted = RealTimeStatus.from_dict(found["granted"])
     assert granted.real_time == (found["policy"] == FIFO)
     assert granted.priority == found["rt_priority"]
     assert granted.priority in (0, 70) or any("priority 70" in each for each in granted.refused)
@@ -75,13 +76,13 @@ def test_what_is_reported_is_what_the_system_says() -> None:
     assert granted.gc_frozen
     assert not found["gc"]
     assert found["frozen"] > 1000
-    assert Granted.from_dict(json.loads(json.dumps(granted.as_dict()))) == granted
+    assert RealTimeStatus.from_dict(json.loads(json.dumps(granted.as_dict()))) == granted
 
 
 def test_without_permissions_each_refusal_is_said_with_its_remedy() -> None:
     found = nobody(RLIMIT_RTPRIO=0, RLIMIT_MEMLOCK=8 << 20)
     assert (found["policy"], found["rt_priority"], found["locked_kb"]) == (0, 0, 0)
-    granted = Granted.from_dict(found["granted"])
+    granted = RealTimeStatus.from_dict(found["granted"])
     assert not granted.real_time
     assert granted.scheduler == "SCHED_OTHER"
     refused = {each.partition(":")[0]: each for each in granted.refused}
@@ -98,7 +99,7 @@ def test_without_permissions_each_refusal_is_said_with_its_remedy() -> None:
 def test_a_limit_on_the_priority_gives_the_priority_it_permits() -> None:
     found = nobody(RLIMIT_RTPRIO=30)
     assert (found["policy"], found["rt_priority"]) == (FIFO, 30)
-    granted = Granted.from_dict(found["granted"])
+    granted = RealTimeStatus.from_dict(found["granted"])
     assert granted.priority == 30
     assert any("priority 80 not granted, 30 is" in each for each in granted.refused)
 
@@ -165,7 +166,7 @@ print(json.dumps(dict(granted=granted.as_dict(), same=before == sorted(os.sched_
 def test_another_system_grants_nothing_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(system, "LINUX", False)
     monkeypatch.setattr(system, "LIBRARY", None)
-    monkeypatch.setattr(requests.sys, "platform", "darwin")
+    monkeypatch.setattr(setup.sys, "platform", "darwin")
     for name in ("sched_setscheduler", "sched_getscheduler", "sched_setaffinity"):
         monkeypatch.delattr(os, name, raising=False)  # as it is there
     granted = RealTime(freeze_gc=False).apply()
@@ -201,25 +202,25 @@ def libc(monkeypatch: pytest.MonkeyPatch) -> Libc:
     fake = Libc({"RLIMIT_RTPRIO": 30, "RLIMIT_MEMLOCK": 64 << 30})
     monkeypatch.setattr(system, "call", fake.call)
     monkeypatch.setattr(os, "sched_setscheduler", fake.schedule)
-    monkeypatch.setattr(requests, "_raise_limit", lambda name: (fake.limits[name],) * 2)
-    monkeypatch.setattr(requests, "capabilities", lambda: 0)
+    monkeypatch.setattr(setup, "_raise_limit", lambda name: (fake.limits[name],) * 2)
+    monkeypatch.setattr(setup, "capabilities", lambda: 0)
     return fake
 
 
-def found_by(request, **settings) -> requests.Found:
-    found = requests.Found()
+def found_by(request, **settings) -> setup.Outcome:
+    found = setup.Outcome()
     request(RealTime(**settings), found)
     return found
 
 
 def test_the_priority_that_a_limit_permits_is_taken(libc: Libc) -> None:
-    found = found_by(requests._schedule, priority=80)
+    found = found_by(setup._schedule, priority=80)
     assert found.granted == {"scheduler": "SCHED_FIFO", "priority": 30}
     assert "priority 80 not granted, 30 is" in found.refused[0]
     tried = [arguments for name, arguments in libc.asked if name == "sched_setscheduler"]
     assert tried == [(os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, each) for each in (80, 30)]
     libc.asked.clear()
-    assert found_by(requests._schedule, priority=20).refused == []
+    assert found_by(setup._schedule, priority=20).refused == []
     assert len(libc.asked) == 1
 
 
@@ -235,7 +236,7 @@ def test_an_older_linux_locks_untouched_pages_too(
         return 1
 
     monkeypatch.setattr(system, "call", call)
-    assert found_by(requests._lock).granted["memory"] == "locked so far"
+    assert found_by(setup._lock).granted["memory"] == "locked so far"
     assert asked[-1] == ("mlockall", (system.MCL_CURRENT,))
 
 
@@ -246,7 +247,7 @@ def test_memory_is_locked_as_far_as_its_limit_lets(
     libc: Libc, limit: int, memory: str, flags: int
 ) -> None:
     libc.limits["RLIMIT_MEMLOCK"] = limit
-    found = found_by(requests._lock)
+    found = found_by(setup._lock)
     assert found.granted == {"memory": memory, "heap_kept": True}
     assert ("mlockall", (flags,)) in libc.asked
     assert [each.partition(":")[0] for each in found.refused] == (
@@ -255,19 +256,19 @@ def test_memory_is_locked_as_far_as_its_limit_lets(
 
 
 @pytest.mark.skipif(not LINUX, reason="asks Linux")
-def test_a_rival_is_found_and_its_processor_avoided() -> None:
+def test_a_competitor_is_found_and_its_processor_avoided() -> None:
     found = child(
         """
 import subprocess, sys
-from skinfield.realtime.rivals import rivals
+from skinfield.realtime.system import competitors
 first = RealTime(lock_memory=False, keep_awake=False).apply()
 told = subprocess.run([sys.executable, "-c", '''
 import json, os, sys
 from skinfield.realtime import RealTime
-from skinfield.realtime.rivals import rivals
+from skinfield.realtime.system import competitors
 os.sched_setaffinity(0, json.loads(sys.argv[1]))
-mine = [each.cpu for each in rivals() if each.process == os.getppid()]
-taken = [each.cpu for each in rivals()]
+mine = [each.cpu for each in competitors() if each.process == os.getppid()]
+taken = [each.cpu for each in competitors()]
 second = RealTime(lock_memory=False, keep_awake=False).apply()
 print(json.dumps([mine, taken, second.as_dict()]))
 ''', json.dumps(cpus)], stdout=subprocess.PIPE, text=True, check=True)
@@ -295,3 +296,94 @@ def test_nothing_stays_open() -> None:
     with RealTime(priority=0, lock_memory=False, freeze_gc=False).during():
         pass
     assert len(list(Path("/proc/self/fd").iterdir())) == count
+
+
+def machine(monkeypatch: pytest.MonkeyPatch, files: dict[str, str]) -> None:
+    read = lambda path: files.get(str(path), "")
+    monkeypatch.setattr(system, "read_text", read)
+    monkeypatch.setattr(setup, "read_text", read)
+    monkeypatch.setattr(system, "competitors", lambda: ())
+    monkeypatch.setattr(system, "LINUX", True)
+
+
+def test_what_disturbs_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    cpu = "/sys/devices/system/cpu"
+    machine(
+        monkeypatch,
+        {
+            "/proc/sys/kernel/sched_rt_runtime_us": "950000\n",
+            "/proc/sys/kernel/sched_rt_period_us": "1000000\n",
+            f"{cpu}/cpu3/cpufreq/scaling_governor": "powersave\n",
+            f"{cpu}/cpu3/topology/thread_siblings_list": "1,3\n",
+            "/proc/swaps": "Filename Type Size Used Priority\n/dev/sda2 partition 999 123 -2\n",
+            "/proc/cpuinfo": "flags : fpu vme hypervisor\n",
+        },
+    )
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    text = "\n".join(system.disturbances(3))
+    for words in (
+        "has one CPU",
+        "950 of 1000 ms",
+        "governor of CPU 3 is powersave",
+        "shares its core with CPU 1",
+        "swap is in use",
+        "virtual machine",
+    ):
+        assert words in text
+
+
+def test_a_quiet_machine_has_nothing_to_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine(
+        monkeypatch,
+        {
+            "/proc/sys/kernel/sched_rt_runtime_us": "-1\n",
+            "/proc/sys/kernel/sched_rt_period_us": "1000000\n",
+            "/sys/devices/system/cpu/cpu3/cpufreq/scaling_governor": "performance\n",
+            "/sys/devices/system/cpu/cpu3/topology/thread_siblings_list": "3\n",
+            "/proc/swaps": "Filename Type Size Used Priority\n/dev/sda2 partition 999 0 -2\n",
+        },
+    )
+    monkeypatch.setattr(os, "cpu_count", lambda: 4)
+    monkeypatch.setattr(system.threading, "active_count", lambda: 1)
+    assert system.disturbances(3) == ()
+
+
+@pytest.mark.parametrize(
+    ("allowed", "isolated", "wanted"),
+    [
+        ({0, 1}, "2-3", {2, 3}),  # left out by the system alone
+        ({0, 3}, "2-3", {3}),  # somebody chose these
+        ({0, 1, 2, 3}, "", set()),
+    ],
+)
+def test_isolated_processors_are_taken_but_a_narrower_choice_is_kept(
+    monkeypatch: pytest.MonkeyPatch, allowed: set[int], isolated: str, wanted: set[int]
+) -> None:
+    machine(monkeypatch, {"/sys/devices/system/cpu/online": "0-3\n"})
+    assert setup._isolated_choices(allowed, cpus_of(isolated)) == wanted
+
+
+def test_lists_of_processors() -> None:
+    assert cpus_of("0-2,5\n") == {0, 1, 2, 5}
+    assert cpus_of("\n") == cpus_of("(null)") == cpus_of("1-x") == set()
+
+
+def thread(folder: Path, number: int, stat: str, cpus: str) -> None:
+    place = folder / str(number) / "task" / str(number)
+    place.mkdir(parents=True)
+    (place / "stat").write_text(stat)
+    (place / "status").write_text(f"Name: x\nCpus_allowed_list:\t{cpus}\n")
+
+
+def test_competitors_are_pinned_real_time_programs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = "{} ({}) S 1 1 1 0 -1 {} " + "0 " * 30 + "{} 1 0"
+    thread(tmp_path, 11, line.format(11, "an engine) (2", 0x400, 80), "3")
+    thread(tmp_path, 12, line.format(12, "free", 0x400, 80), "0-3")
+    thread(tmp_path, 13, line.format(13, "usual", 0x400, 0), "3")
+    thread(tmp_path, 14, line.format(14, "migration/3", 0x200000, 99), "3")
+    thread(tmp_path, 15, "damaged", "3")
+    monkeypatch.setattr(system, "PROCESSES", tmp_path)
+    (found,) = competitors()
+    assert (found.process, found.priority, found.cpu) == (11, 80, 3)

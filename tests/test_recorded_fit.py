@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skinfield.acquisition.recorded_fit import FIT_HEAD, FitLayout, FitRecord, FitSizes
+from skinfield.acquisition.recorded import FIT_HEAD, FitLayout, FitRecord, FitSizes
 from skinfield.errors import InputError
 
 CONTACT = np.dtype([("track", "<i8"), ("position", "<f8", (3,))])

@@ -8,16 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine
+from recorder_ring import FakeEngine, missing_bytes
 
+import skinfield as sf
 from skinfield.acquisition import Kind
 from skinfield.acquisition.recorded import CycleFlag
-from skinfield.live.recorder import Recorder
-from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import forget_state, read_state
+from skinfield.live.model_config import Configuration, write_configuration
+from skinfield.live.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.live.runtime_parameters import Tuning
+from skinfield.pipeline.serialisation import value_from_plain
 from skinfield.sources import open_recording
 from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_steps import Steps
 
 
 @pytest.fixture
@@ -58,25 +59,61 @@ def test_everything_that_the_ring_had_is_in_the_file(engine, tmp_path):
     assert [each.number for each in cycles] == list(range(1, 101))
     assert [int(each.patches["force"][0]) for each in cycles] == list(range(100))
     assert [len(each.contacts) for each in cycles] == [i % 3 for i in range(100)]
-    assert [len(each.script) for each in cycles] == [i % 4 for i in range(100)]
-    assert all((each.script == each.number - 1).all() for each in cycles)
-    assert [bool(each.flags & CycleFlag.KEY) for each in cycles] == [
+    assert [bool(each.flags & CycleFlag.LATE) for each in cycles] == [
         i % 10 == 0 for i in range(100)
     ]
     assert found.skin.name == "test"
     np.testing.assert_array_equal(found.skin[0].positions, engine.skin[0].positions)
     assert found.calibrations["arm"].baseline.tolist() == [200.0] * 24
     assert found.configuration["ports"] == [["arm", 24, "count"]]
-    assert [each["kind"] for each in found.events()] == ["recording_started", "recording_ended"]
+    kinds = [each["kind"] for each in found.events()]
+    assert kinds == ["recording_started", "settings", "recording_ended"]
     assert len(list(found.timing())) >= 1
+    written = b"".join(engine.written)
+    before = np.cumsum([len(each) for each in engine.written]).tolist()
+    assert [each.log_position for each in cycles] == before  # of each cycle's readings
+    assert before[-1] == len(written)
 
 
-def test_each_cycle_comes_with_its_readings(engine, tmp_path):
+def test_fields_are_there_so_many_times_a_second(engine, tmp_path):
     path = tmp_path / "a.mcap"
-    record(engine, path, 50)
-    steps = list(Steps(LiveRecording.open(path)))
-    assert [step.data for step in steps] == engine.written
-    assert not any(step.missing for step in steps)
+    record(engine, path, 40, view_rate=1000.0)
+    found = list(LiveRecording.open(path).fields())
+    assert len(found) > 1
+    for each in found:
+        number, pressure = each.number - 1, np.ones((1, 16), np.float32)
+        each.pressure_into(pressure)
+        assert pressure[0, number % 16] == number
+        assert np.count_nonzero(pressure) == (number > 0)
+        assert each.sides.tolist() == [4]
+        np.testing.assert_array_equal(each.counts, engine.counts[number])
+        np.testing.assert_array_equal(each.values, np.float32(1e-3 * number))
+        assert each.valid.all()
+    seldom = tmp_path / "b.mcap"
+    record(engine, seldom, 40, view_rate=1e-3)
+    assert len(list(LiveRecording.open(seldom).fields())) == 1
+
+
+def test_settings_and_their_changes_are_events(engine, tmp_path):
+    path, status = tmp_path / "a.mcap", engine.ring.status
+    first, second = sf.NonNegative(), sf.NonNegative(tolerance=0.25)
+    write_configuration(status["configuration"], Configuration(1, first))
+    recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path))
+    for number in range(6):
+        engine.cycle()
+        if number == 2:
+            status["tuning"][:] = Tuning(threshold=0.5, resolution=4).numbers(["arm"])
+        if number == 4:
+            write_configuration(status["configuration"], Configuration(2, second))
+        recorder.step()
+    recorder.close()
+    told = [each for each in LiveRecording.open(path).events() if each["kind"] == "settings"]
+    assert [each["cycle"] for each in told] == [2, 4, 6]
+    assert [each["tuning"]["threshold"] for each in told] == [0.0, 0.5, 0.5]
+    assert [each["tuning"]["resolution"] for each in told] == ["auto", 4, 4]
+    assert [each["generation"] for each in told] == [1, 1, 2]
+    solvers = [value_from_plain("solver", each["solver"]) for each in told]
+    assert solvers == [first, first, second]
 
 
 def test_counts_over_time(engine, tmp_path):
@@ -97,7 +134,7 @@ def test_mcap_reads_it_alone(engine, tmp_path):
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
         topics = {channel.topic for channel in summary.channels.values()}
-        own = ("blocks", "cycles", "timing", "events", "fit")
+        own = ("blocks", "cycles", "fields", "timing", "events", "fit")
         assert topics == {f"/skin/{each}" for each in own}
         assert len(list(reader.iter_messages(topics=["/skin/cycles"]))) == 30
         data = b"".join(m.data[8:] for _, _, m in reader.iter_messages(topics=["/skin/blocks"]))
@@ -113,9 +150,9 @@ def test_a_recording_may_begin_late(engine, tmp_path):
         engine.cycle()
     path = tmp_path / "a.mcap"
     record(engine, path, 20)
-    steps = list(Steps(LiveRecording.open(path)))
-    assert [step.cycle.number for step in steps] == list(range(31, 51))
-    assert [step.data for step in steps] == engine.written[30:]
+    found = LiveRecording.open(path)
+    assert [each.number for each in found.cycles()] == list(range(31, 51))
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written[30:])
 
 
 def test_sources_that_come_and_go_are_told(engine, tmp_path):
@@ -130,9 +167,9 @@ def test_sources_that_come_and_go_are_told(engine, tmp_path):
     recorder.close()
     events = list(LiveRecording.open(path).events())
     kinds = [event["kind"] for event in events[1:-1]]
-    assert kinds == ["source_down", "source_up", "messages_lost"]
-    assert events[3]["messages"] == 7
-    assert events[3]["text"] == "NoSource: 7 messages were lost"
+    assert kinds == ["source_down", "source_up", "settings", "messages_lost"]
+    assert events[4]["messages"] == 7
+    assert events[4]["text"] == "NoSource: 7 messages were lost"
 
 
 def test_an_engine_that_is_started_again(engine, tmp_path):
@@ -146,7 +183,7 @@ def test_an_engine_that_is_started_again(engine, tmp_path):
     recorder.close()
     found = LiveRecording.open(path)
     assert "engine_restarted" in [event["kind"] for event in found.events()]
-    assert [step.data for step in Steps(found)] == engine.written
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
 
 
 def test_an_overrun_is_counted_to_the_byte(name, tmp_path):
@@ -172,7 +209,7 @@ def test_an_overrun_is_counted_to_the_byte(name, tmp_path):
         missing = events["cycle_overrun"]
         assert missing["cycles"] == 202 - len(numbers) == recorder.state.overrun_cycles
         assert set(range(1, 203)) - numbers == set(range(missing["first"], missing["last"] + 1))
-        assert sum(step.missing for step in Steps(found)) == len(log) - saved
+        assert missing_bytes(found) == len(log) - saved
     finally:
         engine.close()
 
@@ -221,4 +258,4 @@ def test_a_new_baseline_is_enclosed(engine, tmp_path):
     found = LiveRecording.open(path)
     assert {"tare-1.npz", "tare-2.npz"} <= set(found.attached)
     assert found.calibrations["arm"].baseline.tolist() == [199.0] * 24
-    assert [each["kind"] for each in found.events()][1:-1] == ["calibrated"]
+    assert [each["kind"] for each in found.events()][1:-1] == ["settings", "calibrated"]

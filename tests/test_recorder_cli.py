@@ -8,12 +8,11 @@ import time
 import uuid
 
 import pytest
-from click.testing import CliRunner
+from command_line import invoke
 from mcap_sample import write
 from recorder_ring import FakeEngine
 
-from skinfield.cli.main import main
-from skinfield.live.recorder_state import forget_state, read_state
+from skinfield.live.recorder import forget_state, read_state
 from skinfield.sources.recordings.mcap_live import LiveRecording
 
 PATIENCE = 60.0  # s
@@ -30,7 +29,7 @@ def engine():
 
 
 def run(*words: str, code: int = 0) -> str:
-    found = CliRunner().invoke(main, list(words))
+    found = invoke(list(words))
     assert found.exit_code == code, found.output
     return " ".join(found.output.split())
 
@@ -76,17 +75,17 @@ def test_recover(tmp_path):
     path, bad, good = (tmp_path / name for name in ("a.mcap", "bad.mcap", "good.mcap"))
     write(path, close=False)
     text = run("recover", str(path), "-o", str(good))
-    assert "saved 26 messages" in text
+    assert "saved 30 messages" in text
     assert "had no end; nothing had to be left out" in text
     bad.write_bytes(path.read_bytes()[:-10])
-    assert "expected a new name" in run("recover", str(bad), "-o", str(good), code=2)
-    text = run("recover", str(bad), "-o", str(good), "--overwrite")
-    assert "saved 24 messages" in text or "saved 26 messages" in text
+    assert "expected a new file" in run("recover", str(bad), "-o", str(good), code=2)
+    text = run("recover", str(bad), "-o", str(good), "--force")
+    assert "saved 28 messages" in text or "saved 30 messages" in text
     assert "bytes at the end" in text
     text = run("recover", str(good), "-o", str(tmp_path / "again.mcap"))
     assert "is whole: nothing was wrong with it" in text
     bad.write_text("no recording")
-    assert "it is no MCAP file" in run("recover", str(bad), "-o", str(good), code=2)
+    assert "it is no MCAP file" in run("recover", str(bad), "-o", str(good), "--force", code=2)
 
 
 @pytest.mark.parametrize("command", ["record", "recover", "info", "export"])

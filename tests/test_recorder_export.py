@@ -1,23 +1,31 @@
-"""Exports read back by others, equal to what the ring had."""
+"""Exports and channels of recordings for other programs, read back by those; the page runs."""
 
+import base64
 import csv
 import json
+import re
 import uuid
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import zarr
-from click.testing import CliRunner
+from command_line import invoke
 from fit_rings import FakeFit, contact
+from mcap.reader import make_reader
 from pyarrow import parquet
 from recorder_ring import FakeEngine
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
 
-from skinfield.cli.main import main
-from skinfield.live.recorder import Recorder
-from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import forget_state
+from skinfield.acquisition import Blocks, Kind, Status
+from skinfield.layout import Patch, Skin
+from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.sinks.mcap import FoxgloveViews, RosViews
+from skinfield.sinks.mcap.views import PatchView, _turn_from_x
 from skinfield.sources import open_recording, readings_for
+from skinfield.sources.recordings.mcap_live import LiveRecording
 
 CYCLES = 60
 
@@ -59,7 +67,7 @@ def _fitted(tmp_path_factory):
 
 
 def run(*words: str):
-    found = CliRunner().invoke(main, list(words))
+    found = invoke(list(words))
     assert found.exit_code == 0, found.output
     return found.output
 
@@ -80,7 +88,7 @@ def test_stores(recorded, tmp_path, ending):
     np.testing.assert_array_equal(store["contacts/track"][:], expected)
     assert store["contacts/position"].shape == (len(expected), 3)
     events = json.loads(bytes(store["events"][:]))
-    assert [each["kind"] for each in events] == ["recording_started", "recording_ended"]
+    assert [each["kind"] for each in events] == ["recording_started", "settings", "recording_ended"]
     if ending == "h5":
         store.close()
 
@@ -148,7 +156,7 @@ def test_what_cannot_be(recorded, tmp_path):
         ("export", str(path), "-o", str(tmp_path / "a.h5"), "--patch", "leg"),
         ("export", str(tmp_path / "no.mcap"), "-o", str(tmp_path / "a.h5")),
     ):
-        found = CliRunner().invoke(main, list(words))
+        found = invoke(list(words))
         assert found.exit_code == 2
         assert "expected" in found.output
     assert list(tmp_path.iterdir()) == []
@@ -159,7 +167,9 @@ def test_info(recorded):
     said = json.loads(run("info", str(path), "--json"))
     assert said["finished"]
     assert said["cycles"] == CYCLES
-    assert said["key_cycles"] == CYCLES // 10
+    assert said["late"] == CYCLES // 10
+    assert said["fields"]["messages"] >= 1
+    assert [each["cycle"] for each in said["settings"]] == [2]
     assert said["patches"][0]["readings"] == CYCLES
     assert said["contacts"] == {"cycles": 40, "most_at_once": 2, "tracks": 40}
     assert said["readings"]["missing_bytes"] == 0
@@ -174,7 +184,172 @@ def test_reconstruct_takes_it(recorded, tmp_path):
 
     own_npz.write(skin, tmp_path / "layout.npz")
     run(
-        "reconstruct", str(path), "--layout", str(tmp_path / "layout.npz"), "--grid", "8",
+        "reconstruct", str(path), "--skin", str(tmp_path / "layout.npz"), "--grid", "8",
         "-o", str(tmp_path / "contacts.csv"),
     )  # fmt: skip
     assert (tmp_path / "contacts.csv").exists()
+
+
+FORCE = np.array([[0.0, 0.0, -2.0], [1.0, 0.0, 0.0]])
+PLACE = np.array([[0.1, 0.0, 0.0], [0.0, 0.2, 0.0]])
+
+
+def view_of(patch: Patch) -> PatchView:
+    values = np.arange(len(patch), dtype=np.float32)
+    valid = values != 1
+    return PatchView(patch, values, valid, PLACE, FORCE, np.ones(2), np.array([7, 8]))
+
+
+@pytest.fixture(scope="module", params=[(RosViews,), (FoxgloveViews,)], ids=["ros", "foxglove"])
+def viewed(request, tmp_path_factory):
+    name = f"view{uuid.uuid4().hex[:12]}"
+    path = tmp_path_factory.mktemp("views") / "a.mcap"
+    engine = FakeEngine(name)
+    how = RecorderSettings(name=name, path=path, views=request.param, view_rate=1000.0)
+    recorder = Recorder(how)
+    for _ in range(30):
+        engine.cycle()
+        recorder.step()
+    recorder.close()
+    engine.close()
+    forget_state(name)
+    return path, engine
+
+
+@pytest.mark.parametrize("viewed", [(RosViews,)], indirect=True)
+def test_rosbags_reads_them(viewed):
+    path, engine = viewed
+    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        kinds = {each.topic: each.msgtype for each in reader.connections}
+        assert kinds["/skin/arm/taxels"] == "sensor_msgs/msg/PointCloud2"
+        its = [each for each in reader.connections if each.topic == "/skin/arm/taxels"]
+        for connection, _, data in reader.messages(connections=its):
+            cloud = reader.deserialize(data, connection.msgtype)
+            points = cloud.data.view("<f4").reshape(cloud.width, 4)
+            np.testing.assert_allclose(points[:, :3], engine.skin[0].positions, atol=1e-7)
+            assert cloud.header.frame_id == "arm"
+        wrenches = [each for each in reader.connections if each.topic == "/skin/arm/wrench"]
+        read = [reader.deserialize(data, c.msgtype) for c, _, data in reader.messages(wrenches)]
+        assert len(read) >= 2
+
+
+@pytest.mark.parametrize("viewed", [(FoxgloveViews,)], indirect=True)
+def test_mcap_reads_the_others(viewed):
+    path, engine = viewed
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        schemas = {s.name for s, _, _ in reader.iter_messages()}
+        assert {"foxglove.PointCloud", "foxglove.SceneUpdate"} <= schemas
+        for schema, _, message in reader.iter_messages(topics=["/skin/arm/points"]):
+            assert schema.encoding == "jsonschema"
+            cloud = json.loads(message.data)
+            points = np.frombuffer(base64.b64decode(cloud["data"]), "<f4").reshape(-1, 4)
+            np.testing.assert_allclose(points[:, :3], engine.skin[0].positions, atol=1e-7)
+            stamp = cloud["timestamp"]["sec"] * 10**9 + cloud["timestamp"]["nsec"]
+            assert stamp == message.log_time
+
+
+def test_the_recording_is_as_without(viewed):
+    path, engine = viewed
+    found = LiveRecording.open(path)
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
+
+
+def test_wrench_and_arrows():
+    """Two forces on a link that is turned: their sum, their moment, arrows along them."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [1.0, 2.0, 3.0]
+    patch = Patch(np.eye(3)[:, :2] * 0.01, name="palm 1", link="hand", link_from_patch=pose)
+    skin = Skin((patch,))
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    messages = {m.topic: m for m in RosViews(skin).messages(1_500_000_000, [view_of(patch)])}
+    wrench = store.deserialize_cdr(
+        messages["/skin/palm_1/wrench"].data, "geometry_msgs/msg/WrenchStamped"
+    )
+    force, torque = wrench.wrench.force, wrench.wrench.torque
+    assert [force.x, force.y, force.z] == [1.0, 0.0, -2.0]
+    np.testing.assert_allclose([torque.x, torque.y, torque.z], [0.0, 0.2, -0.2])
+    assert (wrench.header.stamp.sec, wrench.header.stamp.nanosec) == (1, 500_000_000)
+    assert wrench.header.frame_id == "hand"
+    cloud = store.deserialize_cdr(
+        messages["/skin/palm_1/taxels"].data, "sensor_msgs/msg/PointCloud2"
+    )
+    points = cloud.data.view("<f4").reshape(-1, 4)
+    np.testing.assert_allclose(points[0, :3], [1.0, 2.01, 3.0])
+    assert np.isnan(points[:, 3]).tolist() == [False, True, False]
+    assert not cloud.is_dense
+    scene = {m.topic: m for m in FoxgloveViews(skin).messages(1, [view_of(patch)])}
+    (entity,) = json.loads(scene["/skin/palm_1/contacts"].data)["entities"]
+    first, second = entity["arrows"]
+    assert first["shaft_length"] + first["head_length"] == pytest.approx(0.02)
+    assert first["pose"]["position"] == {"x": 0.1, "y": 0.0, "z": 0.02}
+    assert second["pose"]["orientation"] == {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+    assert entity["metadata"] == [{"key": "tracks", "value": "7 8"}]
+
+
+@pytest.mark.parametrize("direction", [*np.eye(3), *-np.eye(3), np.array([1.0, 2.0, -3.0])])
+def test_an_arrow_points_along_its_force(direction):
+    turn = _turn_from_x(direction)
+    w, v = turn["w"], np.array([turn["x"], turn["y"], turn["z"]])
+    x = np.array([1.0, 0.0, 0.0])
+    turned = x + 2 * np.cross(v, np.cross(v, x) + w * x)
+    np.testing.assert_allclose(turned, direction / np.linalg.norm(direction), atol=1e-12)
+
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"
+PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def nothing_more(blocks: Blocks, now_ns: int) -> None:
+    """Counts alone."""
+
+
+def of_all_kinds(blocks: Blocks, now_ns: int) -> None:
+    """Blocks that hold no counts: who reads the bytes must know how long they are."""
+    blocks.put_number(now_ns, 0, Kind.SOURCE, 1)
+    blocks.put_number(now_ns, 0, Kind.LOST, 3)
+
+
+@pytest.fixture(scope="module")
+def docs_recording(tmp_path_factory):
+    name = f"docs{uuid.uuid4().hex[:12]}"
+    folder = tmp_path_factory.mktemp("docs")
+    engine = FakeEngine(name)
+    recorder = Recorder(RecorderSettings(name=name, path=folder / "touch.mcap"))
+    for number in range(30):
+        engine.cycle(extra=of_all_kinds if number == 7 else nothing_more)
+    recorder.close()
+    engine.close()
+    forget_state(name)
+    return folder, engine
+
+
+def test_mcap_alone_is_enough(docs_recording, monkeypatch):
+    folder, engine = docs_recording
+    monkeypatch.chdir(folder)
+    assert "skinfield" not in PROGRAMS[0].replace("/skin/", "")
+    found: dict[str, object] = {}
+    exec(compile(PROGRAMS[0], "recorder.md", "exec"), found)
+    np.testing.assert_array_equal([values for _, _, values in found["readings"]], engine.counts)
+    assert found["log"] == b"".join(engine.written)
+    assert len(found["forces"]) == 30
+
+
+def test_with_skinfield(docs_recording, monkeypatch):
+    folder, engine = docs_recording
+    monkeypatch.chdir(folder)
+    found: dict[str, object] = {}
+    exec(compile(PROGRAMS[1], "recorder.md", "exec"), found)
+    np.testing.assert_array_equal(found["counts"].counts, engine.counts)
+    assert found["cycle"].number == 30
+    assert found["field"].sides.tolist() == [4]
+
+
+def test_the_file_itself_says_what_kinds_of_blocks_there_are(docs_recording):
+    with (docs_recording[0] / "touch.mcap").open("rb") as file:
+        summary = make_reader(file).get_summary()
+    (text,) = [s.data.decode() for s in summary.schemas.values() if s.name == "skinfield.Blocks"]
+    said, _, bits = text.partition("Kinds, and")[2].partition("Status bits:")
+    assert all(re.search(rf"\b{int(kind)}[:,]", said) for kind in Kind)
+    for status in (Status.NO_ACK, Status.NOT_CONNECTED, Status.OUT_OF_RANGE, Status.INVALID):
+        assert f" {int(status)} " in bits

@@ -12,15 +12,12 @@ import uuid
 
 import pytest
 from mcap.reader import make_reader
-from recorder_ring import FakeEngine
+from recorder_ring import FakeEngine, missing_bytes
 
-from skinfield.live.recorder import Recorder
-from skinfield.live.recorder_recover import recover
-from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import forget_state, read_state
-from skinfield.sinks.mcap.output import FileOutput
+from skinfield.live.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.live.recover import recover
+from skinfield.sinks.mcap.container import FileOutput
 from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_steps import Steps
 
 PATIENCE = 60.0  # s, on a machine that is busy
 
@@ -85,7 +82,7 @@ def test_what_was_flushed_survives_a_kill(engine, process, tmp_path):
         assert len(list(make_reader(file).iter_messages(topics=["/skin/cycles"]))) == 50
     found = LiveRecording.open(good)
     assert found.finished
-    assert [step.data for step in Steps(found)] == engine.written
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
@@ -96,7 +93,7 @@ def test_told_to_stop_it_finishes_its_file(engine, process, number):
     assert (code, said) == (0, "")
     found = LiveRecording.open(process.path)
     assert found.finished
-    assert [step.data for step in Steps(found)] == engine.written
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
     assert read_state(process.name) is None
 
 
@@ -152,7 +149,7 @@ def test_a_slow_disk_costs_what_does_not_fit_and_that_is_told(engine, tmp_path):
     lost = sum(each["bytes"] for each in dropped)
     assert lost == len(b"".join(engine.written)) - kept == state.dropped_bytes
     assert numbers[-5:] == [403, 404, 405, 406, 407]
-    assert sum(step.missing for step in Steps(found)) == lost
+    assert missing_bytes(found) == lost
 
 
 @pytest.fixture
@@ -208,7 +205,7 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     assert state.finished
     assert state.lost == state.dropped_cycles == state.given_up == 0
     found = LiveRecording.open(path)
-    assert [step.data for step in Steps(found)] == engine.written
+    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
     (event,) = [each for each in found.events() if each["kind"] == "disk_failed"]
     assert "No space left" in event["text"]
     assert event["seconds"] > 0

@@ -10,21 +10,18 @@ import pytest
 from fit_rings import FakeFit, contact
 from recorder_ring import FakeEngine
 
-from skinfield.acquisition.recorded_fit import FitRecord
-from skinfield.live import fit_reader
+from skinfield.acquisition.recorded import FitRecord
+from skinfield.live import fit_ring
 from skinfield.live.fit_ring import Fitted, fit_name
-from skinfield.live.recorder import Recorder
-from skinfield.live.recorder_queue import Beside, Entry, Queue
-from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import forget_state
+from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.live.recorder_queue import Item, Queue
 from skinfield.ring import Field, Ring
-from skinfield.sources.recordings.mcap_fits import fits_of
 from skinfield.sources.recordings.mcap_live import LiveRecording
 
 
 @pytest.fixture(autouse=True)
 def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fit_reader, "AGAIN", 0.0)  # s between looks for a ring
+    monkeypatch.setattr(fit_ring, "AGAIN", 0.0)  # s between looks for a ring
 
 
 @pytest.fixture(name="engine")
@@ -57,7 +54,7 @@ def ended(engine: FakeEngine, recorder: Recorder, path: Path) -> list[FitRecord]
     found = LiveRecording.open(path)
     assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
     assert [each.number for each in found.cycles()] == list(range(1, engine.number + 1))
-    told = list(fits_of(found))
+    told = list(found.fits())
     assert found.damage == []
     return told
 
@@ -172,12 +169,15 @@ def test_a_full_queue_leaves_answers_out_and_no_readings(engine: FakeEngine, pat
 
 def test_a_queue_keeps_half_of_its_room_for_readings() -> None:
     queue = Queue(1 << 12)
-    taken = [queue.offer(Beside(1, bytes(1000))) for _ in range(3)]
-    assert taken == [True, True, False]
-    assert queue.put(Entry(1, 0, bytes(1500)))
-    assert not queue.put(Entry(1, 1500, bytes(2000)))  # from here on readings are missing
-    assert [len(each.data) for each in queue.take(0.0)] == [1000, 1000, 1500]  # type: ignore[union-attr]
-    assert not queue.offer(Beside(1, b"1"))
+
+    def item(size: int) -> Item:
+        return Item(1, size, lambda writer: None)
+
+    assert [queue.offer(item(1000)) for _ in range(3)] == [True, True, False]
+    assert queue.put(item(1500))
+    assert not queue.put(item(2000))  # from here on readings are missing
+    assert [each.size for each in queue.take(0.0)] == [1000, 1000, 1500]
+    assert not queue.offer(item(1))
 
 
 def test_wrong_numbers_in_the_ring_end_nothing(engine: FakeEngine, path: Path) -> None:

@@ -90,7 +90,7 @@ def test_yarp_folder_names_its_port_and_a_force_log_its_unit(tmp_path: Path) -> 
     with pytest.raises(FileError, match=r"info\.log of a yarpdatadumper log"):
         open_recording(folder / "info.log")
     with pytest.raises(InputError, match="force log"):
-        readings_for(rec, sf.Patch(np.eye(3)[:, :2]))
+        readings_for(rec, sf.Patch(np.eye(3)[:, :2] * 1e-2))
     (folder / "info.log").write_text("Type: Image:png;\n")
     with pytest.raises(FileError, match="not pictures"):
         open_recording(folder)
@@ -410,7 +410,7 @@ def test_truncation_at_every_offset(tmp_path: Path, kind: str) -> None:
 
 
 def patch_of(uids: list[int]) -> sf.Patch:
-    return sf.Patch(np.random.default_rng(0).normal(size=(len(uids), 2)), uid=uids)
+    return sf.Patch(1e-3 * np.random.default_rng(0).normal(size=(len(uids), 2)), uid=uids)
 
 
 def test_columns_are_matched_by_uid(tmp_path: Path) -> None:
@@ -431,7 +431,7 @@ def test_columns_are_matched_by_uid(tmp_path: Path) -> None:
 
 def test_columns_are_matched_by_channel(tmp_path: Path) -> None:
     rec = opened(tmp_path, yarp())
-    xy = np.random.default_rng(0).normal(size=(3, 2))
+    xy = 1e-3 * np.random.default_rng(0).normal(size=(3, 2))
     patch = sf.Patch(xy, channel=[6, 0, 2], n_channels=7)
     np.testing.assert_array_equal(readings_for(rec, patch).counts, COUNTS[:, [6, 0, 2]])
     with pytest.raises(InputError, match=r"has 7 columns, expected 384, the channels of 'r_foot'"):

@@ -2,28 +2,37 @@
 
 import csv
 import json
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.errors import FileError, InputError
-from skinfield.experiments.report import (
+from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.lab.plots import STEPS, Curve, Panel, Scale, distribution, draw_panels
+from skinfield.lab.report import (
+    SMOKE,
+    Picture,
     Run,
+    Section,
+    Settings,
+    Table,
+    Verdict,
     cell_in_words,
     kind_of_verdict,
+    listed,
     page_of,
     read_section,
+    share_in_words,
+    spread_in_words,
     tied,
     time_in_words,
     write_report,
     write_section,
 )
-from skinfield.experiments.section import Picture, Section, Table, Verdict
-from skinfield.experiments.settings import SMOKE, Settings
-from skinfield.experiments.words import listed, share_in_words, spread_in_words
 
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256))
 TABLE = Table(
@@ -38,7 +47,7 @@ SECTION = Section(
     claim="The paper says 0.2 N <b>.",
     sentences=("Found 3 % & more.", "<script>alert(1)</script>"),
     pictures=(Picture("first", "What it shows", PNG),),
-    tables=(TABLE, Table("hidden", "Not shown", ("x (mm)",), ((1.0,),), shown=False)),
+    tables=(TABLE, Table("hidden", "Not shown", ("x (mm)",), ((1.0,),), on_page=False)),
     verdicts=(Verdict("4", "claim", "measured", "does not hold"),),
     seconds=12.0,
 )
@@ -86,6 +95,12 @@ def test_page_has_an_entry_of_contents_for_each_section_and_no_id_twice() -> Non
     links = {f["href"] for tag, f in page.tags if tag == "a" and f["href"].startswith("#")}
     assert len(ids) == len(set(ids))
     assert {"#part", "#headline", "#settings"} <= links <= {f"#{name}" for name in ids}
+
+
+def test_without_jinja2_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[lab\]'"):
+        page_of(RUN)
 
 
 def test_text_is_text_whatever_its_signs() -> None:
@@ -192,3 +207,23 @@ def test_words() -> None:
     assert tied("0.2 N on 20 × 20 nodes, 3 more") == "0.2\u00a0N on 20\u00a0×\u00a020 nodes, 3 more"
     kinds = ["holds", "holds only in part", "does not hold", "not tried"]
     assert [kind_of_verdict(words) for words in kinds] == ["yes", "partly", "no", "none"]
+
+
+def test_tables_of_rows_and_panels_in_a_rectangle() -> None:
+    table = Table.of("t", "", [{"a": 1, "b": "x"}, {"a": 2, "c": 0.5}])
+    assert table.columns == ("a", "b", "c")
+    assert table.rows == ((1, "x", None), (2, None, 0.5))
+    curve = Curve("one", np.array([1.0, 2.0]), np.array([3.0, 4.0]), look=STEPS)
+    panel = Panel("title", "note", (curve,), Scale(x="x (mm)", y="y", log_x=True))
+    figure = draw_panels([[panel, panel]])
+    assert [axes.get_xlabel() for axes in figure.axes] == ["x (mm)", "x (mm)"]
+    assert [axes.get_ylabel() for axes in figure.axes] == ["y", ""]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one"]
+    with pytest.raises(InputError, match=r"lengths \[1, 2\], expected equal ones"):
+        draw_panels([[panel], [panel, panel]])
+
+
+def test_a_distribution_counts_what_is_missing() -> None:
+    curve = distribution("e", np.array([3.0, np.nan, 1.0, np.nan]), (0.1, 10.0))
+    assert curve.x.tolist() == pytest.approx([0.01, 1.0, 3.0, 100.0])
+    assert curve.y.tolist() == [0.0, 0.25, 0.5, 0.5]

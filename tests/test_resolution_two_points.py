@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from skinfield.errors import Floats, InputError
-from skinfield.inverse.atoms.kernel import Tables, predict
-from skinfield.inverse.atoms.refine import HIGHEST_LOG, LOWEST_LOG
+from skinfield.inverse.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, Tables, predict
 from skinfield.layout.generators import hexagon72
 from skinfield.mechanics import Layer
 from skinfield.observation import BaseStress, Capacitance
 from skinfield.resolution import Places, SkinDesign, Touch, few_places, two_point_distance
-from skinfield.resolution.response import tables_of_design
-from skinfield.resolution.two_points import needed_noncentrality
+from skinfield.resolution.design import tables_of_design
+from skinfield.resolution.discrimination import needed_noncentrality
 
 THICKNESS = 4e-3
 LAYER = Layer(THICKNESS, 150e3, 0.5)

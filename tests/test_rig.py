@@ -27,7 +27,7 @@ from skinfield.simulate.rig import (
     Tool,
     run_rig,
 )
-from skinfield.simulate.rig.ladder import solve_ladder
+from skinfield.simulate.rig.run import solve_ladder
 
 BALL = sf.simulate.Sphere(radius=6e-3)
 IDEAL = Electronics(board=LinearBoard(), quantised=False, delivery=Delivery(rate=50.0))

@@ -1,4 +1,4 @@
-"""The C header against the Python reader, by a program that is compiled here."""
+"""The C header against the Python reader, and the page on the ring: its programs run."""
 
 import errno
 import json
@@ -13,6 +13,7 @@ from ring_scenes import SLOT, bytes_of, own_name, worker, write
 from ring_worker import LOG_BYTES, SLOTS
 
 from skinfield.ring import Field, Ring, RingReader, State, include_folder
+from skinfield.ring import layout as header
 
 HERE = Path(__file__).resolve().parent
 EXAMPLE = HERE.parent / "examples" / "c" / "ring_watch.c"
@@ -162,3 +163,31 @@ def test_constants_are_those_of_python() -> None:
     found = dict(re.findall(r"SKINFIELD_RING_(\w+) = (\d+)", text))
     assert int(found.pop("VERSION")) == 1
     assert found == {state.name: str(int(state)) for state in State}
+
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = (ROOT / "docs" / "ring.md").read_text(encoding="utf-8")
+
+
+def snippet(language: str) -> str:
+    (text,) = re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    return text
+
+
+def test_python_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    with own_name() as name:
+        exec(compile(snippet("python").replace('"demo"', repr(name)), "ring.md", "exec"), {})
+    shown, log = capsys.readouterr().out.splitlines()
+    assert shown == "1 [ 0.   0.  -1.5] {'unit': 'N'} RUNNING True"
+    assert log == "16 bytes, 0 lost"
+
+
+def test_c_is_the_example() -> None:  # which test_ring_c compiles and runs
+    assert snippet("c") == (ROOT / "examples" / "c" / "ring_watch.c").read_text()
+
+
+def test_layout_is_that_of_the_code() -> None:
+    rows = re.findall(r"^(\d+) +(\d+|\.\.\.) +(.+)$", header.__doc__ or "", re.MULTILINE)
+    assert len(rows) > 30
+    for offset, size, what in rows:
+        assert f"| {offset} | {size} | {what.replace('``', '`')} |" in PAGE

@@ -1,33 +1,38 @@
-"""Bytes of a ring's file, read by offsets that are written down here once more."""
+"""Layout of a ring's file: places of fields, files that are none, any bytes in its place."""
 
 import errno
+import gc
 import json
 import os
 import struct
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
-from ring_scenes import bytes_of
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from ring_scenes import SLOT, bytes_of, write
 
 from skinfield.errors import FileError, InputError
-from skinfield.ring import Field, Ring, RingReader, State
+from skinfield.ring import Field, Ring, RingReader, State, files
 
-SLOT = (
+FIELDS = (
     Field("stamp", "<i8"),
     Field("place", "f4", (3, 4)),
     Field("pressure", "<f8", (10,)),
     Field("valid", "?", (5,)),
 )
 STATUS = (Field("late", "u8", (6,)), Field("load", "f8"))
-NAMES = [field.name for field in (*SLOT, *STATUS)]
+NAMES = [field.name for field in (*FIELDS, *STATUS)]
 
 
 @pytest.fixture
 def ring(tmp_path: Path) -> Iterator[Ring]:
     description = {"skin": "hexagon", "rate": 1000.0, "µ": [1, 2]}
-    with Ring.create("one", SLOT, STATUS, description, 4, 8192, folder=tmp_path) as ring:
+    with Ring.create("one", FIELDS, STATUS, description, 4, 8192, folder=tmp_path) as ring:
         yield ring
 
 
@@ -161,7 +166,7 @@ def test_fields_that_cannot_be(fields: list[Field], said: str, tmp_path: Path) -
     ],
 )
 def test_arguments_that_cannot_be(changed: dict[str, object], said: str, tmp_path: Path) -> None:
-    arguments = {"name": "one", "slot_fields": SLOT, "folder": tmp_path} | changed
+    arguments = {"name": "one", "slot_fields": FIELDS, "folder": tmp_path} | changed
     with pytest.raises(InputError, match=said):
         Ring.create(**arguments)  # type: ignore[arg-type]
     assert not [*tmp_path.iterdir()]
@@ -175,7 +180,7 @@ def test_a_folder_without_room_is_said_at_once(
 
     monkeypatch.setattr(os, "posix_fallocate", full)
     with pytest.raises(FileError, match="has no room: No space left"):
-        Ring.create("one", SLOT, folder=tmp_path)
+        Ring.create("one", FIELDS, folder=tmp_path)
     assert not [*tmp_path.iterdir()]
 
 
@@ -186,3 +191,107 @@ def test_reader_knows_fields_and_description(ring: Ring, tmp_path: Path) -> None
         assert reader.slot_fields[1] == Field("place", "<f4", (3, 4))
         assert reader.slot_fields[3].dtype == "|b1"
         assert (reader.slots, reader.log_bytes) == (4, 8192)
+
+
+def test_names_tell_all_and_survive_what_is_no_ring(tmp_path: Path) -> None:
+    assert Ring.names(tmp_path) == ()
+    with Ring.create("good", SLOT, folder=tmp_path) as ring:
+        write(ring)
+        (found,) = Ring.names(tmp_path)
+        assert (found.name, found.path, found.problem) == ("good", ring.path, "")
+        assert (found.state, found.alive) == (State.STARTING, True)
+        assert (found.number, found.generation) == (1, 1)
+    (tmp_path / "skinfield.bad").write_bytes(b"nonsense")
+    (tmp_path / "skinfield.none").write_bytes(b"")
+    bad, good, none = Ring.names(tmp_path)
+    assert (bad.name, bad.state, bad.alive) == ("bad", None, False)
+    assert "is no ring" in bad.problem
+    assert "cannot be mapped" in none.problem
+    assert (good.state, good.alive, good.problem) == (State.STOPPED, False, "")
+    for each in ("bad", "good", "none", "never"):
+        Ring.remove(each, tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_what_remained_of_a_killed_maker_is_used_up(tmp_path: Path) -> None:
+    rest = files.unfinished(tmp_path / "skinfield.one")
+    rest.write_bytes(b"x" * 10_000)
+    with Ring.create("one", SLOT, folder=tmp_path):
+        assert [each.name for each in tmp_path.iterdir()] == ["skinfield.one"]
+    rest.write_bytes(b"x")
+    Ring.remove("one", tmp_path)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_links_are_not_followed(tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    other.write_text("mine")
+    (tmp_path / "skinfield.one").symlink_to(other)
+    files.unfinished(tmp_path / "skinfield.two").symlink_to(other)
+    for name in ("one", "two"):
+        with pytest.raises(FileError):
+            Ring.create(name, SLOT, folder=tmp_path)
+    with pytest.raises(FileError, match="cannot be opened"):
+        RingReader("one", folder=tmp_path)
+    assert other.read_text() == "mine"
+
+
+def test_a_ring_that_is_forgotten_is_free(tmp_path: Path) -> None:
+    ring = Ring.create("one", SLOT, folder=tmp_path)
+    slot = ring.begin()
+    with RingReader("one", folder=tmp_path) as reader:
+        assert reader.alive
+        del ring
+        gc.collect()
+        assert not reader.alive
+    assert slot["words"].sum() == 0  # its memory is not
+
+
+FUZZ = Path(__file__).resolve().parents[1] / "fuzz"
+CHANGES = st.tuples(
+    st.integers(0, 0xFFFF),
+    st.integers(0, 7),
+    st.one_of(
+        st.sampled_from([0, 1, 63, 64, 1 << 12, 1 << 31, 1 << 32, (1 << 63) - 1, (1 << 64) - 1]),
+        st.integers(0, (1 << 64) - 1),
+        st.integers(0, 1 << 16),
+    ),
+)
+HEADER = st.tuples(st.integers(0, 15).map(lambda i: 8 * i), st.just(0), st.integers(0, 1 << 15))
+
+
+@pytest.fixture(scope="module")
+def fuzz() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(FUZZ))
+    try:
+        import fuzz_ring
+
+        yield fuzz_ring
+    finally:
+        sys.path.remove(str(FUZZ))
+
+
+def octets(change: tuple[int, int, int]) -> bytes:
+    place, part, word = change
+    return place.to_bytes(2, "little") + bytes([part]) + word.to_bytes(8, "little")
+
+
+@settings(max_examples=400)
+@given(st.lists(st.one_of(CHANGES, HEADER), max_size=6))
+@example([(0xFFFF, 0, 4096)])
+@example([(0, 6, 1 << 40)])  # a head that nothing bears out
+@example([(128, 6, 1 << 63), (136, 6, (1 << 64) - 1)])  # a log that has no end
+def test_changed_files(fuzz: ModuleType, changes: list[tuple[int, int, int]]) -> None:
+    fuzz.read(fuzz.changed(b"".join(map(octets, changes))))
+
+
+@given(st.binary(max_size=9000))
+def test_any_bytes(fuzz: ModuleType, data: bytes) -> None:
+    fuzz.one_input(data)
+
+
+def test_the_sample_itself_is_read(fuzz: ModuleType, tmp_path: Path) -> None:
+    (tmp_path / "skinfield.whole").write_bytes(fuzz.GOOD)
+    with RingReader("whole", folder=tmp_path) as reader:
+        fuzz.look(reader)
+        assert reader.latest()["words"].tolist() == [[7, 7]] * 3

@@ -4,15 +4,12 @@ import uuid
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import invoke
 from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
 from rosbags.highlevel import AnyReader
 
-from skinfield.cli.main import main
 from skinfield.errors import FileError, SkinfieldError
-from skinfield.live.recorder import Recorder
-from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import forget_state
+from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.sinks.mcap import RosViews
 from skinfield.sinks.ros import BagExport
 
@@ -59,7 +56,7 @@ def recorded(tmp_path_factory):
 
 
 def run(*words: str, code: int = 0) -> str:
-    found = CliRunner().invoke(main, ["export", *map(str, words)])
+    found = invoke(["export", *map(str, words)])
     assert found.exit_code == code, found.output
     return " ".join(found.output.split())
 
@@ -116,7 +113,9 @@ def test_what_it_says(bags):
         np.testing.assert_allclose([place.x, place.y, place.z], where)
         assert stamp == move.header.stamp.sec * 10**9 + move.header.stamp.nanosec
     assert len(of["/skin/left_palm/taxels"]) >= 2
-    assert [m.name for _, m in of["/rosout"]] == ["recording_started", "recording_ended"]
+    assert [m.name for _, m in of["/rosout"]] == [
+            "recording_started", "settings", "recording_ended"
+        ]  # fmt: skip
 
 
 def test_one_patch(recorded):

@@ -8,11 +8,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.bridges.ros2.gid import gid_of
-from skinfield.bridges.ros2.rmw_zenoh import NO_HASH, Attachment, Node, Publication, Qos, type_name
-from skinfield.bridges.ros2.settings import RosSettings
+from skinfield.bridges.ros2.publisher import RosSettings
+from skinfield.bridges.ros2.rmw_zenoh import (
+    NO_HASH,
+    Attachment,
+    Node,
+    Publication,
+    Qos,
+    gid_of,
+    type_name,
+)
 from skinfield.errors import FileError, InputError
 from skinfield.layout import Patch, Skin
+from skinfield.settings import from_plain
 from skinfield.sinks.ros import RosbagKinds, Topics, interface_package
 from skinfield.sinks.ros.kinds import (
     CLOUD,
@@ -61,18 +69,13 @@ def test_keys_elsewhere():
 
 
 def test_gid():
-    """By the package xxhash 3.5: low and high word of xxh3_128, little-endian."""
+    """Low and high word of XXH3 (128 bits), little-endian."""
     known = {
         LISTENER: "5bd72f4daf53c0bb00c7394e7fc19547",
         TALKER: "eb85fa883b7846dc448a4501890ad062",
-        "a" * 17: "e1d69d5c23c0272dc5aa43e3c04977c7",
-        "ab" * 100: "dd96b68436b5cfa8a7381221744c7f49",
-        "abc" * 500: "f9ee95f1deebe32cfb4a55c805331e2d",
     }
     assert {key: gid_of(key).hex() for key in known} == known
     assert talker(qos=Qos(7)).gid == gid_of(TALKER)
-    with pytest.raises(InputError, match="at least 17"):
-        gid_of("short")
 
 
 def test_attachment():
@@ -248,12 +251,12 @@ def test_settings(monkeypatch):
     assert not RosSettings().hashed
     monkeypatch.setenv("ROS_DISTRO", "one of the future")
     assert RosSettings().hashed
-    made = RosSettings.from_plain({"robot": "left.arm", "rates": {"taxels": 0}})
+    made = from_plain(RosSettings, {"robot": "left.arm", "rates": {"taxels": 0}})
     assert (made.domain, made.namespace, made.prefix) == (7, "/left_arm", "/left_arm/skin")
     assert made.rates["taxels"] == 0
     assert made.rates["contacts"] == 100
     assert made.meeting.connect == ("tcp/localhost:7447",)
-    assert RosSettings.from_plain({"domain": 3}).prefix == "/skin"
+    assert from_plain(RosSettings, {"domain": 3}).prefix == "/skin"
     monkeypatch.setenv("ROS_DOMAIN_ID", "seven")
     with pytest.raises(InputError, match="ROS_DOMAIN_ID is 'seven'"):
         RosSettings()
@@ -267,4 +270,4 @@ def test_settings(monkeypatch):
                                     max_leaves=4)))  # fmt: skip
 def test_any_settings(plain):
     with suppress(InputError):
-        assert is_topic(RosSettings.from_plain(plain).prefix)
+        assert is_topic(from_plain(RosSettings, plain).prefix)

@@ -12,10 +12,11 @@ import pytest
 from ros2_ring import TwoPatches, contact
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from skinfield.bridges.launch import bridge_settings
 from skinfield.bridges.ros2.publisher import serve
 from skinfield.bridges.ros2.rmw_zenoh import Attachment, gid_of
-from skinfield.cli.bridge_parts import check_bridges
 from skinfield.errors import InputError
+from skinfield.settings import BridgeSettings
 from skinfield.sinks.ros import interface_package
 
 zenoh = pytest.importorskip("zenoh")
@@ -202,25 +203,12 @@ def test_humble_and_a_named_robot(engine, router):
         ({"domain": 999}, "from 0 to 232: the ROS_DOMAIN_ID"),
         ({"rates": {"wrench": -1}}, "messages a second"),
         ({"distribution": "noetic"}, "expected one of humble"),
-        ({"topics": 1}, "settings have 'topics'"),
+        ({"topics": 1}, "'topics' is not known, expected one of robot"),
     ],
 )
 def test_what_is_wrong_is_said(plain, why):
     with pytest.raises(InputError, match=why):
         serve("none", plain, threading.Event())
-
-
-OPTIONS = {
-    "zenoh": False,
-    "ros2": True,
-    "yarp": None,
-    "robot": "robot",
-    "ros_domain": None,
-    "ros_rate": (),
-    "zenoh_listen": (),
-    "zenoh_connect": (),
-    "zenoh_config": None,
-}
 
 
 @pytest.mark.parametrize(
@@ -229,11 +217,11 @@ OPTIONS = {
         ({"ros_rate": ("wrench",)}, "such as wrench=500"),
         ({"ros_rate": ("force=5",)}, "expected one of contact_wrench, contacts"),
         ({"ros_rate": ("wrench=nan",)}, "messages a second"),
-        ({"ros_rate": ("wrench=5",), "ros2": False}, "expected --ros2 with it"),
-        ({"robot": 80 * "a" + "b", "ros_domain": 3}, "--robot is"),
+        ({"ros_rate": ("wrench=5",), "ros2": False}, "expected ros2 with it"),
+        ({"robot": 80 * "a" + "b", "ros_domain": 3}, "robot is"),
     ],
 )
 def test_options_that_mean_nothing(more, why):
-    check_bridges(OPTIONS | {"ros_rate": ("wrench=500", "taxels=0"), "ros_domain": 3})
+    bridge_settings(BridgeSettings(ros2=True, ros_rate=("wrench=500", "taxels=0"), ros_domain=3))
     with pytest.raises(InputError, match=why):
-        check_bridges(OPTIONS | more)
+        bridge_settings(BridgeSettings(**{"ros2": True} | more))

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ros2_ring import TwoPatches, contact
 
-from skinfield.bridges.ros2.messages import Speaker
-from skinfield.bridges.ros2.talker import LOOKS, Pace, Talker
+from skinfield.bridges.ros2.messages import LOOKS, Pace, Speaker, Talker
 from skinfield.live.client import Live, NotRunning
 from skinfield.ring import State
 from skinfield.sinks.ros import RosbagKinds

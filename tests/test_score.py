@@ -1,6 +1,9 @@
 """Scores of estimates whose errors are known, and the intervals of their summaries."""
 
+import csv
+import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,12 +12,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import Floats, InputError
-from skinfield.experiments.cases.case import Case, TrueContact, Truth
-from skinfield.experiments.scoring.matching import matched
-from skinfield.experiments.scoring.resampling import BLUR, Lattice, Spread
-from skinfield.experiments.scoring.score import Judge, Score, score
-from skinfield.experiments.scoring.summary import summarise
 from skinfield.fields import Contact, Estimate
+from skinfield.lab.cases import Case, TrueContact, Truth
+from skinfield.lab.score import (
+    BLUR,
+    Judge,
+    Lattice,
+    Row,
+    Score,
+    Spread,
+    matched,
+    median_interval,
+    score,
+    summarise,
+    write_csv,
+    write_json,
+)
 from skinfield.layout import Grid, Patch
 from skinfield.layout.generators import hexagon72
 from skinfield.mechanics import Layer
@@ -197,12 +210,12 @@ def test_contacts_are_assigned_to_the_nearest_as_a_whole(patch: Patch) -> None:
     # the nearest to both is the one in the middle: taken greedily, the far one would be left over
     found = [contact_at((2.5e-3, 0.0), 1.9), contact_at((-4e-3, 0.0), 1.1)]
     matches, missed, false = matched(patch, true, found)
-    assert [(m.true, m.found) for m in matches] == [(0, 1), (1, 0)]
+    assert [(m.true, m.estimated) for m in matches] == [(0, 1), (1, 0)]
     assert [m.distance for m in matches] == pytest.approx([4e-3, 3.5e-3])
     assert [m.force_error for m in matches] == pytest.approx([0.1, -0.05])
     assert (missed, false) == (0, 0)
     matches, missed, false = matched(patch, true, [*found, contact_at((20e-3, 0.0), 1.0)], 3.8e-3)
-    assert [(m.true, m.found) for m in matches] == [(1, 0)] or [m.true for m in matches] == [0]
+    assert [(m.true, m.estimated) for m in matches] == [(1, 0)] or [m.true for m in matches] == [0]
     assert (missed, false) == (1, 2)
     assert matched(patch, true, []) == ((), 2, 0)
     assert matched(patch, [], found) == ((), 0, 2)
@@ -228,7 +241,7 @@ def test_what_is_not_known_is_nan(patch: Patch) -> None:
 def test_an_estimate_of_another_skin_is_refused(patch: Patch) -> None:
     grid = Grid.square(patch, nodes=10)
     with pytest.raises(InputError, match="72 taxels, expected one of 3"):
-        Judge(case_of(true_on(grid), Patch(np.eye(3))), grid)
+        Judge(case_of(true_on(grid), Patch(np.eye(3) * 5e-3)), grid)
     with pytest.raises(InputError, match="gate is 0"):
         Judge(case_of(true_on(grid), patch), grid, 0.0)
 
@@ -245,22 +258,24 @@ def scores(errors: Floats, missed: int = 0, false: int = 0) -> list[Score]:
     ]
 
 
+def rows(errors: Floats, missed: int = 0, false: int = 0) -> list[Row]:
+    return [score.row() for score in scores(errors, missed, false)]
+
+
 def test_a_summary_has_the_numbers_of_its_scores() -> None:
     errors = np.random.default_rng(0).normal(size=200)
-    got = summarise(scores(errors, missed=20, false=4))
-    force = got.measures["force_error"]
-    assert force.median.value == pytest.approx(np.median(np.abs(errors)))
-    assert force.p90.value == pytest.approx(np.quantile(np.abs(errors), 0.9))
-    assert got.measures["force_bias"].mean.value == pytest.approx(errors.mean())
-    assert force.median.low < force.median.value < force.median.high
+    got = summarise(rows(errors, missed=20, false=4))
+    assert got["force_error_median"] == pytest.approx(np.median(np.abs(errors)))
+    assert got["force_error_p90"] == pytest.approx(np.quantile(np.abs(errors), 0.9))
+    assert got["force_bias"] == pytest.approx(np.median(errors))
+    assert got["force_error_low"] < got["force_error_median"] < got["force_error_high"]
     # Wilson (1927): of 20 in 200
-    assert (got.missed.value, got.missed.low, got.missed.high) == pytest.approx(
+    assert (got["missed"], got["missed_low"], got["missed_high"]) == pytest.approx(
         (0.1, 0.0657, 0.1494), abs=1e-3
     )
-    assert got.false_share.value == got.false_per_reading == 0.02
-    assert got.measures["peak_error"].count == 0
-    assert np.isnan(got.measures["peak_error"].median.value)
-    with pytest.raises(InputError, match="scores is empty"):
+    assert got["false_share"] == got["false_per_reading"] == 0.02
+    assert np.isnan(got["peak_error_median"])
+    with pytest.raises(InputError, match="rows is empty"):
         summarise([])
 
 
@@ -268,12 +283,24 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     rng, true = np.random.default_rng(1), 0.6744897501960817  # median of |normal|
     held = 0
     for _ in range(100):
-        interval = summarise(scores(rng.normal(size=60)), resamples=199).measures["force_error"]
-        held += interval.median.low <= true <= interval.median.high
+        low, high = median_interval(np.abs(rng.normal(size=60)), resamples=199)
+        held += low <= true <= high
     assert 88 <= held <= 100
 
 
 def test_one_score_has_no_interval() -> None:
-    force = summarise(scores(np.array([0.5]))).measures["force_error"]
-    assert force.median.value == pytest.approx(0.5)
-    assert np.isnan(force.median.low)
+    got = summarise(rows(np.array([0.5])))
+    assert got["force_error_median"] == pytest.approx(0.5)
+    assert np.isnan(got["force_error_low"])
+
+
+def test_rows_in_files(tmp_path: Path) -> None:
+    mixed = [*rows(np.array([0.25])), {"note": "sinks", "force_error": NAN}]
+    write_csv(mixed, tmp_path / "a.csv")
+    write_json(mixed, tmp_path / "a.json", seed=3)
+    with (tmp_path / "a.csv").open() as file:
+        table = list(csv.DictReader(file))
+    assert (float(table[0]["force_error"]), table[0]["note"]) == (0.25, "")
+    assert table[1]["force_error"] == table[1]["contacts"] == ""
+    read = json.loads((tmp_path / "a.json").read_text())
+    assert (read["seed"], read["rows"][1]["force_error"]) == (3, None)

@@ -248,7 +248,7 @@ def test_displacement_is_that_of_the_grid() -> None:
 
 
 def test_displacement_does_not_know_of_blocks() -> None:
-    from skinfield.inverse.sheet.deform import SheetDeformation
+    from skinfield.inverse.sheet.estimate import SheetDeformation
     from skinfield.mechanics import LatticeConvolution, displacement_kernel
 
     shape = (70, 720)  # one block and some

@@ -10,8 +10,7 @@ from test_readme import ROOT, follow
 import skinfield as sf
 from skinfield.errors import Floats, InputError
 from skinfield.fields import PressureNoise
-from skinfield.inverse.sheet.noise import SheetNoise
-from skinfield.inverse.sheet.windows import TILE, windows
+from skinfield.inverse.sheet.estimate import TILE, SheetNoise, windows
 from skinfield.observation import ObservationModel
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)

@@ -7,7 +7,7 @@ import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.mechanics import HalfSpace
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press, press_ladder
-from skinfield.simulate.pressing.outline import enclosed, outlines
+from skinfield.simulate.pressing.press import enclosed, outlines
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
 BALL = Sphere(radius=6e-3, force=1.0)
@@ -173,7 +173,7 @@ def test_windows_far_apart_feel_each_other(monkeypatch: pytest.MonkeyPatch) -> N
     """Two windows, joined by interpolation, against one window over both, which is exact."""
     balls = [Sphere(radius=6e-3, force=2.0), Sphere(radius=2e-3, force=0.1, position=(8e-3, 1e-3))]
     two = press(LAYER, balls, extent=30e-3)
-    monkeypatch.setattr("skinfield.simulate.pressing.window.APART", 100)
+    monkeypatch.setattr("skinfield.simulate.pressing.windows.APART", 100)
     one = press(LAYER, balls, extent=30e-3)
     assert len(two.touches) == 2
     assert len(one.touches) == 1

@@ -16,10 +16,10 @@ import skinfield as sf
 from skinfield import sinks
 from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.fields import Contact, Estimate
+from skinfield.fields.contact_table import COLUMNS
 from skinfield.reading import Recording
 from skinfield.sinks import contacts as contacts_module
-from skinfield.sinks import field_series
-from skinfield.sinks.contact_rows import COLUMNS
+from skinfield.sinks import fields as fields_module
 
 PATCH = sf.Patch(np.random.default_rng(0).uniform(-0.02, 0.02, (12, 2)), name="palm")
 GRID = sf.Grid.square(PATCH, nodes=4)
@@ -186,7 +186,7 @@ def fields(path: Path) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("suffix", [".npz", ".zarr"])
 def test_fields_come_back(tmp_path: Path, suffix: str, monkeypatch) -> None:
     batch, path = estimates(23), tmp_path / f"f{suffix}"
-    monkeypatch.setattr(field_series, "CHUNK_BYTES", 20 * 16 * 4)  # four readings
+    monkeypatch.setattr(fields_module, "CHUNK_BYTES", 20 * 16 * 4)  # four readings
     with sinks.open_fields(path) as writer:
         writer.write(batch[0])
         for one in list(batch)[1:6]:
@@ -243,7 +243,7 @@ def failing() -> Iterator[Estimate]:
 @pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
 def test_a_failure_leaves_what_was_there_before(tmp_path: Path, suffix: str, monkeypatch) -> None:
     monkeypatch.setattr(contacts_module, "CHUNK", 8)  # some of it is on the disk already
-    monkeypatch.setattr(field_series, "CHUNK_BYTES", 2048)
+    monkeypatch.setattr(fields_module, "CHUNK_BYTES", 2048)
     write = sinks.write_fields if suffix in (".npz", ".zarr") else sinks.write_contacts
     path = tmp_path / f"x{suffix}"
     write(path, estimates())

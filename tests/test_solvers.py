@@ -5,7 +5,7 @@ import pytest
 
 from skinfield.errors import InputError
 from skinfield.inverse import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
-from skinfield.inverse.gaussian_field import smoothed
+from skinfield.inverse.linear import smoothed
 from skinfield.layout import Grid
 from skinfield.mechanics import BondedLayer, HalfSpace, Layer
 from skinfield.observation import BaseStress, ObservationModel

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from bus_peers import PATIENCE, free_port, group
+from bus_peers import PATIENCE
 from live_devices import HEXAGON
 
 from skinfield.acquisition import Blocks, Channels, Count, Lasting, Source
@@ -60,7 +60,7 @@ def started(hardware: str, bus: str, *channels: str, **options: str) -> tuple[Vi
 
 
 def test_icub_goes_on_under_a_press_for_the_next_to_read() -> None:
-    skin, host = started("icub", "udp_multicast", f"{group()}:{free_port()}", period_ms="5")
+    skin, host = started("icub", "udp", period_ms="5")
     try:
         host.until(lambda: host.count(Count.RECEIVED) > 200)
         skin.press(taxel=40, force=2.0)
@@ -68,21 +68,19 @@ def test_icub_goes_on_under_a_press_for_the_next_to_read() -> None:
         host.follow()
         host.until(lambda: host.count(Count.RECEIVED) > 200)
         assert np.nanmin(host.channels.counts[:72]) < 220  # of 240 at rest
-        assert host.stream.told_again == 0  # type: ignore[attr-defined]
+        assert host.stream.reconfigured == 0  # type: ignore[attr-defined]
     finally:
         host.stream.close()
         skin.stop()
 
 
 def test_icub_that_boots_again_is_told_again() -> None:
-    skin, host = started(
-        "icub", "udp_multicast", f"{group()}:{free_port()}", period_ms="5", no_load="245"
-    )
+    skin, host = started("icub", "udp", period_ms="5", no_load="245")
     try:
         host.until(lambda: host.count(Count.RECEIVED) > 500)
         assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0
         skin.fault("reboot 0+100ms")
-        host.until(lambda: host.stream.told_again == 1)  # type: ignore[attr-defined]
+        host.until(lambda: host.stream.reconfigured == 1)  # type: ignore[attr-defined]
         before = host.count(Count.RECEIVED)
         host.until(lambda: host.count(Count.RECEIVED) > before + 200)
         assert abs(np.nanmean(host.channels.counts[:72]) - 245.0) < 2.0

@@ -14,7 +14,7 @@ from live_devices import PacketServer, SerialLine, packet
 from skinfield.acquisition import Blocks, CanMessages, Channels, Count
 from skinfield.errors import InputError
 from skinfield.protocols.packet import PacketDevice
-from skinfield.protocols.packet.layout import PacketKind, packets_of
+from skinfield.protocols.packet.packets import PacketKind, packets_of
 from skinfield.sources.live import PacketSerial, PacketTcp, PacketUdp
 
 

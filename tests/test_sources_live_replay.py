@@ -14,9 +14,9 @@ from skinfield.acquisition.recorded import CycleLayout
 from skinfield.errors import FileError, InputError
 from skinfield.layout import Patch
 from skinfield.sinks.mcap import RecordingWriter
-from skinfield.sources.live import ReplaySource, SimulationSource, pressed, simulation
-from skinfield.sources.live.table import TableStream, narrowest
-from skinfield.sources.live.tape import TapeStream
+from skinfield.sources.live import ReplaySource, SimulationSource, pressed
+from skinfield.sources.live import replay as simulation
+from skinfield.sources.live.replay import BlockReplayStream, TableStream, narrowest
 
 START = 1_700_000_000_000_000_000
 MS = 1_000_000
@@ -231,7 +231,7 @@ def test_ports_of_a_live_recording(tmp_path: Path) -> None:
 def test_any_words_are_played_or_refused(data: bytes) -> None:
     words = np.frombuffer(data[: len(data) // 8 * 8], np.int64)
     try:
-        stream = TapeStream((), words, 1.0, False, "file")
+        stream = BlockReplayStream((), words, 1.0, False, "file")
     except InputError:
         return
     polled(stream, START)

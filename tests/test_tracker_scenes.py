@@ -8,13 +8,20 @@ from test_tracker import contact, estimate
 
 import skinfield as sf
 from skinfield.contacts import TrackedContact
-from skinfield.experiments.paper.presses import paper_patch
-from skinfield.experiments.section import Section
-from skinfield.experiments.settings import PAPER_LAYER, SMOKE, Settings
-from skinfield.experiments.tracks.runs import ANEW, NEAREST, TRACKER, Nearest
-from skinfield.experiments.tracks.scenes import Scene, exact_readings, scenes
-from skinfield.experiments.tracks.section import tracks, tracks_parts_of
-from skinfield.experiments.tracks.switches import Steps, Switches
+from skinfield.lab.paper import paper_patch
+from skinfield.lab.report import PAPER_LAYER, SMOKE, Section, Settings
+from skinfield.lab.sections.tracks import tracks, tracks_parts
+from skinfield.lab.tracking import (
+    ANEW,
+    NEAREST,
+    TRACKER,
+    Nearest,
+    Numbering,
+    Scene,
+    Switches,
+    exact_readings,
+    scenes,
+)
 from skinfield.simulate import Sphere, press
 
 CELL = 0.5e-3
@@ -56,7 +63,7 @@ def test_scenes_are_what_they_say() -> None:
 
 def test_switches_are_counted_by_hand() -> None:
     """A ball that is seen as 0, 0, missed, 1, 1 beside a false one: one switch, and one miss."""
-    steps, ball = Steps(), np.array([0])
+    steps, ball = Numbering(), np.array([0])
     place, force = np.zeros((1, 2)), np.ones(1)
     here, there = contact(0.5, 0.0, 1.0), contact(20.0, 0.0, 1.0)
     for found in ([(0, here)], [(0, here)], [], [(1, here), (2, there)], [(1, here)]):
@@ -66,7 +73,7 @@ def test_switches_are_counted_by_hand() -> None:
 
 
 def test_a_ball_keeps_its_number_while_it_is_near() -> None:
-    steps, ball = Steps(), np.array([0])
+    steps, ball = Numbering(), np.array([0])
     steps.add(ball, np.zeros((1, 2)), np.ones(1), 8e-3, [(0, contact(1.0, 0.0, 1.0))])
     both = [(1, contact(0.1, 0.0, 1.0)), (0, contact(3.0, 0.0, 1.0))]
     steps.add(ball, np.zeros((1, 2)), np.ones(1), 8e-3, both)
@@ -74,7 +81,7 @@ def test_a_ball_keeps_its_number_while_it_is_near() -> None:
 
 
 def test_coasting_is_not_false() -> None:
-    tracker, steps = sf.Tracker(), Steps()
+    tracker, steps = sf.Tracker(), Numbering()
     tracker(estimate([contact(0.0, 0.0, 1.0)]))
     (coasts,) = tracker(estimate([]))
     assert isinstance(coasts, TrackedContact)
@@ -91,7 +98,7 @@ def test_the_nearest_one_before_gives_its_number() -> None:
 
 
 def test_the_section_of_the_smoke_size() -> None:
-    (part,) = tracks_parts_of(SETTINGS)
+    (part,) = tracks_parts(SETTINGS)
     result = json.loads(json.dumps(part.function(*part.arguments)))  # as a campaign keeps it
     section = tracks(SETTINGS, [result])
     assert isinstance(section, Section)

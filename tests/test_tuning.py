@@ -10,14 +10,14 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.signal import lfilter
 
 from skinfield.acquisition import Blocks, Channels, Kind
-from skinfield.engine.preference import prefer
+from skinfield.engine.engine import prefer
 from skinfield.errors import InputError
 from skinfield.inverse import GaussianField, NonNegative
-from skinfield.live.configuration import Configuration
 from skinfield.live.control import order_of
-from skinfield.live.cycle import Cycle
+from skinfield.live.model_config import Configuration
+from skinfield.live.runtime_parameters import AUTO, Focus, Limits, Tuning
 from skinfield.live.slots import Slot
-from skinfield.live.tuning import AUTO, Focus, Limits, Tuning
+from skinfield.live.update import Updater
 
 NOW, STEP = 10**18, 10_000_000  # ns
 LIMITS = Limits(rungs=(10, 20), longest=9e-4, patches=("palm", "thumb"))
@@ -26,18 +26,18 @@ PRESS_AT = (0.0, 7.5e-3)
 
 
 @pytest.fixture(scope="module")
-def made() -> Cycle:
+def made() -> Updater:
     return cycle_of(settings(), noise=0.004)
 
 
 @pytest.fixture
-def cycle(made: Cycle) -> Cycle:
+def updater(made: Updater) -> Updater:
     made.forget()
-    made.tuned.tune(Tuning())
+    made.filters.tune(Tuning())
     return made
 
 
-def answered(cycle: Cycle, readings: np.ndarray, first: int = 0) -> list[Slot]:
+def answered(updater: Updater, readings: np.ndarray, first: int = 0) -> list[Slot]:
     """One cycle for each reading (N, 72) of bytes, `STEP` apart."""
     channels, blocks, slots = Channels(72), Blocks(1 << 12), []
     for place, counts in enumerate(readings):
@@ -45,8 +45,8 @@ def answered(cycle: Cycle, readings: np.ndarray, first: int = 0) -> list[Slot]:
         blocks.clear()
         blocks.put(now, 0, counts, Kind.BYTES)
         channels.apply(blocks)
-        slots.append(Slot.empty(cycle.sizes))
-        cycle.answer(channels, now, slots[-1], key=place == 0, budget=5.0)
+        slots.append(Slot.empty(updater.sizes))
+        updater.answer(channels, now, slots[-1], reset=place == 0, budget=5.0)
     return slots
 
 
@@ -106,82 +106,70 @@ def test_any_bytes_are_no_order_or_one(data: bytes) -> None:
     assert what == "" or data.lstrip().startswith(b"{")
 
 
-def test_a_configuration_is_told_as_text() -> None:
+def test_a_configuration_survives_its_text() -> None:
     for solver in (GaussianField(snr=7.0), NonNegative(tolerance=1e-3)):
-        found = Configuration.from_text(Configuration(3, solver, began=True).text())
-        assert found == Configuration(3, solver, began=True)
+        found = Configuration.from_text(Configuration(3, solver).text())
+        assert found == Configuration(3, solver)
     with pytest.raises(InputError, match="solver"):
         Configuration(1, object()).text()  # type: ignore[arg-type]
 
 
-def test_smoothing_is_a_low_pass_of_first_order(cycle: Cycle) -> None:
+def test_smoothing_is_a_low_pass_of_first_order(updater: Updater) -> None:
     readings = np.random.default_rng(4).integers(200, 241, (30, 72)).astype(float)
-    plain = np.array([slot.values for slot in answered(cycle, readings)])
-    cycle.forget()
-    cycle.tuned.tune(Tuning(smoothing=0.03))
-    smooth = np.array([slot.values for slot in answered(cycle, readings)])
+    plain = np.array([slot.values for slot in answered(updater, readings)])
+    updater.forget()
+    updater.filters.tune(Tuning(smoothing=0.03))
+    smooth = np.array([slot.values for slot in answered(updater, readings)])
     part = 0.01 / (0.03 + 0.01)
     start = (1 - part) * plain[:1]
     expected, _ = lfilter([part], [1, part - 1], plain, axis=0, zi=start)
     assert_allclose(smooth, expected, rtol=1e-5, atol=1e-7)
 
 
-def test_a_low_pass_begins_anew_after_a_pause_and_a_baseline(cycle: Cycle) -> None:
+def test_a_low_pass_begins_anew_after_a_pause_and_a_baseline(updater: Updater) -> None:
     readings = np.full((2, 72), 230.0)
     readings[1] = 210.0
-    (raw,) = answered(cycle, readings[1:])
-    cycle.tuned.tune(Tuning(smoothing=0.5))
-    assert abs(answered(cycle, readings)[1].values - raw.values).min() > 0.05
-    later = answered(cycle, readings[1:], first=1000)[0]  # 10 s; readings count for 0.1 s
+    (raw,) = answered(updater, readings[1:])
+    updater.filters.tune(Tuning(smoothing=0.5))
+    assert abs(answered(updater, readings)[1].values - raw.values).min() > 0.05
+    later = answered(updater, readings[1:], first=1000)[0]  # 10 s; readings count for 0.1 s
     assert_array_equal(later.values, raw.values)
-    answered(cycle, readings[:1], first=2000)
-    cycle.calibrate(np.tile([240.0, -171.0, 0.6, 1.0], (72, 1)))
-    assert_array_equal(answered(cycle, readings[1:], first=2001)[0].values, raw.values)
+    answered(updater, readings[:1], first=2000)
+    updater.calibrate(np.tile([240.0, -171.0, 0.6, 1.0], (72, 1)))
+    assert_array_equal(answered(updater, readings[1:], first=2001)[0].values, raw.values)
 
 
-def test_where_a_low_pass_stands_can_be_put_back(cycle: Cycle) -> None:
-    readings = np.random.default_rng(4).integers(200, 241, (20, 72)).astype(float)
-    cycle.tuned.tune(Tuning(smoothing=0.03))
-    answered(cycle, readings[:10])
-    kept = cycle.tuned.smoothed.copy()
-    whole = answered(cycle, readings[10:], first=10)[-1].values.copy()
-    cycle.tuned.forget()
-    assert (answered(cycle, readings[10:], first=10)[-1].values != whole).any()
-    cycle.tuned.go_on_smoothing(kept)
-    assert_array_equal(answered(cycle, readings[10:], first=10)[-1].values, whole)
-
-
-def test_weak_contacts_are_not_told(cycle: Cycle) -> None:
+def test_weak_contacts_are_not_told(updater: Updater) -> None:
     strong, weak = pressed_counts(2.0, PRESS_AT), pressed_counts(0.5, (0.0, -9e-3))
     both = np.minimum(strong, weak)[None]
-    slot = answered(cycle, both)[0]
+    slot = answered(updater, both)[0]
     rows = slot.used_contacts()
     assert len(rows) >= 2
     forces = rows["normal_force"]
     for threshold in (0.5 * (forces.min() + forces.max()), 2 * forces.max()):
-        cycle.forget()
-        cycle.tuned.tune(Tuning(threshold=threshold))
-        told = answered(cycle, both)[0]
+        updater.forget()
+        updater.filters.tune(Tuning(threshold=threshold))
+        told = answered(updater, both)[0]
         names = ["x", "y", "normal_force", "area", "peak_pressure"]
         assert_array_equal(told.used_contacts()[names], rows[names][forces >= threshold])
         assert told.patches["force"][0] == pytest.approx(forces[forces >= threshold].sum())
         assert told.patches["answer"][0] == slot.patches["answer"][0]
 
 
-def test_a_resolution_is_the_finest_there_is_and_a_focus_goes_beyond(cycle: Cycle) -> None:
+def test_a_resolution_is_the_finest_there_is_and_a_focus_goes_beyond(updater: Updater) -> None:
     pressed = np.tile(pressed_counts(2.0, PRESS_AT), (3, 1))
-    assert answered(cycle, pressed)[-1].patches["rung"][0] == 20
+    assert answered(updater, pressed)[-1].patches["rung"][0] == 20
     here = Focus(patch="hexagon72", low=(-5e-3, 3e-3), high=(5e-3, 12e-3))
     there = Focus(patch="hexagon72", low=(-5e-3, -12e-3), high=(5e-3, -3e-3))
     for focus, expected in ((None, 10), (there, 10), (here, 20)):
-        cycle.forget()
-        cycle.tuned.tune(Tuning(resolution=10, focus=focus))
-        rungs = [slot.patches["rung"][0] for slot in answered(cycle, pressed)]
+        updater.forget()
+        updater.filters.tune(Tuning(resolution=10, focus=focus))
+        rungs = [slot.patches["rung"][0] for slot in answered(updater, pressed)]
         assert rungs == [10, expected, expected]
     with pytest.raises(InputError, match="resolution is 15"):
-        cycle.tuned.tune(Tuning(resolution=15))
+        updater.filters.tune(Tuning(resolution=15))
     with pytest.raises(InputError, match="focus is on 'thumb'"):
-        cycle.tuned.tune(Tuning(focus=WINDOW))
+        updater.filters.tune(Tuning(focus=WINDOW))
 
 
 def test_what_is_preferred_is_served_first_where_time_is_short() -> None:
@@ -206,16 +194,16 @@ def test_what_is_preferred_is_served_first_where_time_is_short() -> None:
         prefer(engine, None, 6)
 
 
-def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(cycle: Cycle) -> None:
+def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(updater: Updater) -> None:
     pressed = np.tile(pressed_counts(2.0, PRESS_AT), (3, 1))
-    before = answered(cycle, pressed)[-1]
+    before = answered(updater, pressed)[-1]
     (track,) = before.used_contacts()["track"]
     for resumed in (True, False):
-        cycle.forget()
+        updater.forget()
         counted = np.array([100])
-        cycle.count_in(counted)
+        updater.count_in(counted)
         if resumed:
-            cycle.resume(before)
-        after = answered(cycle, pressed[:1], first=3)[0]
+            updater.resume(before)
+        after = answered(updater, pressed[:1], first=3)[0]
         assert after.used_contacts()["track"].tolist() == [track if resumed else 101]
     assert counted[0] == 101

@@ -4,15 +4,15 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from contact_scenes import area_moves
 
 import skinfield as sf
 from skinfield.contacts import ContactFinder
-from skinfield.contacts.area import area_moves
 from skinfield.errors import InputError
 from skinfield.fields import ModelError, PressureNoise, PressurePosterior
-from skinfield.fields.spread import normal_interval, normal_radius
+from skinfield.fields.uncertainty import normal_interval, normal_radius
 from skinfield.inverse import GaussianField, InverseOperator, PseudoInverse, Tikhonov
-from skinfield.inverse.gaussian_field import correlation, taxel_distance
+from skinfield.inverse.linear import correlation, taxel_distance
 from skinfield.layout import Grid
 from skinfield.observation import BaseStress, ObservationModel
 from skinfield.testing.solver import square_patch

@@ -202,7 +202,7 @@ def test_every_fault_of_the_wire_is_counted_exactly():
         assert counts["readings"] == 300
         assert len(received) == counts["messages"]
         made = 300 * 12
-        kept_back = int(stepped.skin.hardware.wires[0].fates.kept[0] != -2)
+        kept_back = int(stepped.skin.hardware.wires[0].fates.waiting[0] != -2)
         assert made == len(received) + counts["lost"] - counts["duplicated"] + kept_back
         for name, chance in (("lost", 0.05), ("duplicated", 0.04), ("swapped", 0.03)):
             assert counts[name] == pytest.approx(made * chance, rel=0.3)
@@ -214,7 +214,7 @@ def test_readings_that_are_too_late_are_skipped_and_counted():
         assert len(stepped.step(0.155)) == 12  # one burst, not fifteen
         counts = stepped.skin.counts()
         assert counts["readings"] == 2
-        assert 13 <= counts["skipped"] <= 15
+        assert counts["skipped"] == 13
 
 
 def test_a_whole_robot_needs_several_buses():
@@ -235,9 +235,10 @@ def test_a_whole_robot_needs_several_buses():
 def test_boards_that_are_spread_send_one_after_the_other():
     skin = "rectangular:rows=20,columns=40"
     with Stepped(skin=skin, at_once=True, spread=True, wires=Wires(jitter=0.0)) as stepped:
+        stepped.step(0.001)  # all that has been due since the boards were made
         bursts = [{m[0] >> 4 & 15 for m in stepped.step(0.001)} for _ in range(40)]
     assert by_name(skin).n_channels == 800
-    assert max(len(burst) for burst in bursts) <= 2
+    assert max(len(burst) for burst in bursts) == 1
     assert set().union(*bursts) == {1, 2, 3, 4, 5}
 
 

@@ -22,6 +22,7 @@ from skinfield.layout import Patch, Skin
 from skinfield.live.client import connect
 from skinfield.live.supervisor import Supervisor
 from skinfield.protocols import yarp
+from skinfield.settings import from_plain
 from skinfield.sources.live import YarpPort, YarpText
 
 FORCE, PLACE = 1.0, (0.0, 7.5e-3)
@@ -179,7 +180,7 @@ def test_what_cannot_be_is_said() -> None:
         serve(unique_name(), {"port": "no slash"}, threading.Event())
     for wrong in ({"rate": 0}, {"name_server": "x:y"}, {"nothing": 1}, {"parts": []}):
         with pytest.raises(InputError, match="expected"):
-            YarpSettings.from_plain(wrong)
+            from_plain(YarpSettings, wrong)
 
 
 def test_a_name_server_that_began_anew_is_told_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -192,7 +193,6 @@ def test_a_name_server_that_began_anew_is_told_again(monkeypatch: pytest.MonkeyP
     try:
         wait_for(lambda: "/skinfield/x" in names.known)
         names.close()
-        time.sleep(0.1)
         names.known.clear()
         names.listen()
         wait_for(lambda: names.known.get("/skinfield/x") == ("127.0.0.1", port.socket_port))

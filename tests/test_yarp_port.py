@@ -2,7 +2,6 @@
 
 import socket
 import struct
-import threading
 from collections.abc import Iterator
 
 import pytest
@@ -11,7 +10,8 @@ from yarp_peers import NameServer, Peer
 
 from skinfield.errors import InputError
 from skinfield.protocols import yarp
-from skinfield.protocols.yarp import Port, Session, Vocab, connection, envelope
+from skinfield.protocols.yarp import Port, Session, Vocab, envelope
+from skinfield.protocols.yarp import port as port_module
 
 VALUES = [[1, 2], [1.0, 0.5], "a b", Vocab("ok"), 3.0]
 TEXT = b'(1 2) (1.0 0.5) "a b" [ok] 3.0\r\n'
@@ -96,8 +96,7 @@ def test_a_reader_types_what_yarps_page_says(port: Port, visitor: Visitor) -> No
     visitor.says(b"CONNECT foo\r\n", b"Welcome foo\r\n")
     visitor.says(
         b"\r\n",
-        b"Port command not understood.\r\nType d to send data to the port's owner.\r\n"
-        b"Type ? for help.\r\n",
+        b"Port command not understood.\r\n",
     )
     at = f"127.0.0.1:{port.socket_port}"
     visitor.says(
@@ -127,9 +126,9 @@ def test_what_yarp_connect_says_to_a_port(port: Port, visitor: Visitor) -> None:
     visitor.says(
         b"a\r\n[add] udp://reader\r\n",
         b"-1 \"Cannot connect to udp://reader: carrier is 'udp', expected one of text, text_ack, "
-        b'tcp, fast_tcp"\r\n<ACK>\r\n',
+        b'tcp"\r\n<ACK>\r\n',
     )
-    visitor.says(b"a\r\nxyz\r\n", b'[fail] "send [help] for list of valid commands"\r\n<ACK>\r\n')
+    visitor.says(b"a\r\nxyz\r\n", b'[fail] "expected [ver], [add], [del] or [list]"\r\n<ACK>\r\n')
     visitor.says(b"d\r\nto nobody\r\n", b"<ACK>\r\n")
     visitor.says(b"q\r\n", b"")
     assert visitor.is_closed()
@@ -182,7 +181,7 @@ def test_others_are_told_what_they_are(port: Port, visitor: Visitor) -> None:
     assert visitor.is_closed()
     session = Session(port)
     session.take(b"CONNECT " + b"x" * 2000)
-    assert session.done
+    assert session.ended
 
 
 class Reader(Peer):
@@ -207,7 +206,7 @@ class Reader(Peer):
             self.got += data
 
 
-@pytest.mark.parametrize("carrier", ["tcp", "fast_tcp", "text", "text_ack"])
+@pytest.mark.parametrize("carrier", ["tcp", "text", "text_ack"])
 def test_it_connects_when_it_is_told_to(carrier: str) -> None:
     names, reader = NameServer(), Reader()
     names.known["/reader"] = ("127.0.0.1", reader.port)
@@ -216,7 +215,7 @@ def test_it_connects_when_it_is_told_to(carrier: str) -> None:
         port.register()
         assert names.known["/out"] == ("127.0.0.1", port.socket_port)
         assert names.asked[0] == f"register /out tcp 127.0.0.1 {port.socket_port}"
-        assert names.asked[1] == "set /out offers text text_ack tcp fast_tcp"
+        assert names.asked[1] == "set /out offers text text_ack tcp"
         assert port.add(f"{carrier}://reader").startswith("Added connection from /out to ")
         assert port.add("/nobody") == "Do not know how to connect to /nobody"
         port.write(VALUES, "7 1.5")
@@ -227,10 +226,7 @@ def test_it_connects_when_it_is_told_to(carrier: str) -> None:
             thread.join(10.0)
         is_text = carrier.startswith("text")
         start = b"CONNECT /out\r\n" if carrier == "text" else b"CONNACK /out\r\n"
-        code = b"\xe4" if carrier == "tcp" else b"\x64"
-        assert reader.heard[-1] == (
-            start if is_text else b"YA" + code + b"\x1e\0\0RP" + ints(5) + b"/out\0"
-        )
+        assert reader.heard[-1] == (start if is_text else b"YA\xe4\x1e\0\0RP" + ints(5) + b"/out\0")
         told = b"D 7 1.5\r\n" + TEXT + b"q\r\n"
         blocks = block(command(b"D 7 1.5"), BYTES) + block(command(b"q"))
         assert reader.got == (told if is_text else blocks)
@@ -246,34 +242,7 @@ def test_a_name_server_that_is_not_there() -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         place = free.getsockname()[1]
     with pytest.raises(InputError, match="expected a running `yarp server`"):
-        yarp.NameServer("127.0.0.1", place).ask(["query", "/x"], "me")
-
-
-def test_a_name_server_of_ours_answers_as_yarps_does() -> None:
-    table = yarp.NameTable()
-    root = Port("/root", "127.0.0.1", data=table.answer)
-    stop = threading.Event()
-
-    def listen() -> None:
-        while not stop.is_set():
-            root.step(0.02)
-
-    thread = threading.Thread(target=listen)
-    thread.start()
-    try:
-        ask = yarp.NameServer("127.0.0.1", root.socket_port).ask
-        assert ask(["query", "/x"], "me").lines == []
-        made = ask(["register", "/x", "tcp", "...", 4321], "me")
-        assert made.lines == ["registration name /x ip 127.0.0.1 port 4321 type tcp"]
-        assert ask(["query", "/x"], "me").registration == yarp.Registration(
-            "/x", "127.0.0.1", 4321, "tcp"
-        )
-        assert len(ask(["list"], "me").lines) == 1
-        assert ask(["unregister", "/x"], "me").lines == []
-    finally:
-        stop.set()
-        thread.join()
-        root.close()
+        yarp.NameServer("127.0.0.1", place).request(["query", "/x"], "me")
 
 
 def test_a_party_that_says_nothing_is_let_go(
@@ -281,5 +250,5 @@ def test_a_party_that_says_nothing_is_let_go(
 ) -> None:
     visitor.says(b"CONN", b"")
     port.step(0.1)
-    monkeypatch.setattr(connection, "SILENT", 0.0)
+    monkeypatch.setattr(port_module, "SILENT", 0.0)
     assert visitor.is_closed()

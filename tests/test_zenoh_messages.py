@@ -10,12 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
-from skinfield.bridges.zenoh.calibration import Calibration
-from skinfield.bridges.zenoh.checked import checked_status
-from skinfield.bridges.zenoh.fitted import contacts_from
-from skinfield.bridges.zenoh.keys import Part, chunk
-from skinfield.bridges.zenoh.messages import EstimateHead, Plan, strict_json
-from skinfield.bridges.zenoh.told import contact_plain
+from skinfield.bridges.zenoh.messages import (
+    Calibration,
+    EstimateHead,
+    Plan,
+    contacts_from,
+    strict_json,
+)
+from skinfield.bridges.zenoh.session import Part, chunk
+from skinfield.bridges.zenoh.status_messages import checked_status, contact_plain
 from skinfield.contacts.live import CONTACT
 from skinfield.errors import InputError
 from skinfield.inverse import NonNegative
@@ -75,9 +78,9 @@ def test_contacts_go_there_and_back(target) -> None:
     rows["patch"], rows["cells"] = 0, 0  # how many cells it has is not told
     rows["place_std"][1] = np.nan
     by = ["fit", "engine", "fit"]
-    patches = list(target.RECIPE.skin)
+    patches = list(target.MODEL_CONFIG.skin)
     plain = [contact_plain(row, patches, who) for row, who in zip(rows, by, strict=True)]
-    found = contacts_from(strict_json({"stamp_ns": 5, "contacts": plain}), target.RECIPE.skin)
+    found = contacts_from(strict_json({"stamp_ns": 5, "contacts": plain}), target.MODEL_CONFIG.skin)
     assert (found.stamp_ns, found.by) == (5, by)
     for name in CONTACT.names:
         np.testing.assert_array_equal(found.rows[name], rows[name])
@@ -94,7 +97,7 @@ def test_the_sample_is_good(target) -> None:
     ("change", "match"),
     [
         ({"skinfield_zenoh": 2}, "of version 2, expected 1"),
-        ({"ring": {}}, "has no recipe"),
+        ({"ring": {}}, "has no model_config"),
         ({"slot_bytes": 7}, "slots have 7 bytes"),
         ({"slot": []}, "another skinfield"),
     ],
@@ -108,8 +111,8 @@ def test_descriptions_that_do_not_fit_say_why(target, change, match) -> None:
 @pytest.mark.parametrize("rungs", [[100_000], [], [True], ["a"], list(range(2, 900))])
 def test_a_description_cannot_ask_for_all_memory(target, rungs) -> None:
     plain = json.loads(target.DESCRIPTION)
-    recipe = json.loads(plain["ring"]["recipe"]) | {"rungs": rungs}
-    plain["ring"]["recipe"] = json.dumps(recipe)
+    model_config = json.loads(plain["ring"]["model_config"]) | {"rungs": rungs}
+    plain["ring"]["model_config"] = json.dumps(model_config)
     with pytest.raises(InputError):
         Plan.of(strict_json(plain))
 
@@ -130,10 +133,10 @@ def test_what_is_not_finite_becomes_null() -> None:
 
 def test_a_status_is_of_this_skin(target) -> None:
     plain = json.loads(target.STATUS)
-    assert checked_status(plain, target.RECIPE.skin)["state"] == "running"
+    assert checked_status(plain, target.MODEL_CONFIG.skin)["state"] == "running"
     with pytest.raises(InputError, match="others than those of the skin"):
         checked_status(plain, sf.Skin((sf.layouts.hexagon72(),)))
     with pytest.raises(InputError, match="state is 'fine'"):
-        checked_status(plain | {"state": "fine"}, target.RECIPE.skin)
+        checked_status(plain | {"state": "fine"}, target.MODEL_CONFIG.skin)
     with pytest.raises(InputError, match="expected 0 or more"):
-        checked_status(plain | {"lost": -1}, target.RECIPE.skin)
+        checked_status(plain | {"lost": -1}, target.MODEL_CONFIG.skin)

@@ -7,28 +7,24 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from live_skins import unique_name, wait_for
 
-from skinfield.cli.bridge_parts import bridges, check_bridges
+from skinfield.bridges.launch import bridge_settings, bridges
 from skinfield.errors import InputError
 from skinfield.ring import Ring
+from skinfield.settings import BridgeSettings
 
 pytest.importorskip("zenoh")
 from zenoh_peers import fill, listening, skin_ring
 
-from skinfield.bridges.zenoh.feeds import ZenohFeeds
+from skinfield.bridges.zenoh.discovery import ZenohSources
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 TESTS = Path(__file__).resolve().parent
 LONG = 600.0  # s: on a busy machine
-GIVEN: dict[str, Any] = {
-    "zenoh": False, "zenoh_listen": (), "zenoh_connect": (), "zenoh_config": None,
-    "robot": "robot", "ros2": False, "ros_domain": None, "ros_rate": (), "yarp": None,
-}  # fmt: skip
 
 
 @contextmanager
@@ -46,22 +42,22 @@ def engine(name: str, address: str) -> Iterator["subprocess.Popen[bytes]"]:
             Ring.remove(name)
 
 
-def states(feeds: ZenohFeeds) -> list[str]:
-    return [feed.status()["state"] for feed in feeds.feeds()]
+def states(sources: ZenohSources) -> list[str]:
+    return [source.status()["state"] for source in sources.sources()]
 
 
 def test_three_engines_are_one_skin_and_one_may_die() -> None:
     names = sorted(unique_name() for _ in range(3))
     with ExitStack() as ends:
         session, address = ends.enter_context(listening())
-        feeds = ZenohFeeds(session)
-        ends.callback(feeds.close)
+        sources = ZenohSources(session)
+        ends.callback(sources.close)
         children = [ends.enter_context(engine(name, address)) for name in names]
-        wait_for(lambda: states(feeds) == ["running"] * 3, LONG)
+        wait_for(lambda: states(sources) == ["running"] * 3, LONG)
         wait_for(
-            lambda: [f.latest() and f.latest().force for f in feeds.feeds()] == [1.5] * 3, LONG
+            lambda: [f.latest() and f.latest().force for f in sources.sources()] == [1.5] * 3, LONG
         )
-        one = feeds.feeds()[1]
+        one = sources.sources()[1]
         assert one.name == f"robot/{names[1]}"
         children[1].kill()
         killed = time.monotonic()
@@ -69,53 +65,54 @@ def test_three_engines_are_one_skin_and_one_may_die() -> None:
         took = time.monotonic() - killed
         assert [*one.latest()] == []  # none of its patches has an answer
         assert one.latest().force == 0.0
-        before = [feed.latest().number for feed in feeds.feeds()]
+        before = [source.latest().number for source in sources.sources()]
         others = [0, 2]
         wait_for(lambda: all(
-            feeds.feeds()[k].latest().number > before[k] + 3 for k in others), LONG)  # fmt: skip
+            sources.sources()[k].latest().number > before[k] + 3 for k in others
+        ), LONG)  # fmt: skip
         children[1].wait()
         Ring.remove(names[1])
         ends.enter_context(engine(names[1], address))
         wait_for(lambda: one.status()["state"] == "running" and one.latest().force == 1.5, LONG)
         assert took < LONG  # usually at once, as the system says that the connection ended
-        assert feeds.feeds()[1] is one
-        assert feeds.notes == {}
+        assert sources.sources()[1] is one
+        assert sources.notes == {}
 
 
 def test_a_bridge_that_dies_is_started_again() -> None:
     rng = np.random.default_rng(2)
     with skin_ring() as ring, listening() as (session, address):
-        feeds = ZenohFeeds(session)
+        sources = ZenohSources(session)
         try:
-            given = GIVEN | {"zenoh": True, "zenoh_connect": (address,)}
+            given = BridgeSettings(zenoh=True, zenoh_connect=(address,))
             with bridges(given, ring.name) as made:
                 (bridge,) = made
                 assert bridge.facts["key"] == f"skinfield/robot/{ring.name}/**"
-                (feed,) = wait_for(feeds.feeds, LONG)
+                (source,) = wait_for(sources.sources, LONG)
 
                 def comes() -> bool:
                     fill(ring, rng, time.time_ns(), 2.0)
-                    found = feed.latest()
+                    found = source.latest()
                     return found is not None and found.force == 2.0
 
                 wait_for(comes, LONG)
                 assert bridge.child is not None
                 bridge.child.kill()
-                wait_for(lambda: feed.status()["state"] == "failed", LONG)
+                wait_for(lambda: source.status()["state"] == "failed", LONG)
                 wait_for(lambda: bridge.restarts == 1 and not bridge.failure, LONG)
                 said = "the bridge to zenoh ended with signal SIGKILL; it is started again"
                 assert made.notices() == [said]
                 assert made.notices() == []
-                wait_for(lambda: feed.status()["state"] == "running", LONG)
+                wait_for(lambda: source.status()["state"] == "running", LONG)
                 wait_for(comes, LONG)
-            wait_for(lambda: feed.status()["state"] == "failed", LONG)
+            wait_for(lambda: source.status()["state"] == "failed", LONG)
         finally:
-            feeds.close()
+            sources.close()
 
 
 def test_a_bridge_that_cannot_start_says_why() -> None:
     with skin_ring() as ring, listening() as (_, address):
-        given = GIVEN | {"zenoh": True, "zenoh_listen": (address,)}
+        given = BridgeSettings(zenoh=True, zenoh_listen=(address,))
         match = "bridge to zenoh did not start: zenoh cannot start"
         with pytest.raises(InputError, match=match), bridges(given, ring.name):
             pass
@@ -124,24 +121,24 @@ def test_a_bridge_that_cannot_start_says_why() -> None:
 @pytest.mark.parametrize(
     ("given", "match"),
     [
-        ({"zenoh_listen": ("tcp/0.0.0.0:1",)}, "expected --zenoh or --ros2"),
-        ({"ros_domain": 3}, "expected --ros2"),
-        ({"robot": "a/b"}, "--robot is 'a/b'"),
+        ({"zenoh_listen": ("tcp/0.0.0.0:1",)}, "expected zenoh or ros2"),
+        ({"ros_domain": 3}, "expected ros2"),
+        ({"robot": "a/b"}, "robot is 'a/b'"),
         ({"zenoh": True, "zenoh_connect": ("robot",)}, "expected an address such as"),
     ],
 )
 def test_options_that_cannot_be_are_refused_before_anything_starts(given, match) -> None:
     with pytest.raises(InputError, match=match):
-        check_bridges(GIVEN | given)
+        bridge_settings(BridgeSettings(**given))
 
 
 def test_a_missing_package_is_named(monkeypatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"pip install 'skinfield\[zenoh\]'"):
-        check_bridges(GIVEN | {"zenoh": True})
+        bridge_settings(BridgeSettings(zenoh=True))
 
 
 def test_no_bridge_is_no_process() -> None:
-    with bridges(GIVEN, "nobody") as made:
+    with bridges(BridgeSettings(), "nobody") as made:
         assert len(made) == 0
         assert made.notices() == []

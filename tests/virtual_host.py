@@ -56,9 +56,9 @@ class Stepped:
 
     def __init__(self, **settings):
         given = {**QUIET, **STEPPED, **settings}
-        self.skin = VirtualSkin(VirtualSettings(**given))
+        self.now_ns = 10**9 * SECOND + SECOND // 2000  # on no multiple of a period
+        self.skin = VirtualSkin(VirtualSettings(**given), lambda: self.now_ns)
         self.host = Host(self.skin.hardware.addresses[0])
-        self.now_ns = time.time_ns()
         self.received = 0
         self.meet(0)
 
@@ -69,15 +69,12 @@ class Stepped:
             self.skin.hardware.listen(self.now_ns, 0.0)
 
     def hear(self):
-        """Let the boards take in what the host has said; datagrams need a moment."""
+        """Let the boards take in what the host has sent."""
         until = time.monotonic() + LONG
         before = self.skin.hardware.counts()["commands"]
         while self.skin.hardware.counts()["commands"] == before:
             self.skin.hardware.listen(self.now_ns, 0.0)
             assert time.monotonic() < until
-        for _ in range(3):
-            time.sleep(0.002)
-            self.skin.hardware.listen(self.now_ns, 0.0)
 
     def tell(self, *messages, board=1):
         for message in messages:

@@ -1,5 +1,6 @@
 """A process with a ring that is filled, and published: zenoh_engine.py NAME ROBOT ADDRESS."""
 
+import json
 import signal
 import sys
 import threading
@@ -11,6 +12,7 @@ from zenoh_peers import fill, skin_ring
 
 from skinfield.bridges.zenoh.publisher import serve
 from skinfield.bridges.zenoh.session import ZenohSettings
+from skinfield.settings import json_from_value
 
 FORCE = 1.5  # N
 
@@ -27,7 +29,7 @@ def main() -> None:
 
         worker = threading.Thread(target=work)
         worker.start()
-        session = ZenohSettings(connect=(address,)).to_plain()
+        session = json.loads(json_from_value(ZenohSettings(connect=(address,))))
         try:
             serve(name, {"robot": robot, "session": session}, stop)
         finally:

@@ -14,11 +14,11 @@ from skinfield.bridges.zenoh.session import ZenohSettings, open_session
 from skinfield.engine.state import Answer
 from skinfield.errors import InputError
 from skinfield.live.client import Live
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.ring_fields import open_ring
+from skinfield.live.runtime_parameters import Tuning
 from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import Head, Slot
-from skinfield.live.tuning import Tuning
 from skinfield.ring import Ring, State
 
 
@@ -59,7 +59,7 @@ def skin_ring(made: LiveSettings | None = None) -> Iterator[Ring]:
     """A ring of a live skin, which tests fill."""
     made = settings() if made is None else made
     taxels = sum(len(patch) for patch in made.skin)
-    ring, _ = open_ring(made, Recipe.of(made, (Port("ticking", taxels),)))
+    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", taxels),)))
     try:
         with ring:
             begin(ring, made)

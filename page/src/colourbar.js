@@ -1,7 +1,7 @@
 // The colour bar: the scene's own map, with round ticks in the unit that reads best.
 import { byId, element, setText } from "./dom.js";
 import { fixed, placesOf, significant, ticks, unitFor } from "./format.js";
-import { CalmRange } from "./range.js";
+import { CalmRange } from "./autorange.js";
 import { MAP_OF, mapGradient } from "./scene/colours.js";
 
 const NAMES = { pressure: "Pressure", deformation: "Deformation", uncertainty: "Uncertainty", taxels: "Readings" };

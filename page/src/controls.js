@@ -1,5 +1,5 @@
 // The panel of the estimate: settings of the engine, as the server has them in force.
-import { Asked } from "./asked.js";
+import { Pending } from "./pending.js";
 import { byId, clamp, element, setOptions, setText } from "./dom.js";
 import { bytes, clock, fixed } from "./format.js";
 import { notice } from "./notices.js";
@@ -16,7 +16,7 @@ export class Controls {
   #ask;
   #scene;
   #now = null; // the newest message
-  #asked = new Asked(() => this.#showValues());
+  #pending = new Pending(() => this.#showValues());
   #drawing = false;
   #patchName;
 
@@ -69,7 +69,7 @@ export class Controls {
   /** Take over what is in force, as the server or another browser has set it. */
   show(controls) {
     this.#now = controls;
-    this.#asked.told();
+    this.#pending.settled();
     this.#showValues();
     const off = controls.off ?? {};
     this.#showFocus(controls.focus ?? null, off.focus);
@@ -87,7 +87,7 @@ export class Controls {
     const off = now.off ?? {};
     for (const [what, id] of Object.entries(SELECTS)) this.#showSelect(what, byId(id), now[what], off[what]);
     for (const [what, id] of Object.entries(NUMBERS)) this.#showNumber(what, byId(id), now[what], off[what]);
-    this.#showWaiting(byId("focus"), this.#asked.has("focus"));
+    this.#showWaiting(byId("focus"), this.#pending.has("focus"));
   }
 
   #showWaiting(control, waiting) {
@@ -96,25 +96,25 @@ export class Controls {
   }
 
   #showSelect(what, select, told, why) {
-    const asked = this.#asked.has(what);
-    this.#showWaiting(select, asked || told?.preparing != null);
+    const pending = this.#pending.has(what);
+    this.#showWaiting(select, pending || told?.preparing != null);
     able(select, why ?? (told ? null : "the engine does not tell it"));
     if (!told) return;
     setOptions(select, (told.options ?? [told.value]).map((value) => [value, String(value)]));
     const wanted = String(told.preparing ?? told.value);
-    if (!asked && select.value !== wanted) select.value = wanted;
+    if (!pending && select.value !== wanted) select.value = wanted;
   }
 
   #showNumber(what, input, told, why) {
-    const asked = this.#asked.has(what);
-    this.#showWaiting(input, asked);
+    const pending = this.#pending.has(what);
+    this.#showWaiting(input, pending);
     able(input, why ?? (told ? null : "the engine does not tell it"));
     if (!told) return;
     const [lo, hi] = (told.range ?? []).map(short);
     if (Number.isFinite(lo)) input.min = lo;
     if (Number.isFinite(hi)) input.max = hi;
     input.dataset.inForce = short(told.value);
-    if (!input.dataset.typing && !asked) input.value = short(told.value);
+    if (!input.dataset.typing && !pending) input.value = short(told.value);
     if (!why && Number.isFinite(hi)) input.title = `${lo} to ${hi}`;
   }
 
@@ -166,7 +166,7 @@ export class Controls {
       if (!input.dataset.typing) return;
       delete input.dataset.typing;
       const value = this.#within(what, input);
-      const news = this.#asked.has(what) || value !== Number(input.dataset.inForce);
+      const news = this.#pending.has(what) || value !== Number(input.dataset.inForce);
       if (Number.isFinite(value) && news) this.#set(what, value);
       else input.value = input.dataset.inForce;
     };
@@ -190,7 +190,7 @@ export class Controls {
     const control = byId(SELECTS[what] ?? NUMBERS[what] ?? what);
     if (what in NUMBERS) control.value = value;
     this.#showWaiting(control, true);
-    return this.#asked.wait(what, this.#ask({ do: "set", what, value }));
+    return this.#pending.wait(what, this.#ask({ do: "set", what, value }));
   }
 
   async #busyButton(button, command) {

@@ -1,14 +1,14 @@
 // The page: connects, decodes, and hands everything on to the scene and the panels.
 import "./app.css";
 import "./panels.css";
-import { Asked } from "./asked.js";
+import { Pending } from "./pending.js";
 import { ColourBar } from "./colourbar.js";
 import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
 import { byId, setText } from "./dom.js";
 import { fixed } from "./format.js";
 import { startKeyboard } from "./keyboard.js";
-import { matched } from "./match.js";
+import { matched } from "./truth_match.js";
 import { notice } from "./notices.js";
 import { latencyText, Plots } from "./plots.js";
 import { PressPanel } from "./press.js";
@@ -55,7 +55,7 @@ const bar = new ColourBar((colours) => scene.setColours(colours));
 const controls = new Controls(ask, scene, patchName);
 const press = new PressPanel(ask, scene);
 const replay = new Replay(ask);
-const asked = new Asked(quantityInForce);
+const pending = new Pending(quantityInForce);
 
 /** Send a command; true when it was obeyed, and a notice when it was not. */
 async function ask(command) {
@@ -128,8 +128,8 @@ function controlsMessage(message) {
   state.controls = message;
   for (const part of [controls, press, replay]) (part.show ?? part.controls).call(part, message);
   plots.setDeadline(message.deadline_us?.value);
-  asked.told();
-  if (!asked.has("quantity")) quantityInForce();
+  pending.settled();
+  if (!pending.has("quantity")) quantityInForce();
 }
 
 function statusMessage(message) {
@@ -214,7 +214,7 @@ function noneWords() {
 async function showQuantity() {
   const select = byId("quantity");
   scene.setQuantity(select.value);
-  await asked.wait("quantity", ask({ do: "show", quantity: select.value }));
+  await pending.wait("quantity", ask({ do: "show", quantity: select.value }));
 }
 
 /** As the server has it; without a connection the choice stays, for the next one. */

@@ -3,7 +3,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { cssColour } from "./theme.js";
 import { fixed, micros, placesOf, significant, ticks } from "./format.js";
-import { Series, Slots } from "./series.js";
+import { Series, Slots } from "./time_series.js";
 
 export const SLOTS = 6;
 const LONGEST_S = 30;

@@ -1,5 +1,5 @@
 // The panel of the virtual indenter, and what gestures on the skin do with it.
-import { Asked } from "./asked.js";
+import { Pending } from "./pending.js";
 import { able } from "./controls.js";
 import { byId, clamp, setOptions, setText } from "./dom.js";
 import { PressGestures } from "./gestures.js";
@@ -18,7 +18,7 @@ export class PressPanel {
   #busy = null; // what the server does, in words
   #mode = "live";
   #playing = null; // the scene that plays, as told
-  #asked = new Asked(() => this.#showScene());
+  #pending = new Pending(() => this.#showScene());
 
   /** @param {(command) => Promise} ask @param {object} scene */
   constructor(ask, scene) {
@@ -32,7 +32,7 @@ export class PressPanel {
     byId("lift").addEventListener("click", () => this.liftAll());
     byId("press-middle").addEventListener("click", () => this.pressMiddle());
     byId("press-scene").addEventListener("change", ({ target }) =>
-      this.#asked.wait("scene", this.#ask({ do: "scene", name: target.value })),
+      this.#pending.wait("scene", this.#ask({ do: "scene", name: target.value })),
     );
   }
 
@@ -64,7 +64,7 @@ export class PressPanel {
     this.#off = off?.press ?? null;
     this.#busy = busy ?? null;
     this.#playing = scene;
-    this.#asked.told();
+    this.#pending.settled();
     this.#showScene();
     this.#showAble();
   }
@@ -158,7 +158,7 @@ export class PressPanel {
   }
 
   #showScene() {
-    if (typeof this.#playing !== "string" || this.#asked.has("scene")) return;
+    if (typeof this.#playing !== "string" || this.#pending.has("scene")) return;
     if (byId("press-scene").value !== this.#playing) byId("press-scene").value = this.#playing;
   }
 

@@ -1,5 +1,5 @@
 // The time bar below the picture, and the recordings that can be opened.
-import { Asked } from "./asked.js";
+import { Pending } from "./pending.js";
 import { byId, element, setOptions, setText, throttled } from "./dom.js";
 import { clock } from "./format.js";
 
@@ -11,7 +11,7 @@ export class Replay {
   #span = null; // of the recording: start_s, end_s, events
   #playing = true;
   #pace = 1; // as told
-  #asked = new Asked(() => this.#showPace());
+  #pending = new Pending(() => this.#showPace());
   #bar = byId("time-bar");
   #held = false;
   #sought = -Infinity;
@@ -29,7 +29,7 @@ export class Replay {
     for (const name of ["pointerup", "pointercancel"]) addEventListener(name, () => (this.#held = false));
     byId("play").addEventListener("click", () => this.toggle());
     byId("speed").addEventListener("change", ({ target }) =>
-      this.#asked.wait("speed", this.#order("speed", Number(target.value))),
+      this.#pending.wait("speed", this.#order("speed", Number(target.value))),
     );
     byId("replay-close").addEventListener("click", () => this.#order("close"));
     byId("replay-events").addEventListener("change", (event) => this.#goTo(event.target));
@@ -65,7 +65,7 @@ export class Replay {
     if (!replay) return;
     this.#showPlaying(replay.playing !== false);
     this.#pace = replay.speed;
-    this.#asked.told();
+    this.#pending.settled();
     this.#showPace();
   }
 
@@ -87,7 +87,7 @@ export class Replay {
   }
 
   #showPace() {
-    if (this.#asked.has("speed")) return;
+    if (this.#pending.has("speed")) return;
     const speeds = [...byId("speed").options];
     const near = speeds.find(({ value }) => Math.abs(Number(value) - this.#pace) < 1e-6);
     if (near && byId("speed").value !== near.value) byId("speed").value = near.value;

@@ -1,7 +1,7 @@
 // The accessible table of the contacts, with the truth beside them where it is known.
 import { byId, element, setText } from "./dom.js";
 import { fixed, trackName } from "./format.js";
-import { unfound } from "./match.js";
+import { unfound } from "./truth_match.js";
 
 const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
 const BY = { fit: "found by the fit beside the engine", engine: "found by the engine" };
@@ -12,7 +12,7 @@ export class ContactsTable {
 
   /**
    * Show contacts matched with presses.
-   * @param {Array} rows of match.matched
+   * @param {Array} rows of truth_match.matched
    * @param {Array} truths
    * @param {{now: number, patchName: (i) => string, slotOf: (track) => number, none: string}} of
    *   the page; none: what to say where there is no contact
@@ -49,7 +49,7 @@ export class ContactsTable {
 function contactRow({ contact, truth, error_m, error_percent }, patchName, slotOf) {
   return element(
     "tr",
-    dataOf(contact, truth, error_m, error_percent),
+    { ...dataOf(contact, truth, error_m, error_percent), class: contact.old ? "old" : null },
     element("th", { scope: "row", title: BY[contact.by] }, swatch(slotOf(contact.key)), ` ${trackName(contact.track)}`),
     element("td", { text: patchName(contact.patch), title: patchName(contact.patch), class: "patch" }),
     element("td", { class: "n", text: place(contact) }),

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import * as format from "../src/format.js";
-import { CalmRange, roundUp } from "../src/range.js";
+import { CalmRange, roundUp } from "../src/autorange.js";
 
 test("units are the ones that read best", () => {
   const cases = [

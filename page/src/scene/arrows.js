@@ -44,7 +44,7 @@ const VERTEX = /* glsl */ `
     vec2 off = along * end * room + across * position.y * room;
     vAt = vec2(position.x * vReach + end * room, position.y * room);
     gl_Position.xy += off / screen * 2.0 * gl_Position.w;
-    gl_Position.z -= 5e-3 * gl_Position.w;  // its head is seen in a deep dent, too
+    gl_Position.z -= 5e-3 * gl_Position.w;  // its head is seen on a curved skin, too
     vTint = tint;
   }`;
 

@@ -52,7 +52,8 @@ export class Marks {
   setTheme(theme) {
     this.theme = theme;
     this.arrows.setCasing(theme.background);
-    this.tint = { contact: colour(theme.contact), truth: colour(theme.truth) };
+    const { contact, truth, muted } = theme;
+    this.tint = { contact: colour(contact), truth: colour(truth), old: colour(muted) };
   }
 
   /**
@@ -79,13 +80,9 @@ export class Marks {
   }
 
   #contact(contact, view) {
-    this.#outline(contact);
-    const { place } = this;
-    if (!this.patches.at(contact.patch, contact.x, contact.y, place)) {
-      place.position = [...contact.position];
-      place.normal = [...contact.normal];
-    }
-    const tail = this.#arrow(place, contact, this.tint.contact, false);
+    this.#outline(contact, contact.old ? this.tint.old : this.onSkin.contact);
+    const place = this.#rest(contact);
+    const tail = this.#arrow(place, contact, contact.old ? this.tint.old : this.tint.contact, false);
     this.#keep(place.position, Math.sqrt((contact.area || 1e-5) / Math.PI), view);
     for (const part of [0.5, 1]) {
       const along = (value, i) => value + part * (tail.getComponent(i) - value);
@@ -94,18 +91,14 @@ export class Marks {
     const spread = contact.force_std > 0 ? ` ± ${contact.force_std.toFixed(2)}` : "";
     this.#label(`c${contact.key}`, tail, view, {
       title: `${contact.force.toFixed(2)} N${spread}`,
-      detail: `#${trackName(contact.track)}  ${this.#where(contact)}`,
-      accent: this.theme.contact,
+      detail: `#${trackName(contact.track)}  ${contact.old ? "not of now" : this.#where(contact)}`,
+      accent: contact.old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
   }
 
   #truth(press, view) {
-    const { place } = this;
-    if (!this.patches.at(press.patch, press.x, press.y, place)) {
-      place.position = [...press.position];
-      place.normal = [...press.normal];
-    }
+    const place = this.#rest(press);
     const tail = this.#arrow(place, press, this.tint.truth, true);
     this.#label(`t${press.id}`, tail, view, {
       title: `truth ${press.force.toFixed(2)} N`,
@@ -115,7 +108,17 @@ export class Marks {
     });
     this.#keep(place.position, press.contact_radius || 0.002, view);
     const radius = press.contact_radius || press.radius || 0.002;
-    this.#ring(press, radius, this.onSkin.truth, { dashed: true });
+    this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
+  }
+
+  /** Place of a contact on the skin at rest: the bottom of its dent, drawn deeper than it is, stands beside it. */
+  #rest({ patch, x, y, position, normal }) {
+    const { place } = this;
+    if (!this.patches.at(patch, x, y, place, true)) {
+      place.position = [...position];
+      place.normal = [...normal];
+    }
+    return place;
   }
 
   /** A press that is asked for and does not press yet. */
@@ -178,8 +181,8 @@ export class Marks {
   }
 
   /** A circle on the skin. */
-  #ring({ patch, x, y }, radius, tint, { dashed = false, opacity = 1 } = {}) {
-    this.#path(AROUND, patch, tint, { dashed, opacity, width: 2 }, (t, out) => {
+  #ring({ patch, x, y }, radius, tint, { dashed = false, opacity = 1, rest = false } = {}) {
+    this.#path(AROUND, patch, tint, { dashed, opacity, width: 2, rest }, (t, out) => {
       out[0] = x + radius * Math.cos(2 * Math.PI * t);
       out[1] = y + radius * Math.sin(2 * Math.PI * t);
     });
@@ -198,22 +201,22 @@ export class Marks {
     }
   }
 
-  #path(count, patch, tint, { dashed = false, ...look }, place) {
+  #path(count, patch, tint, { dashed = false, rest = false, ...look }, place) {
     const at = [0, 0];
     let [a, b] = [this.from, this.place];
     place(0, at);
-    let inside = this.patches.at(patch, at[0], at[1], a);
+    let inside = this.patches.at(patch, at[0], at[1], a, rest);
     for (let i = 1; i <= count; i += 1) {
       place(i / count, at);
-      const next = this.patches.at(patch, at[0], at[1], b);
+      const next = this.patches.at(patch, at[0], at[1], b, rest);
       const dash = dashed ? [((i - 1) / count) * DASHES, (i / count) * DASHES] : null;
       if (inside || next) this.lines.add(a.position, b.position, tint, { ...look, dash });
       [a, b, inside] = [b, a, next];
     }
   }
 
-  /** Outline of a contact, let down onto the skin as it is drawn. */
-  #outline({ patch, x, y, position, outline }) {
+  /** Outline of a contact, on the skin at rest as its arrow is. */
+  #outline({ patch, x, y, position, outline }, tint) {
     if (!outline || outline.length < 2) return;
     const frame = this.#tangents(patch, x, y);
     if (!frame) return;
@@ -224,7 +227,7 @@ export class Marks {
       out[0] = x + d[0] * right[0] + d[1] * right[1] + d[2] * right[2];
       out[1] = y + d[0] * up[0] + d[1] * up[1] + d[2] * up[2];
     };
-    this.#path(outline.length, patch, this.onSkin.contact, { width: 2 }, place);
+    this.#path(outline.length, patch, tint, { width: 2, rest: true }, place);
   }
 
   /** Directions in space of the plane's two axes, at a place. */

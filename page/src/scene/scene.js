@@ -255,7 +255,7 @@ export class SkinScene {
   pressNear(x, y, reach) {
     const place = { position: [0, 0, 0], normal: [0, 0, 1] };
     for (const { id, patch, position, x: px, y: py } of this.marks.truth) {
-      this.patches.at(patch, px, py, place);
+      this.patches.at(patch, px, py, place, true); // where its arrow ends
       const seen = this.project(place.position);
       if (Math.hypot(seen.x - x, seen.y - y) <= reach) return { id, patch, position };
     }

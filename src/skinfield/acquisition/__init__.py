@@ -6,6 +6,7 @@ from skinfield.acquisition.block import Status as Status
 from skinfield.acquisition.block import blocks_of as blocks_of
 from skinfield.acquisition.blocks import Blocks as Blocks
 from skinfield.acquisition.blocks import Channels as Channels
+from skinfield.acquisition.can import CanDecoder as CanDecoder
 from skinfield.acquisition.can import CanMessages as CanMessages
 from skinfield.acquisition.source import Count as Count
 from skinfield.acquisition.source import Lasting as Lasting

@@ -1,9 +1,9 @@
-"""Blocks: what sources deliver, what is recorded, and what a replay feeds in again.
+"""Blocks: what sources deliver and what is recorded.
 
 A block is one run of channels that were read together: half a triangle of iCub, a burst of CySkin,
 a whole patch. It is the unit in which nothing is lost: every reading that arrives becomes blocks,
 blocks are logged as they come, and the counts that a cycle works on are what all blocks before it
-left behind. A live cycle and its replay apply the same bytes by the same code.
+left behind.
 
 Layout, little-endian, each block a multiple of 8 bytes:
 
@@ -34,8 +34,6 @@ from skinfield.errors import InputError
 
 HEADER = 16  # bytes
 WORD = 8  # bytes, of which every block is a multiple
-CALIBRATED = 6  # numbers per taxel of a calibration
-SMOOTHED = 2  # numbers per taxel of a low-pass
 LONGEST = 65535  # channels in one block
 
 Words = NDArray[np.int64]
@@ -51,14 +49,6 @@ class Kind(IntEnum):
     STATUS = 4  # no counts: the status bits, and payload uint8 per 8 channels: out of range
     SOURCE = 5  # a source went down or came up; channel: its index; payload int64: 1 up, 0 down
     LOST = 6  # messages known to be lost; channel: the source's index; payload int64: how many
-    CALIBRATION = 7  # taken anew, in force from the end of these blocks on; channel: first taxel of
-    # the skin; payload float64 each of baseline, gain, noise_std (counts), alive (0 or 1), noise in
-    # the quantity's unit, age in s at which a reading is left out; taxel by taxel
-    TUNING = 8  # in force from the end of these blocks on; payload float64 each: `live.tuning`
-    SMOOTHED = 9  # where a low-pass of the readings stands; channel: first taxel of the skin;
-    # payload of each: float64 in the quantity's unit, int64 stamp of its reading; 0: none yet
-    CONFIGURATION = 10  # of the engine, in force from its next key cycle on; payload: JSON, and
-    # zeros or blanks behind it
 
 
 class Status(IntFlag):
@@ -72,12 +62,7 @@ class Status(IntFlag):
 
 
 UNUSABLE = int(Status.NOT_CONNECTED | Status.INVALID)
-PER_COUNT = {  # bytes
-    Kind.CALIBRATION: 8 * CALIBRATED,
-    Kind.TUNING: 8,
-    Kind.SMOOTHED: 8 * SMOOTHED,
-    Kind.CONFIGURATION: 1,
-}
+RETIRED = {7: 48, 8: 8, 9: 16, 10: 1}  # bytes per channel of settings in older recordings
 WIDTH = {Kind.BYTES: 1, Kind.SHORTS: 2, Kind.FLOATS: 4}  # bytes per channel
 PAYLOAD: dict[Kind, np.dtype[Any]] = {
     Kind.BYTES: np.dtype("<u1"),
@@ -86,10 +71,6 @@ PAYLOAD: dict[Kind, np.dtype[Any]] = {
     Kind.STATUS: np.dtype("<u1"),
     Kind.SOURCE: np.dtype("<i8"),
     Kind.LOST: np.dtype("<i8"),
-    Kind.CALIBRATION: np.dtype("<f8"),
-    Kind.TUNING: np.dtype("<f8"),
-    Kind.SMOOTHED: np.dtype([("value", "<f8"), ("stamp_ns", "<i8")]),
-    Kind.CONFIGURATION: np.dtype("<u1"),
 }
 
 
@@ -105,9 +86,7 @@ class Block:
     kind : Kind
     status : Status
     payload : array
-        (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST;
-        (6 count,) float64 of CALIBRATION; (count,) float64 of TUNING, records of SMOOTHED, uint8
-        of CONFIGURATION.
+        (count,) of counts; (ceil(count / 8),) uint8 bits of STATUS; (1,) int64 of SOURCE and LOST.
     """
 
     stamp_ns: int
@@ -132,8 +111,8 @@ def payload_bytes(kind: int, count: int) -> int:
         return (count + 7) // 8
     if kind in (Kind.SOURCE, Kind.LOST):
         return 8
-    if kind in PER_COUNT:
-        return PER_COUNT[Kind(kind)] * count
+    if kind in RETIRED:
+        return RETIRED[kind] * count
     raise InputError(
         f"kind of a block is {kind}, expected one of {', '.join(str(int(each)) for each in Kind)}: "
         "the bytes are damaged, or of a newer version"
@@ -146,7 +125,7 @@ def block_bytes(kind: int, count: int) -> int:
 
 
 def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
-    """Read blocks one after the other; for tools, not for the loop.
+    """Read blocks one after the other, but for settings of older recordings; for tools.
 
     Raises
     ------
@@ -167,14 +146,9 @@ def blocks_of(data: bytes | memoryview | Octets) -> Iterator[Block]:
                 f"blocks end after {len(view) - at} bytes of the block at byte {at}, expected "
                 f"{size}: the data was cut"
             )
-        yield Block(
-            stamp,
-            channel,
-            count,
-            Kind(kind),
-            Status(status),
-            _payload(view, at + HEADER, Kind(kind), count),
-        )
+        if kind not in RETIRED:
+            payload = _payload(view, at + HEADER, Kind(kind), count)
+            yield Block(stamp, channel, count, Kind(kind), Status(status), payload)
         at += size
 
 

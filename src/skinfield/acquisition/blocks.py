@@ -1,4 +1,4 @@
-"""A buffer that sources append blocks to, and the channels' newest counts."""
+"""Buffer that sources append blocks to, and the channels' newest counts."""
 
 from typing import Any
 
@@ -104,32 +104,6 @@ class Blocks:
 
         if not put_number(self.words, self.end, stamp_ns, source, int(kind), number):
             raise self._full(1)
-
-    def put_rows(self, stamp_ns: int, first: int, kind: Kind, rows: NDArray[Any]) -> None:
-        """Append what an engine goes by.
-
-        Parameters
-        ----------
-        stamp_ns : int, ns
-        first : int
-            Taxel of the first row, in the skin's order; 0 of a TUNING and a CONFIGURATION.
-        kind : Kind
-            CALIBRATION, TUNING, SMOOTHED or CONFIGURATION.
-        rows : (n, 6), (n,), (n, 2) or (n,) array
-            As `Kind` says; of 64 bits each, those of a CONFIGURATION of 8.
-
-        Raises
-        ------
-        Full
-            If they do not fit.
-        """
-        from skinfield.acquisition.kernel import begin_block
-
-        check_count("rows", len(rows), 0, LONGEST, "rows in one block")
-        at = begin_block(self.words, self.end, stamp_ns, first, len(rows), int(kind), 0)
-        if at < 0:
-            raise self._full(rows.size)
-        self.octets[at : at + rows.nbytes] = rows.reshape(-1).view(np.uint8)
 
     def put_data(self, data: bytes | Octets) -> None:
         """Append whole blocks as they were recorded.

@@ -1,10 +1,12 @@
-"""CAN messages in bulk, as arrays that drivers fill and decoders read."""
+"""CAN messages in bulk: arrays that drivers fill, and what decodes them to blocks."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.acquisition.block import Octets
-from skinfield.errors import Ints, check_count
+from skinfield.acquisition.blocks import Blocks
+from skinfield.acquisition.source import Count
+from skinfield.errors import InputError, Ints, check_count
 
 EXTENDED = 0x80000000  # bits of `ids`, as in Linux's struct can_frame
 REMOTE = 0x40000000
@@ -39,3 +41,80 @@ class CanMessages:
 
     def __len__(self) -> int:
         return len(self.ids)
+
+    def put(self, row: int, identifier: int, data: bytes) -> None:
+        """Write one message.
+
+        Raises
+        ------
+        InputError
+            If the data is longer than 8 octets.
+        """
+        if len(data) > 8:
+            raise InputError(f"data has {len(data)} octets, expected up to 8: classic CAN")
+        self.ids[row], self.lengths[row], self.stamp_ns[row] = identifier, len(data), 0
+        self.data[row, : len(data)] = np.frombuffer(data, np.uint8)
+
+    def check_rows(self, first: int, count: int) -> None:
+        """Raise InputError unless rows `first` to `first + count` are there."""
+        if first < 0 or count < 0 or first + count > len(self):
+            raise InputError(
+                f"rows {first} to {first + count} are asked for, expected some of 0 to "
+                f"{len(self)}: the room of these messages"
+            )
+
+
+class CanDecoder:
+    """Decoder of the messages of one bus; boards of every kind have their own."""
+
+    def decode(
+        self,
+        messages: CanMessages,
+        count: int,
+        blocks: Blocks,
+        channel: int,
+        counters: Ints,
+        first: int = 0,
+    ) -> int:
+        """Append the blocks of messages `first` to `count`; allocates nothing.
+
+        Parameters
+        ----------
+        messages : CanMessages
+        count : int
+            Of its rows that hold messages.
+        blocks : Blocks
+        channel : int
+            That the port's first channel has among all.
+        counters : (len(Count),) int64 array
+            Written in place.
+        first : int
+            First row to read.
+
+        Returns
+        -------
+        int
+            First row that did not fit into `blocks`; `count` if all did.
+        """
+        if not 0 <= first <= count <= len(messages) or len(counters) < len(Count) or channel < 0:
+            raise InputError(
+                f"rows {first} to {count} of {len(messages)}, channel {channel} and "
+                f"{len(counters)} counters, expected rows of the messages, a channel from 0 and "
+                f"{len(Count)} counters: hand in those of the stream"
+            )
+        return self._decode(messages, first, count, blocks, channel, counters)
+
+    def reset(self) -> None:
+        """Forget what came before, as after a break of the connection."""
+        raise NotImplementedError
+
+    def _decode(
+        self,
+        messages: CanMessages,
+        first: int,
+        count: int,
+        blocks: Blocks,
+        channel: int,
+        counters: Ints,
+    ) -> int:
+        raise NotImplementedError

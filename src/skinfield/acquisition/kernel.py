@@ -5,14 +5,13 @@ so each function checks before it writes.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from skinfield.acquisition.block import Octets, Words
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
-BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST, CALIBRATION = 1, 2, 3, 4, 5, 6, 7  # as `Kind`
-TUNING, SMOOTHED, CONFIGURATION = 8, 9, 10
+BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST = 1, 2, 3, 4, 5, 6  # as `Kind`
 OUT_OF_RANGE = 4  # as `Status`
 HEADER_WORDS = 2
 LATE_NS = (
@@ -21,7 +20,7 @@ LATE_NS = (
 FULL = -1
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inner(inline="always")
 def payload_words(kind: int, count: int) -> int:
     """Words of a payload; -1 for an unknown kind."""
     if kind == BYTES:
@@ -34,18 +33,18 @@ def payload_words(kind: int, count: int) -> int:
         return (((count + 7) >> 3) + 7) >> 3
     if kind in (SOURCE, LOST):
         return 1
-    if kind == CALIBRATION:
+    if kind == 7:  # from here on as `RETIRED` of `block`
         return 6 * count
-    if kind == TUNING:
+    if kind == 8:
         return count
-    if kind == SMOOTHED:
+    if kind == 9:
         return 2 * count
-    if kind == CONFIGURATION:
+    if kind == 10:
         return (count + 7) >> 3
     return -1
 
 
-@njit(cache=True, nogil=True)
+@njit
 def begin_block(
     words: Words, end: Words, stamp_ns: int, channel: int, count: int, kind: int, status: int
 ) -> int:
@@ -75,7 +74,7 @@ def begin_block(
     return int((at + HEADER_WORDS) * 8)
 
 
-@njit(cache=True, nogil=True)
+@njit
 def put_octets(
     words: Words,
     octets: Octets,
@@ -98,7 +97,7 @@ def put_octets(
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit
 def put_status(
     words: Words,
     octets: Octets,
@@ -118,7 +117,7 @@ def put_status(
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit
 def put_number(
     words: Words, end: Words, stamp_ns: int, source: int, kind: int, number: int
 ) -> bool:
@@ -130,7 +129,7 @@ def put_number(
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit
 def apply_blocks(
     words: Words,
     octets: Octets,
@@ -193,12 +192,12 @@ def apply_blocks(
                 status,
                 fresh,
             )
-        applied += 1
+        applied += 1 if kind <= LOST else 0
         at += HEADER_WORDS + size
     return applied
 
 
-@njit(cache=True, nogil=True)
+@njit
 def take(
     words: Words,
     octets: Octets,
@@ -234,24 +233,3 @@ def take(
         fresh[first + i] = 1
         if bits:
             status[first + i] = bits
-
-
-@njit(cache=True, nogil=True)
-def find_kind(words: Words, start: int, stop: int, kind: int) -> int:
-    """Word at which the first block of a kind begins; -1 if there is none before `stop`."""
-    return int(find_among(words, start, stop, kind, kind))
-
-
-@njit(cache=True, nogil=True)
-def find_among(words: Words, start: int, stop: int, least: int, most: int) -> int:
-    """Word at which the first block of a kind from `least` to `most` begins; -1: none."""
-    at = start
-    while at + HEADER_WORDS <= stop:
-        head = words[at + 1]
-        if least <= (head >> 48) & 0xFF <= most:
-            return at
-        size = payload_words((head >> 48) & 0xFF, (head >> 32) & 0xFFFF)
-        if size < 0:
-            return -1
-        at += HEADER_WORDS + size
-    return -1

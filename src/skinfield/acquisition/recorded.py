@@ -1,32 +1,45 @@
-"""What a recording of a live skin holds, and the layout of its binary messages.
+"""Layout of the messages of a live skin's recording: readings, cycles, pressure fields and fits.
 
 Sinks write it and sources read it. All numbers are little-endian; stamps are ns.
 
 A message of `/skin/blocks` is 8 bytes, the position of what follows in the ring's log (int64,
 bytes since the ring was made), then blocks as `acquisition.block` describes them, unchanged.
 
-A message of `/skin/cycles` is one cycle of the engine: a head as `CYCLE_HEAD`, then the script
-(int64, rows by columns), the contacts and the patches, both rows of a layout that the channel's
-metadata states (`CycleLayout.metadata`).
+A message of `/skin/cycles` is one cycle of the engine: a head as `CYCLE_HEAD`, then contacts and
+patches, both rows of a layout that the channel's metadata states (`CycleLayout.metadata`).
+
+A message of `/skin/fields` is what a cycle read and answered beside that: a head as `FIELD_HEAD`,
+then of each patch the nodes along the sides of its grid and how many of its nodes have pressure
+(uint32 each), the nodes (uint32) and their pressure (float32, Pa) of one patch after the other, and
+of all taxels counts and values (float32), and whether they are valid (uint8). Some are written each
+second, of cycles with new readings: the newest one before any moment holds.
+
+A message of `/skin/fit` tells all that the fit beside the engine knew of the skin at one time, so
+that the newest one before any moment is enough. It has a head as `FIT_HEAD`, then of each patch of
+which it knows something the place in the skin and how many nodes have pressure (uint32 each), then
+rows of patches, contacts and forms of a layout that the channel's metadata states, then the nodes
+(uint32) and their pressure (float32, Pa) of one patch after the other. Patches that are not in it
+are left to the engine; a message without any ends what was before.
 """
 
 import json
-from base64 import b64decode, b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntFlag
 from struct import Struct
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import InputError, Ints
+from skinfield.errors import InputError
 
 VERSION = 1
 PROFILE = "skinfield"
 BLOCKS = "/skin/blocks"
 CYCLES = "/skin/cycles"
+FIELDS = "/skin/fields"
+FITS = "/skin/fit"
 TIMING = "/skin/timing"
 EVENTS = "/skin/events"
 LAYOUT = "layout.npz"  # names of attachments
@@ -36,14 +49,19 @@ DESCRIPTION = "ring.json"
 TARE = "tare-{number}.npz"  # calibration (L, 4), noise_std (L,), stale_ns: as the engine took it
 POSITION = Struct("<q")  # before the blocks of a message
 CYCLE_HEAD = Struct("<HHI7q6IQ")
+FIELD_HEAD = Struct("<HHIqqIIII")
+FIT_HEAD = Struct("<HHIqqIIIIIIII")
 MOST = 1 << 20  # rows of one kind in one cycle: whatever says more is damaged
+MOST_PATCHES, MOST_NODES, MOST_ROWS = 1 << 16, 1 << 20, 1 << 10  # likewise, of a fit or a field
+MOST_SIDE = 1 << 10  # nodes along the sides of a grid
 Rows = NDArray[np.void]
+Words = NDArray[np.uint32]
+Singles = NDArray[np.float32]
 
 
 class CycleFlag(IntFlag):
     """What is special about a cycle."""
 
-    KEY = 1  # the engine was reset before it: a replay can start here
     LATE = 2  # its answer was ready after its deadline
     OVERRUN = 4  # its answer was ready after the next one was due
     RESTARTED = 8  # the first of a new engine process
@@ -65,22 +83,6 @@ class Enclosed:
     media_type: str
     data: bytes
 
-    def as_json(self) -> dict[str, str]:
-        """For a description that is JSON; `from_json` gives the same back."""
-        text = b64encode(self.data).decode()
-        return {"name": self.name, "media_type": self.media_type, "base64": text}
-
-    @classmethod
-    def from_json(cls, value: Any) -> "Enclosed":
-        """What `as_json` made; raises InputError for anything else."""
-        try:
-            data = b64decode(value["base64"], validate=True)
-            return cls(str(value["name"]), str(value["media_type"]), data)
-        except (KeyError, TypeError, ValueError) as error:
-            raise InputError(
-                f"enclosed is {value!r:.80}, expected name, media_type and base64: {error}"
-            ) from error
-
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
@@ -96,8 +98,6 @@ class Cycle:
         When it began, since the epoch.
     log_position : int, bytes
         Of the ring's log: all blocks before it were applied when the engine answered.
-    script : (S, W) int64 array
-        What the cycle decided by time; see the engine.
     contacts, patches : (N,) and (P,) structured arrays
         Of the fields of the recording's `CycleLayout`.
     """
@@ -110,7 +110,6 @@ class Cycle:
     done_ns: int
     wall_ns: int
     log_position: int
-    script: Ints
     contacts: Rows
     patches: Rows
 
@@ -139,16 +138,12 @@ class CycleLayout:
         Raises
         ------
         InputError
-            If its rows are of other fields, or its script is not (S, W).
+            If its rows are of other fields.
         """
         if cycle.contacts.dtype != self.contact or cycle.patches.dtype != self.patch:
             raise InputError(
                 f"rows are {cycle.contacts.dtype} and {cycle.patches.dtype}, expected "
                 f"{self.contact} and {self.patch}: those that the recording began with"
-            )
-        if cycle.script.ndim != 2 or cycle.script.dtype != np.int64:
-            raise InputError(
-                f"script is {cycle.script.dtype} {cycle.script.shape}, expected int64 (S, W)"
             )
         head = CYCLE_HEAD.pack(
             VERSION,
@@ -161,18 +156,18 @@ class CycleLayout:
             cycle.done_ns,
             cycle.wall_ns,
             cycle.log_position,
-            *cycle.script.shape,
+            0,
+            0,
             len(cycle.contacts),
             self.contact.itemsize,
             len(cycle.patches),
             self.patch.itemsize,
             0,
         )
-        parts = (cycle.script, cycle.contacts, cycle.patches)
-        return b"".join((head, *(part.tobytes() for part in parts)))
+        return b"".join((head, cycle.contacts.tobytes(), cycle.patches.tobytes()))
 
     def decode(self, data: bytes | memoryview) -> Cycle:
-        """Cycle of a record.
+        """Cycle of a record; rows and columns of numbers between head and rows are passed over.
 
         Raises
         ------
@@ -203,15 +198,13 @@ class CycleLayout:
                 f"a cycle's record has {len(data)} bytes, expected {head + sum(sizes)} as its head "
                 "says: it is damaged"
             )
-        at = head
-        script = np.frombuffer(data, "<i8", rows * columns, at).reshape(rows, columns)
-        at += sizes[0]
+        at = head + sizes[0]
         contact_rows = np.frombuffer(data, self.contact, contacts, at)
         patch_rows = np.frombuffer(data, self.patch, patches, at + sizes[1])
         number, due, wake, acquired, done, wall, position = times
         return Cycle(
             number, CycleFlag(flags), due, wake, acquired, done, wall, position,
-            script, contact_rows, patch_rows,
+            contact_rows, patch_rows,
         )  # fmt: skip
 
     def metadata(self) -> dict[str, str]:
@@ -261,3 +254,363 @@ def is_plain(rows: np.dtype[Any]) -> bool:
         and all(name and rows[name].base.kind in "iuf" for name in rows.names)
         and sum(rows[name].itemsize for name in rows.names) == rows.itemsize
     )
+
+
+@dataclass(frozen=True, eq=False)
+class FieldRecord:
+    """What a cycle read and answered beside contacts and patches; made by `decode`.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        When the cycle began, since the epoch.
+    number : int
+        Of the cycle.
+    grid : int
+        Nodes of the finest grid of a patch.
+    sides : (P,) uint32 array
+        Nodes along the sides of each patch's grid; 0: none.
+    pressed : (P,) uint32 array
+        How many nodes of each have pressure.
+    nodes : (M,) uint32 array
+        With pressure, patch after patch.
+    pressure : (M,) float32 array, Pa
+        Of these.
+    counts, values : (L,) float32 arrays
+        Of all taxels: in the unit of the ports, and in the quantity's.
+    valid : (L,) uint8 array
+    """
+
+    time_ns: int
+    number: int
+    grid: int
+    sides: Words
+    pressed: Words
+    nodes: Words
+    pressure: Singles
+    counts: Singles
+    values: Singles
+    valid: NDArray[np.uint8]
+
+    @classmethod
+    def of(
+        cls,
+        number: int,
+        time_ns: int,
+        sides: NDArray[Any],
+        pressure: Singles,
+        taxels: tuple[Singles, Singles, NDArray[np.uint8]],
+    ) -> "FieldRecord":
+        """Of the pressure (P, K) of a slot, of which a patch's grid has the first side² nodes.
+
+        Parameters
+        ----------
+        number : int
+        time_ns : int, ns
+        sides : (P,) int array
+        pressure : (P, K) float32 array, Pa
+        taxels : tuple of (L,) arrays
+            Counts, values, valid.
+        """
+        nodes, found = [np.zeros(0, np.uint32)], [np.zeros(0, np.float32)]
+        for field, side in zip(pressure, sides.tolist(), strict=True):
+            there = np.flatnonzero(field[: side * side]).astype(np.uint32)
+            nodes.append(there)
+            found.append(field[there])
+        return cls(
+            time_ns,
+            number,
+            pressure.shape[1],
+            np.asarray(sides, np.uint32),
+            np.array([len(each) for each in nodes[1:]], np.uint32),
+            np.concatenate(nodes),
+            np.concatenate(found),
+            *taxels,
+        )
+
+    def encode(self) -> bytes:
+        """Bytes of a record; `decode` gives the same back."""
+        head = FIELD_HEAD.pack(
+            VERSION, FIELD_HEAD.size, len(self.sides), self.time_ns, self.number,
+            len(self.counts), self.grid, len(self.nodes), 0,
+        )  # fmt: skip
+        words = (np.asarray(each, "<u4") for each in (self.sides, self.pressed, self.nodes))
+        singles = (np.asarray(each, "<f4") for each in (self.pressure, self.counts, self.values))
+        valid = np.asarray(self.valid, np.uint8)
+        return b"".join((head, *(each.tobytes() for each in (*words, *singles, valid))))
+
+    @classmethod
+    def decode(cls, data: bytes | memoryview) -> "FieldRecord":
+        """Record of a message.
+
+        Raises
+        ------
+        InputError
+            If it is of another version, its length is not what its head says, or its parts do not
+            go together.
+        """
+        if len(data) < FIELD_HEAD.size:
+            raise InputError(
+                f"a field's record has {len(data)} bytes, expected {FIELD_HEAD.size} or more"
+            )
+        numbers: tuple[int, ...] = FIELD_HEAD.unpack_from(data)
+        version, head, patches, time_ns, number, taxels, grid, nodes, _ = numbers
+        if version != VERSION:
+            raise InputError(
+                f"a field's record is of version {version}, expected {VERSION}: it is damaged, or "
+                "of a newer program"
+            )
+        size = head + 8 * patches + 8 * nodes + 9 * taxels
+        if grid > MOST_NODES or head < FIELD_HEAD.size or size != len(data):
+            raise InputError(
+                f"a field's record has {len(data)} bytes, expected {size} as its head says: it is "
+                "damaged"
+            )
+        cut = _Cutter(data, head)
+        record = cls(
+            time_ns, number, grid,
+            cut.next("<u4", patches), cut.next("<u4", patches), cut.next("<u4", nodes),
+            cut.next("<f4", nodes), cut.next("<f4", taxels), cut.next("<f4", taxels),
+            cut.next("u1", taxels),
+        )  # fmt: skip
+        limits = record.sides.astype(np.int64) ** 2
+        pressed = record.pressed.astype(np.int64)
+        if (
+            pressed.sum() != nodes
+            or (record.sides > MOST_SIDE).any()
+            or (limits > grid).any()
+            or (record.nodes >= np.repeat(limits, pressed)).any()
+        ):
+            raise InputError(
+                f"a field's record has pressure on {nodes} nodes, expected {pressed.sum()} within "
+                f"grids of {grid} nodes at most: it is damaged"
+            )
+        return record
+
+    def pressure_into(self, out: Singles) -> None:
+        """Write the pressure (P, K) of all nodes, 0 where there is none."""
+        out[:] = 0.0
+        out[np.repeat(np.arange(len(self.sides)), self.pressed), self.nodes] = self.pressure
+
+
+class FitSizes(NamedTuple):
+    """Of the skin that a fit is for.
+
+    Attributes
+    ----------
+    patches : int
+    nodes : int
+        Of the finest grid of a patch.
+    rows : int
+        Contacts of a patch, at most.
+    """
+
+    patches: int
+    nodes: int
+    rows: int
+
+
+@dataclass(frozen=True, eq=False)
+class FitRecord:
+    """What a fit had found of a whole skin.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        When it published that, since the epoch.
+    number : int
+        Of the answer, which each fit counts from 1; 0 where there is no fit any more.
+    sizes : FitSizes
+    places : (Q,) uint32 array
+        Patches that it says something of, rising.
+    pressed : (Q,) uint32 array
+        How many nodes of each have pressure.
+    patches : (Q,) structured array
+        With a field `contacts`: how many each has.
+    contacts, forms : (N,) structured arrays
+        Patch after patch.
+    nodes : (M,) uint32 array
+        With pressure, patch after patch.
+    pressure : (M,) float32 array, Pa
+        Of these.
+    """
+
+    time_ns: int
+    number: int
+    sizes: FitSizes
+    places: Words
+    pressed: Words
+    patches: Rows
+    contacts: Rows
+    forms: Rows
+    nodes: Words
+    pressure: Singles
+
+
+@dataclass(frozen=True)
+class FitLayout:
+    """Fields of the rows within a fit's record.
+
+    Parameters
+    ----------
+    patch, contact, form : dtype
+        Structured, of plain numbers and arrays of them, without gaps; `patch` with the integer
+        field `contacts`.
+    """
+
+    patch: np.dtype[Any]
+    contact: np.dtype[Any]
+    form: np.dtype[Any]
+
+    def __post_init__(self) -> None:
+        for name, rows in vars(self).items():
+            if not is_plain(rows):
+                raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
+        counted = "contacts" in (self.patch.names or ()) and self.patch["contacts"].kind in "iu"
+        if not counted:
+            raise InputError(f"patch is {self.patch}, expected an integer field `contacts` in it")
+
+    def encode(self, record: FitRecord) -> bytes:
+        """Bytes of a record; `decode` gives the same back.
+
+        Raises
+        ------
+        InputError
+            If its rows are of other fields, or its parts do not go together.
+        """
+        rows = (record.patches, record.contacts, record.forms)
+        kinds = (self.patch, self.contact, self.form)
+        if tuple(part.dtype for part in rows) != kinds:
+            raise InputError(
+                f"rows are {[part.dtype for part in rows]}, expected {list(kinds)}: those that the "
+                "recording began with"
+            )
+        _check(record)
+        head = FIT_HEAD.pack(
+            VERSION,
+            FIT_HEAD.size,
+            record.sizes.patches,
+            record.time_ns,
+            record.number,
+            record.sizes.nodes,
+            record.sizes.rows,
+            len(record.patches),
+            self.patch.itemsize,
+            len(record.contacts),
+            self.contact.itemsize,
+            self.form.itemsize,
+            len(record.nodes),
+        )
+        words = (np.asarray(each, "<u4") for each in (record.places, record.pressed))
+        field = (np.asarray(record.nodes, "<u4"), np.asarray(record.pressure, "<f4"))
+        return b"".join((head, *(each.tobytes() for each in (*words, *rows, *field))))
+
+    def decode(self, data: bytes | memoryview) -> FitRecord:
+        """Record of a message.
+
+        Raises
+        ------
+        InputError
+            If it is of another version or layout, its length is not what its head says, or its
+            parts do not go together.
+        """
+        if len(data) < FIT_HEAD.size:
+            raise InputError(
+                f"a fit's record has {len(data)} bytes, expected {FIT_HEAD.size} or more"
+            )
+        numbers: tuple[int, ...] = FIT_HEAD.unpack_from(data)
+        version, head, whole, time_ns, number, grid, most = numbers[:7]
+        patches, patch_bytes, contacts, contact_bytes, form_bytes, nodes = numbers[7:]
+        if version != VERSION:
+            raise InputError(
+                f"a fit's record is of version {version}, expected {VERSION}: it is damaged, or "
+                "of a newer program"
+            )
+        said = (patch_bytes, contact_bytes, form_bytes)
+        stated = (self.patch.itemsize, self.contact.itemsize, self.form.itemsize)
+        if said != stated:
+            raise InputError(
+                f"rows of a fit's record have {said} bytes, expected {stated} as the recording "
+                "states"
+            )
+        size = head + patches * (8 + patch_bytes) + contacts * (contact_bytes + form_bytes)
+        size += 8 * nodes
+        if head < FIT_HEAD.size or size != len(data):
+            raise InputError(
+                f"a fit's record has {len(data)} bytes, expected {size} as its head says: it is "
+                "damaged"
+            )
+        cut = _Cutter(data, head)
+        places, pressed = cut.next("<u4", patches), cut.next("<u4", patches)
+        rows = cut.next(self.patch, patches)
+        found = cut.next(self.contact, contacts), cut.next(self.form, contacts)
+        record = FitRecord(
+            time_ns, number, FitSizes(whole, grid, most), places, pressed, rows, *found,
+            cut.next("<u4", nodes), cut.next("<f4", nodes),
+        )  # fmt: skip
+        _check(record)
+        return record
+
+    def metadata(self) -> dict[str, str]:
+        """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
+        return {name: fields_text(rows) for name, rows in vars(self).items()}
+
+    @classmethod
+    def from_metadata(cls, metadata: Mapping[str, str]) -> "FitLayout":
+        """Layout that a channel states.
+
+        Raises
+        ------
+        InputError
+            If it states none that can be used.
+        """
+        try:
+            return cls(*(fields_of(metadata[name]) for name in ("patch", "contact", "form")))
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
+            raise InputError(
+                f"the channel {FITS} states {dict(metadata)!r:.200}, expected the fields of patch, "
+                f"contact and form as JSON: {error}"
+            ) from error
+
+
+class _Cutter:
+    """Arrays of a message, one after the other."""
+
+    def __init__(self, data: bytes | memoryview, at: int) -> None:
+        self._data, self._at = data, at
+
+    def next(self, kind: Any, count: int) -> NDArray[Any]:
+        found = np.frombuffer(self._data, kind, count, self._at)
+        self._at += found.nbytes
+        return found
+
+
+def _check(record: FitRecord) -> None:
+    """Raise InputError unless the parts of a record go together."""
+    sizes, places, counts = record.sizes, record.places, record.patches["contacts"]
+    limits = (MOST_PATCHES, MOST_NODES, MOST_ROWS)
+    if any(not 0 < size <= most for size, most in zip(sizes, limits, strict=True)):
+        raise InputError(
+            f"a fit's record is of {sizes.patches} patches with {sizes.nodes} nodes and "
+            f"{sizes.rows} contacts each, expected 1 to {limits}: it is damaged"
+        )
+    rising = (np.diff(places.astype(np.int64)) > 0).all() and (places < sizes.patches).all()
+    if not rising or len(places) != len(record.patches):
+        raise InputError(
+            f"a fit's record tells of the patches {places[:8].tolist()}, expected rising numbers "
+            f"below {sizes.patches}: it is damaged"
+        )
+    there = len(record.contacts), len(record.forms)
+    total = int(counts.sum(dtype=np.int64))
+    if ((counts < 0) | (counts > sizes.rows)).any() or there != (total, total):
+        raise InputError(
+            f"a fit's record has {there} contacts and forms, expected as many as its patches "
+            f"({counts[:8].tolist()}), each with {sizes.rows} at most: it is damaged"
+        )
+    pressed = int(record.pressed.sum(dtype=np.int64))
+    known = (record.nodes < sizes.nodes).all() and len(record.pressed) == len(places)
+    if not known or not len(record.nodes) == len(record.pressure) == pressed:
+        raise InputError(
+            f"a fit's record has pressure on {len(record.nodes)} nodes, expected {pressed} below "
+            f"{sizes.nodes} as its patches say: it is damaged"
+        )

@@ -1,4 +1,4 @@
-"""What a source of readings offers; drivers of one's own need nothing else."""
+"""Sources of readings: what each offers; drivers of one's own need nothing else."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -11,6 +11,8 @@ from skinfield.reading import Recording
 
 AXES = {"x": 0, "y": 1, "z": 2}
 FEWEST = 8  # readings within the reference's time
+VARIES = 0.1  # of its mean: a force that varies less is a constant load, whose correlation is noise
+RELATED = 0.1  # correlation from which on two forces that vary can be one load
 
 
 def column_of(sensor: Recording, axis: str) -> Floats:
@@ -106,7 +108,8 @@ def fit_scale(
     Raises
     ------
     InputError
-        If they hardly overlap in time, or the skin's force is zero throughout.
+        If they hardly overlap in time, if the skin's force is zero throughout, if no positive
+        factor fits, or if a load that varies is not seen by both.
     """
     check_shape("force", force, stamp_ns.shape, "one per stamp")
     check_shape("reference", reference, reference_stamp_ns.shape, "one per stamp")
@@ -133,6 +136,8 @@ def fit_scale(
     ]
     spread = np.std(blocks, ddof=1) / np.sqrt(len(blocks)) if len(blocks) > 1 else np.nan
     varies = np.ptp(skin) > 0 and np.ptp(sensor) > 0
+    correlation = float(np.corrcoef(skin, sensor)[0, 1]) if varies else float("nan")
+    _check_one_load(skin, sensor, factor, correlation)
     return ScaleFit(
         factor=factor,
         factor_std=float(spread),
@@ -141,9 +146,44 @@ def fit_scale(
         held_out_rms=_rms(first * skin[middle:] - sensor[middle:]),
         mean_reference=float(sensor.mean()),
         reference_std=float(sensor.std()),
-        correlation=float(np.corrcoef(skin, sensor)[0, 1]) if varies else float("nan"),
+        correlation=correlation,
         reference=aligned,
     )
+
+
+def _check_one_load(skin: Floats, sensor: Floats, factor: float, correlation: float) -> None:
+    """Refuse forces that cannot be one load on both, (T,) N each."""
+    if not sensor.any():
+        raise InputError(
+            "the sensor's force is 0 throughout, expected some load to fit: is it dead, or another "
+            "axis?"
+        )
+    turn = "the sensor's axis points the other way: turn its sign (axis z instead of -z)"
+    if not factor > 0.0:
+        raise InputError(
+            f"the factor from the skin's force (mean {skin.mean():.4g} N) to the sensor's (mean "
+            f"{sensor.mean():.4g} N) is {factor:.4g}, expected one above 0: {turn}, or choose the "
+            "axis that points into the skin"
+        )
+    moves = {"skin": _varies(skin), "sensor": _varies(sensor)}
+    if not any(moves.values()) or correlation >= RELATED:
+        return
+    if correlation <= -RELATED:
+        cause = turn
+    elif all(moves.values()):
+        cause = "the recordings are not of one experiment or one clock, or the axis is another"
+    else:
+        still = "sensor" if moves["skin"] else "skin"
+        cause = f"the {still} does not follow a load that varies: is it dead, or the axis another?"
+    number = "not defined" if np.isnan(correlation) else f"{correlation:.2f}"
+    raise InputError(
+        f"the correlation of the skin's force with the sensor's is {number}, expected {RELATED:g} "
+        f"or more where a load varies: {cause}"
+    )
+
+
+def _varies(force: Floats) -> bool:
+    return bool(force.std() > VARIES * abs(force.mean()))
 
 
 def _factor(force: Floats, reference: Floats) -> float:

@@ -6,17 +6,14 @@ from typing import TYPE_CHECKING
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from skinfield.experiments.bench.grids import INVERSION, PAPER, PAPER_REST_MS
-from skinfield.experiments.bench.picture import prepared_gain
-from skinfield.figures.bench import written
-from skinfield.figures.style import number
+from skinfield.lab.bench.costs import INVERSION, PAPER, PAPER_REST_MS
+from skinfield.lab.bench.picture import prepared_gain, written
+from skinfield.plot.style import number
 
 if TYPE_CHECKING:
-    from skinfield.experiments.bench.anytime import Point
-    from skinfield.experiments.bench.calls import Call
-    from skinfield.experiments.bench.clock import Spread
-    from skinfield.experiments.bench.grids import GridTime
-    from skinfield.experiments.bench.run import Bench
+    from skinfield.lab.bench.costs import Call, GridTime
+    from skinfield.lab.bench.machine import Spread
+    from skinfield.lab.bench.run import Bench, Point
 
 NONE, TINY = "–", 1e-5
 
@@ -110,7 +107,7 @@ def _call(call: "Call") -> tuple[str, ...]:
         _of(call.late, "p99"),
         _of(call.latency, "p50"),
         NONE if call.gap is None else f"{call.gap['p50']:.0e}",
-        _share(call.told),
+        _share(call.reported),
     )
 
 

@@ -1,110 +1,143 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
-import click
 import numpy as np
+from cyclopts import Parameter
 from numpy.typing import NDArray
 
-from skinfield.cli.inputs import LAYOUT_HELP
-from skinfield.cli.job import Job, prepare
-from skinfield.cli.options import conditioning_options, model_options
-from skinfield.cli.report import console, progress, say_notes
+from skinfield.calibrate import column_of, fit_scale
+from skinfield.cli.main import new_app
+from skinfield.cli.options import (
+    OF_UNIT,
+    OUTPUT,
+    USUAL_SOLVER,
+    CountSettings,
+    Force,
+    Json,
+    conditioning_of,
+    layer_of,
+    part,
+    patch_of,
+    profile_in_use,
+    quantity_of,
+    reconstructor_of,
+    skin_from_text,
+)
+from skinfield.cli.report import check_new, check_output, print_json, progress, say, say_notes
 from skinfield.errors import Floats, InputError, as_floats
+from skinfield.fields import Estimate
+from skinfield.pipeline import Reconstructor
+from skinfield.pipeline.conditioned import Conditioned, condition, without_empty
 from skinfield.reading import Recording
+from skinfield.settings import Elastomer, ModelSettings
 
+CHUNK = 64  # readings per step of the progress bar; bounds the memory of the fields
 
-@click.group(
-    context_settings={"max_content_width": 100},
-    help="""Calibrate a skin against loads that are known.
+calibrate = new_app(
+    "calibrate",
+    """Calibrate a skin against loads that are known.
 
 The gain from counts to capacitance and the elastomer's modulus are rarely known, and every force
 is proportional to them. A force sensor recorded beside the skin gives their product.
 
-\b
-  skinfield calibrate scale skin/right_foot right_foot/analog:o --layout right_foot.txt
-""",
+  skinfield calibrate scale skin/right_foot right_foot/analog:o --skin right_foot.txt""",
 )
-def calibrate() -> None:
-    """Calibrate a skin."""
 
 
-@calibrate.command(
-    short_help="Fit one modulus to a force sensor's recording.",
-    help=f"""Fit one number, the elastomer's modulus, so that the reconstructed normal force follows
-a force/torque sensor that was recorded beside the skin.
-
-RECORDING is the skin's, FORCE that of the sensor: a yarpdatadumper log of fx fy fz mx my mz, or a
-CSV with columns time_s,fx,fy,fz. {LAYOUT_HELP}
-
-All forces of a linear reconstruction scale with the modulus, so the fit is least squares in one
-factor. It is made on the first half of the recording and judged on the second, and on all of it;
-a skin that misses part of the load, or a model that does not hold, shows as an error that no factor
-removes.
-
-\b
-  skinfield calibrate scale skin/right_foot right_foot/analog:o --layout right_foot.txt --plot f.png
-  skinfield calibrate scale skin.csv force.csv --layout hexagon72 --axis z --seconds 2,10
-""",
-)
-@click.argument("recording")
-@click.argument("force")
-@click.option("--layout", "layout", required=True, help="Layout file, or generator by name.")
-@click.option("--patch", help="Which patch, where the layout has several.")
-@click.option("--axis", default="-z", show_default=True, help="Of the sensor, into the skin.")
-@click.option(
-    "--sum",
-    "summed",
-    type=click.Choice(["contacts", "field"]),
-    default="contacts",
-    show_default=True,
-    help="What is summed: the contacts' force, or the whole field's pressure.",
-)
-@click.option("--seconds", metavar="FROM,TO", help="Part of the skin's recording to fit.")
-@click.option("--summary", "summary_path", help="Result: .json.")
-@click.option("--plot", help="Figure of both forces over time: .png, .pdf or .svg.")
-@model_options(grid=20)
-@conditioning_options
+@calibrate.command
 def scale(
     recording: str,
-    force: str,
+    force_file: Annotated[str, Parameter(name="FORCE")],
+    /,
+    *,
     layout: str,
-    patch: str | None,
-    axis: str,
-    summed: str,
-    seconds: str | None,
-    **options: Any,
+    patch: str | None = None,
+    axis: str = "-z",
+    summed: Annotated[Literal["contacts", "field"], Parameter(name="--sum")] = "contacts",
+    seconds: str | None = None,
+    output: Annotated[str | None, OUTPUT] = None,
+    plot: str | None = None,
+    force: Force = False,
+    as_json: Json = False,
+    counts: Annotated[CountSettings, part("Counts")] = CountSettings(),
+    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
 ) -> None:
-    """Fit a modulus."""
-    from skinfield.calibrate import column_of, fit_scale
-    from skinfield.figures import check_name
+    """Fit the elastomer's modulus so that the normal force follows a force sensor.
+
+    RECORDING is the skin's, FORCE that of the sensor: a yarpdatadumper log of fx fy fz mx my mz, or
+    a CSV with columns time_s,fx,fy,fz.
+
+    All forces of a linear reconstruction scale with the modulus, so the fit is least squares in one
+    factor. It is made on the first half of the recording and judged on the second, and on all of
+    it; a skin that misses part of the load, or a model that does not hold, shows as an error that
+    no factor removes.
+
+      skinfield calibrate scale skin/right_foot right_foot/analog:o --skin right_foot.txt
+      skinfield calibrate scale skin.csv force.csv --skin hexagon72 --axis z --seconds 2,10
+
+    Parameters
+    ----------
+    recording : str
+        Of the skin.
+    force_file : str
+        Recording of the force sensor.
+    layout : str
+        Layout file, or a generator by name.
+    patch : str, optional
+        Name or number of the patch of a layout with several.
+    axis : str
+        Of the sensor, into the skin.
+    summed : str
+        What is summed: the contacts' force, or the whole field's pressure.
+    seconds : str, optional
+        FROM,TO: part of the skin's recording to fit, s.
+    output : str, optional
+        File of the result (.json).
+    plot : str, optional
+        Figure of both forces over time: .png, .pdf or .svg.
+    as_json : bool
+        The result as one JSON object.
+    """
+    from skinfield.plot import check_name, draw_timeline, save
+    from skinfield.sinks import write_summary
     from skinfield.sources import open_recording
 
-    if options["plot"]:
-        check_name(options["plot"])
-    sensor = open_recording(force)
+    if plot:
+        check_name(plot)
+    check_output("--output", output, ".json")
+    check_new("--plot", plot, force)
+    check_new("--output", output, force)
+    sensor = open_recording(force_file)
     reference = column_of(sensor, axis)
-    job = prepare(recording, layout, patch, **options)
+    job = prepare(recording, layout, patch, counts, elastomer, model)
     say_notes(job.conditioned.notes)
-    found = _forces(job, summed)
-    part = _part_of(job.conditioned.recording, seconds)
-    stamps, forces = job.conditioned.recording.stamp_ns[part], found[part]
+    sums = _forces(job, summed)
+    within = _part_of(job.conditioned.recording, seconds)
+    stamps, forces = job.conditioned.recording.stamp_ns[within], sums[within]
     fit = fit_scale(stamps, forces, sensor.stamp_ns, reference)
-    modulus = options["modulus_kpa"] * fit.factor
-    out = console()
-    out.print(fit.sentences(modulus), highlight=False, soft_wrap=True)
-    model = {name: options[name] for name in ("grid", "poisson", "thickness_mm", "solver")}
-    held = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in model.items())
-    out.print(f"the modulus holds for {held} only", highlight=False)
-    result = fit.numbers() | {"modulus_kpa": modulus, "recording": recording, "force": force}
-    result |= model
-    if options["summary_path"]:
-        from skinfield.sinks import write_summary
-
-        write_summary(options["summary_path"], result)
-    if options["plot"]:
-        from skinfield.figures import draw_timeline, save
-
+    layer = job.reconstructor.layer
+    modulus = layer.young_modulus * 1e-3 * fit.factor
+    held = {
+        "grid": job.reconstructor.grid.shape[0],
+        "poisson": layer.poisson_ratio,
+        "thickness_mm": layer.thickness * 1e3,
+        "solver": model.solver or USUAL_SOLVER,
+    }
+    result = fit.numbers() | {"modulus_kpa": modulus, "recording": recording, "force": force_file}
+    result |= held
+    if as_json:
+        print_json(result)
+    else:
+        say(fit.sentences(modulus))
+        words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in held.items())
+        say(f"the modulus holds for {words} only")
+    if output:
+        write_summary(output, result)
+    if plot:
         figure = draw_timeline(
             (stamps - stamps[0]) * 1e-9,
             fit.factor * forces,
@@ -113,10 +146,55 @@ def scale(
             reference_label=f"force/torque sensor, {axis}",
             title=f"{job.reconstructor.patch.name}: normal force, {summed} summed",
         )
-        save(figure, options["plot"])
-    for name in ("summary_path", "plot"):
-        if options[name]:
-            out.print(f"wrote {options[name]}", highlight=False, soft_wrap=True)
+        save(figure, plot)
+    for name in (output, plot):
+        if name and not as_json:
+            say(f"wrote {name}")
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A recording and what reconstructs it."""
+
+    reconstructor: Reconstructor
+    conditioned: Conditioned
+
+    def __len__(self) -> int:
+        return len(self.conditioned.values)
+
+    def estimates(self) -> Iterator[tuple[int, Estimate]]:
+        """Batches of estimates, each with the index of its first reading."""
+        stamps = self.conditioned.recording.stamp_ns
+        for first in range(0, len(self), CHUNK):
+            part = slice(first, first + CHUNK)
+            yield first, self.reconstructor(self.conditioned.values[part], stamp_ns=stamps[part])
+
+
+def prepare(
+    path: str,
+    layout: str,
+    patch_name: str | None,
+    counts: CountSettings,
+    elastomer: Elastomer,
+    model: ModelSettings,
+) -> Job:
+    """Open, condition and prepare."""
+    from skinfield.sources import open_recording, readings_for
+
+    patch = patch_of(skin_from_text(layout), patch_name)
+    board = None if counts.board == "auto" else counts.board
+    profile = profile_in_use(elastomer, board, layout)
+    layer, how = layer_of(elastomer, profile), conditioning_of(patch, counts, profile)
+    with progress() as bar:
+        task = bar.add_task("reading", total=None)
+        opened = open_recording(
+            path, progress=lambda done, total: bar.update(task, completed=done, total=total)
+        )
+    readings = readings_for(opened, patch)
+    quantity = quantity_of(model.quantity or OF_UNIT[readings.unit])
+    conditioned = without_empty(condition(readings, patch, layer, quantity, how))
+    reconstructor = reconstructor_of(patch, layer, quantity, conditioned.noise_std, model, profile)
+    return Job(reconstructor, conditioned)
 
 
 def _forces(job: Job, summed: str) -> Floats:

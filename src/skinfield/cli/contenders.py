@@ -3,15 +3,15 @@
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from skinfield.cli.named_solver import solver_from_text
-from skinfield.cli.options import MECHANICS
+from skinfield.cli.options import mechanics_of, solver_from_text
 from skinfield.errors import FileError, InputError
 
 
-def method_from_options(name: str, options: dict[str, Any]) -> Any:
+def entrant_from_options(name: str, options: dict[str, Any]) -> Any:
     """Solver of a name with the mechanics and the grid of the options; the paper's has its own.
 
     Raises
@@ -19,9 +19,9 @@ def method_from_options(name: str, options: dict[str, Any]) -> Any:
     InputError
         For a solver that there is not, or settings that it does not take.
     """
-    from skinfield.experiments.trust.plan import PAPER, Method, methods
+    from skinfield.lab.validation import PAPER, Entrant, known_entrants
 
-    several = len(options["solvers"]) > 1
+    several = len(options["solver"]) > 1
     if several and options["settings"] != "{}":
         raise InputError("--settings is given with several solvers, expected one that takes them")
     if name == PAPER:
@@ -30,13 +30,15 @@ def method_from_options(name: str, options: dict[str, Any]) -> Any:
                 f"--settings is {options['settings']!r}, but the paper's method has none: expected "
                 "them beside another --solver"
             )
-        return next(method for method in methods() if method.name == PAPER)
+        paper = next(entrant for entrant in known_entrants() if entrant.name == PAPER)
+        return replace(paper, gate=options["gate_mm"] * 1e-3)
     mechanics = options["mechanics"]
-    return Method(
-        name,
-        solver_from_text(name, options["settings"]),
-        None if mechanics == "case" else MECHANICS[mechanics](),
-        options["grid"],
+    return Entrant(
+        name=name,
+        solver=solver_from_text(name, options["settings"]),
+        mechanics=None if mechanics == "case" else mechanics_of(mechanics),
+        nodes=options["grid"],
+        gate=options["gate_mm"] * 1e-3,
     )
 
 

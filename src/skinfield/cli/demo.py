@@ -2,83 +2,87 @@
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated
 
-import click
 import numpy as np
 
-from skinfield.cli.inputs import skin_from_text
 from skinfield.cli.options import (
-    QUANTITIES,
-    layer_from_options,
-    model_options,
+    OUTPUT,
+    Force,
+    layer_of,
+    part,
     patch_of,
-    reconstructor_from_options,
+    profile_in_use,
+    quantity_of,
+    reconstructor_of,
+    skin_from_text,
 )
-from skinfield.cli.report import console, table_of_contacts
-from skinfield.errors import Floats, InputError, as_floats, check_positive
+from skinfield.cli.report import check_new, console, free_name, table_of_contacts
+from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
 from skinfield.fields import Estimate
 from skinfield.pipeline import Reconstructor
+from skinfield.settings import Elastomer, ModelSettings
 from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
+PICTURE = "demo.png"
 
 
-@click.command(
-    short_help="Simulate a press on a patch, reconstruct it, draw it.",
-    help="""Simulate rigid balls that press on a patch, reconstruct force, deformation and contacts
-from the noisy readings, and compare with what is known.
-
-The truth comes from a contact solver on a finer grid of its own and, for capacitance, from the
-nonlinear electrostatics of the pads; the reconstruction sees readings only.
-
-\b
-  skinfield demo
-  skinfield demo --press 0,6,2,6 --solver contact
-  skinfield demo --press 0,6,2,6 --solver tikhonov --grid 20 -o demo.pdf
-  skinfield demo --quantity stress --mechanics half-space --solver inverse
-""",
-)
-@click.option("--layout", default="hexagon72", show_default=True, help="Layout file or generator.")
-@click.option(
-    "--press",
-    "presses",
-    multiple=True,
-    metavar="X,Y,F,R",
-    help="A ball: place mm, force N, radius mm; may be given several times.",
-)
-@click.option("--noise", type=float, help="Of a reading, in the quantity's unit.")
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the noise."
-)
-@click.option("-o", "--output", default="demo.png", show_default=True, help="Figure to write.")
-@model_options(grid=40)
 def demo(
-    layout: str,
-    presses: tuple[str, ...],
-    noise: float | None,
-    seed: int,
-    output: str,
-    **options: Any,
+    *,
+    layout: str = "hexagon72",
+    press: tuple[str, ...] = (),
+    noise: float | None = None,
+    seed: int = 0,
+    output: Annotated[str | None, OUTPUT] = None,
+    force: Force = False,
+    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
 ) -> None:
-    """Simulate, reconstruct, compare."""
-    from skinfield.figures import check_name, draw_estimate, save
-    from skinfield.simulate import press
+    """Simulate rigid balls that press on a patch, reconstruct what they do, and compare.
 
-    check_name(output)
+    The truth comes from a contact solver on a finer grid of its own and, for capacitance, from the
+    nonlinear electrostatics of the pads; the reconstruction sees noisy readings only.
+
+      skinfield demo
+      skinfield demo --press 0,6,2,6 --solver contact
+      skinfield demo --press 0,6,2,6 --solver tikhonov --grid 20 -o demo.pdf
+      skinfield demo --quantity stress --mechanics half-space --solver inverse
+
+    Parameters
+    ----------
+    layout : str
+        Layout file, or a generator by name.
+    press : tuple of str
+        A ball, X,Y,F,R: place mm, force N, radius mm; again for more.
+    noise : float, optional
+        Of a reading, in the quantity's unit.
+    seed : int
+        Of the noise.
+    output : str, optional
+        Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
+    """
+    from skinfield.plot import check_name, draw_estimate, save
+    from skinfield.simulate import press as pressed
+
+    picture = free_name(PICTURE) if output is None else output
+    check_name(picture)
+    check_new("--output", picture, force)
     patch = patch_of(skin_from_text(layout), None)
-    layer = layer_from_options(options["thickness_mm"], options["modulus_kpa"], options["poisson"])
-    name = "capacitance" if options["quantity"] == "auto" else options["quantity"]
-    quantity = QUANTITIES[name]()
+    profile = profile_in_use(elastomer, layout=layout)
+    layer = layer_of(elastomer, profile)
+    name = model.quantity or "capacitance"
+    quantity = quantity_of(name)
     spread = quantity.typical_noise if noise is None else noise
     check_positive("--noise", spread, "no reading is exact")
-    balls = [_ball_of(text) for text in presses or DEFAULT_PRESSES]
+    check_count("--seed", seed, 0, 1 << 63, "of the noise")
+    balls = [_ball_of(text) for text in press or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
-    true = press(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
+    true = pressed(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
     clean = true.readings(patch.plane, patch.pad_diameter, name)
     readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
     start = time.perf_counter()
-    reconstructor = reconstructor_from_options(patch, layer, quantity, spread, options)
+    reconstructor = reconstructor_of(patch, layer, quantity, spread, model, profile)
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
     figure = draw_estimate(
@@ -88,9 +92,9 @@ def demo(
         quantity_name=quantity.symbol,
         quantity_unit={"1": "%", "Pa": "kPa"}[quantity.unit],
     )
-    save(figure, output)
+    save(figure, picture)
     _report(reconstructor, estimate, balls, readings, prepared)
-    console().print(f"wrote {output}", highlight=False, soft_wrap=True)
+    console().print(f"wrote {picture}", highlight=False, soft_wrap=True)
 
 
 def _ball_of(text: str) -> Sphere:

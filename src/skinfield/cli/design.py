@@ -1,212 +1,167 @@
 """`skinfield design`: judge a layout before it is made."""
 
-from typing import Any
+from typing import Annotated, Literal
 
-import click
+import numpy as np
 
-from skinfield.cli.design_report import say, tell, tell_thickness
-from skinfield.cli.inputs import LAYOUT_HELP, skin_from_text
-from skinfield.cli.options import MECHANICS, QUANTITIES, patch_of
-from skinfield.cli.outputs import check_output
-from skinfield.cli.report import progress, say_notes
+from skinfield.cli.options import (
+    OUTPUT,
+    Force,
+    Json,
+    layer_of,
+    mechanics_of,
+    part,
+    patch_of,
+    profile_in_use,
+    quantity_of,
+    skin_from_text,
+)
+from skinfield.cli.report import (
+    check_new,
+    check_output,
+    console,
+    free_name,
+    print_json,
+    progress,
+    say,
+    say_notes,
+)
 from skinfield.errors import InputError
-from skinfield.mechanics import Layer
-from skinfield.observation import Quantity
 from skinfield.resolution import (
+    Judgement,
     Places,
     SkinDesign,
     Terms,
+    ThicknessComparison,
     Touch,
     compare_thickness,
     judge,
 )
+from skinfield.settings import Elastomer
+from skinfield.settings.tree import QuantityName
 
-MAPS = 4  # that `judge` tells of
+MAPS = 4  # that `judge` reports
+PICTURE = "design.png"
+COMPARED = (
+    "smallest force found, place unknown",
+    "place deviation, size unknown",
+    "force deviation, size unknown",
+    "two touches told, typical direction",
+)
 
 
-@click.command(
-    short_help="Judge a layout before it is made: blind spots, smallest force, sharpness.",
-    help=f"""Judge a layout before it is made: where it is blind, which force it finds, how well it
-tells place, force and two touches apart. Nothing is pressed and no solver is asked: these are
-limits of the layout, the elastomer and the noise, which no method can beat.
-
-{LAYOUT_HELP}
-
-A touch is a round contact of --radius mm that presses with --force N. --noise is the standard
-deviation of one reading, in the quantity's unit (ΔC/C₀, or Pa for stress); of the mean of n
-readings, give it divided by the root of n. The table has the median of all places, the 90th
-percentile and the worst; the figure has the maps, dark where the skin is bad.
-
-\b
-  skinfield design hexagon72 -o design.png
-  skinfield design hexagon72 --thickness 4 --noise 0.005 --force 1 --radius 2
-  skinfield design right_foot.txt --quantity stress --noise 400 --csv maps.csv
-  skinfield design hexagon72 --quantity stress --compare-thickness 1,2,3,4,6 -o thickness.png
-""",
-)
-@click.argument("text", metavar="LAYOUT")
-@click.option("--patch", help="Name or number of the patch of a layout with several.")
-@click.option(
-    "--thickness",
-    "--thickness-mm",
-    "thickness_mm",
-    default=2.0,
-    show_default=True,
-    help="Of the elastomer, mm.",
-)
-@click.option(
-    "--modulus",
-    "--modulus-mpa",
-    "modulus_mpa",
-    type=float,
-    help="Young's modulus, MPa, instead of --modulus-kpa.",
-)
-@click.option("--modulus-kpa", type=float, help="Young's modulus, kPa.  [default: 150]")
-@click.option("--poisson", default=0.5, show_default=True, help="Poisson's ratio, 0 to 0.5.")
-@click.option(
-    "--quantity",
-    type=click.Choice(list(QUANTITIES)),
-    default="capacitance",
-    show_default=True,
-    help="What a taxel reads.",
-)
-@click.option(
-    "--mechanics",
-    type=click.Choice([n for n in MECHANICS if n != "half-space"]),
-    default="layer",
-    show_default=True,
-    help="Model of the elastomer.",
-)
-@click.option(
-    "--noise",
-    type=float,
-    help="Standard deviation of a reading.  [default: 0.002, for stress 400 Pa]",
-)
-@click.option(
-    "--force", "--force-n", "force_n", default=0.5, show_default=True, help="Of the touch, N."
-)
-@click.option(
-    "--radius",
-    "--radius-mm",
-    "radius_mm",
-    type=float,
-    help="Of the contact, mm.  [default: half the thickness]",
-)
-@click.option(
-    "--false-alarms",
-    default=1e-3,
-    show_default=True,
-    help="Rate at which noise alone may be taken for a touch, per reading.",
-)
-@click.option(
-    "--detection", default=0.9, show_default=True, help="Rate at which the smallest force is found."
-)
-@click.option(
-    "--two-point-errors",
-    default=0.05,
-    show_default=True,
-    help="Rate of taking two touches for one, and one for two.",
-)
-@click.option(
-    "--linear",
-    is_flag=True,
-    help="Take readings as proportional to the force, also of deep touches.",
-)
-@click.option(
-    "--pitch-mm",
-    type=float,
-    help="Distance of the places that are judged.  [default: a tenth of the taxels']",
-)
-@click.option(
-    "--compare-thickness",
-    metavar="MM,MM,...",
-    help="Judge the same touch under several thicknesses, and draw that instead.",
-)
-@click.option(
-    "-o",
-    "--output",
-    default="design.png",
-    show_default=True,
-    help="Figure to write: .png, .pdf or .svg.",
-)
-@click.option("--csv", "csv_file", help="File of the maps, one row per place (.csv).")
-@click.option("--json", "json_file", help="File of the maps and all numbers (.json).")
 def design(
-    text: str,
-    patch: str | None,
-    pitch_mm: float | None,
-    compare_thickness: str | None,
-    output: str,
-    csv_file: str | None,
-    json_file: str | None,
-    **options: Any,
+    layout: str,
+    /,
+    *,
+    patch: str | None = None,
+    quantity: QuantityName = "capacitance",
+    mechanics: Literal["layer", "covered-layer"] | None = None,
+    noise: float | None = None,
+    force_n: float = 0.5,
+    radius_mm: float | None = None,
+    false_alarms: float = 1e-3,
+    detection: float = 0.9,
+    two_point_errors: float = 0.05,
+    linear: bool = False,
+    pitch_mm: float | None = None,
+    compare_thickness_mm: str | None = None,
+    output: Annotated[str | None, OUTPUT] = None,
+    maps: tuple[str, ...] = (),
+    force: Force = False,
+    as_json: Json = False,
+    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
 ) -> None:
-    """Judge, tell, draw, write."""
-    from skinfield.figures import check_name
+    """Judge a layout before it is made: blind spots, smallest force, sharpness.
 
-    check_name(output)
-    files = _files(csv_file, json_file, compare_thickness)
-    skin = skin_from_text(text)
+    Where it is blind, which force it finds, how well it tells place, force and two touches apart.
+    Nothing is pressed and no solver is asked: these are limits of the layout, the elastomer and the
+    noise, which no method can beat.
+
+    LAYOUT is a layout file, or a generator by name such as hexagon72 or cylinder:radius_mm=40
+    ('skinfield layout generators' lists them).
+
+    A touch is a round contact of --radius-mm that presses with --force-n. --noise is the standard
+    deviation of one reading, in the quantity's unit (ΔC/C₀, or Pa for stress); of the mean of n
+    readings, give it divided by the root of n. The table has the median of all places, the 90th
+    percentile and the worst; the figure has the maps, dark where the skin is bad.
+
+      skinfield design hexagon72 -o design.png
+      skinfield design hexagon72 --thickness-mm 4 --noise 0.005 --force-n 1 --radius-mm 2
+      skinfield design right_foot.txt --quantity stress --noise 400 --maps maps.csv
+      skinfield design hexagon72 --quantity stress --compare-thickness-mm 1,2,3,4,6 -o thickness.png
+
+    Parameters
+    ----------
+    layout : str
+        Layout file, or a generator by name.
+    patch : str, optional
+        Name or number of the patch of a layout with several.
+    quantity : str
+        What a taxel reads.
+    mechanics : str, optional
+        Model of the elastomer. Default the profile's.
+    noise : float, optional
+        Standard deviation of a reading. Default 0.002, for stress 400 Pa.
+    force_n : float, N
+        Of the touch, N.
+    radius_mm : float, mm, optional
+        Of the contact, mm. Default half the thickness.
+    false_alarms : float
+        Rate at which noise alone may be taken for a touch, per reading.
+    detection : float
+        Rate at which the smallest force is found.
+    two_point_errors : float
+        Rate of taking two touches for one, and one for two.
+    linear : bool
+        Take readings as proportional to the force, also of deep touches.
+    pitch_mm : float, mm, optional
+        Distance of the places that are judged, mm. Default a tenth of the taxels'.
+    compare_thickness_mm : str, optional
+        MM,MM,...: judge the same touch under several thicknesses, and draw that instead.
+    output : str, optional
+        Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
+    maps : tuple of str
+        File of the maps: .csv, one row per place, or .json with all numbers; again for both.
+    as_json : bool
+        Numbers and verdict as one JSON object.
+    """
+    from skinfield.plot import check_name
+    from skinfield.sinks.judgements import check_judgement_name
+
+    picture = free_name(PICTURE) if output is None else output
+    check_name(picture)
+    check_new("--output", picture, force)
+    for name in maps:
+        if compare_thickness_mm is not None:
+            raise InputError(
+                f"--maps is {name!r} beside --compare-thickness-mm, expected one of them: maps are "
+                "written of one thickness"
+            )
+        check_output("--maps", name, check_judgement_name(name).suffix)
+        check_new("--maps", name, force)
+    skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)
-    layer = _layer(**options)
+    profile = profile_in_use(elastomer, layout=layout)
+    layer = layer_of(elastomer, profile)
     candidate = SkinDesign(
         patch=chosen,
         layer=layer,
-        mechanics=MECHANICS[options["mechanics"]](),
-        quantity=_quantity(options["quantity"]),
-        noise_std=options["noise"],
+        mechanics=mechanics_of(mechanics or profile.mechanics),
+        quantity=quantity_of(quantity),
+        noise_std=noise,
     )
-    candidate = candidate.linear if options["linear"] else candidate
-    radius = layer.thickness / 2 if options["radius_mm"] is None else options["radius_mm"] * 1e-3
-    touch = Touch(options["force_n"], radius)
+    candidate = candidate.linear if linear else candidate
+    touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
     terms = Terms(
-        false_alarm_rate=options["false_alarms"],
-        detection_rate=options["detection"],
-        error_rate=options["two_point_errors"],
+        false_alarm_rate=false_alarms, detection_rate=detection, error_rate=two_point_errors
     )
-    if compare_thickness is not None:
-        _compare(candidate, touch, terms, _thicknesses(compare_thickness), output)
+    if compare_thickness_mm is not None:
+        _compare(candidate, touch, terms, _thicknesses(compare_thickness_mm), picture, as_json)
         return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
-    _judge(candidate, touch, terms, places, output, files)
-
-
-def _files(csv_file: str | None, json_file: str | None, compare: str | None) -> list[str]:
-    """Files of maps to write, checked before any work."""
-    files = []
-    for name, ending in ((csv_file, ".csv"), (json_file, ".json")):
-        if name is None:
-            continue
-        if compare is not None:
-            raise InputError(
-                f"--{ending[1:]} is {name!r} beside --compare-thickness, expected one of them: "
-                "maps are written of one thickness"
-            )
-        check_output(f"--{ending[1:]}", name, ending)
-        files.append(name)
-    return files
-
-
-def _layer(
-    thickness_mm: float,
-    modulus_mpa: float | None,
-    modulus_kpa: float | None,
-    poisson: float,
-    **_others: Any,
-) -> Layer:
-    if modulus_mpa is not None and modulus_kpa is not None:
-        raise InputError(
-            f"--modulus is {modulus_mpa} MPa and --modulus-kpa {modulus_kpa}, expected one of them"
-        )
-    modulus = 150e3 if modulus_kpa is None else modulus_kpa * 1e3
-    return Layer(
-        thickness_mm * 1e-3, modulus if modulus_mpa is None else modulus_mpa * 1e6, poisson
-    )
-
-
-def _quantity(name: str) -> Quantity:
-    return QUANTITIES[name]()
+    _judge(candidate, touch, terms, places, [picture, *maps], as_json)
 
 
 def _thicknesses(text: str) -> list[float]:
@@ -214,7 +169,7 @@ def _thicknesses(text: str) -> list[float]:
         return [float(part) * 1e-3 for part in text.split(",")]
     except ValueError:
         raise InputError(
-            f"--compare-thickness is {text!r}, expected thicknesses in mm such as 1,2,4"
+            f"--compare-thickness-mm is {text!r}, expected thicknesses in mm such as 1,2,4"
         ) from None
 
 
@@ -223,11 +178,12 @@ def _judge(
     touch: Touch,
     terms: Terms,
     places: Places | None,
-    output: str,
     files: list[str],
+    as_json: bool,
 ) -> None:
-    from skinfield.figures import save
-    from skinfield.figures.design import draw_judgement
+    """Judge one layout; the first of `files` is the picture."""
+    from skinfield.plot import save
+    from skinfield.plot.design import draw_judgement
     from skinfield.sinks.judgements import save_judgement
 
     with progress() as bar:
@@ -239,29 +195,117 @@ def _judge(
             terms=terms,
             on_map=lambda name: bar.update(task, description=name, advance=1),
         )
-    tell(judgement)
-    save(draw_judgement(judgement), output)
-    for file in (output, *(str(save_judgement(judgement, name)) for name in files)):
-        say(f"wrote {file}")
+    if as_json:
+        print_json(_plain(judgement))
+    else:
+        _show(judgement)
+    save(draw_judgement(judgement), files[0])
+    for name in files[1:]:
+        save_judgement(judgement, name)
+    if not as_json:
+        for name in files:
+            say(f"wrote {name}")
 
 
 def _compare(
-    candidate: SkinDesign, touch: Touch, terms: Terms, thicknesses: list[float], output: str
+    candidate: SkinDesign,
+    touch: Touch,
+    terms: Terms,
+    thicknesses: list[float],
+    picture: str,
+    as_json: bool,
 ) -> None:
-    from skinfield.figures import save
-    from skinfield.figures.design import draw_thickness
+    """Judge the same touch under several thicknesses."""
+    from skinfield.plot import save
+    from skinfield.plot.design import draw_thickness
 
     with progress() as bar:
         task = bar.add_task("thickness", total=len(thicknesses))
-        told: list[float] = []
+        begun: list[float] = []
 
         def on_thickness(thickness: float) -> None:
-            bar.update(task, description=f"{thickness * 1e3:g} mm", completed=len(told))
-            told.append(thickness)
+            bar.update(task, description=f"{thickness * 1e3:g} mm", completed=len(begun))
+            begun.append(thickness)
 
-        found = compare_thickness(
+        comparison = compare_thickness(
             candidate, touch, thicknesses, terms=terms, on_thickness=on_thickness
         )
-    tell_thickness(found)
-    save(draw_thickness(found), output)
-    say(f"wrote {output}")
+    if as_json:
+        print_json([_plain(each) for each in comparison.judgements])
+    else:
+        _show_thickness(comparison)
+    save(draw_thickness(comparison), picture)
+    if not as_json:
+        say(f"wrote {picture}")
+
+
+def _plain(judgement: Judgement) -> dict[str, object]:
+    """Numbers and verdict of one layout; what is infinite is null."""
+    return {
+        "patch": judgement.design.patch.name,
+        "thickness_mm": judgement.design.layer.thickness * 1e3,
+        "blind_share": judgement.blind.blind_share,
+        "missed_share": judgement.missed_share,
+        "rows": [
+            {
+                "name": row.name,
+                "unit": row.unit,
+                **{
+                    key: value if np.isfinite(value := float(getattr(row, key))) else None
+                    for key in ("median", "p90", "p95", "worst")
+                },
+            }
+            for row in judgement.rows()
+        ],
+        "verdict": judgement.verdict(),
+    }
+
+
+def _show(judgement: Judgement) -> None:
+    """Table, shares and verdict of one layout."""
+    from rich.table import Table
+
+    design, touch = judgement.design, judgement.touch
+    title = (
+        f"{design.patch.name}: {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
+        f"{design.layer.thickness * 1e3:g} mm of {design.layer.young_modulus / 1e3:g} kPa"
+    )
+    table = Table(title=title, title_justify="left")
+    table.add_column("at one place")
+    for column in ("unit", "median", "90 %", "worst"):
+        table.add_column(column, justify="right")
+    for row in judgement.rows():
+        table.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
+    console().print(table)
+    blind, searched = judgement.blind, judgement.detectable.searched
+    independent = searched.independent(judgement.detectable.false_alarm_rate)
+    say(
+        f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
+        f"{blind.threshold:.0%} of the best place); {judgement.missed_share:.1%} misses "
+        f"{touch.force:g} N; noise is searched as at {independent:.0f} independent places"
+    )
+    say(judgement.verdict())
+
+
+def _show_thickness(found: ThicknessComparison) -> None:
+    """Table of medians and 95th percentiles by thickness."""
+    from rich.table import Table
+
+    touch = found.judgements[0].touch
+    title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
+    table = Table(title=title, title_justify="left")
+    for column in ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm",
+                   "blind"):  # fmt: skip
+        table.add_column(column, justify="right")
+    rows = [found.rows(name) for name in COMPARED]
+    for index, judgement in enumerate(found.judgements):
+        cells = [f"{_short(row[index].median)} / {_short(row[index].p95)}" for row in rows]
+        thickness = f"{found.thickness[index] * 1e3:g}"
+        table.add_row(thickness, *cells, f"{judgement.blind.blind_share:.1%}")
+    console().print(table)
+    place, pair = (found.best(name) * 1e3 for name in (COMPARED[1], COMPARED[3]))
+    say(f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)")
+
+
+def _short(value: float) -> str:
+    return f"{value:#.3g}".rstrip(".") if np.isfinite(value) else "never"

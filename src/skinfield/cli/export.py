@@ -2,58 +2,64 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal, Self
 
-import click
 import numpy as np
+from cyclopts import Parameter
 
-from skinfield.cli.report import progress, say_notes
-from skinfield.errors import InputError
+from skinfield.cli.options import OUTPUT, Force
+from skinfield.cli.report import check_new, progress, say_notes
+from skinfield.errors import FileError, InputError
 
 HELD = 4096  # cycles whose rows are written together
 
 
-@click.command(
-    short_help="Turn a recording of a live skin into Parquet, CSV, Zarr, HDF5 or a bag of ROS 2.",
-    help="""Turn FILE, a recording of a live skin, into arrays and tables that others read.
+def export(
+    file: str,
+    /,
+    *,
+    output: Annotated[str, OUTPUT],
+    patch: tuple[str, ...] = (),
+    form: Annotated[Literal["rosbag2", "rosbag2-sqlite"] | None, Parameter(name="--format")] = None,
+    force: Force = False,
+) -> None:
+    """Turn FILE, a recording of a live skin, into arrays and tables that others read.
 
-The raw counts of every patch over time, one row per scan and empty where a taxel did not answer;
-the engine's contacts and, where a contact fit ran beside it, the fit's; each patch's answer in each
-cycle; the cycles' times; and what happened. In the order of the layout's taxels, stamps in ns since
-the epoch, all else in SI units.
+    The raw counts of every patch over time, one row per scan and empty where a taxel did not
+    answer; the engine's contacts and, where a contact fit ran beside it, the fit's; each patch's
+    answer in each cycle; the cycles' times; and what happened. In the order of the layout's taxels,
+    stamps in ns since the epoch, all else in SI units.
 
-\b
-  out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
-                       cycles, events
-  out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
-                       out.patch_cycles.*, out.cycles.* and out.events.json
+      out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
+                           cycles, events
+      out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
+                           out.patch_cycles.*, out.cycles.* and out.events.json
 
-It is read and written piece by piece: a recording may be longer than memory.
+    It is read and written piece by piece: a recording may be longer than memory.
 
---format rosbag2 makes a folder that `ros2 bag` reads, without ROS: counts as PointCloud2, contacts,
-forces and frames as messages, see docs/ros2.md.
+    --format rosbag2 makes a folder that `ros2 bag` reads, without ROS: counts as PointCloud2,
+    contacts, forces and frames as messages, see docs/ros2.md.
 
-\b
-  skinfield export touch.mcap -o touch.h5
-  skinfield export touch.mcap --format rosbag2 -o touch_bag
-  skinfield export touch.mcap -o touch.parquet --patch left_forearm
-""",
-)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("-o", "--output", required=True, help="Ends in .parquet, .csv, .zarr or .h5.")
-@click.option("--patch", "patches", multiple=True, help="Only this one; repeatable. Default all.")
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["rosbag2", "rosbag2-sqlite"]),
-    help="A folder as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.",
-)
-def export(file: Path, output: str, patches: tuple[str, ...], form: str | None) -> None:
-    """Run the command."""
+      skinfield export touch.mcap -o touch.h5
+      skinfield export touch.mcap --format rosbag2 -o touch_bag
+      skinfield export touch.mcap -o touch.parquet --patch left_forearm
+
+    Parameters
+    ----------
+    file : str
+        Recording (.mcap).
+    output : str
+        File to write: .parquet, .csv, .zarr or .h5; for a bag, a DIR.
+    patch : tuple of str
+        Only this patch; again for more. Default all.
+    form : str, optional
+        A DIR as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.
+    """
     from skinfield.sources.recordings.mcap_live import LiveRecording
 
-    recording = LiveRecording.open(file)
-    work = _Work(recording, patches)
+    check_new("--output", output, force)
+    recording = LiveRecording.open(Path(file))
+    work = _Work(recording, patch)
     with _sink_of(output, form, work) as sink, progress() as bar:
         task = bar.add_task("exporting", total=recording.outline.size)
         for at in work.into(sink):
@@ -66,7 +72,7 @@ def export(file: Path, output: str, patches: tuple[str, ...], form: str | None) 
 
 
 def _sink_of(output: str, form: str | None, work: "_Work") -> Any:
-    from skinfield.sinks.live_tables import open_export
+    from skinfield.sinks.live_export import open_export
 
     if form is None:
         return open_export(output, work.what)
@@ -79,9 +85,8 @@ class _Work:
     """From the messages of a recording to the pieces of an export."""
 
     def __init__(self, recording: Any, names: tuple[str, ...]) -> None:
-        from skinfield.cli.export_fit import FitRows
-        from skinfield.sinks.live_tables import Exported
-        from skinfield.sources.recordings.mcap_table import Scan, port_of, ports_of
+        from skinfield.sinks.live_export import Exported
+        from skinfield.sources.recordings.mcap import Scan, port_of, ports_of
 
         ports, skin = ports_of(recording), recording.skin
         for name in names:
@@ -110,8 +115,7 @@ class _Work:
 
     def into(self, sink: Any) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
-        from skinfield.acquisition.recorded import BLOCKS, CYCLES
-        from skinfield.acquisition.recorded_fit import FITS
+        from skinfield.acquisition.recorded import BLOCKS, CYCLES, FITS
 
         recording, fit = self._recording, self._fit
         for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):
@@ -138,7 +142,11 @@ class _Work:
     def views_into(self, bag: Any) -> list[str]:
         """Hand a bag the taxels that were recorded for ROS; what was left out, in words."""
         topics = {bag.taxels_of(place) for place in range(len(self.numbers))}
-        known = {each.topic for each in self._recording.channels.values() if each.encoding == "cdr"}
+        known = {
+            each.topic
+            for each in self._recording.channels.values()
+            if each.message_encoding == "cdr"
+        }
         left = 0
         if not (wanted := known & topics):
             return []
@@ -197,3 +205,58 @@ def _rows_of(cycles: list[Any], table: str, kind: "np.dtype[Any]") -> Any:
     for name in joined.dtype.names or ():
         rows[name] = joined[name]
     return rows
+
+
+class FitRows:
+    """From messages of a fit to rows of a table; made by `FitRows.of`.
+
+    A row is a contact: `wall_ns`, when the fit published it; of its patch's answer the engine's
+    `cycle`, `stamp_ns` of the newest reading in it and `readings`, how many it is the mean of; and
+    all fields of a contact and of its form.
+    """
+
+    def __init__(self, recording: Any, layout: Any) -> None:
+        self._recording, self._layout = recording, layout
+        patch, contact, form = layout.patch.names, layout.contact.names, layout.form.names
+        self._of_patch = [name for name in ("cycle", "stamp_ns", "readings") if name in patch]
+        taken = {"wall_ns", *self._of_patch}
+        self._of_contact = [name for name in contact if name not in taken]
+        taken |= set(self._of_contact)
+        self._of_form = [name for name in form if name not in taken and name != "spare"]
+        self.fields = np.dtype(
+            [("wall_ns", "<i8")]
+            + [(name, layout.patch[name]) for name in self._of_patch]
+            + [(name, layout.contact[name]) for name in self._of_contact]
+            + [(name, layout.form[name]) for name in self._of_form]
+        )
+        self._told: dict[int, bytes] = {}
+
+    @classmethod
+    def of(cls, recording: Any) -> Self | None:
+        """Of a recording; None where it has no channel of fits, or none that can be read."""
+        try:
+            layout = recording.fit_layout
+        except FileError as error:  # the rest is whole
+            recording.note(0, str(error))
+            return None
+        return None if layout is None else cls(recording, layout)
+
+    def rows_of(self, at: int, data: bytes) -> Any:
+        """What a message at byte `at` says that was not said before."""
+        found = self._recording.fit_of(at, data)
+        if found is None:
+            return np.zeros(0, self.fields)
+        told = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
+        fresh = np.array([self._told.get(place) != row for place, row in told.items()], bool)
+        self._told = told
+        counts = found.patches["contacts"]
+        new = np.repeat(fresh, counts)
+        rows = np.zeros(int(new.sum()), self.fields)
+        rows["wall_ns"] = found.time_ns
+        for name in self._of_patch:
+            rows[name] = np.repeat(found.patches[name], counts)[new]
+        for name in self._of_contact:
+            rows[name] = found.contacts[name][new]
+        for name in self._of_form:
+            rows[name] = found.forms[name][new]
+        return rows

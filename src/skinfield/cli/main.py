@@ -1,106 +1,238 @@
-"""The command's entry point: subcommands are loaded when they are called."""
+"""The command's entry point: one app, whose commands are loaded when they are called."""
 
-import importlib
-from dataclasses import dataclass
-from typing import Any
+import inspect
+import re
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import Any, NamedTuple
 
-import click
+from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
+from cyclopts.exceptions import UnknownCommandError
+from cyclopts.help import DefaultFormatter, PanelSpec
+from rich.box import Box
 
+from skinfield.cli.options import flag_of
 from skinfield.errors import SkinfieldError
+from skinfield.settings.text import nearest
+
+RENAMED = {"--layout": "--skin"}
+FAILED = 2  # exit code of an error of the user's input
+PLAIN = Box("    \n" * 8)  # no lines around help
+WIDEST = 100  # columns of help
 
 
-@dataclass(frozen=True)
-class Lazy:
-    """A command that is imported when it is called: `skinfield --help` needs none of them."""
+class Lazy(NamedTuple):
+    """A command that is imported when it is called: `skinfield --help` needs none of them.
 
-    module: str
-    attribute: str
+    `group` is the heading that it stands under; empty where it stands under none.
+    """
+
+    where: str
     help: str
+    group: str = ""
 
 
-COMMANDS = {
-    "demo": Lazy("skinfield.cli.demo", "demo", "Press a simulated patch, reconstruct it, draw it."),
-    "run": Lazy("skinfield.cli.run", "run", "Bring a robot's skin alive."),
-    "view": Lazy(
-        "skinfield.cli.view", "view", "Show a recording, or skins elsewhere, in the browser."
-    ),
-    "status": Lazy("skinfield.cli.status", "status", "What runs, and how well it keeps its time."),
-    "tune": Lazy("skinfield.cli.tune", "tune", "Change how a running skin answers."),
-    "record": Lazy("skinfield.cli.record", "record", "Record a running skin into one MCAP file."),
-    "info": Lazy("skinfield.cli.info", "info", "Say what a recording of a live skin holds."),
-    "export": Lazy(
-        "skinfield.cli.export", "export", "Turn such a recording into Parquet, CSV, Zarr or HDF5."
-    ),
-    "recover": Lazy("skinfield.cli.recover", "recover", "Make a whole recording of a damaged one."),
-    "replay": Lazy("skinfield.cli.replay", "replay", "Answer a recording again, bit for bit."),
-    "reconstruct": Lazy(
-        "skinfield.cli.reconstruct", "reconstruct", "Turn a recording into contacts and fields."
-    ),
-    "calibrate": Lazy("skinfield.cli.calibrate", "calibrate", "Fit the skin to known loads."),
-    "press": Lazy("skinfield.cli.press", "press", "Press bodies of any shape on simulated skin."),
-    "cases": Lazy("skinfield.cli.cases", "cases", "Write simulated cases to judge solvers by."),
-    "validate": Lazy(
-        "skinfield.cli.validate", "validate", "Score a solver on cases whose truth is known."
-    ),
-    "layout": Lazy("skinfield.cli.layout", "layout", "Show, check and convert taxel layouts."),
-    "design": Lazy("skinfield.cli.design", "design", "Judge a layout before it is made."),
-    "emulate": Lazy(
-        "skinfield.cli.emulate", "emulate", "Be a skin: boards that do not exist, on a real bus."
-    ),
-    "rig": Lazy("skinfield.cli.rig", "rig", "Press a simulated skin on a virtual rig."),
-    "bench": Lazy(
-        "skinfield.cli.bench", "bench", "Time the solvers here: cost, and error against time."
-    ),
-    "experiments": Lazy(
-        "skinfield.cli.experiments", "experiments", "Make the paper's figures anew, with a report."
-    ),
+LAB = {
+    "experiments": Lazy("experiments:experiments", "Make the paper's figures anew, with a report."),
+    "cases": Lazy("cases:cases", "Write simulated cases to judge solvers by."),
+    "validate": Lazy("validate:validate", "Score a solver on cases whose truth is known."),
+    "press": Lazy("press:press", "Press bodies of any shape on simulated skin."),
+    "rig": Lazy("rig:rig", "Press a simulated skin on a virtual rig."),
 }
+COMMANDS = {
+    "demo": Lazy("demo:demo", "Press a simulated patch, reconstruct it, draw it.", "Start"),
+    "run": Lazy("run:run", "Bring a robot's skin alive.", "Start"),
+    "view": Lazy("view:view", "Show a recording, or skins elsewhere, in the browser.", "Start"),
+    "record": Lazy("record:record", "Record a running skin into one MCAP file.", "Recordings"),
+    "replay": Lazy("replay:replay", "Show a recording as it was.", "Recordings"),
+    "export": Lazy("export:export", "Turn a recording into Parquet, CSV, Zarr ...", "Recordings"),
+    "info": Lazy("record:info", "What a recording of a live skin holds."),
+    "recover": Lazy("record:recover", "Make a whole recording of a damaged one."),
+    "reconstruct": Lazy(
+        "reconstruct:reconstruct", "Turn a recording into contacts and fields.", "Offline"
+    ),
+    "calibrate": Lazy("calibrate:calibrate", "Fit the skin to known loads.", "Offline"),
+    "layout": Lazy("layout:layout", "Show, check and convert taxel layouts.", "Skin"),
+    "design": Lazy("design:design", "Judge a layout before it is made.", "Skin"),
+    "bench": Lazy("bench:bench", "Time the solvers here: cost, error against time.", "Machine"),
+    "status": Lazy("status:status", "What runs, and how well it keeps its time."),
+    "tune": Lazy("status:tune", "Change how a running skin answers."),
+    "warmup": Lazy("warmup:warmup", "Compile once for this machine what a run needs."),
+    "emulate": Lazy("emulate:emulate", "Be a skin: boards that do not exist, on a real bus."),
+    **LAB,
+}
+LAB_HELP = "Press, score and report: simulated skins, the paper's figures, cases with their truth."
+HELP = """Turn the readings of robot skin into force, deformation and contacts.
+
+Start with
+
+  skinfield demo                  a press without any hardware, as a picture
+  skinfield run                   a virtual skin alive, in the browser
+  skinfield run my_robot.toml     your own
+  skinfield COMMAND --help        what a command takes, with examples
+
+Of a running skin also: status, tune, emulate, warmup; of recordings: info, recover."""
 
 
-class UserError(click.ClickException):
-    """An error of the user's input: one paragraph on stderr, exit code 2, no traceback."""
-
-    exit_code = 2
-
-
-class LazyGroup(click.Group):
-    """Group whose commands are imported when called and whose errors are said in a paragraph."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of all commands."""
-        return list(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import a command."""
-        lazy = COMMANDS.get(cmd_name)
-        if lazy is None:
-            return None
-        command: click.Command = getattr(importlib.import_module(lazy.module), lazy.attribute)
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands without importing them."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, lazy.help) for name, lazy in COMMANDS.items()])
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run a command; an error that skinfield raises on purpose needs no traceback.
-
-        On one BLAS thread: products of a few megabytes lose more by waking others than they gain.
-        """
-        from threadpoolctl import threadpool_limits
-
-        try:
-            with threadpool_limits(limits=1):
-                return super().invoke(ctx)
-        except SkinfieldError as error:
-            raise UserError(str(error)) from error
+def shown_default(value: Any) -> str | None:
+    """Default value in help; nothing where there is none."""
+    return None if value is None or isinstance(value, bool) or value in ((), "") else str(value)
 
 
-@click.group(
-    cls=LazyGroup,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-)
-@click.version_option(package_name="skinfield")
-def main() -> None:
-    """Turn the readings of robot skin into force, deformation and contacts."""
+def reflowed(text: str) -> str:
+    """Help of a docstring: its paragraphs in one line each, what is indented as it is."""
+    text, paragraphs = re.split(r"\nParameters\n-+\n", inspect.cleandoc(text))[0], []
+    for paragraph in text.split("\n\n"):
+        lines = paragraph.splitlines()
+        plain = not any(line.startswith(" ") for line in lines)
+        paragraphs.append(" ".join(lines) if plain else "\n".join(lines))
+    return "\n\n".join(paragraphs).strip("\n")
+
+
+def new_app(name: str, text: str, **more: Any) -> App:
+    """An app, or a command with commands of its own, as all of this program are."""
+    return App(
+        name=name,
+        help=text,
+        help_format="plaintext",
+        help_formatter=DefaultFormatter(panel_spec=PanelSpec(box=PLAIN, padding=(0, 1))),
+        help_flags=("--help", "-h"),
+        name_transform=flag_of,
+        default_parameter=Parameter(
+            negative_iterable=(),
+            negative_none=(),
+            show_default=shown_default,
+            name_transform=flag_of,
+        ),
+        **more,
+    )
+
+
+def reflow_help(app: App) -> None:
+    """Let help of a command, and of its own commands, have lines as wide as the terminal."""
+    app.help = reflowed(app.help)
+    for each in app.subapps:
+        if not set(each.name) & {"--help", "--version"}:
+            reflow_help(each)
+
+
+def add_commands(app: App, commands: dict[str, Lazy], called: str) -> None:
+    """Add commands to an app: with its own whole help the one that is called."""
+    groups = {
+        name: Group(name or "Commands", sort_key=place)
+        for place, name in enumerate(dict.fromkeys(lazy.group for lazy in commands.values()))
+    }
+    for place, (name, lazy) in enumerate(commands.items()):
+        app.command(
+            f"skinfield.cli.{lazy.where}",
+            name=name,
+            group=groups[lazy.group] if lazy.group else None,
+            show=bool(lazy.group) or commands is LAB,
+            sort_key=place,
+            help=None if name == called else lazy.help,
+        )
+
+
+def app_for(words: Sequence[str]) -> App:
+    """The program, as it is called."""
+    called = [word for word in words if not word.startswith("-")] + ["", ""]
+    app = new_app("skinfield", HELP, version=lambda: version("skinfield"), config=settings_of_file)
+    add_commands(app, COMMANDS, called[0])
+    lab = new_app("lab", LAB_HELP, group=Group("Research", sort_key=98))
+    add_commands(lab, LAB, called[1])
+    app.command(lab)
+    if called[0] in COMMANDS:
+        reflow_help(app[called[0]])
+    elif called[0] == "lab" and called[1] in LAB:
+        reflow_help(lab[called[1]])
+    app["--help"].group = app["--version"].group = Group("Options", sort_key=99)
+    app.register_install_completion_command(name="--install-completion", show=False)
+    return app
+
+
+def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCollection) -> None:
+    """Take from FILE of `run FILE` what no flag says."""
+    if commands != ("run",):
+        return
+    from skinfield.settings import changed, load_settings
+
+    file = next(each for each in arguments if each.field_info.name == "file")
+    for path in (token.value for token in file.tokens):
+        said = changed(load_settings(path))
+        values = {name: value for part in said.values() for name, value in part.items()}
+        for each in arguments:
+            name = each.field_info.name
+            if name in values and each.keys and not each.tokens:
+                value = values[name]
+                for one in value if isinstance(value, list) else (value,):
+                    each.append(Token(source=path, implicit_value=one))
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    """Run the command of these words, by default those of the command line.
+
+    It runs on one BLAS thread: products of a few megabytes lose more by waking others than they
+    gain.
+
+    Raises
+    ------
+    SystemExit
+        In the end, with the exit code: 2 after an error of the user's input, which is one paragraph
+        on stderr.
+    """
+    from threadpoolctl import threadpool_limits
+
+    given = [_renamed(word) for word in (sys.argv[1:] if words is None else words)]
+    app = app_for(given)
+    try:
+        with threadpool_limits(limits=1):
+            code = app(
+                given,
+                exit_on_error=False,
+                print_error=False,
+                result_action="return_value",
+                console=_console(),
+            )
+    except CycloptsError as error:
+        _fail(_said_of(error))
+    except SkinfieldError as error:
+        _fail(_with_flag(error))
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _console() -> Any:
+    """Where help goes: not wider than can be read."""
+    from rich.console import Console
+
+    console = Console()
+    console.width = min(console.width, WIDEST) if console.is_terminal else WIDEST
+    return console
+
+
+def _renamed(word: str) -> str:
+    name, equals, value = word.partition("=")
+    return RENAMED.get(name, name) + equals + value
+
+
+def _said_of(error: CycloptsError) -> str:
+    """What is wrong with a command line, and where its help is."""
+    chain = error.command_chain or ()
+    called = " ".join(["skinfield", *chain])
+    if isinstance(error, UnknownCommandError) and error.unused_tokens:
+        word, known = error.unused_tokens[0], [name for name in error.app or () if name[0] != "-"]
+        text = f"{word!r} is no command of {called}{nearest(word, known)}"
+    else:
+        text = str(error)
+    return f"{text}\nTry '{called} --help'."
+
+
+def _with_flag(error: SkinfieldError) -> str:
+    """What is wrong, with the flag in place of the field's name."""
+    name = getattr(error, "name", None)
+    return f"--{flag_of(name)} {error.text}" if name and hasattr(error, "text") else str(error)
+
+
+def _fail(text: str) -> None:
+    print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words
+    sys.exit(FAILED)

@@ -1,129 +1,131 @@
 """`skinfield press`: rigid bodies on the skin, and what the skin feels of them."""
 
-from typing import Any
+import shlex
+from typing import Annotated, Any
 
-import click
 import numpy as np
 
-from skinfield.cli.indenters import indenter_from_text
-from skinfield.cli.inputs import skin_from_text
 from skinfield.cli.options import (
-    MECHANICS,
-    QUANTITIES,
-    layer_from_options,
-    layer_options,
+    OUTPUT,
+    Force,
+    layer_of,
+    mechanics_of,
+    part,
     patch_of,
+    profile_in_use,
+    skin_from_text,
 )
-from skinfield.cli.report import console
-from skinfield.errors import Floats
+from skinfield.cli.report import check_new, console, free_name, say
+from skinfield.config.indenters import FACTORS, SHAPES, indenter_from_mapping
+from skinfield.errors import Floats, InputError
 from skinfield.layout import Patch
+from skinfield.settings import Elastomer
+from skinfield.settings.tree import MechanicsName, QuantityName
 from skinfield.simulate import Indenter, Press
-from skinfield.simulate.pressing.parts import Part, parts_of
+from skinfield.simulate.pressing.press import Part, parts_of
 
 DEFAULT = "sphere radius=6 force=1"
+PICTURE = "press.png"
+PLACELESS = "hexagon72"  # stands for a virtual skin where no taxels are
 ROOM = 20.0  # mm around the reference points of the indenters
+WORDS = {"yes": True, "true": True, "no": False, "false": False}
 LABELS = {"capacitance": ("ΔC/C₀ (%)", 100.0), "gap": ("indentation (% of the layer)", 100.0),
           "stress": ("base stress (kPa)", 1e-3)}  # fmt: skip
 
 
-@click.command(
-    short_help="Press rigid bodies on the skin: pressure, depth, readings.",
-    help="""Press rigid bodies on the skin and say how deep they sink, where they touch, and what
-taxels below them read, all without noise.
-
-Each --indenter is a shape and key=value words in mm, N and degrees. Load it with force=1 or
-depth=0.3; lean it with tilt_x=, tilt_y= about its own axes, turn it with rotation=, push it
-sideways with shear_x=, shear_y=.
-
-\b
-  sphere    radius
-  cylinder  radius [edge_radius]
-  cone      radius half_angle [edge_radius]            angle from the axis
-  bar       length width [edge_radius]                 flat face, length along x
-  rod       radius length [edge_radius]                lies along x
-  wedge     length width half_angle [edge_radius]      straight edge along x
-  ring      inner_radius outer_radius [edge_radius]
-  mesh      file [unit_mm] [down=0,0,-1]               STL, OBJ, PLY
-  heightmap file pixel [relief] [invert]               PNG (white touches first), NPY, NPZ, CSV
-
-\b
-  skinfield press
-  skinfield press --indenter "cylinder radius=5 edge_radius=0.5 tilt_y=3 depth=0.3"
-  skinfield press --indenter "sphere radius=6 x=-8" --indenter "ring inner_radius=3
-      outer_radius=5 x=8 force=2" --layout hexagon72 -o press.npz
-  skinfield press --indenter "mesh file=part.stl force=2" --plot part.png
-  skinfield press --indenter "heightmap file=logo.png pixel=0.1 relief=1 force=5"
-""",
-)
-@click.option(
-    "--indenter",
-    "indenters",
-    multiple=True,
-    metavar="WORDS",
-    help=f"A body that presses; may be given several times.  [default: {DEFAULT}]",
-)
-@click.option("--layout", help="Layout file or generator whose taxels read the press.")
-@click.option("--patch", help="Name or number of the patch of a layout with several.")
-@click.option(
-    "--quantity",
-    type=click.Choice(list(QUANTITIES)),
-    default="capacitance",
-    show_default=True,
-    help="What a taxel reads.",
-)
-@click.option(
-    "--mechanics",
-    type=click.Choice(list(MECHANICS)),
-    default="layer",
-    show_default=True,
-    help="Model of the elastomer.",
-)
-@click.option("--extent-mm", type=float, help="Side of the square of skin around the origin.")
-@click.option("--cell-mm", default=0.4, show_default=True, help="Side of a cell of the results.")
-@click.option("--plot", default="press.png", show_default=True, help="Picture to write.")
-@click.option("-o", "--output", help="File of fields, readings and resultants to write (.npz).")
-@layer_options
 def press(
-    indenters: tuple[str, ...],
-    layout: str | None,
-    patch: str | None,
-    quantity: str,
-    mechanics: str,
-    extent_mm: float | None,
-    cell_mm: float,
-    plot: str,
-    output: str | None,
-    **options: Any,
+    *,
+    indenter: tuple[str, ...] = (),
+    layout: str | None = None,
+    patch: str | None = None,
+    quantity: QuantityName = "capacitance",
+    mechanics: MechanicsName | None = None,
+    extent_mm: float | None = None,
+    cell_mm: float = 0.4,
+    plot: str | None = None,
+    output: Annotated[str | None, OUTPUT] = None,
+    force: Force = False,
+    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
 ) -> None:
-    """Press, tell, draw, write."""
-    from skinfield.figures import check_name, save
-    from skinfield.figures.press import draw_press
+    """Press rigid bodies on the skin: pressure, depth, readings.
+
+    It says how deep they sink, where they touch, and what taxels below them read, all without
+    noise.
+
+    Each --indenter is a shape and key=value words in mm, N and degrees. Load it with force=1 or
+    depth=0.3; lean it with tilt_x=, tilt_y= about its own axes, turn it with rotation=, push it
+    sideways with shear_x=, shear_y=.
+
+      sphere    radius
+      cylinder  radius [edge_radius]
+      cone      radius half_angle [edge_radius]            angle from the axis
+      bar       length width [edge_radius]                 flat face, length along x
+      rod       radius length [edge_radius]                lies along x
+      wedge     length width half_angle [edge_radius]      straight edge along x
+      ring      inner_radius outer_radius [edge_radius]
+      mesh      file [unit_mm] [down=0,0,-1]               STL, OBJ, PLY
+      heightmap file pixel [relief] [invert]               PNG (white touches first), NPY, NPZ, CSV
+
+      skinfield press
+      skinfield press --indenter "cylinder radius=5 edge_radius=0.5 tilt_y=3 depth=0.3"
+      skinfield press --indenter "sphere radius=6 x=-8" --indenter "ring inner_radius=3
+          outer_radius=5 x=8 force=2" --skin hexagon72 -o press.npz
+      skinfield press --indenter "mesh file=part.stl force=2" --plot part.png
+      skinfield press --indenter "heightmap file=logo.png pixel=0.1 relief=1 force=5"
+
+    Parameters
+    ----------
+    indenter : tuple of str
+        A body that presses, see above; again for more. Default "sphere radius=6 force=1".
+    layout : str, optional
+        Layout file, or a generator by name, whose taxels read the press.
+    patch : str, optional
+        Name or number of the patch of a layout with several.
+    quantity : str
+        What a taxel reads.
+    mechanics : str, optional
+        Model of the elastomer. Default the profile's.
+    extent_mm : float, mm, optional
+        Side of the square of skin around the origin, mm.
+    cell_mm : float, mm
+        Side of a cell of the results, mm.
+    plot : str, optional
+        Picture to write: .png, .pdf or .svg. Default press.png, or a name that is free.
+    output : str, optional
+        File of fields, readings and resultants to write (.npz).
+    """
+    from skinfield.plot import check_name, save
+    from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
     from skinfield.sinks.presses import check_press_name, save_press
 
-    check_name(plot)
+    picture = free_name(PICTURE) if plot is None else plot
+    check_name(picture)
+    check_new("--plot", picture, force)
+    check_new("--output", output, force)
     if output is not None:
         check_press_name(output)
-    bodies = [indenter_from_text(text) for text in indenters or (DEFAULT,)]
+    profile = profile_in_use(elastomer, layout=layout or PLACELESS)
+    bodies = [indenter_from_text(text) for text in indenter or (DEFAULT,)]
     taxels = None if layout is None else patch_of(skin_from_text(layout), patch)
-    found = pressed(
-        layer_from_options(**options),
+    result = pressed(
+        layer_of(elastomer, profile),
         bodies,
         extent=_extent(bodies) if extent_mm is None else extent_mm * 1e-3,
         cell=cell_mm * 1e-3,
-        mechanics=MECHANICS[mechanics](),
+        mechanics=mechanics_of(mechanics or profile.mechanics),
     )
-    _tell(found)
+    _show_bodies(result)
     label, factor = LABELS[quantity]
     readings = None
     if taxels is not None:
-        readings = found.readings(taxels.plane, taxels.pad_diameter, quantity) * factor
-        _tell_readings(taxels, readings, label)
-    save(draw_press(found, taxels, readings, label=label), plot)
-    _say(f"wrote {plot}")
+        readings = result.readings(taxels.plane, taxels.pad_diameter, quantity) * factor
+        _show_readings(taxels, readings, label)
+    save(draw_press(result, taxels, readings, label=label), picture)
+    say(f"wrote {picture}")
     if output is not None:
-        save_press(found, output, taxels)
-        _say(f"wrote {output}")
+        save_press(result, output, taxels)
+        say(f"wrote {output}")
 
 
 def _extent(bodies: list[Indenter]) -> float:
@@ -132,7 +134,7 @@ def _extent(bodies: list[Indenter]) -> float:
     return 2 * (far + ROOM * 1e-3)
 
 
-def _tell(found: Press) -> None:
+def _show_bodies(found: Press) -> None:
     from rich.table import Table
 
     table = Table(title="Indenters", title_justify="left")
@@ -140,26 +142,26 @@ def _tell(found: Press) -> None:
         table.add_column(column)
     for column in ("force N", "depth mm", "x mm", "y mm", "area mm²", "peak kPa"):
         table.add_column(column, justify="right")
-    for index, part in enumerate(parts_of(found), start=1):
-        table.add_row(str(index), *_row(part))
+    for index, body in enumerate(parts_of(found), start=1):
+        table.add_row(str(index), *_row(body))
     console().print(table)
     moment = ", ".join(_fixed(part * 1e3, 2) for part in found.moment)
-    _say(
+    say(
         f"in all {found.force:.3f} N, moment {moment} N mm about the origin; "
         f"{found.contact_area * 1e6:.1f} mm² touch; residual {found.residual:.1e}"
     )
 
 
-def _row(part: Part) -> list[str]:
+def _row(body: Part) -> list[str]:
     """Cells of the table for one indenter."""
-    load = (part.force, part.depth * 1e3, *(part.centre * 1e3))
-    return [part.indenter.kind, *(_fixed(value, 3) for value in load),
-            f"{part.area * 1e6:.1f}", f"{part.peak / 1e3:.1f}"]  # fmt: skip
+    load = (body.force, body.depth * 1e3, *(body.centre * 1e3))
+    return [body.indenter.kind, *(_fixed(value, 3) for value in load),
+            f"{body.area * 1e6:.1f}", f"{body.peak / 1e3:.1f}"]  # fmt: skip
 
 
-def _tell_readings(patch: Patch, readings: Floats, label: str) -> None:
+def _show_readings(patch: Patch, readings: Floats, label: str) -> None:
     high, low = int(readings.argmax()), int(readings.argmin())
-    _say(
+    say(
         f"{label} of {len(patch)} taxels: from {_fixed(readings[low], 2)} at taxel "
         f"{low} to {_fixed(readings[high], 2)} at taxel {high}"
     )
@@ -170,5 +172,64 @@ def _fixed(value: float, decimals: int) -> str:
     return f"{round(float(value), decimals) + 0.0:.{decimals}f}"
 
 
-def _say(words: str) -> None:
-    console().print(words, highlight=False, markup=False, soft_wrap=True)
+def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
+    """Indenter from its shape and `key=value` words, in mm, N and degrees.
+
+    Keys are those of `skinfield.config.indenters`; their units may be left out, so that `radius`
+    stands for `radius_mm`.
+
+    Raises
+    ------
+    InputError
+        For words that mean nothing, with those that would.
+    FileError
+        If the file of a mesh or height map cannot be used.
+    """
+    return indenter_from_mapping(mapping_from_text(text, where), where)
+
+
+def mapping_from_text(text: str, where: str = "--indenter") -> dict[str, Any]:
+    """Settings that the words stand for."""
+    example = SHAPES["sphere"].example
+    try:
+        words = shlex.split(text)
+    except ValueError as error:
+        raise InputError(f"{where} is {text!r}: {error}; expected '{example}'") from error
+    if not words or "=" in words[0]:
+        raise InputError(
+            f"{where} is {text!r}, expected a shape first, one of {', '.join(SHAPES)}: "
+            f"for example '{example}'"
+        )
+    mapping: dict[str, Any] = {"shape": words[0]}
+    shape = SHAPES.get(words[0])
+    for word in words[1:]:
+        key, equals, value = word.partition("=")
+        if not equals or not value:
+            raise InputError(
+                f"{where} holds {word!r}, expected key=value: "
+                f"for example '{shape.example if shape else example}'"
+            )
+        key = _full_key(key, shape.keys if shape else ())
+        if key in mapping:
+            raise InputError(f"{where} gives {key} twice, expected it once")
+        mapping[key] = _value(key, value, where)
+    return mapping
+
+
+def _full_key(key: str, known: tuple[str, ...]) -> str:
+    """The key with its unit, where it was left out."""
+    return next((key + end for end in FACTORS if key + end in known), key)
+
+
+def _value(key: str, text: str, where: str) -> Any:
+    if key == "file":
+        return text
+    if key == "invert":
+        if text.lower() not in WORDS:
+            raise InputError(f"{where}: invert is {text!r}, expected yes or no")
+        return WORDS[text.lower()]
+    try:
+        return [float(part) for part in text.split(",")] if key == "down" else float(text)
+    except ValueError as error:
+        expected = "three numbers such as 0,0,-1" if key == "down" else "a number"
+        raise InputError(f"{where}: {key} is {text!r}, expected {expected}") from error

@@ -1,71 +1,98 @@
-"""`skinfield record`: a running skin into a file."""
+"""`skinfield record`, `recover` and `info`: a running skin into a file, and what the file holds."""
 
 import signal
 import threading
 import time
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-import click
 from rich.console import Console
+from rich.table import Table
 
-from skinfield.errors import InputError
+from skinfield.cli.options import OUTPUT, Force, Json
+from skinfield.cli.report import check_new, console, plural, print_json, progress, say
+from skinfield.errors import InputError, check_positive
 
-COMPRESSIONS = ("zstd", "lz4", "none")
+MOST_EVENTS = 12
 
 
-@click.command(
-    short_help="Record a running skin into one MCAP file.",
-    help="""Record the running skin NAME: every reading, every cycle, its timing and what happened.
+def record(
+    name: str = "skin",
+    /,
+    *,
+    output: Annotated[str, OUTPUT],
+    duration: float | None = None,
+    compression: Literal["zstd", "lz4", "none"] = "zstd",
+    ros: bool = False,
+    foxglove: bool = False,
+    view_rate_hz: float = 20.0,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Record the running skin NAME: every reading, every cycle, its timing and what happened.
 
-The skin runs in another terminal ('skinfield run') and never waits for the recorder. The file
-holds all that is needed to look at it elsewhere: layout, calibration and configuration are
-enclosed. What was recorded is out of this process within 0.2 s and on the disk within 2 s. If
-the disk does not keep up, what is dropped is counted, here and in the file.
+    The skin runs in another terminal ('skinfield run') and never waits for the recorder. The file
+    holds all that is needed to look at it elsewhere: layout, calibration and configuration are
+    enclosed. What was recorded is out of this process within 0.2 s and on the disk within 2 s. If
+    the disk does not keep up, what is dropped is counted, here and in the file.
 
-Ctrl-C finishes the file. After a crash, 'skinfield recover' makes a whole file of what is left.
+    Ctrl-C finishes the file. After a crash, 'skinfield recover' makes a whole file of what is left;
+    'skinfield info' says what a file holds.
 
-\b
-  skinfield run                                    # in one terminal
-  skinfield record -o touch.mcap --duration 60     # in another
-  skinfield info touch.mcap
-  skinfield replay touch.mcap
-  skinfield export touch.mcap -o touch.h5
-""",
-)
-@click.argument("name", default="skin")
-@click.option(
-    "-o", "--output", required=True, type=click.Path(path_type=Path), help="File, ends in .mcap."
-)
-@click.option("--duration", type=float, help="Seconds; default until Ctrl-C, or the skin stops.")
-@click.option(
-    "--compression",
-    type=click.Choice(COMPRESSIONS),
-    default="zstd",
-    show_default=True,
-    help="Of the file's chunks; noisy 16-bit counts hardly shrink.",
-)
-@click.option("--overwrite", is_flag=True, help="Replace a file of that name.")
-@click.option("--ros", is_flag=True, help="Also channels that ROS 2 reads: taxels, forces.")
-@click.option("--foxglove", is_flag=True, help="Also channels that Foxglove draws.")
-@click.option(
-    "--view-rate", default=20.0, show_default=True, help="Of these channels, messages a second."
-)
-def record(name: str, output: Path, duration: float | None, **options: Any) -> None:
-    """Run the command."""
-    from skinfield.live.recorder import Recorder
-    from skinfield.live.recorder_state import RecorderState, forget_state
+      skinfield run                                    # in one terminal
+      skinfield record -o touch.mcap --duration 60     # in another
+      skinfield info touch.mcap
+      skinfield replay touch.mcap
+      skinfield export touch.mcap -o touch.h5
 
-    settings = _settings(name, output, options)
-    if duration is not None and not 0 < duration < 1e9:
-        raise InputError(f"--duration is {duration!r}, expected seconds above 0")
+    Parameters
+    ----------
+    name : str
+        Of the running skin.
+    output : str
+        File to write (.mcap).
+    duration : float, s, optional
+        Seconds; default until Ctrl-C, or the skin stops.
+    compression : str
+        Of the file's chunks; noisy 16-bit counts hardly shrink.
+    ros : bool
+        Also channels that ROS 2 reads: taxels, forces.
+    foxglove : bool
+        Also channels that Foxglove draws.
+    view_rate_hz : float, 1/s
+        Of pressure fields and of these channels, messages a second.
+    as_json : bool
+        One JSON object at the end.
+    """
+    from skinfield.live.recorder import Recorder, RecorderSettings, RecorderState, forget_state
+    from skinfield.sinks.mcap import FoxgloveViews, RecordingSettings, RosViews
+
+    if ros and foxglove:
+        raise InputError(
+            "--ros and --foxglove are both given, expected one: readers of ROS 2 bags refuse files "
+            "with Foxglove's channels, and Foxglove shows those of ROS too"
+        )
+    if not output.lower().endswith(".mcap"):
+        raise InputError(f"--output is {output!r}, expected a name that ends in .mcap")
+    check_new("--output", output, force)
+    if duration is not None:
+        check_positive("--duration", duration, "seconds")
+    settings = RecorderSettings(
+        name=name,
+        path=Path(output),
+        since_ns=time.time_ns(),
+        views=(*([RosViews] if ros else []), *([FoxgloveViews] if foxglove else [])),
+        view_rate=view_rate_hz,
+        file=RecordingSettings(compression, overwrite=force),
+    )
     shown = Console(stderr=True)
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     before: list[RecorderState] = []
 
-    def told(state: RecorderState) -> None:
+    def on_state(state: RecorderState) -> None:
         if shown.is_terminal:
             shown.print(_line(state, before[-1] if before else None), end="\r", highlight=False)
         before[:] = [state]
@@ -74,47 +101,22 @@ def record(name: str, output: Path, duration: float | None, **options: Any) -> N
         settings, lambda text: shown.print(f"{text:<100}", style="yellow"), first=True
     )
     try:
-        state = recorder.run(stop, duration, told)
+        state = recorder.run(stop, duration, on_state)
     finally:
         forget_state(name)
-    _finish(state, shown)
-
-
-def _settings(name: str, output: Path, options: dict[str, Any]) -> Any:
-    from skinfield.live.recorder_settings import RecorderSettings
-    from skinfield.sinks.mcap import (
-        FoxgloveViews,
-        Lz4,
-        NoCompression,
-        RecordingSettings,
-        RosViews,
-        Zstd,
-    )
-
-    if options["ros"] and options["foxglove"]:
-        raise InputError(
-            "--ros and --foxglove are both given, expected one: readers of ROS 2 bags refuse files "
-            "with Foxglove's channels, and Foxglove shows those of ROS too"
+    if as_json:
+        print_json(
+            {
+                "file": str(state.path),
+                "seconds": state.seconds,
+                "cycles": state.cycles,
+                "bytes": state.bytes_written,
+                "lost_bytes": state.lost,
+                "lost_cycles": state.overrun_cycles + state.dropped_cycles,
+                "finished": state.finished,
+            }
         )
-    if output.suffix.lower() != ".mcap":
-        raise InputError(f"--output is {str(output)!r}, expected a name that ends in .mcap")
-    classes: tuple[type[Zstd | Lz4 | NoCompression], ...] = (Zstd, Lz4, NoCompression)
-    kinds = dict(zip(COMPRESSIONS, classes, strict=True))
-    return RecorderSettings(
-        name=name,
-        path=output,
-        since_ns=time.time_ns(),
-        views=tuple(
-            kind
-            for kind, wanted in (
-                (RosViews, options["ros"]),
-                (FoxgloveViews, options["foxglove"]),
-            )
-            if wanted
-        ),
-        view_rate=options["view_rate"],
-        file=RecordingSettings(kinds[options["compression"]](), overwrite=options["overwrite"]),
-    )
+    _finish(state, shown)
 
 
 def _line(state: Any, before: Any) -> str:
@@ -148,3 +150,171 @@ def _finish(state: Any, shown: Console) -> None:
             f"{state.path} has no end, as it could not be written ({state.failure}); make room, "
             f"then: skinfield recover {state.path} -o GOOD.mcap"
         )
+
+
+def recover(
+    bad: str,
+    /,
+    *,
+    output: Annotated[str, OUTPUT],
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Write what can be read of BAD into a new, whole file; BAD stays as it is.
+
+    A recorder that was killed, a battery that ran out, or a full disk leave a file without its end:
+    most programs refuse it. Everything up to the last flush, 0.2 s before, is in it. What is whole
+    is written; what is damaged is left out and named by its byte in the file.
+
+      skinfield recover crashed.mcap -o good.mcap
+
+    Parameters
+    ----------
+    bad : str
+        Damaged recording.
+    output : str
+        File to write (.mcap).
+    as_json : bool
+        What was saved and what was not, as one JSON object.
+    """
+    from skinfield.live.recover import recover as save
+
+    check_new("--output", output, force)
+    with progress() as bar:
+        task = bar.add_task("recovering", total=None)
+        found = save(
+            Path(bad),
+            Path(output),
+            overwrite=force,
+            progress=lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    if as_json:
+        print_json(
+            {
+                "file": output,
+                "was_whole": found.was_whole,
+                "messages": dict(found.messages),
+                "dropped_bytes": found.dropped_bytes,
+                "damage": [{"byte": each.byte, "why": each.why} for each in found.damage],
+            }
+        )
+        return
+    if found.was_whole:
+        say(f"{bad} is whole: nothing was wrong with it; {output} is a copy")
+    counts = ", ".join(f"{count} on {topic}" for topic, count in sorted(found.messages.items()))
+    seconds = (found.last_ns - found.first_ns) * 1e-9
+    say(
+        f"saved {plural(found.messages.total(), 'message')} of {seconds:.3f} s"
+        + (f": {counts}" if counts else "")
+    )
+    if not found.was_whole and not found.dropped_bytes and not found.damage:
+        say(f"{bad} had no end; nothing had to be left out")
+    if found.dropped_bytes:
+        what = ", the beginning of a chunk that was never finished" if found.chunk_was_cut else ""
+        say(f"dropped {found.dropped_bytes} of {found.size} bytes at the end{what}")
+    for damage in found.damage:
+        say(f"byte {damage.byte}: {damage.why}")
+
+
+def info(file: str, /, *, as_json: Json = False) -> None:
+    """Say what FILE holds, a recording that 'skinfield record' or 'run --record' made.
+
+    Which skin, how long, how many readings and cycles, how late, what was lost and why, how many
+    contacts, what happened, and how large its parts are. A file that was not finished is read as
+    far as it goes.
+
+      skinfield info touch.mcap
+      skinfield info touch.mcap --json | jq .lost
+
+    Parameters
+    ----------
+    file : str
+        Recording (.mcap).
+    as_json : bool
+        All of it as one JSON object.
+    """
+    from skinfield.sources.recordings.mcap_live import LiveRecording
+    from skinfield.sources.recordings.mcap_summary import summary_of
+
+    with progress() as bar:
+        task = bar.add_task("reading", total=None)
+        found = summary_of(
+            LiveRecording.open(Path(file)),
+            lambda done, total: bar.update(task, completed=done, total=total),
+        )
+    if as_json:
+        print_json(found)
+    else:
+        _show(found)
+
+
+def _show(found: dict[str, Any]) -> None:
+    out = console()
+    table = Table.grid(padding=(0, 2))
+    for name, text in _lines(found):
+        table.add_row(name, text)
+    out.print(table, highlight=False, markup=False)
+    if found["patches"]:
+        out.print(_patches(found["patches"]))
+    for event in found["last_events"][-MOST_EVENTS:]:
+        when = (event.get("wall_ns", 0) - (found["began_ns"] or 0)) * 1e-9
+        out.print(f"{when:10.3f} s  {event.get('text')}", highlight=False, markup=False)
+    for damage in found["damage"][:MOST_EVENTS]:
+        out.print(f"byte {damage['byte']}: {damage['why']}", style="yellow", markup=False)
+
+
+def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
+    began = found["began_ns"]
+    when = (
+        datetime.fromtimestamp(began * 1e-9, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+        if began
+        else "never"
+    )
+    chunks, lost, contacts = (found[each] for each in ("chunks", "lost", "contacts"))
+    fields, fit = found["fields"], found["fit"]
+    ratio = chunks["unpacked_bytes"] / max(chunks["packed_bytes"], 1)
+    whole = "" if found["finished"] else "; not finished: skinfield recover makes a whole file"
+    enclosed = ", ".join(f"{name} ({size:,} bytes)" for name, size in found["attachments"].items())
+    return [
+        ("file", f"{found['path']}, {found['bytes'] / 1e6:.1f} MB{whole}"),
+        ("recorded", f"{when}, {found['seconds']:.3f} s"),
+        ("skin", f"{found['skin'] or 'layout not enclosed'}, {found['taxels'] or '?'} taxels"),
+        ("readings", f"{found['readings']['bytes'] / 1e6:.1f} MB of blocks, "
+                     f"{found['readings']['missing_bytes']:,} bytes missing in between"),
+        ("cycles", f"{found['cycles']:,} ({_number(found['cycle_rate'])}/s), "
+                   f"{found['cycles_missing']:,} missing, {found['late']:,} late, "
+                   f"{found['restarts']} restarts"),
+        ("woke late by", _quantiles(found["wake_us"])),
+        ("answered after", _quantiles(found["ready_us"])),
+        ("contacts", f"{contacts['tracks']:,} tracks in {contacts['cycles']:,} cycles, at most "
+                     f"{contacts['most_at_once']} at once"),
+        ("fields", f"{fields['messages']:,}, {fields['bytes'] / 1e6:.2f} MB"),
+        ("contact fit", f"{fit['answers']:,} answers, {fit['bytes'] / 1e6:.2f} MB"),
+        ("settings", f"{len(found['settings'])} times told"),
+        ("lost", f"{lost['messages']:,} messages before the host; in the ring "
+                 f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "
+                 f"disk {lost['dropped_bytes']:,} bytes, {lost['dropped_cycles']:,} cycles"),
+        ("chunks", f"{chunks['count']:,}, {chunks['compression'] or 'none'}, {ratio:.2f} to 1"),
+        ("enclosed", enclosed or "nothing"),
+    ]  # fmt: skip
+
+
+def _patches(patches: list[dict[str, Any]]) -> Table:
+    table = Table("patch")
+    for title in ("taxels", "readings", "per second"):
+        table.add_column(title, justify="right")
+    for each in patches:
+        table.add_row(
+            each["name"], f"{each['taxels']:,}", f"{each['readings']:,}", _number(each["rate"])
+        )
+    return table
+
+
+def _quantiles(micros: dict[str, float] | None) -> str:
+    if micros is None:
+        return "not known"
+    return ", ".join(f"{name} {value:,.0f} µs" for name, value in micros.items())
+
+
+def _number(value: float | None) -> str:
+    return "?" if value is None else f"{value:,.1f}"

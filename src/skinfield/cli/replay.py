@@ -1,133 +1,191 @@
-"""`skinfield replay`: a recording answered again, bit for bit."""
+"""`skinfield replay`: what a recording holds, shown as it was."""
 
-import json
 import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import replace as with_other
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import click
 from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn
 
-SHOWN = 5  # differences
-BETWEEN = 0.05  # s of a bar
+from skinfield.cli.options import Json, part
+from skinfield.cli.report import print_json, print_text, show_address, signals_end
+from skinfield.errors import check_positive
+from skinfield.settings import PageSettings
 
-HELP = """Compute the estimates of FILE again from its readings; compare them with the live ones.
-
-The same code works on the same bytes, and where the live engine decided by the clock (how far
-to search, on which grid) the recording tells how: so contacts and fields come out the same, bit
-for bit, on a processor of the same kind. It starts at a key cycle, of which there is one every
-few seconds, once FILE holds all readings that still count. The exit code is 1 if any cycle differs.
-
-With --name other programs see it as a skin that runs: `skinfield status`, `skinfield.connect`.
-
-\b
-Examples:
-  skinfield replay touch.mcap
-  skinfield replay touch.mcap --speed 1 --name demo
-"""
+REFRESH = 0.25  # s between pictures of the table
+DAMAGE = 3  # places that are named
 
 
-@click.command(short_help="Answer a recording again, bit for bit.", help=HELP)
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--speed", type=float, help="Times as fast as it was; default as fast as can be.")
-@click.option("--name", help="Publish it under this name, as a running skin does.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object at the end.")
-def replay(file: Path, speed: float | None, name: str | None, as_json: bool) -> None:
-    """Answer a recording again and compare."""
-    from skinfield.errors import check_positive
-    from skinfield.live.replay import Replay
-    from skinfield.live.replayed import Published, paced
+def replay(
+    file: str,
+    /,
+    *,
+    speed: float | None = None,
+    paused: bool = False,
+    headless: bool = False,
+    as_json: Json = False,
+    name: str | None = None,
+    duration: float | None = None,
+    page: Annotated[PageSettings, part("Page")] = PageSettings(),
+) -> None:
+    """Show what FILE holds, as it was: readings, contacts and fields of a live skin.
 
-    if speed is not None:
-        check_positive("--speed", speed, "1 is as fast as it was")
+    FILE is what `skinfield record`, or `run --record`, wrote. It plays on the page in the browser
+    and as a table in the terminal, at any pace and from any time on. Nothing is computed anew:
+    `skinfield reconstruct FILE` does that, with whatever solver and settings it is given.
+
+    With --headless nothing is shown until the end; with --json each cycle with new readings is a
+    line of JSON: its number, its time, and its contacts. With --name other programs see it as a
+    skin that runs: `skinfield status`, `skinfield.connect`.
+
+      skinfield replay touch.mcap
+      skinfield replay touch.mcap --speed 0.1
+      skinfield replay touch.mcap --headless --json | jq .contacts
+      skinfield replay touch.mcap --name demo
+
+    Parameters
+    ----------
+    file : str
+        Recording (.mcap).
+    speed : float, optional
+        Times its own pace, on the page 0.1 to 10. Default 1; headless as fast as can be.
+    paused : bool
+        Do not play at once.
+    headless : bool
+        Neither page nor table: for scripts.
+    as_json : bool
+        A line of JSON for each cycle; no page.
+    name : str, optional
+        No page, but a running skin of this name, for other programs.
+    duration : float, s, optional
+        Seconds; default until Ctrl-C or the end.
+    """
+    for what, value, why in (
+        ("--speed", speed, "1 is as fast as it was"),
+        ("--duration", duration, "s"),
+    ):
+        if value is not None:
+            check_positive(what, value, why)
     console = Console(stderr=True)
-    source = Replay(file)
-    publish = None if name is None else Published(name, source)
-    began, found = time.monotonic(), Tally()
+    if headless or as_json or name:
+        _headless(file, speed, name, duration, as_json, console)
+    else:
+        _on_page(file, speed, not paused, duration, page, console)
+
+
+def _on_page(
+    file: str,
+    speed: float | None,
+    playing: bool,
+    duration: float | None,
+    page: PageSettings,
+    console: Console,
+) -> None:
+    """Play on the page and, where somebody looks, in the terminal."""
+    from skinfield.cli.status_table import shown
+    from skinfield.viewer import serve_page
+
+    end = None if duration is None else time.monotonic() + duration
     try:
-        with Progress(
-            SpinnerColumn(), TextColumn("{task.description}"), console=console, transient=True
-        ) as bar:
-            task, shown = bar.add_task("reading"), began
+        with (
+            signals_end(),
+            opened(file, playing, console) as (sources, controller),
+            serve_page(page, sources, controller) as served,
+            _screen(console) as screen,
+        ):
+            show_address(served.address, console, browser=page.browser)
+            if speed is not None:
+                controller.shared.set_speed(speed)
+            while end is None or time.monotonic() < end:
+                served.check()
+                if screen is not None:
+                    size = console.size
+                    found = with_other(controller.shared.look(), state="running")
+                    screen.update(shown(found, size.width, size.height), refresh=True)
+                time.sleep(REFRESH if end is None else max(min(REFRESH, end - time.monotonic()), 0))
+    except KeyboardInterrupt:
+        console.print("stopping", style="dim")
+
+
+def _screen(console: Console) -> AbstractContextManager[Any]:
+    """A table that is drawn over itself; nothing where nobody looks."""
+    from rich.live import Live
+
+    if not console.is_terminal:
+        return nullcontext()
+    return Live(console=console, auto_refresh=False, vertical_overflow="crop")
+
+
+@contextmanager
+def opened(file: str, playing: bool, console: Console) -> Iterator[tuple[Any, Any]]:
+    """Sources and controller of a recording, for the page."""
+    from skinfield.viewer.replay import ReplayController, ReplaySource
+
+    with console.status(f"looking through {file}"):
+        source = ReplaySource(Path(file), playing=playing)
+    for begin, end in source.gaps:
+        console.print(f"from {begin:.2f} s to {end:.2f} s cycles are missing", style="yellow")
+    _report_damage(source.replay.recording, console)
+    try:
+        yield (lambda: (source,)), ReplayController(source)
+    finally:
+        source.close()
+
+
+def _report_damage(recording: Any, console: Console) -> None:
+    for each in recording.damage[:DAMAGE]:
+        text = f"damaged at byte {each.byte}: {each.why}"
+        console.print(text, style="yellow", markup=False, highlight=False)
+
+
+def _headless(
+    file: str,
+    speed: float | None,
+    name: str | None,
+    duration: float | None,
+    as_json: bool,
+    console: Console,
+) -> None:
+    """Play as a running skin, as lines of JSON, or to the end alone."""
+    from skinfield.live.replay import Published, Replay, paced
+
+    source = Replay(Path(file))
+    speed = 1.0 if speed is None and name else speed
+    end = None if duration is None else time.monotonic() + duration
+    publish = None if name is None else Published(name, source)
+    patches, tracks, count, fresh = [each.name for each in source.model_config.skin], set(), 0, 0
+    try:
+        with signals_end():
             for each in source if speed is None else paced(source, speed):
-                found.take(each)
+                count, fresh = count + 1, fresh + each.fresh
+                tracks.update(each.cycle.contacts["track"].tolist())
                 if publish is not None:
                     publish.put(each)
-                if time.monotonic() - shown > BETWEEN:
-                    shown = time.monotonic()
-                    bar.update(task, description=found.line())
+                if as_json and each.fresh:
+                    print_json(_line(each.cycle, source.index.first_ns, patches))
+                if end is not None and time.monotonic() >= end:
+                    break
     except KeyboardInterrupt:
         console.print("stopped", style="dim")
     finally:
         if publish is not None:
             publish.close()
-    found.seconds = time.monotonic() - began
-    _tell(found, source, as_json, console)
+    _report_damage(source.recording, console)
+    if not as_json:
+        gaps = f", {len(source.index.gaps)} gaps" if source.index.gaps else ""
+        print_text(f"{count:,} cycles, {fresh:,} with new readings, {len(tracks):,} contacts{gaps}")
 
 
-class Tally:
-    """What a replay came to."""
+def _line(cycle: Any, first_ns: int, patches: list[str]) -> dict[str, Any]:
+    """A cycle as plain values."""
+    from skinfield.live.status import plain_contacts
 
-    def __init__(self) -> None:
-        self.cycles = self.fresh = self.same = self.touched = 0
-        self.tracks: set[int] = set()
-        self.differ: list[int] = []
-        self.seconds = 0.0
-
-    def take(self, each: Any) -> None:
-        """Count one cycle."""
-        self.cycles += 1
-        self.fresh += each.fresh
-        self.same += each.same
-        rows = each.slot.used_contacts()
-        self.touched += len(rows) > 0
-        self.tracks.update(rows["track"].tolist())
-        if not each.same and len(self.differ) < SHOWN:
-            self.differ.append(each.recorded.number)
-
-    def line(self) -> str:
-        """In a line."""
-        return (
-            f"{self.cycles:,} cycles, {self.fresh:,} with new readings, {self.same:,} the same, "
-            f"{len(self.tracks):,} contacts"
-        )
-
-
-def _tell(found: Tally, source: Any, as_json: bool, console: Console) -> None:
-    damage = [str(each) for each in source.recording.damage[:SHOWN]]
-    plain = {
-        "cycles": found.cycles,
-        "fresh": found.fresh,
-        "identical": found.same,
-        "different": found.cycles - found.same,
-        "first_different": found.differ,
-        "contacts": len(found.tracks),
-        "passed": source.passed,
-        "gaps": source.gaps,
-        "seconds": round(found.seconds, 3),
-        "damage": damage,
+    return {
+        "cycle": cycle.number,
+        "wall_ns": cycle.wall_ns,
+        "time_s": round((cycle.wall_ns - first_ns) * 1e-9, 6),
+        "force": float(cycle.patches["force"].sum()),
+        "contacts": plain_contacts(patches, cycle.contacts),
     }
-    if as_json:
-        click.echo(json.dumps(plain))
-    else:
-        out = Console()
-        out.print(found.line(), highlight=False)
-        if source.passed:
-            out.print(
-                f"{source.passed:,} cycles could not be answered: before the first key cycle that "
-                f"can be, after one of {source.gaps} gaps, or of an engine that was starting",
-                style="yellow",
-            )
-        for each in damage:
-            out.print(each, style="yellow")
-        if found.differ:
-            out.print(
-                f"{found.cycles - found.same:,} cycles differ from what was live, the first: "
-                f"{', '.join(map(str, found.differ))}",
-                style="red",
-            )
-        elif found.cycles:
-            out.print("all the same as it was live, bit for bit", style="green")
-    if found.differ or not found.cycles:
-        raise SystemExit(1)

@@ -3,104 +3,100 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
-import click
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 from rich.table import Table
 
-from skinfield.campaign import Event, Outcome, Task, run, stored
-from skinfield.cli.report import console, plural, say_notes
-from skinfield.errors import FileError, InputError
+from skinfield.cli.options import OUTPUT, Json
+from skinfield.cli.report import console, plural, print_json, progress, say, say_notes
+from skinfield.config import load_scenario, rig_tasks, template
+from skinfield.errors import FileError, InputError, check_count
+from skinfield.lab.runner import Outcome, Task, run, stored
 
 
-@click.command(
-    short_help="Press a simulated skin with a simulated rig; write recordings with their truth.",
-    help="""Press a simulated skin with a simulated rig: a patch on positioners for x, y and angle,
-an actuator with an indenter and a load cell, and the skin's electronics.
-
-SCENARIO is a TOML file that says what is pressed where and how; --new writes one with all its keys
-explained. Each of its indenters, and each repeat, is one run, with a folder of its own:
-
-\b
-  recording.npz     counts, as from a real skin         layout.toml       where its taxels are
-  load_cell.csv     as from a real force sensor         calibration.toml  the true one
-  truth.npz         force, depth, area, pressure, ...   scenario.toml     makes this run again
-  run.png           picture                             task.json         summary
-
-A run that is there already, of the very same settings, is not made again: a campaign that was
-stopped goes on where it was. What was made can be used like a real rig's:
-
-\b
-  skinfield rig --new press.toml
-  skinfield rig press.toml -o rig --dry-run
-  skinfield rig press.toml -o rig
-  skinfield reconstruct rig/rig-sphere6/recording.npz --layout rig/rig-sphere6/layout.toml
-  skinfield calibrate scale rig/rig-sphere6/recording.npz rig/rig-sphere6/load_cell.csv \\
-    --layout rig/rig-sphere6/layout.toml
-""",
-)
-@click.argument("scenarios", metavar="[SCENARIO]...", nargs=-1)
-@click.option("-o", "--output", default="rig", show_default=True, help="Folder of the runs.")
-@click.option(
-    "--workers",
-    type=click.IntRange(min=1),
-    default=os.cpu_count() or 1,
-    show_default="one per core",
-    help="Processes at once.",
-)
-@click.option(
-    "--resume/--fresh", default=True, show_default=True, help="Keep runs that are there, or not."
-)
-@click.option("--dry-run", is_flag=True, help="List the runs, make none.")
-@click.option("--new", metavar="FILE", help="Write a scenario with all keys explained.")
 def rig(
-    scenarios: tuple[str, ...],
-    output: str,
-    workers: int,
-    resume: bool,
-    dry_run: bool,
-    new: str | None,
+    *scenario: str,
+    output: Annotated[str, OUTPUT] = "rig",
+    workers: int | None = None,
+    resume: bool = True,
+    dry_run: bool = False,
+    new: str | None = None,
+    as_json: Json = False,
 ) -> None:
-    """Make runs, show progress, list them."""
+    r"""Press a simulated skin with a simulated rig; write recordings with their truth.
+
+    It is a patch on positioners for x, y and angle, an actuator with an indenter and a load cell,
+    and the skin's electronics.
+
+    SCENARIO is a TOML file that says what is pressed where and how; --new writes one with all its
+    keys explained. Each of its indenters, and each repeat, is one run, with a folder of its own:
+
+      recording.npz     counts, as from a real skin         layout.toml       where its taxels are
+      load_cell.csv     as from a real force sensor         calibration.toml  the true one
+      truth.npz         force, depth, area, pressure, ...   scenario.toml     makes this run again
+      run.png           picture                             task.json         summary
+
+    A run that is there already, of the very same settings, is not made again: a campaign that was
+    stopped goes on where it was. What was made can be used like a real rig's:
+
+      skinfield rig --new press.toml
+      skinfield rig press.toml -o rig --dry-run
+      skinfield rig press.toml -o rig
+      skinfield reconstruct rig/rig-sphere6/recording.npz --skin rig/rig-sphere6/layout.toml
+      skinfield calibrate scale rig/rig-sphere6/recording.npz rig/rig-sphere6/load_cell.csv \\
+        --skin rig/rig-sphere6/layout.toml
+
+    Parameters
+    ----------
+    scenario : str
+        Scenario files (.toml).
+    output : str
+        DIR of the runs.
+    workers : int, optional
+        Processes at once. Default one for each core.
+    resume : bool
+        Keep runs that are there, or make them again.
+    dry_run : bool
+        List the runs, make none.
+    new : str, optional
+        Write a scenario with all keys explained.
+    as_json : bool
+        What came of each run, as a list of objects.
+    """
+    if workers is not None:
+        check_count("--workers", workers, 1, 1 << 12, "processes at once")
     out = console()
     if new is not None:
         _write_template(Path(new))
-        out.print(f"wrote {new}", highlight=False, soft_wrap=True)
-    if not scenarios:
+        say(f"wrote {new}")
+    if not scenario:
         if new is None:
-            raise click.UsageError("SCENARIO is missing: --new FILE writes one to start from")
+            raise InputError("SCENARIO is missing, expected a file: --new FILE writes one")
         return
-    tasks = _tasks(scenarios)
+    tasks = _tasks(scenario)
     if dry_run:
         out.print(_plan(tasks, Path(output)))
         return
-    outcomes = _run(tasks, Path(output), workers, not resume)
-    out.print(_table(outcomes))
+    outcomes = _run(tasks, Path(output), workers or os.cpu_count() or 1, not resume)
+    if as_json:
+        print_json([{"run": one.name, "seconds": one.seconds, **(one.result or {}),
+                     "failure": one.failure or None} for one in outcomes])  # fmt: skip
+    else:
+        out.print(_table(outcomes))
     failed = [outcome for outcome in outcomes if outcome.failure]
-    out.print(
-        f"{plural(len(outcomes) - len(failed), 'run')} in {output}, "
-        f"{sum(outcome.reused for outcome in outcomes)} of them from before",
-        highlight=False,
-        soft_wrap=True,
-    )
+    if not as_json:
+        say(
+            f"{plural(len(outcomes) - len(failed), 'run')} in {output}, "
+            f"{sum(outcome.reused for outcome in outcomes)} of them from before"
+        )
     if failed:
-        _complain(failed, len(outcomes), Path(output))
+        _fail(failed, len(outcomes), Path(output))
 
 
 def _write_template(path: Path) -> None:
-    from skinfield.config import TEMPLATE
-
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(TEMPLATE)
+            file.write(template())
     except FileExistsError as error:
         raise FileError(f"{path} is there, expected a new name: nothing was written") from error
     except (OSError, ValueError) as error:
@@ -108,8 +104,6 @@ def _write_template(path: Path) -> None:
 
 
 def _tasks(scenarios: Sequence[str]) -> list[Task]:
-    from skinfield.config import load_scenario, rig_tasks
-
     tasks: dict[str, tuple[str, Task]] = {}
     for path in scenarios:
         for task in rig_tasks(load_scenario(path)):
@@ -141,22 +135,13 @@ def _plan(tasks: Sequence[Task], folder: Path) -> Table:
 
 def _run(tasks: Sequence[Task], folder: Path, workers: int, fresh: bool) -> list[Outcome]:
     outcomes: dict[str, Outcome] = {}
-    bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
-    with bar:
-        shown = bar.add_task("rig", total=len(tasks))
-        event: Event
-        for event in run(tasks, folder, workers=workers, fresh=fresh):
-            outcomes[event.outcome.name] = event.outcome
-            words = event.outcome.name + (f", {event.failures} failed" if event.failures else "")
-            bar.update(shown, completed=event.done, description=words)
+    with progress() as bar:
+        task = bar.add_task("rig", total=len(tasks))
+        for outcome in run(tasks, folder, workers=workers, fresh=fresh):
+            outcomes[outcome.name] = outcome
+            failures = sum(bool(one.failure) for one in outcomes.values())
+            words = outcome.name + (f", {failures} failed" if failures else "")
+            bar.update(task, completed=len(outcomes), description=words)
     return [outcomes[task.name] for task in tasks]
 
 
@@ -186,7 +171,7 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
     return table
 
 
-def _complain(failed: Sequence[Outcome], total: int, folder: Path) -> None:
+def _fail(failed: Sequence[Outcome], total: int, folder: Path) -> None:
     """Say what went wrong with each failed run, and end with an error."""
     say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
     raise InputError(

@@ -1,177 +1,534 @@
 """`skinfield run`: a robot's skin, alive."""
 
-import json
+import errno
+import os
+import socket
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import click
 from rich.console import Console
 
-from skinfield.cli.bridge_options import bridge_options
-from skinfield.cli.bridge_parts import check_bridges
-from skinfield.cli.endings import end_undisturbed, told_to_end
-from skinfield.cli.page_options import page_options, tell_page
-from skinfield.cli.run_checks import check_given
-from skinfield.cli.run_options import (
-    NotYet,
-    answer_options,
-    extra_settings,
-    settings_from,
-    source_options,
-    system_options,
+from skinfield.cli.options import (
+    SOLVERS,
+    USUAL_NO_LOAD,
+    Force,
+    Json,
+    layer_of,
+    mechanics_of,
+    nodes_for,
+    part,
+    profile_in_use,
+    quantity_of,
+    skin_from_text,
+    solver_of,
+)
+from skinfield.cli.report import (
+    check_new,
+    end_undisturbed,
+    print_json,
+    show_address,
+    signals_end,
+)
+from skinfield.errors import InputError, SkinfieldError, check_positive
+from skinfield.settings import (
+    BridgeSettings,
+    LoopSettings,
+    ModelSettings,
+    PageSettings,
+    Profile,
+    RecordSettings,
+    SettingError,
+    Settings,
+    SkinSettings,
+    SourceSettings,
+    toml_from_settings,
 )
 
 REFRESH = 0.25  # s
-SILENT = 5.0  # s without a message until it is told
+STARTING = "starting; the first time code is compiled for this machine, a minute or two"
+SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
-STARTS = 180.0  # s: kernels may have to be compiled first, and presses be solved
-
-HELP = """Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
-
-The page of the skin opens in the browser: it shows what touches, and lets you press.
-
-With nothing attached a virtual skin is started, which speaks the bytes of iCub's boards. The
-engine works in a process of its own, at real-time priority where the system grants it; what is
-not granted is told by `skinfield status`, with the remedy. It starts with a baseline: leave the
-skin untouched for the first second or two.
-
-\b
-Examples:
-  skinfield run
-  skinfield run --port 8700 --no-browser
-  skinfield run --skin cylinder --scene slide
-  skinfield run --record touch.mcap --duration 60
-  skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
-  skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
-  skinfield run --duration 10 --headless --json
-
-Other programs get the estimates with `skinfield.connect()`, see docs/live.md; other machines
-with --zenoh, --ros2 and --yarp. Ctrl-C ends all.
-"""
+STARTS = 600.0  # s without any progress of a start: code may have to be compiled first
+SAYS = 5.0  # s from line to line about a start, where there is no table
+RUNGS = (10, 20, 40, 80)
+USUAL_SHIFT = 2  # bits that an iCub's boards drop
+LIVE_FINEST = 40  # nodes on a side of the finest grid, unless given
+LIVE_SOLVERS = [name for name in SOLVERS if name != "contact"]
+NOT_HERE = (errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT)
+# The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
+# drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
+VIRTUAL_NOISE, VIRTUAL_SHIFT = 0.1, 1
 
 
-@click.command(short_help="Bring a robot's skin alive: contacts in newtons, on time.", help=HELP)
-@source_options
-@answer_options
-@system_options
-@click.option("--record", type=click.Path(path_type=Path), help="Into this MCAP file.")
-@page_options
-@bridge_options
-@click.option(
-    "--fit/--no-fit",
-    default=True,
-    show_default=True,
-    help="Fit contacts beside the engine: surer places and forces, some 10 ms later.",
-)
-@click.option("--duration", type=float, help="Seconds; default until Ctrl-C.")
-@click.option("--headless", is_flag=True, help="No table: for services and scripts.")
-@click.option("--json", "as_json", is_flag=True, help="One JSON object at the end.")
-@click.option("--scene", default="press", show_default=True, help="Of the virtual skin.")
-@click.option("--virtual-rate", default=100.0, show_default=True, help="Its readings per second.")
-@click.option("--seed", default=0, show_default=True, help="Of its noise.")
-def run(**given: Any) -> None:
-    """Run the live engine until Ctrl-C."""
+def run(
+    file: str | None = None,
+    /,
+    *,
+    duration: float | None = None,
+    headless: bool = False,
+    as_json: Json = False,
+    save: str | None = None,
+    force: Force = False,
+    skin: Annotated[SkinSettings, part("Skin")] = SkinSettings(),
+    source: Annotated[SourceSettings, part("Source of readings")] = SourceSettings(),
+    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
+    loop: Annotated[LoopSettings, part("Loop")] = LoopSettings(),
+    page: Annotated[PageSettings, part("Page")] = PageSettings(),
+    bridges: Annotated[BridgeSettings, part("Bridges")] = BridgeSettings(),
+    record: Annotated[RecordSettings, part("Recording")] = RecordSettings(),
+) -> None:
+    """Run the live engine: readings in, contacts out, in newtons, cycle after cycle on time.
+
+    The page of the skin opens in the browser: it shows what touches, and lets you press.
+
+    With nothing attached a virtual skin is started, which speaks the bytes of iCub's boards. The
+    engine works in a process of its own, at real-time priority where the system grants it; what
+    is not granted is told by `skinfield status`, with the remedy. It starts with a baseline: leave
+    the skin untouched for the first second or two.
+
+    FILE (.toml) holds any of the settings below by their names, with _ for -, in tables; flags come
+    before what it says. --save writes one.
+
+      skinfield run
+      skinfield run --port 8700 --no-browser
+      skinfield run --skin cylinder --scene slide
+      skinfield run --record touch.mcap --duration 60
+      skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
+      skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
+      skinfield run --hardware cyskin --skin my_skin.json --save my_robot.toml
+      skinfield run my_robot.toml --duration 10 --headless --json
+
+    Other programs get the estimates with `skinfield.connect()`, see docs/live.md; other machines
+    with --zenoh, --ros2 and --yarp. Ctrl-C ends all.
+
+    Parameters
+    ----------
+    file : str, optional
+        Settings (.toml).
+    duration : float, s, optional
+        Seconds; default until Ctrl-C.
+    headless : bool
+        No table and no browser: for services and scripts.
+    as_json : bool
+        One JSON object at the end.
+    save : str, optional
+        Write the settings to this file (.toml), and run nothing.
+    """
+    given = Settings(
+        skin=skin, source=source, model=model, loop=loop, page=page, bridges=bridges, record=record
+    )
+    if save is not None:
+        save_settings(given, save, force)
+        return
+    if duration is not None:
+        check_positive("--duration", duration, "seconds")
     console = Console(stderr=True)
-    check_given(given)
-    check_bridges(given)
-    with told_to_end(), ExitStack() as parts:
+    check_settings(given)
+    with signals_end(), ExitStack() as parts:
         try:
-            summary = _run(given, parts, console)
+            session = Session(given, duration, headless, as_json, console)
+            summary = session.run(parts)
         finally:
             end_undisturbed()
-    if given["as_json"]:
-        click.echo(json.dumps(summary))
+    if as_json:
+        print_json(summary)
 
 
-def _run(given: dict[str, Any], parts: ExitStack, console: Console) -> dict[str, Any]:
-    """Start everything, show it until the end, and sum it up."""
-    from skinfield.cli.bridge_parts import bridges
-    from skinfield.cli.fit_part import start_fit
-    from skinfield.cli.inputs import skin_from_text
-    from skinfield.cli.run_page import page_of
-    from skinfield.cli.run_parts import recorder, virtual_extra, virtual_skin
-    from skinfield.live.client import Live
-    from skinfield.live.supervisor import Supervisor
-    from skinfield.ring import State
-    from skinfield.sources.live.spec import skin_for, source_from_options
+def save_settings(given: Settings, path: str, force: bool) -> None:
+    """Write settings to a file.
 
-    skin = skin_from_text(given["skin_text"])
-    hardware, bus, channels = given["hardware"], given["bus"], given["channel"]
-    handle = None
-    with console.status("starting"):
-        if hardware is None:
-            settings_from(given, skin, NotYet())  # refuses what it must before anything starts
-            handle = parts.enter_context(virtual_skin(given))
-            hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
-            given["extra"] = (*virtual_extra(given["virtual_rate"]), *given["extra"])
-        skin, extra = skin_for(hardware, skin), extra_settings(given["extra"])
-        if given["no_load"] is not None:  # the boards are told as well
-            extra.setdefault("no_load", str(given["no_load"]))
-        source = source_from_options(hardware, bus or "", channels, skin, extra)
-        settings = settings_from(given, skin, source)
-        supervisor = parts.enter_context(Supervisor(settings))
-        fit = parts.enter_context(start_fit(settings.name, given["fit"]))
-        supervisor.wait(STARTS, State.STARTING).close()
-        parts.enter_context(recorder(settings.name, given["record"]))
-        live = parts.enter_context(Live(settings.name))
-        page = parts.enter_context(page_of(given, settings.name, supervisor, handle))
-        bridged = parts.enter_context(bridges(given, settings.name))
-    tell_page(given, page.address, console)
-    begin = (lambda: page.desk.begin(given["scene"])) if handle is not None else None
-
-    def check() -> None:
-        page.check()
-        for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
-            page.desk.say("warn", text)
-            console.print(text, style="yellow")
-
-    return _watch(given, supervisor, live, console, begin, check)
-
-
-def _watch(
-    given: dict[str, Any],
-    supervisor: Any,
-    live: Any,
-    console: Console,
-    begin: Callable[[], None] | None,
-    check: Callable[[], None],
-) -> dict[str, Any]:
-    """Show the skin until its time is over, or Ctrl-C.
-
-    `begin` is called when it answers; `check` again and again: it raises what ends it, and tells
-    what failed.
+    Raises
+    ------
+    InputError
+        If it is there already and not to be written over.
+    FileError
+        If it cannot be written.
     """
-    from skinfield.live.seen import Watch
-    from skinfield.live.status import Observer
+    from skinfield.sinks.pending import write_bytes
 
-    watch = Watch([patch.name for patch in live.skin])
-    observer = Observer(live.reader, window=RECENT)
-    screen = None if given["headless"] else _screen(console)
+    if not path.endswith(".toml"):
+        raise InputError(f"--save is {path!r}, expected a name that ends in .toml")
+    check_new("--save", path, force)
+    write_bytes(path, toml_from_settings(given).encode())
+    Console(stderr=True).print(f"wrote {path}", highlight=False, soft_wrap=True)
+
+
+def check_settings(given: Settings) -> None:
+    """Refuse, before anything starts, what can be seen without a skin.
+
+    Raises
+    ------
+    InputError
+        With the setting, what was expected of it, and what to do.
+    """
+    from skinfield.bridges.launch import bridge_settings
+
+    check_record(given.record.into)
+    check_name(given.loop.name)
+    check_port(given.page.port, given.page.host)
+    bridge_settings(given.bridges)
+    if given.model.solver == "contact":
+        raise SettingError(
+            "solver",
+            f"is contact, expected one of {', '.join(LIVE_SOLVERS)}: contacts are fitted beside "
+            "it (fit)",
+        )
+    if given.source.hardware is None:
+        check_scene(given.source.scene)
+
+
+def check_record(path: str | None) -> None:
+    """Refuse to write over a recording, or where nothing can be written."""
+    if path is None:
+        return
+    check_new("--record", path, False)
+    folder = Path(path).parent
+    if not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise InputError(f"--record is {path}, expected a folder that is there and can be written")
+
+
+def check_name(name: str) -> None:
+    """Refuse a name that a running skin has, or that none can have."""
+    from skinfield.ring import Ring
+    from skinfield.ring.files import sidecar
+
+    sidecar(name, "supervisor")
+    for each in Ring.names():
+        if each.name == name and each.alive:
+            raise InputError(
+                f"a skin named {name!r} runs already, as process {each.pid}, expected another "
+                "--name; `skinfield status` shows it"
+            )
+
+
+def check_port(port: int | None, host: str) -> None:
+    """Refuse a port or an address that the page cannot be served on; None is any port."""
+    errors = [
+        _cannot_bind(family, (address[0], port or 0, *address[2:]))
+        for family, address in _addresses(host)
+    ]
+    for error in errors:
+        if error is not None and error.errno not in NOT_HERE:
+            raise InputError(
+                f"--port {port} of {host} cannot be served: {error.strerror}, expected one that "
+                "is free"
+            ) from error
+    if None not in errors:  # one may be missing, where IPv6 is switched off
+        raise InputError(_no_host(host, errors[0])) from errors[0]
+
+
+def _cannot_bind(family: int, address: tuple[Any, ...]) -> OSError | None:
+    """Why nothing can be served at an address; None if it can."""
     try:
-        began = _wait_running(supervisor, observer, screen, console)
-        if begin is not None:
-            begin()
-        end = None if given["duration"] is None else began + given["duration"]
-        shown = began
-        while end is None or time.monotonic() < end:
-            left = REFRESH if end is None else min(REFRESH, max(end - time.monotonic(), 0.0))
-            found = live.next(left)
-            now = time.monotonic()
-            check()
-            if found is not None:
-                watch.take(found.contacts, now - began)
-            if screen is not None and now - shown > REFRESH:
-                shown = now
-                _show(screen, observer)
-    except KeyboardInterrupt:
-        console.print("stopping", style="dim")
+        with socket.socket(family, socket.SOCK_STREAM) as trial:
+            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if family == socket.AF_INET6:  # as the page's server does: IPv4 has its own socket
+                trial.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            trial.bind(address)
+    except OSError as error:
+        return error
+    return None
+
+
+def _no_host(host: str, error: Exception | None) -> str:
+    why = getattr(error, "strerror", None) or error
+    return (
+        f"--host is {host!r}, expected an address of this machine, such as 127.0.0.1, or 0.0.0.0 "
+        f"for all of them: {why}"
+    )
+
+
+def _addresses(host: str) -> list[tuple[int, tuple[Any, ...]]]:
+    """Families and addresses of a host of this machine."""
+    plain = host.strip("[]") or None  # an empty one is all of the machine's
+    try:
+        found = socket.getaddrinfo(plain, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (OSError, UnicodeError) as error:
+        raise InputError(_no_host(host, error)) from error
+    return [(family, address) for family, _, _, _, address in found]
+
+
+def check_scene(scene: str) -> None:
+    """Refuse a scene of the virtual skin that there is none of."""
+    from skinfield.virtual.scenes import SCENES
+
+    if scene not in SCENES and not Path(scene).is_file():
+        raise InputError(
+            f"--scene is {scene!r}, expected one of {', '.join(SCENES)}, or the path of a file"
+        )
+
+
+class NotYet:
+    """Stands for a source that is not there yet, while settings are checked."""
+
+    def open(self) -> Any:
+        """Nobody opens it."""
+        raise InputError("the source is not known yet")
+
+
+def live_settings(
+    given: Settings, profile: Profile, skin: Any, source: Any, hardware: str | None = None
+) -> Any:
+    """`LiveSettings` of the settings; the source is one of the live sources."""
+    from skinfield.live.settings import LiveSettings
+    from skinfield.realtime import RealTime
+
+    model, loop = given.model, given.loop
+    late, deadline = loop.late_after_ms, loop.deadline_us
+    return LiveSettings(
+        skin=skin,
+        sources=(source,),
+        name=loop.name,
+        layer=layer_of(given.skin, profile),
+        mechanics=mechanics_of(model.mechanics or profile.mechanics),
+        quantity=quantity_of(model.quantity or "capacitance"),
+        solver=live_solver(model.solver or "nonnegative"),
+        rungs=rungs_to(model.grid or max(nodes_for(patch, LIVE_FINEST) for patch in skin)),
+        board=board_of(hardware, given.skin.no_load, profile, shift_of(given.source)),
+        gain=profile.gain if given.skin.gain is None else given.skin.gain,
+        rate=None if loop.events else loop.rate_hz,
+        budget=None if deadline is None else deadline * 1e-6,
+        deadline=None if late is None else late * 1e-3,
+        threshold=loop.threshold_n,
+        smoothing=loop.smoothing_ms * 1e-3,
+        tare_seconds=loop.tare_s,
+        real_time=RealTime(priority=loop.priority, cpu=loop.cpu),
+    )
+
+
+def rungs_to(grid: int) -> tuple[int, ...]:
+    """Resolutions from coarse to this one."""
+    return (*(nodes for nodes in RUNGS if nodes < grid), grid)
+
+
+def live_solver(name: str) -> Any:
+    """As elsewhere, but for the gap to which a search goes."""
+    from skinfield.inverse import NonNegative
+    from skinfield.live.settings import LIVE_TOLERANCE
+
+    return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else solver_of(name)
+
+
+def shift_of(source: SourceSettings) -> int:
+    """Bits that an iCub's boards drop, as the option ``shift`` says."""
+    text = source.named_options.get("shift", str(USUAL_SHIFT))
+    if not text.isdecimal():
+        raise InputError(f"--set shift is {text!r}, expected a whole number, 2 on most robots")
+    return int(text)
+
+
+def board_of(
+    hardware: str | None, no_load: int | None, profile: Profile, shift: int = USUAL_SHIFT
+) -> Any:
+    """What a count of this hardware means; None to go by the range of the counts."""
+    from skinfield.conditioning import CySkinCount, ICubByte
+
+    if hardware in (None, "icub", "yarp"):
+        rest = no_load or profile.no_load or USUAL_NO_LOAD
+        return ICubByte(shift=shift, no_load=rest)
+    if no_load is not None:
+        raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
+    return CySkinCount() if hardware in ("cyskin", "shm") else None
+
+
+def with_virtual_boards(source: SourceSettings) -> SourceSettings:
+    """Settings of a source that reads the virtual skin: what its boards are told."""
+    from dataclasses import replace
+
+    period = max(round(1e3 / source.virtual_rate_hz), 1)
+    extra = (f"period_ms={period}", f"shift={VIRTUAL_SHIFT}")
+    return replace(source, options=(*extra, *source.options))
+
+
+@contextmanager
+def virtual_skin(given: Settings, profile: Profile) -> Iterator[Any]:
+    """The virtual skin that is there when no hardware is."""
+    from skinfield.virtual.process import start
+    from skinfield.virtual.settings import VirtualSettings
+
+    source = given.source
+    settings = VirtualSettings(
+        hardware="icub",
+        skin=given.skin.layout,
+        bus=source.bus or "udp",
+        channels=source.channel,
+        rate=source.virtual_rate_hz,
+        layer=layer_of(given.skin, profile),
+        noise=VIRTUAL_NOISE,
+        scene="idle",  # until the engine has its baseline
+        lead_in=0.0,
+        seed=source.seed,
+    )
+    with start(settings) as handle:
+        yield handle
+
+
+class LocalSource:
+    """The source of the skin that runs here, which a new ring under its name takes the place of.
+
+    Parameters
+    ----------
+    name : str
+        Of the ring.
+    """
+
+    def __init__(self, name: str) -> None:
+        from skinfield.viewer.source import LiveSource
+
+        self._name = name
+        self._source = LiveSource(name)
+
+    @property
+    def source(self) -> Any:
+        """The newest."""
+        return self._source
+
+    def sources(self) -> Sequence[Any]:
+        """The source, looked at whether there is a newer one."""
+        from skinfield.viewer.source import LiveSource
+
+        if self._source.replaced:
+            with suppress(SkinfieldError):  # it is being made anew
+                self._source = LiveSource(self._name)  # the old one goes with its last reader
+        return (self._source,)
+
+
+@contextmanager
+def served_page(given: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
+    """Serve the page of the skin that runs here, with its `controller`."""
+    from skinfield.live.fit_ring import FitReader
+    from skinfield.live.recorder_launch import ReadyRecorders
+    from skinfield.viewer import serve_page
+    from skinfield.viewer.live_controller import LiveController, Solvers
+    from skinfield.viewer.recordings import Recordings
+    from skinfield.viewer.replay import ReplaySource
+
+    name = given.loop.name
+    local, chosen = LocalSource(name), [given.model.solver or "nonnegative"]
+    recorders = ReadyRecorders(name, lambda text: controller.say("warn", text))
+
+    def choose(solver: Any) -> None:
+        supervisor.reconfigure(solver=live_solver(solver))
+        chosen[0] = solver
+
+    controller = LiveController(
+        lambda: local.source,
+        virtual=virtual,
+        recordings=Recordings(name, recorders, ReplaySource, Path()),
+        solvers=Solvers(tuple(LIVE_SOLVERS), lambda: chosen[0], choose),
+        fit=FitReader(name) if given.loop.fit else None,
+        tare_seconds=given.loop.tare_s,
+    )
+    try:
+        with serve_page(given.page, local.sources, controller) as page:
+            yield page
     finally:
-        if screen is not None:
-            screen.stop()
-    return summary_of(observer.look(), supervisor, watch.contacts)
+        controller.close()
+
+
+class Session:
+    """A skin alive, from its start until its time is over, or Ctrl-C."""
+
+    def __init__(
+        self,
+        given: Settings,
+        duration: float | None,
+        headless: bool,
+        as_json: bool,
+        console: Console,
+    ) -> None:
+        self.given, self.duration, self.console = given, duration, console
+        self.headless, self.as_json = headless, as_json
+
+    def run(self, parts: ExitStack) -> dict[str, Any]:
+        """Start everything, show it until the end, and sum it up."""
+        from skinfield.bridges.launch import bridges
+        from skinfield.live.client import Live
+        from skinfield.live.process_supervisor import start_fit
+        from skinfield.live.recorder_launch import recorder
+        from skinfield.live.supervisor import Supervisor
+        from skinfield.ring import State
+        from skinfield.sources.live.factory import skin_for, source_from_options
+
+        given, console = self.given, self.console
+        skin, source = skin_from_text(given.skin.layout), given.source
+        hardware, bus, channels, handle = source.hardware, source.bus, source.channel, None
+        with console.status(STARTING):
+            profile = profile_in_use(given.skin, hardware, given.skin.layout)
+            live_settings(given, profile, skin, NotYet(), hardware)  # refuses what it must
+            if hardware is None:
+                handle = parts.enter_context(virtual_skin(given, profile))
+                hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
+                source = with_virtual_boards(source)
+                given = Settings(**{**vars(given), "source": source})
+            skin, extra = skin_for(hardware, skin), source.named_options
+            if given.skin.no_load is not None:  # the boards are sent it as well
+                extra.setdefault("no_load", str(given.skin.no_load))
+            stream = source_from_options(hardware, bus or "", channels, skin, extra)
+            settings = live_settings(given, profile, skin, stream, hardware)
+            supervisor = parts.enter_context(Supervisor(settings))
+            fit = parts.enter_context(start_fit(settings.name, given.loop.fit))
+            supervisor.wait(STARTS, State.STARTING).close()
+            into = given.record.into
+            parts.enter_context(recorder(settings.name, None if into is None else Path(into)))
+            live = parts.enter_context(Live(settings.name))
+            page = parts.enter_context(served_page(given, supervisor, handle))
+            bridged = parts.enter_context(bridges(given.bridges, settings.name))
+        browser = given.page.browser and not self.headless
+        show_address(page.address, console, browser=browser, as_json=self.as_json)
+        begin = (lambda: page.controller.begin(source.scene)) if handle is not None else None
+
+        def check() -> None:
+            page.check()
+            for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
+                page.controller.say("warn", text)
+                console.print(text, style="yellow")
+
+        return self._watch(supervisor, live, begin, check)
+
+    def _watch(
+        self,
+        supervisor: Any,
+        live: Any,
+        begin: Callable[[], None] | None,
+        check: Callable[[], None],
+    ) -> dict[str, Any]:
+        """Show the skin until its time is over, or Ctrl-C.
+
+        `begin` is called when it answers; `check` again and again: it raises what ends it, and
+        tells what failed.
+        """
+        from skinfield.live.contact_summary import ContactSummaries
+        from skinfield.live.status import Observer
+
+        watch = ContactSummaries([patch.name for patch in live.skin])
+        observer = Observer(live.reader, window=RECENT)
+        screen = None if self.headless else _screen(self.console)
+        try:
+            began = _wait_running(supervisor, observer, screen, self.console)
+            if begin is not None:
+                begin()
+            end = None if self.duration is None else began + self.duration
+            drawn = began
+            while end is None or time.monotonic() < end:
+                left = REFRESH if end is None else min(REFRESH, max(end - time.monotonic(), 0.0))
+                newest = live.next(left)
+                now = time.monotonic()
+                check()
+                if newest is not None:
+                    watch.take(newest.contacts, now - began)
+                if screen is not None and now - drawn > REFRESH:
+                    drawn = now
+                    _draw(screen, observer)
+        except KeyboardInterrupt:
+            self.console.print("stopping", style="dim")
+        finally:
+            if screen is not None:
+                screen.stop()
+        return summary_of(observer.look(), supervisor, watch.contacts)
 
 
 def _screen(console: Console) -> Any:
@@ -182,8 +539,8 @@ def _screen(console: Console) -> Any:
     return screen
 
 
-def _show(screen: Any, observer: Any) -> None:
-    from skinfield.cli.run_table import shown
+def _draw(screen: Any, observer: Any) -> None:
+    from skinfield.cli.status_table import shown
 
     size = screen.console.size
     screen.update(shown(observer.look(), size.width, size.height))
@@ -193,22 +550,36 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
     """Wait until the engine answers, showing what it does meanwhile; the time then."""
     from skinfield.live.supervisor import EngineFailed
 
-    end, told = time.monotonic() + STARTS, time.monotonic() + SILENT
+    began = moved = said = time.monotonic()
+    before, silent = "", False
     while True:
-        if time.monotonic() > told:
-            told = end + 1.0
-            _tell_silent(observer.look().sources, console)
+        now = time.monotonic()
+        if not silent and now > began + SILENT:
+            silent = True
+            _report_silent(observer.look().sources, console)
         try:
             supervisor.wait(REFRESH).close()
             return time.monotonic()
-        except EngineFailed:
-            if time.monotonic() > end or supervisor.hopeless:
+        except EngineFailed as error:
+            doing = supervisor.start_in_words()
+            moved = moved if doing == before else now
+            if supervisor.hopeless:
                 raise
+            if now > moved + STARTS:
+                why = supervisor.failure or doing or "it has said nothing"
+                raise EngineFailed(
+                    f"the engine does not answer after {now - began:.0f} s, {now - moved:.0f} s of "
+                    f"them without progress: {why}"
+                ) from error
         if screen is not None:
-            _show(screen, observer)
+            _draw(screen, observer)
+        elif doing != before and now > said + SAYS:
+            said = now
+            console.print(f"{now - began:.0f} s: {doing}", style="dim", highlight=False)
+        before = doing
 
 
-def _tell_silent(sources: dict[str, dict[str, int]], console: Console) -> None:
+def _report_silent(sources: dict[str, dict[str, int]], console: Console) -> None:
     """Say which sources nothing has come from: they may be plugged in late, or misspelt."""
     silent = [name for name, counts in sources.items() if not counts["received"]]
     if silent:

@@ -1,25 +1,25 @@
 """Scores as tables on the terminal, and the limits that a user sets for them."""
 
 import math
+import sys
 from collections.abc import Sequence
 from typing import Any
 
-import click
-
-from skinfield.cli.report import console
+from skinfield.cli.report import say
 from skinfield.errors import InputError
 
 SHOWN = {  # measure, and how the table calls it
     "force_error": "force of all contacts",
     "field_force_error": "force of the field",
     "contact_force_error": "force of a contact found",
-    "place_error_m": "place of a contact found, mm",
+    "place_error_mm": "place of a contact found, mm",
     "peak_error": "peak pressure",
     "pressure_error": "pressure, relative L2",
     "blurred_pressure_error": "pressure blurred by 2 mm, relative L2",
     "deformation_error": "deformation, relative L2",
     "area_error": "contact area",
 }
+RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
 PER_CASE = {
     "force_error": "force",
     "place_error_mm": "place mm",
@@ -32,7 +32,9 @@ PER_CASE = {
 
 def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
     """Highest allowed values by measure, from texts such as "missed=0.1"."""
-    from skinfield.experiments.scoring.table_rows import COLUMNS
+    from skinfield.lab.score import MEASURES, RATES
+
+    known = (*MEASURES[:-2], "force_bias", *RATES)  # times are not for limits
 
     limits = {}
     for text in texts:
@@ -41,26 +43,26 @@ def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
             limits[name] = float(most)
         except ValueError:
             name = ""
-        if name not in COLUMNS:
+        if name not in known:
             raise InputError(
-                f"--require is {text!r}, expected MEASURE=NUMBER with one of {', '.join(COLUMNS)}"
+                f"--require is {text!r}, expected MEASURE=NUMBER with one of {', '.join(known)}"
             )
     return limits
 
 
-def check_limits(limits: dict[str, float], columns: dict[str, Any]) -> None:
-    """Exit with 1 where a limit is exceeded, or where there is no number to compare."""
+def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
+    """Whether a limit is exceeded, or there is no number to compare, which stderr then says."""
     failed = []
     for name, most in limits.items():
         value = float(columns[f"{name}_median" if f"{name}_median" in columns else name])
         if not value <= most:
             failed.append(f"{name} is {value:.4g}, required at most {most:g}")
-    if failed:
-        click.echo("\n".join(failed), err=True)
-        raise click.exceptions.Exit(1)
+    for sentence in failed:
+        sys.stderr.write(f"{sentence}\n")
+    return bool(failed)
 
 
-def table_of_summary(summary: Any, title: str) -> Any:
+def table_of_summary(summary: dict[str, Any], title: str) -> Any:
     """Medians with their intervals, 90th percentiles and rates."""
     from rich.table import Table
 
@@ -69,20 +71,14 @@ def table_of_summary(summary: Any, title: str) -> Any:
     for column in ("median", "95 % interval", "90th percentile"):
         table.add_column(column, justify="right")
     for key, label in SHOWN.items():
-        figures = summary.measures[key]
-        scale = 1e3 if key.endswith("_m") else 1.0
-        table.add_row(label, *_shown(figures.median, scale), number(figures.p90.value * scale))
-    for label, rate in (
-        ("contacts missed", summary.missed),
-        ("readings with a false contact", summary.false_share),
-    ):
-        table.add_row(label, *_shown(rate, 1.0), "")
+        median, low, high, p90 = (
+            number(summary[f"{key}_{end}"]) for end in ("median", "low", "high", "p90")
+        )
+        table.add_row(label, median, f"{low} to {high}", p90)
+    for key, label in RATES.items():
+        rate, low, high = (number(summary[name]) for name in (key, f"{key}_low", f"{key}_high"))
+        table.add_row(label, rate, f"{low} to {high}", "")
     return table
-
-
-def _shown(interval: Any, scale: float) -> tuple[str, str]:
-    low, high = number(interval.low * scale), number(interval.high * scale)
-    return number(interval.value * scale), f"{low} to {high}"
 
 
 def number(value: float, decimals: int = 3) -> str:
@@ -107,6 +103,5 @@ def table_of_cases(rows: Sequence[dict[str, Any]]) -> Any:
 
 def say_written(options: dict[str, Any]) -> None:
     """Name the files that were written."""
-    for key in ("csv_path", "json_path"):
-        if options[key]:
-            console().print(f"wrote {options[key]}", highlight=False, soft_wrap=True, markup=False)
+    for name in options["output"]:
+        say(f"wrote {name}")

@@ -1,66 +1,75 @@
-"""`skinfield status`: what runs, and how well."""
+"""`skinfield status` and `skinfield tune`: what a running skin does, and changes to it."""
 
-import json
 import time
+from typing import Any, Literal
 
-import click
 from rich.console import Console
 
-from skinfield.errors import SkinfieldError
+from skinfield.cli.options import Json
+from skinfield.cli.report import print_json
+from skinfield.cli.status_table import shown
+from skinfield.errors import InputError, SkinfieldError, check_positive
+from skinfield.live.client import Live, chosen
+from skinfield.live.runtime_parameters import Focus
+from skinfield.live.status import Observer
+from skinfield.realtime import RealTimeStatus
 
-HELP = """Tell what a running skin does: times, losses, contacts, sources, what the system granted.
-
-NAME is the one that `skinfield run --name` was given; without it the only one that runs.
-
-Times are told for the last second and since the start: how late the engine wakes, how long
-after that its estimate is ready, and how old the newest reading is by then.
-
-\b
-Examples:
-  skinfield status
-  skinfield status left_arm --watch
-  skinfield status --json | jq .since_start.latency_us
-"""
+MICRO, MILLI = 1e-6, 1e-3
 
 
-@click.command(short_help="What runs, and how well it keeps its time.", help=HELP)
-@click.argument("name", required=False)
-@click.option("--seconds", default=1.0, show_default=True, help="To watch, for what is recent.")
-@click.option("--watch", is_flag=True, help="Go on until Ctrl-C.")
-@click.option("--json", "as_json", is_flag=True, help="As one JSON object, times in µs.")
-def status(name: str | None, seconds: float, watch: bool, as_json: bool) -> None:
-    """Tell what a running skin does."""
-    from skinfield.live.client import Live, chosen
-    from skinfield.live.status import Observer
+def status(
+    name: str | None = None,
+    /,
+    *,
+    duration: float = 1.0,
+    watch: bool = False,
+    as_json: Json = False,
+) -> None:
+    """Tell what a running skin does: times, losses, contacts, sources, what the system granted.
 
+    NAME is the one that `skinfield run --name` was given; without it the only one that runs.
+
+    Times are told for the last second and since the start: how late the engine wakes, how long
+    after that its estimate is ready, and how old the newest reading is by then.
+
+      skinfield status
+      skinfield status left_arm --watch
+      skinfield status --json | jq .since_start.latency_us
+
+    Parameters
+    ----------
+    name : str, optional
+        Of the running skin.
+    duration : float, s
+        Seconds to watch, for what is recent.
+    watch : bool
+        Go on until Ctrl-C.
+    as_json : bool
+        As one JSON object, times in µs.
+    """
+    check_positive("--duration", duration, "seconds to watch")
     console = Console()
     with Live(chosen(name)) as live:
         observer = Observer(live.reader)
         if watch:
-            _watch(console, observer, seconds)
+            _watch(console, observer, duration)
             return
-        time.sleep(max(seconds, 0.0))
-        found = observer.look()
+        time.sleep(duration)
+        newest = observer.look()
     if as_json:
-        click.echo(json.dumps(found.as_dict()))
+        print_json(newest.as_dict())
         return
-    from skinfield.cli.run_table import shown
-
-    console.print(shown(found, console.width))
-    for sentence in notes_of(found.notes):
+    console.print(shown(newest, console.width))
+    for sentence in notes_of(newest.notes):
         console.print(f" {sentence}", style="dim", highlight=False)
-    for event in (found.beside.get("supervisor") or {}).get("events", []):
+    for event in (newest.beside.get("supervisor") or {}).get("events", []):
         stamp = time.strftime("%H:%M:%S", time.localtime(event[0] * 1e-9))
         console.print(f" {stamp} {event[1]}: {event[2]}", style="dim", highlight=False)
 
 
-def _watch(console: Console, observer: object, seconds: float) -> None:
+def _watch(console: Console, observer: Observer, seconds: float) -> None:
     from rich.live import Live as Screen
 
-    from skinfield.cli.run_table import shown
-    from skinfield.live.status import Observer
-
-    assert isinstance(observer, Observer)  # for the type checker: the import is late
     try:
         with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
             while True:
@@ -74,14 +83,123 @@ def _watch(console: Console, observer: object, seconds: float) -> None:
 
 def notes_of(notes: dict[str, object]) -> list[str]:
     """What an engine says in words, as sentences."""
-    from skinfield.realtime import Granted
-
     said: list[str] = []
     granted = notes.get("granted")
     if isinstance(granted, dict):
-        said += Granted.from_dict(granted).sentences()
+        said += RealTimeStatus.from_dict(granted).sentences()
     for name in ("tare", "sources"):
         told = notes.get(name)
         if isinstance(told, list):
             said += [str(each) for each in told]
     return said
+
+
+def tune(
+    name: str | None = None,
+    /,
+    *,
+    deadline_us: float | None = None,
+    resolution: str | None = None,
+    threshold_n: float | None = None,
+    smoothing_ms: float | None = None,
+    focus: str | None = None,
+    as_json: Json = False,
+) -> None:
+    """Change how a running skin answers, without a stop; with no option, tell what is in force.
+
+    NAME is the one that `skinfield run --name` was given; without it the only one that runs.
+
+    A finer grid or a longer deadline is used as far as it goes: what does not fit into the time of
+    a cycle is answered on a coarser grid, and says so. A focus is a window of a patch, in mm of its
+    plane: what presses there is answered first, and on the finest grid whatever --resolution says.
+    Recordings say what was in force when.
+
+      skinfield tune
+      skinfield tune --resolution 20 --deadline-us 200
+      skinfield tune left_arm --threshold-n 0.2 --smoothing-ms 20
+      skinfield tune --focus hexagon72:-5,0,5,10
+      skinfield tune --resolution auto --focus none
+
+    Parameters
+    ----------
+    name : str, optional
+        Of the running skin.
+    deadline_us : float, µs, optional
+        Time for the reconstruction in each cycle, µs.
+    resolution : str, optional
+        Nodes on a side of the finest grid that is used, or auto.
+    threshold_n : float, N, optional
+        Contacts of a smaller force are not published, N.
+    smoothing_ms : float, ms, optional
+        Time constant of a low-pass, ms; 0: none.
+    focus : str, optional
+        A window of a patch, PATCH:X0,Y0,X1,Y1 in mm; or none.
+    as_json : bool
+        What is in force, as one JSON object in SI.
+    """
+    numbers = (
+        ("deadline", deadline_us, MICRO),
+        ("threshold", threshold_n, 1.0),
+        ("smoothing", smoothing_ms, MILLI),
+    )
+    changes: dict[str, Any] = {
+        key: value * unit for key, value, unit in numbers if value is not None
+    }
+    if resolution is not None:
+        changes["resolution"] = resolution_from_text(resolution)
+    with Live(chosen(name)) as live:
+        if focus is not None:
+            changes["focus"] = focus_from_text(focus, [patch.name for patch in live.skin])
+        if changes:
+            live.tune(**changes)
+        plain = live.limits.as_dict(live.tuning)
+    if as_json:
+        print_json(plain)
+        return
+    console = Console()
+    for line in lines_of(plain):
+        console.print(line, highlight=False)
+
+
+def resolution_from_text(text: str) -> int | Literal["auto"]:
+    """Of the command's text."""
+    if text == "auto":
+        return "auto"
+    if text.isdecimal():
+        return int(text)
+    raise InputError(f"--resolution is {text!r}, expected auto or nodes on a side, such as 20")
+
+
+def focus_from_text(text: str, patches: list[str]) -> Any:
+    """`Focus` of the command's text, or None; of a skin of one patch its name may be left out."""
+    if text == "none":
+        return None
+    patch, _, corners = text.rpartition(":")
+    try:
+        x0, y0, x1, y1 = (float(each) * MILLI for each in corners.split(","))
+    except ValueError:
+        raise InputError(
+            f"--focus is {text!r}, expected PATCH:X0,Y0,X1,Y1 in mm, such as "
+            f"{patches[0]}:-5,0,5,10, or none"
+        ) from None
+    return Focus(patch=patch or patches[0], low=(x0, y0), high=(x1, y1))
+
+
+def lines_of(plain: dict[str, Any]) -> list[str]:
+    """What is in force, and what it may be, for people."""
+    resolution, deadline = plain["resolution"], plain["deadline"]
+    options = ", ".join(map(str, resolution["options"]))
+    focus = plain["focus"]["value"]
+    window = "none"
+    if focus is not None:
+        numbers = (f"{each / MILLI:g}" for each in (*focus["low"], *focus["high"]))
+        window = f"{focus['patch']}:{','.join(numbers)} mm"
+    least, most = (each / MICRO for each in deadline["range"])
+    lines = [
+        f"resolution  {resolution['value']}  ({options})",
+        f"deadline    {deadline['value'] / MICRO:g} µs  ({least:g} to {most:g})",
+        f"threshold   {plain['threshold']['value']:g} N",
+        f"smoothing   {plain['smoothing']['value'] / MILLI:g} ms",
+        f"focus       {window}",
+    ]
+    return [*lines, *sorted({f"cannot be changed: {why}" for why in plain["off"].values()})]

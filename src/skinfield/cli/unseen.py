@@ -3,15 +3,16 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from rich.console import Console
 
-from skinfield.cli.contenders import method_from_options, named
-from skinfield.cli.report import console, plural, progress
-from skinfield.cli.scores import check_limits, limits_from_texts, say_written
+from skinfield.cli.contenders import entrant_from_options, named
+from skinfield.cli.report import console, plural, print_json, progress
+from skinfield.cli.scores import exceeds, limits_from_texts, say_written
 from skinfield.errors import FileError, InputError
 
 SHOWN = (  # columns of the accuracy rows, what the table calls them, and decimals
@@ -28,32 +29,32 @@ RATES = (
 )
 TIMES = (("cold_ms", 1.0, "cold\nms", 1), ("warm_ms", 1.0, "warm\nms", 2))
 WIDE = 150  # columns of the terminal that the table takes
-FINE, COARSE, MANY = (6, 7), (4, 5), 20  # balls for the bound: of as many presses, and of fewer
 
 
-def validate_unseen(options: dict[str, Any]) -> None:
+def validate_unseen(options: dict[str, Any]) -> bool:
     """Press at random, score every solver at every noise, and report."""
-    from skinfield.experiments.trust.campaign import computed
-    from skinfield.experiments.trust.plan import NOISES, Level, TrustPlan, methods
+    from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
+    from skinfield.lab.validation import Level, known_entrants
     from skinfield.layout.generators import by_name
 
-    quantities = options["quantities"] or tuple(NOISES)
-    if options["noises"] and len(quantities) > 1:
+    quantities = options["quantity"] or tuple(NOISES)
+    if options["noise"] and len(quantities) > 1:
         raise InputError("--noise is in a quantity's unit, expected one --quantity beside it")
     levels = [
         Level(quantity, noise)
         for quantity in quantities
-        for noise in options["noises"] or NOISES[quantity]
+        for noise in options["noise"] or NOISES[quantity]
     ]
-    names = options["solvers"]
-    plan = TrustPlan(
-        methods=tuple(method_from_options(n, options) for n in names) if names else methods(),
+    names = options["solver"]
+    entrants = tuple(entrant_from_options(name, options) for name in names) or tuple(
+        replace(entrant, gate=options["gate_mm"] * 1e-3) for entrant in known_entrants()
+    )
+    plan = AccuracyPlan(
+        entrants=entrants,
         levels=tuple(dict.fromkeys(levels)),
-        gate=options["gate_mm"] * 1e-3,
         layout=options["layout"],
         presses=options["unseen"],
         idle=options["idle"],
-        bound_grid=FINE if options["unseen"] >= MANY else COARSE,
         seed=options["seed"],
     )
     by_name(plan.layout)  # an unknown one is said before anything is computed
@@ -65,35 +66,29 @@ def validate_unseen(options: dict[str, Any]) -> None:
             options["workers"],
             lambda done, of: bar.update(task, completed=done, total=of),
         )
-    _report(found, options, plan.layout)
+    return _report(found, options, plan.layout)
 
 
-def validate_at_noises(cases: str, options: dict[str, Any]) -> None:
+def validate_at_noises(cases: str, options: dict[str, Any]) -> bool:
     """Add noises to cases that hold exact readings, score every solver, and report."""
-    from skinfield.experiments.cases.files import case_paths, load_case
-    from skinfield.experiments.trust.attempts import noise_seed, rows_of_case
-    from skinfield.experiments.trust.campaign import Found
-    from skinfield.experiments.trust.plan import Level
+    from skinfield.lab.accuracy import Findings
+    from skinfield.lab.case_files import case_paths, load_case
+    from skinfield.lab.validation import Level, noise_seed, rows_of_case
 
     paths, rows = case_paths(cases), []
-    tried = [method_from_options(name, options) for name in options["solvers"] or ("gaussian",)]
+    tried = [entrant_from_options(name, options) for name in options["solver"] or ("gaussian",)]
     with progress() as bar:
         task = bar.add_task("scoring", total=len(paths))
         for index, path in enumerate(paths):
             case = load_case(path)
-            levels = [Level(case.quantity, noise) for noise in options["noises"]]
+            levels = [Level(case.quantity, noise) for noise in options["noise"]]
             for method in tried:
                 with named(path, method.name):
-                    made = rows_of_case(
-                        case,
-                        levels,
-                        [method],
-                        noise_seed(options["seed"], index),
-                        options["gate_mm"] * 1e-3,
-                    )
+                    seed = noise_seed(options["seed"], index)
+                    made = rows_of_case(case, levels, [method], seed)
                     rows += [{"case": case.name, "file": path.name} | row for row in made]
             bar.update(task, advance=1)
-    _report(Found(rows, [], [], []), options, str(cases))
+    return _report(Findings(rows, [], [], []), options, str(cases))
 
 
 @contextmanager
@@ -106,35 +101,41 @@ def _folder(kept: str | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _report(found: Any, options: dict[str, Any], where: str) -> None:
-    from skinfield.experiments.scoring.rows import write_csv, write_json
-    from skinfield.experiments.trust.table import accuracy_rows, group_rows
+def _report(found: Any, options: dict[str, Any], where: str) -> bool:
+    """Print and write; whether a limit is exceeded."""
+    from skinfield.lab.accuracy import accuracy_rows, group_rows
+    from skinfield.lab.score import write_csv, write_json
 
     rows = found.rows
-    table = accuracy_rows(rows, found.bound, found.idle, seed=options["seed"])
+    table = accuracy_rows(found, seed=options["seed"])
     presses = len({row["case"] for row in rows})
     for quantity in dict.fromkeys(row["quantity"] for row in table):
         mine = [row for row in table if row["quantity"] == quantity]
+        if options["as_json"]:
+            continue
         title = f"{quantity}: {plural(presses, 'case')} on {where}"
         Console(width=max(console().width, WIDE)).print(table_of_noises(mine, title))
-    if options["csv_path"]:
-        write_csv(table, options["csv_path"])
-    if options["json_path"]:
-        about = {"options": {"on": where}, "summary": table, "idle": found.idle}
-        about["groups"] = group_rows(rows, seed=options["seed"])
-        write_json(rows, options["json_path"], **about)
-    say_written(options)
+    about = {"options": {"on": where}, "summary": table, "idle": found.idle}
+    about["groups"] = group_rows(rows, seed=options["seed"])
+    for name in options["output"]:
+        if name.lower().endswith(".csv"):
+            write_csv(table, name)
+        else:
+            write_json(rows, name, **about)
+    if options["as_json"]:
+        print_json(table)
+    else:
+        say_written(options)
     if options["figures"]:
         _draw(found, Path(options["figures"]))
     limits = limits_from_texts(options["require"])
-    for row in table:
-        if "missed" in row:
-            check_limits(limits, row)
+    exceeded = [exceeds(limits, row) for row in table if "missed" in row]  # each is named
+    return any(exceeded)
 
 
 def _draw(found: Any, folder: Path) -> None:
     """Write a picture of the errors for each quantity."""
-    from skinfield.experiments.trust.pictures import picture_of_errors
+    from skinfield.lab.sections.accuracy import picture_of_errors
     from skinfield.sinks.pending import write_bytes
 
     try:
@@ -142,7 +143,7 @@ def _draw(found: Any, folder: Path) -> None:
     except (OSError, ValueError) as error:
         raise FileError(f"{folder} cannot be made: {error}, expected a folder") from error
     for quantity in dict.fromkeys(row["quantity"] for row in found.rows):
-        picture = picture_of_errors(quantity, found.rows, found.bound)
+        picture = picture_of_errors(quantity, found)
         path = folder / f"{picture.name}.png"
         write_bytes(path, picture.png)
         console().print(f"wrote {path}", highlight=False, soft_wrap=True, markup=False)

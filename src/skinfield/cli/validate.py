@@ -2,235 +2,211 @@
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-import click
-
-from skinfield.cli.contenders import method_from_options, named
-from skinfield.cli.named_solver import SOLVER_HELP
-from skinfield.cli.options import MECHANICS, QUANTITIES
-from skinfield.cli.outputs import check_output
-from skinfield.cli.report import console, plural, progress
+from skinfield.cli.contenders import entrant_from_options, named
+from skinfield.cli.options import OUTPUT, Force, Json, flags_given
+from skinfield.cli.report import (
+    check_new,
+    check_output,
+    console,
+    plural,
+    print_json,
+    progress,
+)
 from skinfield.cli.scores import (
-    check_limits,
+    exceeds,
     limits_from_texts,
     say_written,
     table_of_cases,
     table_of_summary,
 )
-from skinfield.errors import InputError, check_positive
-
-PAPER_HELP = " 'paper' is the paper's method: half-space, interpolated taxels, 20 x 20 nodes."
+from skinfield.errors import InputError, check_count, check_positive
 
 
-def _options(function: Any) -> Any:
-    for option in reversed(
-        (
-            click.option(
-                "--solver",
-                "solvers",
-                multiple=True,
-                help=SOLVER_HELP + PAPER_HELP + " May be repeated. Default gaussian; with --unseen "
-                "paper, gaussian and contact.",
-            ),
-            click.option(
-                "--settings", default="{}", help="Settings of the solver, as a JSON object."
-            ),
-            click.option(
-                "--mechanics",
-                type=click.Choice(["case", *MECHANICS]),
-                default="case",
-                show_default=True,
-                help="Model of the elastomer that is assumed; 'case' takes what each case says.",
-            ),
-            click.option(
-                "--grid",
-                type=click.IntRange(min=1, max=500),
-                default=40,
-                show_default=True,
-                help="Nodes on a side of the grid.",
-            ),
-            click.option(
-                "--gate-mm",
-                default=8.0,
-                show_default=True,
-                help="Farther apart, contacts are not the same.",
-            ),
-            click.option(
-                "--noise",
-                "noises",
-                type=float,
-                multiple=True,
-                help="Of a reading, in the quantity's unit, added to exact readings; 0 adds none. "
-                "May be repeated. Default what the cases hold.",
-            ),
-            click.option(
-                "--unseen",
-                type=click.IntRange(1, 100_000),
-                help="So many random presses, made here, instead of CASES.",
-            ),
-            click.option(
-                "--quantity",
-                "quantities",
-                type=click.Choice([name for name in QUANTITIES if name != "gap"]),
-                multiple=True,
-                help="What taxels read, with --unseen. May be repeated. Default both.",
-            ),
-            click.option(
-                "--layout",
-                default="icub_hexagon",
-                show_default=True,
-                help="Generator of the patch, with --unseen.",
-            ),
-            click.option(
-                "--idle",
-                type=click.IntRange(1, 10_000_000),
-                default=5000,
-                show_default=True,
-                help="Readings of noise alone, with --unseen.",
-            ),
-            click.option(
-                "--seed",
-                type=click.IntRange(min=0),
-                default=0,
-                show_default=True,
-                help="Of presses and noise, with --unseen or --noise.",
-            ),
-            click.option(
-                "--workers",
-                type=click.IntRange(min=1),
-                default=os.cpu_count() or 1,
-                show_default="one per core",
-                help="Processes at once, with --unseen.",
-            ),
-            click.option(
-                "--keep",
-                type=click.Path(file_okay=False),
-                help="Folder of what --unseen has computed: a run that was stopped goes on there.",
-            ),
-            click.option(
-                "--figures",
-                type=click.Path(file_okay=False),
-                help="Folder for a picture of the errors per quantity, with --unseen or --noise.",
-            ),
-            click.option("--per-case", is_flag=True, help="A line per case, too."),
-            click.option("--json", "json_path", help="Write summary and cases: .json."),
-            click.option("--csv", "csv_path", help="Write a row per case: .csv."),
-            click.option(
-                "--require",
-                multiple=True,
-                metavar="MEASURE=MOST",
-                help="Exit with 1 where the median, or the share 'missed', is higher; may be "
-                "repeated.",
-            ),
-        )
-    ):
-        function = option(function)
-    return function
+def validate(
+    cases: str | None = None,
+    /,
+    *,
+    solver: tuple[str, ...] = (),
+    settings: str = "{}",
+    mechanics: Literal["case", "layer", "covered-layer", "half-space"] = "case",
+    grid: int = 40,
+    gate_mm: float = 8.0,
+    noise: tuple[float, ...] = (),
+    unseen: int | None = None,
+    quantity: tuple[Literal["capacitance", "stress"], ...] = (),
+    layout: str = "icub_hexagon",
+    idle: int = 5000,
+    seed: int = 0,
+    workers: int | None = None,
+    keep: str | None = None,
+    figures: str | None = None,
+    per_case: bool = False,
+    output: Annotated[tuple[str, ...], OUTPUT] = (),
+    force: Force = False,
+    as_json: Json = False,
+    require: tuple[str, ...] = (),
+) -> int:
+    """Score a solver on the cases of a folder, or on one file.
 
+    CASES holds NPZ files as docs/cases.md describes them: layout, elastomer, readings and truth,
+    from a simulation, a rig or elsewhere; 'skinfield cases' writes some. The solver is told the
+    layout, the elastomer and the noise that a case states.
 
-@click.command(
-    short_help="Score solvers on cases whose truth is known.",
-    help="""Score a solver on the cases of a folder, or on one file.
+    Errors are parts of the truth where no unit stands; the intervals are 95 %, over these cases.
 
-CASES holds NPZ files as docs/cases.md describes them: layout, elastomer, readings and truth, from
-a simulation, a rig or elsewhere; 'skinfield cases' writes some. The solver is told the layout, the
-elastomer and the noise that a case states.
+    With --noise, or with --unseen in place of CASES, several solvers are set beside each other at
+    several noises, with what is found in noise alone, the time per reading cold and warm, and, of
+    presses by balls, the Cramér-Rao bound.
 
-Errors are parts of the truth where no unit stands; the intervals are 95 %, over these cases.
+      skinfield cases cases && skinfield validate cases --solver gaussian
+      skinfield validate cases --solver my_package.solvers:MySolver --settings '{"snr": 20}'
+      skinfield validate cases --solver tikhonov --require place_error_mm=3 -o scores.json
+      skinfield validate --unseen 200 --keep campaign -o table.csv
+      skinfield validate --unseen 20 --quantity stress --noise 0 --noise 400 --solver gaussian
 
-With --noise, or with --unseen in place of CASES, several solvers are set beside each other at
-several noises, with what is found in noise alone, the time per reading cold and warm, and, of
-presses by balls, the Cramér-Rao bound.
+    Parameters
+    ----------
+    cases : str, optional
+        DIR of cases, or the file of one (.npz).
+    solver : tuple of str
+        One of gaussian, contact, nonnegative, tikhonov, pseudo-inverse, inverse; or your own as
+        package.module:Class, from what is installed or lies in the current folder; or paper, its
+        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default gaussian;
+        with --unseen paper, gaussian and contact.
+    settings : str
+        Settings of the solver, as a JSON object.
+    mechanics : str
+        Model of the elastomer that is assumed; 'case' takes what each case says.
+    grid : int
+        Nodes on a side of the grid.
+    gate_mm : float, mm
+        Farther apart, contacts are not the same, mm.
+    noise : tuple of float
+        Of a reading, in the quantity's unit, added to exact readings; 0 adds none. Again for more.
+        Default what the cases hold.
+    unseen : int, optional
+        So many random presses, made here, instead of CASES.
+    quantity : tuple of str
+        What taxels read, with --unseen. Again for more. Default both.
+    layout : str
+        Generator of the patch, with --unseen.
+    idle : int
+        Readings of noise alone, with --unseen.
+    seed : int
+        Of presses and noise, with --unseen or --noise.
+    workers : int, optional
+        Processes at once, with --unseen. Default one for each core.
+    keep : str, optional
+        DIR of what --unseen has computed: a run that was stopped goes on there.
+    figures : str, optional
+        DIR for a picture of the errors per quantity, with --unseen or --noise.
+    per_case : bool
+        A line per case, too.
+    output : tuple of str
+        Summary and cases (.json), or a row per case (.csv); again for both.
+    as_json : bool
+        Summary as one JSON object.
+    require : tuple of str
+        MEASURE=MOST: exit with 1 where the median, or the share 'missed', is higher; again for
+        more.
+    """
+    from skinfield.cli import unseen as at_noises
 
-\b
-  skinfield cases cases && skinfield validate cases --solver gaussian
-  skinfield validate cases --solver my_package.solvers:MySolver --settings '{"snr": 20}' --per-case
-  skinfield validate cases --solver tikhonov --require place_error_mm=3 --json scores.json
-  skinfield validate --unseen 200 --keep campaign --csv table.csv
-  skinfield validate --unseen 20 --quantity stress --noise 0 --noise 400 --solver gaussian
-""",
-)
-@click.argument("cases", required=False)
-@_options
-@click.pass_context
-def validate(context: click.Context, /, cases: str | None, **options: Any) -> None:
-    """Score and report."""
-    from skinfield.cli import unseen
-
-    limits_from_texts(options["require"])
-    check_positive("--gate-mm", options["gate_mm"], "distance of contacts that are the same, in mm")
-    for ending in ("csv", "json"):
-        check_output(f"--{ending}", options[f"{ending}_path"], f".{ending}")
-    if (cases is None) == (options["unseen"] is None):
+    options = dict(locals())
+    limits_from_texts(require)
+    check_positive("--gate-mm", gate_mm, "distance of contacts that are the same, in mm")
+    for name, value, low, high in (
+        ("--grid", grid, 1, 500), ("--unseen", unseen, 1, 100_000),
+        ("--idle", idle, 1, 10_000_000), ("--seed", seed, 0, 1 << 63),
+        ("--workers", workers, 1, 1 << 12),
+    ):  # fmt: skip
+        if value is not None:
+            check_count(name, value, low, high, "see --help")
+    for name in output:
+        if Path(name).suffix.lower() not in (".csv", ".json"):
+            raise InputError(f"--output is {name!r}, expected a name that ends in .csv or .json")
+        check_output("--output", name, Path(name).suffix.lower())
+        check_new("--output", name, force)
+    if (cases is None) == (unseen is None):
         raise InputError(
             "expected either CASES, a folder or file, or --unseen with a number of presses"
         )
     _check_together(
-        context,
+        flags_given(validate, options),
         unseen=cases is None,
-        noisy=bool(options["noises"]),
-        named=bool(options["solvers"]),
+        noisy=bool(noise),
+        named=bool(solver),
     )
+    options["workers"] = workers or os.cpu_count() or 1
     if cases is None:
-        unseen.validate_unseen(options)
-    elif options["noises"]:
-        unseen.validate_at_noises(cases, options)
+        failed = at_noises.validate_unseen(options)
+    elif noise:
+        failed = at_noises.validate_at_noises(cases, options)
     else:
-        _score_as_it_is(cases, options)
+        failed = _score_as_it_is(cases, options)
+    return int(failed)
 
 
-def _check_together(context: click.Context, *, unseen: bool, noisy: bool, named: bool) -> None:
+def _check_together(
+    given: list[tuple[str, str]], *, unseen: bool, noisy: bool, named: bool
+) -> None:
     """Refuse what would have no effect."""
     chosen = (named or not unseen, "--solver: with --unseen alone, solvers come as they are")
     needs = {
         **dict.fromkeys(("settings", "mechanics", "grid"), chosen),
-        **dict.fromkeys(("quantities", "layout", "idle", "workers", "keep"), (unseen, "--unseen")),
+        **dict.fromkeys(("quantity", "layout", "idle", "workers", "keep"), (unseen, "--unseen")),
         "figures": (unseen or noisy, "--unseen or --noise"),
         "seed": (unseen or noisy, "--unseen or --noise"),
-        "per_case": (not unseen and not noisy, "CASES as they are: --json has every press"),
+        "per_case": (not unseen and not noisy, "CASES as they are: -o FILE.json has every press"),
     }
-    for parameter in context.command.params:
-        fits, to = needs.get(str(parameter.name), (True, ""))
-        given = context.get_parameter_source(str(parameter.name))
-        if not fits and given is click.core.ParameterSource.COMMANDLINE:
-            raise InputError(f"{parameter.opts[0]} has no effect here: it belongs to {to}")
+    for name, flag in given:
+        fits, to = needs.get(name, (True, ""))
+        if not fits:
+            raise InputError(f"{flag} has no effect here: it belongs to {to}")
 
 
-def _score_as_it_is(cases: str, options: dict[str, Any]) -> None:
+def _score_as_it_is(cases: str, options: dict[str, Any]) -> bool:
     """Score solvers one after another on the readings that the cases hold."""
-    from skinfield.experiments.cases.files import case_paths
-    from skinfield.experiments.scoring.rows import write_csv, write_json
-    from skinfield.experiments.scoring.table_rows import flat
+    from skinfield.lab.case_files import case_paths
+    from skinfield.lab.score import write_csv, write_json
 
     paths, rows, summaries = case_paths(cases), [], {}
-    for solver in options["solvers"] or ("gaussian",):
-        entrant = method_from_options(solver, options).entrant(options["gate_mm"] * 1e-3)
+    for solver in options["solver"] or ("gaussian",):
+        entrant = entrant_from_options(solver, options)
         found, summary = _scored(paths, solver, entrant)
-        if options["per_case"]:
+        if options["per_case"] and not options["as_json"]:
             console().print(table_of_cases(found))
-        title = f"{solver} on {plural(len(paths), 'case')}, {plural(summary.readings, 'reading')}"
-        console().print(table_of_summary(summary, title))
+        if not options["as_json"]:
+            readings = plural(summary["readings"], "reading")
+            title = f"{solver} on {plural(len(paths), 'case')}, {readings}"
+            console().print(table_of_summary(summary, title))
         rows += found
-        summaries[solver] = flat(summary)
+        summaries[solver] = summary
     one = len(summaries) == 1
-    if options["csv_path"]:
-        write_csv(rows, options["csv_path"])
-    if options["json_path"]:
-        said = {key: options[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
-        said["solver"] = next(iter(summaries)) if one else list(summaries)
-        result = next(iter(summaries.values())) if one else summaries
-        write_json(rows, options["json_path"], options=said, summary=result)
-    say_written(options)
-    for columns in summaries.values():
-        check_limits(limits_from_texts(options["require"]), columns)
+    result = next(iter(summaries.values())) if one else summaries
+    said = {key: options[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
+    said["solver"] = next(iter(summaries)) if one else list(summaries)
+    for name in options["output"]:
+        if name.lower().endswith(".csv"):
+            write_csv(rows, name)
+        else:
+            write_json(rows, name, options=said, summary=result)
+    if options["as_json"]:
+        print_json(result)
+    else:
+        say_written(options)
+    limits = limits_from_texts(options["require"])
+    exceeded = [exceeds(limits, columns) for columns in summaries.values()]  # each is named
+    return any(exceeded)
 
 
 def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str, Any]], Any]:
     """A row per case, and the summary of all their readings."""
-    from skinfield.experiments.cases.files import load_case
-    from skinfield.experiments.scoring.summary import summarise
-    from skinfield.experiments.scoring.validation import row_of_case
+    from skinfield.lab.case_files import load_case
+    from skinfield.lab.score import summarise
+    from skinfield.lab.validation import row_of_case
 
     rows, scores = [], []
     with progress() as bar:
@@ -242,4 +218,4 @@ def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str
             rows.append({"file": path.name, "solver": solver, **row_of_case(case, found)})
             scores += found
             bar.update(task, advance=1)
-    return rows, summarise(scores)
+    return rows, summarise([score.row() for score in scores])

@@ -1,117 +1,95 @@
 """`skinfield view`: the page of a recording, or of skins elsewhere."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Protocol
 
-import click
 from rich.console import Console
 
-from skinfield.cli.bridge_options import zenoh_options
-from skinfield.cli.endings import told_to_end
-from skinfield.cli.page_options import page_options, page_settings, tell_page
+from skinfield.bridges.launch import zenoh_sources
+from skinfield.bridges.zenoh.source import ZenohSource
+from skinfield.cli.options import part
+from skinfield.cli.replay import opened
+from skinfield.cli.report import show_address, signals_end
+from skinfield.errors import InputError, check_positive
+from skinfield.settings import PageSettings, ZenohAddresses
+from skinfield.viewer import serve_page
+from skinfield.viewer.controller import Controller
+from skinfield.viewer.source import DataSource, EngineView, plain_view
 
-LOOKS = 0.25  # s between looks whether the page is still served
-
-HELP = """Show a recording, or skins that run elsewhere, in the browser.
-
-FILE is what `skinfield record`, or `run --record`, wrote. Its readings are answered again, bit
-for bit, at any pace and from any time on; files that were cut short or have gaps are shown where
-that can be done, and the page says where not.
-
-With --zenoh the page shows all skins whose estimates can be reached, side by side as one: see
-`skinfield run --zenoh`.
-
-\b
-Examples:
-  skinfield view touch.mcap
-  skinfield view touch.mcap --port 8800 --no-browser
-  skinfield view --zenoh
-  skinfield view --zenoh --zenoh-connect tcp/robot:7447
-  skinfield view --zenoh --host 0.0.0.0 --token A-LONG-SECRET
-
-Recordings of counts alone, such as CSV or a yarpdatadumper log: `skinfield reconstruct`.
-"""
+POLL = 0.25  # s between looks whether the page is still served
+NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machine reaches it?"
 
 
-@click.command(short_help="Show a recording, or skins elsewhere, in the browser.", help=HELP)
-@click.argument("file", required=False, type=click.Path(path_type=Path))
-@click.option("--zenoh", is_flag=True, help="Skins elsewhere, see docs/zenoh.md.")
-@zenoh_options
-@page_options
-@click.option("--paused", is_flag=True, help="Do not play FILE at once.")
-@click.option("--duration", type=float, help="Seconds; default until Ctrl-C.")
-def view(**given: Any) -> None:
-    """Serve the page until Ctrl-C."""
-    from skinfield.viewer import serve_page
+def view(
+    file: str | None = None,
+    /,
+    *,
+    paused: bool = False,
+    duration: float | None = None,
+    page: Annotated[PageSettings, part("Page")] = PageSettings(),
+    zenoh: Annotated[ZenohAddresses, part("Skins elsewhere")] = ZenohAddresses(),
+) -> None:
+    """Show a recording, or skins that run elsewhere, in the browser.
 
-    _check(given)
+    FILE is what `skinfield record`, or `run --record`, wrote. It is shown as it was, at any pace
+    and from any time on; files that were cut short are shown as far as they go.
+
+    With --zenoh the page shows all skins whose estimates can be reached, side by side as one: see
+    `skinfield run --zenoh`.
+
+      skinfield view touch.mcap
+      skinfield view touch.mcap --port 8800 --no-browser
+      skinfield view --zenoh
+      skinfield view --zenoh --zenoh-connect tcp/robot:7447
+      skinfield view --zenoh --host 0.0.0.0 --token A-LONG-SECRET
+
+    Recordings of counts alone, such as CSV or a yarpdatadumper log: `skinfield reconstruct`.
+
+    Parameters
+    ----------
+    file : str, optional
+        Recording (.mcap).
+    paused : bool
+        Do not play FILE at once.
+    duration : float, s, optional
+        Seconds; default until Ctrl-C.
+    """
+    _check(file, zenoh, duration)
     console = Console(stderr=True)
-    settings = page_settings(given)
-    source = _recording(given, console) if given["file"] is not None else _elsewhere(given)
+    shown = _elsewhere(zenoh) if file is None else opened(file, not paused, console)
     try:
-        with told_to_end(), source as (feeds, desk), serve_page(settings, feeds, desk) as page:
-            tell_page(given, page.address, console)
-            _wait(page, given["duration"])
+        with (
+            signals_end(),
+            shown as (sources, controller),
+            serve_page(page, sources, controller) as served,
+        ):
+            show_address(served.address, console, browser=page.browser)
+            _wait(served, duration)
     except KeyboardInterrupt:
         console.print("stopping", style="dim")
 
 
-def _check(given: dict[str, Any]) -> None:
+def _check(file: str | None, zenoh: ZenohAddresses, duration: float | None) -> None:
     """Raise InputError unless it is clear what to show."""
-    from skinfield.errors import InputError, check_positive
-
-    if (given["file"] is None) == (not given["zenoh"]):
-        what = "neither was given" if given["file"] is None else "both were given"
+    if (file is None) == (not zenoh.zenoh):
+        what = "neither was given" if file is None else "both were given"
         raise InputError(
             f"{what}, expected a recording (skinfield view FILE.mcap) or --zenoh; a skin on this "
             "machine has its page where `skinfield run` says"
         )
-    if given["file"] is not None and any(
-        given[f"zenoh_{name}"] for name in ("listen", "connect", "config")
-    ):
+    if file is not None and zenoh.addressed:
         raise InputError("addresses of zenoh were given with a recording, expected --zenoh alone")
-    if given["duration"] is not None:
-        check_positive("--duration", given["duration"], "s")
+    if duration is not None:
+        check_positive("--duration", duration, "s")
 
 
 @contextmanager
-def _recording(given: dict[str, Any], console: Console) -> Iterator[tuple[Any, Any]]:
-    """Feeds and desk of a recording."""
-    from skinfield.viewer.replay_desk import ReplayDesk
-    from skinfield.viewer.replay_feed import ReplayFeed
-
-    with console.status(f"looking through {given['file']}"):
-        feed = ReplayFeed(given["file"], playing=not given["paused"])
-    for begin, end in feed.holes:
-        console.print(
-            f"from {begin:.2f} s to {end:.2f} s nothing can be answered again: readings are "
-            "missing there, or the engine was starting",
-            style="yellow",
-        )
-    for each in feed.replay.recording.damage[:3]:
-        console.print(
-            f"damaged at byte {each.byte}: {each.why}",
-            style="yellow",
-            markup=False,
-            highlight=False,
-        )
-    try:
-        yield (lambda: (feed,)), ReplayDesk(feed)
-    finally:
-        feed.close()
-
-
-@contextmanager
-def _elsewhere(given: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
-    """Feeds and desk of skins that are reached over zenoh."""
-    from skinfield.cli.bridge_parts import zenoh_feeds
-    from skinfield.cli.remote_desk import RemoteDesk
-
-    with zenoh_feeds(given) as found:
-        yield found.feeds, RemoteDesk(found)
+def _elsewhere(zenoh: ZenohAddresses) -> Iterator[tuple[Any, Any]]:
+    """Sources and controller of skins that are reached over zenoh."""
+    with zenoh_sources(zenoh) as found:
+        yield found.sources, RemoteController(found)
 
 
 def _wait(page: Any, duration: float | None) -> None:
@@ -119,4 +97,58 @@ def _wait(page: Any, duration: float | None) -> None:
     end = None if duration is None else time.monotonic() + duration
     while end is None or time.monotonic() < end:
         page.check()
-        time.sleep(LOOKS if end is None else max(min(LOOKS, end - time.monotonic()), 0.0))
+        time.sleep(POLL if end is None else max(min(POLL, end - time.monotonic()), 0.0))
+
+
+class RemoteSources(Protocol):
+    """What was found elsewhere; see `ZenohSources`."""
+
+    @property
+    def notes(self) -> Mapping[str, str]:
+        """Why an engine that can be seen is not shown, by its name."""
+
+    def sources(self) -> Sequence[DataSource]:
+        """Engines that are shown."""
+
+
+class RemoteController(Controller):
+    """See `Controller`.
+
+    Parameters
+    ----------
+    found : ZenohSources
+    """
+
+    def __init__(self, found: RemoteSources) -> None:
+        super().__init__()
+        self._found = found
+        self._noted: dict[str, str] = {}
+
+    def notices(self) -> list[tuple[str, str]]:
+        """See `Controller`; and why an engine that can be seen is not shown, once."""
+        notes = dict(self._found.notes)
+        for name, why in notes.items():
+            if self._noted.get(name) != why:
+                self.say("warn", f"{name} is not shown: {why}")
+        self._noted = notes
+        return super().notices()
+
+    def controls(self) -> dict[str, Any]:
+        """See `Controller`; why nothing is shown is told as long as that is so."""
+        fields = super().controls()
+        if not self._found.sources():
+            notes = dict(self._found.notes)
+            whys = [f"{name} is not shown: {why}" for name, why in notes.items()]
+            fields["busy"] = "; ".join(whys) or NOBODY
+        return fields
+
+    def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
+        """See `Controller`."""
+        return [_view(source) for source in sources]
+
+
+def _view(source: DataSource) -> EngineView:
+    snapshot = source.latest()
+    if snapshot is None or not isinstance(source, ZenohSource):
+        return plain_view(snapshot)
+    return EngineView(snapshot, *source.best(snapshot), old=source.gone)

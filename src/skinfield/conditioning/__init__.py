@@ -2,13 +2,16 @@
 
 from skinfield.conditioning.baseline import Baseline as Baseline
 from skinfield.conditioning.baseline import estimate_baseline as estimate_baseline
+from skinfield.conditioning.boards import Convention as Convention
 from skinfield.conditioning.boards import CySkinCount as CySkinCount
 from skinfield.conditioning.boards import ICubByte as ICubByte
 from skinfield.conditioning.boards import PlainCount as PlainCount
+from skinfield.conditioning.boards import valid_from_counts as valid_from_counts
 from skinfield.conditioning.calibration import Calibration as Calibration
-from skinfield.conditioning.calibration_files import load_calibration as load_calibration
-from skinfield.conditioning.calibration_files import save_calibration as save_calibration
+from skinfield.conditioning.calibration import load_calibration as load_calibration
+from skinfield.conditioning.calibration import save_calibration as save_calibration
 from skinfield.conditioning.capacitance import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
+from skinfield.conditioning.capacitance import CapacitanceConverter as CapacitanceConverter
 from skinfield.conditioning.capacitance import (
     capacitance_change_from_gap as capacitance_change_from_gap,
 )
@@ -25,11 +28,6 @@ from skinfield.conditioning.capacitance import rest_capacitance as rest_capacita
 from skinfield.conditioning.capacitance import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
-from skinfield.conditioning.convention import Convention as Convention
-from skinfield.conditioning.converters import CapacitanceConverter as CapacitanceConverter
-from skinfield.conditioning.curves import LinearCurve as LinearCurve
-from skinfield.conditioning.curves import StressCurve as StressCurve
-from skinfield.conditioning.curves import TableCurve as TableCurve
 from skinfield.conditioning.faults import FaultLimits as FaultLimits
 from skinfield.conditioning.faults import Faults as Faults
 from skinfield.conditioning.faults import Verdict as Verdict
@@ -45,11 +43,13 @@ from skinfield.conditioning.filters import RandomWalk as RandomWalk
 from skinfield.conditioning.filters import filtered as filtered
 from skinfield.conditioning.filters import rise_time as rise_time
 from skinfield.conditioning.filters import step_response as step_response
-from skinfield.conditioning.quiet import QuietStretch as QuietStretch
-from skinfield.conditioning.quiet import quiet_stretch as quiet_stretch
-from skinfield.conditioning.tensile import TensileTest as TensileTest
-from skinfield.conditioning.tensile import load_tensile_test as load_tensile_test
-from skinfield.conditioning.tension import ModulusFit as ModulusFit
-from skinfield.conditioning.tension import curve_from_tension as curve_from_tension
-from skinfield.conditioning.tension import initial_modulus as initial_modulus
-from skinfield.conditioning.validity import valid_from_counts as valid_from_counts
+from skinfield.conditioning.stationary import QuietStretch as QuietStretch
+from skinfield.conditioning.stationary import quiet_stretch as quiet_stretch
+from skinfield.conditioning.tensile_test import LinearCurve as LinearCurve
+from skinfield.conditioning.tensile_test import ModulusFit as ModulusFit
+from skinfield.conditioning.tensile_test import StressCurve as StressCurve
+from skinfield.conditioning.tensile_test import TableCurve as TableCurve
+from skinfield.conditioning.tensile_test import TensileTest as TensileTest
+from skinfield.conditioning.tensile_test import curve_from_tension as curve_from_tension
+from skinfield.conditioning.tensile_test import initial_modulus as initial_modulus
+from skinfield.conditioning.tensile_test import load_tensile_test as load_tensile_test

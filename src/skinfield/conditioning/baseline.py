@@ -5,19 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skinfield.conditioning.convention import Bools, Convention
-from skinfield.conditioning.quiet import (
+from skinfield.conditioning.boards import Bools, Convention
+from skinfield.conditioning.stationary import (
     LEAST_READINGS,
     MOVING,
     QuietStretch,
     fast_noise,
     judge,
-    quiet_stretch,
-    readings_per_value,
-)
-from skinfield.conditioning.robust import (
     level_and_noise,
+    quiet_stretch,
     readings_per_independent,
+    readings_per_value,
     recorded,
     trend,
     whole_numbers,

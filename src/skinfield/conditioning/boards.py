@@ -1,12 +1,42 @@
-"""What boards send: the 8-bit iCub convention and the 16-bit CySkin one."""
+"""Boards: what counts mean, the 8-bit iCub convention and the 16-bit CySkin one."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from skinfield.conditioning.convention import Bools
 from skinfield.errors import Floats, InputError, as_floats, check_positive
+
+Bools = NDArray[np.bool_]
+
+
+class Convention(Protocol):
+    """How a maker's board codes what a taxel feels. `ICubByte`, `CySkinCount`, one's own."""
+
+    @property
+    def lowest(self) -> float:
+        """Least count that can be sent."""
+        ...
+
+    @property
+    def highest(self) -> float:
+        """Largest count that can be sent."""
+        ...
+
+    @property
+    def rest(self) -> float:
+        """Count of an unloaded taxel by convention; NaN where there is none."""
+        ...
+
+    @property
+    def direction(self) -> int:
+        """Sign of the change of a count under pressure: -1 or +1."""
+        ...
+
+    def saturated(self, counts: Floats) -> Bools:
+        """Where a count is at a clamp and says only that the load is off the scale."""
+        ...
 
 
 def _whole(name: str, values: ArrayLike) -> Floats:
@@ -218,3 +248,86 @@ class PlainCount:
     def saturated(self, counts: Floats) -> Bools:
         """Where a word is the least or the largest one: nothing is connected, or off the scale."""
         return np.asarray((counts <= self.lowest) | (counts >= self.highest))
+
+
+GAINS = (70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77)
+"""Of the firmware, skin type 0, per channel of a triangle: 128ths of the drift of its pad."""
+GAINS_V2 = (58, 91, 39, 23, 35, 90, 0, 38, 68, 115, 0, 86)
+"""Of the firmware, skin type 8: pads of the second generation."""
+PAD, UNUSED = 6, 10
+"""Channels of the pad that the firmware goes by, and of the one that it does not."""
+
+
+def firmware_drift(
+    pad_difference: ArrayLike, gains: ArrayLike = GAINS, *, negated_first: bool = False
+) -> Floats:
+    """What the firmware takes off a taxel for the warmth of its pad, converter counts; bit-exact.
+
+    ± ((|T - T_b| >> 2) · gain) >> 5, with the sign of T - T_b.
+
+    Parameters
+    ----------
+    pad_difference : array, converter counts
+        T - T_b of the pad, whole numbers.
+    gains : array of int
+        Broadcast against it.
+    negated_first : bool
+        Shift the negated product, as the mtb4 boards do, instead of negating the shifted one, as
+        the mtb3 boards do: rounds negative drifts the other way.
+    """
+    pad = as_floats("pad_difference", pad_difference)
+    product = np.floor(np.abs(pad) / 4.0) * np.asarray(gains)
+    sign = np.where(pad < 0, -1.0, 1.0)
+    if negated_first:
+        return np.asarray(np.floor(sign * product / 32.0))
+    return np.asarray(sign * np.floor(product / 32.0))
+
+
+def valid_from_counts(
+    counts: ArrayLike,
+    convention: Convention | None = None,
+    *,
+    taxels: int | None = None,
+    alive: Bools | None = None,
+) -> Bools:
+    """Validity of each count of a reading (L,) or of readings (T, L), same shape.
+
+    Invalid are NaN and infinities, values that the convention cannot send, values at its clamp
+    (the load is off the scale in this reading; the taxel lives), and taxels that are not alive.
+    An invalid taxel is to be left out, or to be NaN for a filter, never to be set to zero.
+
+    Parameters
+    ----------
+    counts : array, counts
+    convention : Convention, optional
+        Knows range and clamps.
+    taxels : int, optional
+        Expected length of the last axis; default that of `alive`, if given.
+    alive : (L,) bool array, optional
+        As a calibration has it.
+
+    Raises
+    ------
+    InputError
+        If the length is another, or no count is a number.
+    """
+    array = as_floats("counts", counts)
+    width = taxels if taxels is not None else None if alive is None else len(alive)
+    if array.ndim not in (1, 2) or (width is not None and array.shape[-1] != width):
+        raise InputError(
+            f"counts has shape {array.shape}, expected "
+            f"({'taxels' if width is None else width},) or (readings, "
+            f"{'taxels' if width is None else width}): one column per taxel"
+        )
+    valid = np.isfinite(array)
+    if not valid.any():
+        raise InputError(
+            f"counts of shape {array.shape} hold no number, expected a reading: "
+            "the board does not answer, or this is another port"
+        )
+    if convention is not None:
+        valid &= (array >= convention.lowest) & (array <= convention.highest)
+        valid &= ~convention.saturated(array)
+    if alive is not None:
+        valid &= alive
+    return valid

@@ -1,14 +1,14 @@
 """Indenters as settings: the same words in a scenario's file and on the command line."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from skinfield.errors import FileError, InputError
+from skinfield.settings.text import nearest
 from skinfield.simulate import Bar, Cone, Cylinder, Indenter, Ring, Rod, Sphere, Wedge
 
 COMMON = (
@@ -109,7 +109,7 @@ def indenter_from_mapping(
     if not isinstance(name, str) or name not in SHAPES:
         raise InputError(
             f"{where} has shape {name!r}, expected one of {', '.join(SHAPES)}"
-            f"{_nearest(name, SHAPES)}: for example '{SHAPES['sphere'].example}'"
+            f"{nearest(name, SHAPES)}: for example '{SHAPES['sphere'].example}'"
         )
     shape = SHAPES[name]
     given = [key for key in mapping if key != "shape"]
@@ -117,7 +117,7 @@ def indenter_from_mapping(
         if key not in shape.keys:
             raise InputError(
                 f"{where} has the key {key!r}, expected for a {name}: {', '.join(shape.keys)}"
-                f"{_nearest(key, shape.keys)}: for example '{shape.example}'"
+                f"{nearest(key, shape.keys)}: for example '{shape.example}'"
             )
     missing = [key for key in shape.required if key not in mapping]
     if missing:
@@ -175,9 +175,3 @@ def _number(key: str, value: Any, where: str) -> float:
     if not np.isfinite(value):
         raise InputError(f"{where}: {key} is {value!r}, expected a finite number")
     return float(value)
-
-
-def _nearest(word: object, known: Iterable[str]) -> str:
-    """Words that suggest the known name that is nearest, if one is near."""
-    found = get_close_matches(word, list(known), n=1) if isinstance(word, str) else []
-    return f" (did you mean {found[0]}?)" if found else ""

@@ -1,14 +1,13 @@
 """Tables of a settings file, read key by key: units, kinds, and every key accounted for."""
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
-from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from skinfield.errors import FileError, InputError
+from skinfield.settings.text import line_of, nearest
 
 T = TypeVar("T")
 DEGREE = math.pi / 180.0
@@ -49,10 +48,10 @@ def si_from_number(key: str, number: int | float | Decimal) -> float:
         return float(exact.scaleb(UNITS.get(ending_of(key), 0)))
 
 
-def number_from_si(key: str, value: float) -> str:
-    """Text of the number that `si_from_number` turns into this very value."""
+def number_from_si(key: str, value: float) -> Decimal:
+    """Number that `si_from_number` turns into this very value."""
     if ending_of(key) == "_deg":
-        return repr(before_factor(float(value), DEGREE))
+        return Decimal(repr(before_factor(float(value), DEGREE)))
     exact = Decimal(repr(float(value)))
     with localcontext() as context:
         context.prec = 60
@@ -60,9 +59,7 @@ def number_from_si(key: str, value: float) -> str:
             exact -= CELSIUS
         else:
             exact = exact.scaleb(-UNITS.get(ending_of(key), 0))
-    text = format(exact, "f")
-    text = text.rstrip("0") if "." in text else text
-    return text + "0" if text.endswith(".") else text if "." in text else text + ".0"
+    return Decimal(format(exact, "f"))  # without an exponent
 
 
 def before_factor(value: float, factor: float) -> float:
@@ -171,7 +168,7 @@ class Table:
         """One of some words."""
         word = self.word(key, default)
         if word not in choices:
-            raise self.wrong(key, f"one of {', '.join(choices)}{_nearest(word, choices)}")
+            raise self.wrong(key, f"one of {', '.join(choices)}{nearest(word, choices)}")
         return choices[word]
 
     def table(self, key: str) -> "Table":
@@ -202,7 +199,7 @@ class Table:
             listed = ", ".join(units.get(name, name) for name in sorted(self.known))
             raise FileError(
                 f"{self.place(key)}: {_shown(key)} is not known, expected one of {listed}"
-                f"{_nearest(key, self.known)}"
+                f"{nearest(key, self.known)}"
             )
 
     def made(self, make: Callable[..., T], **values: Any) -> T:
@@ -246,7 +243,7 @@ class Table:
 
     def place(self, key: str | None) -> str:
         """File, line where it can be found, and table."""
-        line = _line_of(self.text, self.where, key)
+        line = line_of(self.text, self.where, key or "")
         head = f"{self.path}:{line}" if line else self.path
         return f"{head}: [{self.where}]" if self.where else head
 
@@ -265,32 +262,3 @@ def _shown(value: object) -> str:
     except ValueError:  # a whole number of more digits than Python prints
         return "a number without end"
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _nearest(word: str, known: Any) -> str:
-    found = get_close_matches(word, list(known), n=1)
-    return f" (did you mean {found[0]}?)" if found else ""
-
-
-def _line_of(text: str, where: str, key: str | None) -> int:
-    """Line of a key, or of the table's head; 0 where it is written in some other way."""
-    name, _, row = where.partition("[")
-    wanted, seen, inside = int(row.rstrip("]")) if row else 0, -1, not where
-    for number, line in enumerate(text.splitlines(), start=1):
-        head = re.match(r"\s*\[\[?\s*([\w.\- ]+?)\s*\]", line)
-        if head:
-            seen += head.group(1) == name
-            inside = head.group(1) == name and seen == wanted
-            if inside and key is None:
-                return number
-        elif inside and key is not None:
-            before = re.match(r"""\s*["']?([^"'=]*?)["']?\s*=""", line)
-            if before and before.group(1) == key:
-                return number
-    return 0
-
-
-def quoted(text: str) -> str:
-    """Basic string of TOML: quotes, backslashes and control characters escaped."""
-    safe = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}" for c in safe) + '"'

@@ -108,8 +108,8 @@ def level_of(
     heights = known.sigmas(noise), known.relative_height, known.prominence, known.edge
     numbers = [grid.shape[1], grid.pitch, *grid.origin, *heights]
     numbers += [model_error.force, model_error.place, sign]
-    told = signatures is not None and threshold > 0.0
-    numbers.append(threshold if told else 0.0)
+    tested = signatures is not None and threshold > 0.0
+    numbers.append(threshold if tested else 0.0)
     read = np.zeros((1, 1)) if signatures is None else signatures
     return Level(
         std=_as_compiled(noise.std),
@@ -224,7 +224,7 @@ class LiveContacts:
         room = self._rooms[level]
         if whitened is not None and known.signatures.shape[1] == len(whitened):
             room.residual[:] = whitened
-        told = self._tell(
+        count = self._tell(
             pressure,
             known,
             room,
@@ -235,7 +235,7 @@ class LiveContacts:
             stamp_ns,
             out,
         )
-        return int(told)
+        return int(count)
 
     def reset(self) -> None:
         """Forget the contacts of before; numbers go on."""
@@ -243,8 +243,8 @@ class LiveContacts:
 
 
 def _room_for(level: "Level", rows: int) -> "Room":
-    from skinfield.contacts.flood_kernel import room_for
     from skinfield.contacts.live_kernel import CELLS, Room
+    from skinfield.contacts.regions_kernel import room_for
 
     columns = int(level.numbers[0])
     wet, values, tables = room_for(len(level.std) // columns, columns)

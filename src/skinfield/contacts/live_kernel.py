@@ -1,18 +1,21 @@
 """Contacts of a live loop, compiled: regions, what they amount to, and which are those of before.
 
-Nothing is allocated. Regions come from `flood_kernel`; see `skinfield.contacts.live` for the rows.
+Nothing is allocated. Regions come from `regions_kernel`; see `skinfield.contacts.live`
+for the rows.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from skinfield.contacts.flood_kernel import (
+from skinfield.compiled import inner, njit
+from skinfield.contacts.regions_kernel import (
     REGIONS,
     STARTS,
+    TIE,
     Work,
+    comes_first,
     flood,
     highest_of,
     keep_high,
@@ -52,7 +55,7 @@ class Room(NamedTuple):
     signature: Floats
 
 
-@njit(cache=True, nogil=True)
+@njit
 def tell(
     pressure: Floats,
     level: Level,
@@ -67,19 +70,19 @@ def tell(
     """Write the strongest contacts into `out`, by falling force; how many there are in all."""
     work: Work = (room.wet, room.values, room.tables)
     count = regions(pressure, level, work)
-    told = strongest(pressure, count, level, room, len(out))
-    if told > 1 and level.numbers[THRESHOLD] > 0.0:
-        kept = standing_out(pressure, told, level, room)
-        told, count = kept, count - (told - kept)
-    for place in range(told):
+    many = strongest(pressure, count, level, room, len(out))
+    if many > 1 and level.numbers[THRESHOLD] > 0.0:
+        kept = standing_out(pressure, many, level, room)
+        many, count = kept, count - (many - kept)
+    for place in range(many):
         describe(pressure, room.strongest[place], level, room, out[place])
         out[place].patch = patch
-    associate(told, level, habits, memory, ids, now, room, out)
+    associate(many, level, habits, memory, ids, now, room, out)
     return count
 
 
-@njit(cache=True, nogil=True)
-def standing_out(pressure: Floats, told: int, level: Level, room: Room) -> int:
+@inner
+def standing_out(pressure: Floats, many: int, level: Level, room: Room) -> int:
     """Drop listed regions that noise explains as well, given the others; how many are kept.
 
     A field that is nowhere negative fits what it can of the noise. What a region reads, s in units
@@ -93,7 +96,7 @@ def standing_out(pressure: Floats, told: int, level: Level, room: Room) -> int:
         if pressure[cell] > 0.0:
             add_to(residual, level.signatures[cell], -pressure[cell])
     kept = 1
-    for place in range(1, told):
+    for place in range(1, many):
         region = listed[place]
         signature[:] = 0.0
         for cell in cells[starts[region] : starts[region + 1]]:
@@ -108,14 +111,14 @@ def standing_out(pressure: Floats, told: int, level: Level, room: Room) -> int:
     return kept
 
 
-@njit(cache=True, nogil=True)
+@inner
 def add_to(total: Floats, row: NDArray[np.float32], weight: float) -> None:
     """Add a row, weighted."""
     for taxel in range(len(total)):
         total[taxel] += weight * row[taxel]
 
 
-@njit(cache=True, nogil=True)
+@njit
 def regions(pressure: Floats, level: Level, work: Work) -> int:
     """Find regions as a `ContactFinder` does; how many there are."""
     known, std = level.numbers, level.std
@@ -127,7 +130,7 @@ def regions(pressure: Floats, level: Level, work: Work) -> int:
     return int(keep_high(pressure, std, sigmas, least, count, work))
 
 
-@njit(cache=True, nogil=True)
+@njit
 def stands_out(pressure: Floats, std: Floats, sigmas: float, least: float) -> bool:
     """Whether any cell is above its noise and above `least`.
 
@@ -139,28 +142,31 @@ def stands_out(pressure: Floats, std: Floats, sigmas: float, least: float) -> bo
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit
 def strongest(pressure: Floats, count: int, level: Level, room: Room, most: int) -> int:
     """List the regions of the largest sums, falling; how many are listed."""
     starts, cells = room.tables[STARTS], room.tables[REGIONS]
     listed, forces = room.strongest, room.forces
-    told = 0
+    many = 0
     for region in range(count):
         total = 0.0
         for cell in cells[starts[region] : starts[region + 1]]:
             total += pressure[cell]
-        place = told
-        while place > 0 and forces[place - 1] < total:
+        place, first = many, cells[starts[region]]
+        while place > 0:
+            other = listed[place - 1]
+            if not comes_first(total, first, forces[place - 1], cells[starts[other]]):
+                break
             if place < most:
-                forces[place], listed[place] = forces[place - 1], listed[place - 1]
+                forces[place], listed[place] = forces[place - 1], other
             place -= 1
         if place < most:
             forces[place], listed[place] = total, region
-            told = min(told + 1, most)
-    return told
+            many = min(many + 1, most)
+    return many
 
 
-@njit(cache=True, nogil=True)
+@njit
 def describe(pressure: Floats, region: int, level: Level, room: Room, row: Any) -> None:
     """What one region amounts to; its place in the plane goes to `position` for now."""
     known, columns = level.numbers, int(level.numbers[COLUMNS])
@@ -189,7 +195,7 @@ def describe(pressure: Floats, region: int, level: Level, room: Room, row: Any) 
     stand(pressure, cells, x, y, level, row)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def stand(pressure: Floats, cells: Ints, x: float, y: float, level: Level, row: Any) -> None:
     """Set place and normal on the skin, between four nodes, and the force along that normal."""
     columns, pitch = int(level.numbers[COLUMNS]), level.numbers[PITCH]
@@ -217,7 +223,7 @@ def stand(pressure: Floats, cells: Ints, x: float, y: float, level: Level, row: 
     row.x, row.y = level.numbers[X] + x * pitch, level.numbers[Y] + y * pitch
 
 
-@njit(cache=True, nogil=True)
+@inner
 def deviations(
     cells: Ints, x: float, y: float, total: float, level: Level, room: Room, row: Any
 ) -> None:
@@ -259,7 +265,7 @@ def deviations(
     row.place_std = np.sqrt(both * metres + known[PLACE] * known[PLACE])
 
 
-@njit(cache=True, nogil=True)
+@inner
 def of_prior(picked: Floats, used: int, prior: Floats) -> tuple[float, float, float]:
     """Prior variances of the sums of some cells, with weights 1, x and y."""
     own, ones, alongs, acrosses = prior[0, 0], 0.0, 0.0, 0.0
@@ -278,43 +284,44 @@ def of_prior(picked: Floats, used: int, prior: Floats) -> tuple[float, float, fl
     return ones, alongs, acrosses
 
 
-@njit(cache=True, nogil=True)
+@inner
 def associate(
-    told: int, level: Level, habits: Floats, memory: Any, ids: Ints, now: int, room: Room, out: Any
+    many: int, level: Level, habits: Floats, memory: Any, ids: Ints, now: int, room: Room, out: Any
 ) -> None:
     """Give each row the number of the nearest contact of before, or a new one.
 
     The nearest pair first; of equally near ones, that of the first row, then of the oldest number.
     """
-    for row in range(told):
+    for row in range(many):
         out[row].track = 0
     for place in range(len(memory)):
         memory[place].taken = 0
         if abs(NS * (now - memory[place].last_ns)) > habits[HOLD]:
             memory[place].track = 0
-    for _ in range(told):
+    for _ in range(many):
         best, row, place = np.inf, -1, -1
-        for r in range(told):
+        for r in range(many):
             if out[r].track == 0:
                 for m in range(len(memory)):
                     if memory[m].track != 0 and memory[m].taken == 0:
                         dx, dy = out[r].x - memory[m].x, out[r].y - memory[m].y
                         apart = np.sqrt(dx * dx + dy * dy)
                         since = max(NS * (now - memory[m].last_ns), 0.0)
-                        older = apart == best and r == row and memory[m].track < memory[place].track
+                        same = r == row and apart <= (1.0 + TIE) * best
+                        older = same and memory[m].track < memory[place].track
                         reach = habits[REACH] + habits[SPEED] * since
-                        if apart <= reach and (apart < best or older):
+                        if apart <= reach and (apart < (1.0 - TIE) * best or older):
                             best, row, place = apart, r, m
         if row < 0:
             break
         out[row].track, memory[place].taken = memory[place].track, 1
         follow(memory[place], habits, now, out[row])
-    for row in range(told):
+    for row in range(many):
         if out[row].track == 0:
             begin(memory, ids, now, out[row])
 
 
-@njit(cache=True, nogil=True)
+@njit
 def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
     """Move a contact of before to where it is now, and tell its age and speed."""
     passed = max(NS * (now - known.last_ns), 0.0)
@@ -327,7 +334,7 @@ def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
     row.speed = np.sqrt(known.vx * known.vx + known.vy * known.vy)
 
 
-@njit(cache=True, nogil=True)
+@njit
 def begin(memory: Any, ids: Ints, now: int, row: Any) -> None:
     """Remember a new contact, in place of none, else of the one not seen for longest."""
     place = 0

@@ -56,8 +56,7 @@ class ContactTable:
         finder: ContactFinder | None = None,
         noise: PressureError | None = None,
     ) -> None:
-        from skinfield.contacts.flood_kernel import room_for
-        from skinfield.contacts.summary_kernel import tabulate
+        from skinfield.contacts.regions_kernel import room_for, tabulate
 
         if rows < 1:
             raise InputError(f"rows is {rows}, expected 1 or more contacts that may be told")

@@ -4,14 +4,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from skinfield.contacts.tracking.habits import Gate, Habits
-from skinfield.contacts.tracking.motion import Motion
-from skinfield.contacts.tracking.tracked import ContactEvent, EventKind, TrackedContact
+from skinfield.contacts.tracked import ContactEvent, EventKind, Gate, Habits, Motion, TrackedContact
 from skinfield.errors import InputError, check_type
 from skinfield.fields import Estimate
+from skinfield.fields.ranking import falling_order
 
 if TYPE_CHECKING:
-    from skinfield.contacts.tracking.chart import Chart
+    from skinfield.contacts.developed_plane import Chart
 
 
 class Tracker:
@@ -67,7 +66,7 @@ class Tracker:
         slip_speed: float = 5e-3,
         slip_sigmas: float = 3.0,
     ) -> None:
-        from skinfield.contacts.tracking.follower import Follower
+        from skinfield.contacts.tracks import Follower
 
         self._habits = Habits(
             period=period,
@@ -117,7 +116,7 @@ class Tracker:
 
     def reset(self) -> None:
         """Forget all contacts; numbers go on, so that none is given twice."""
-        from skinfield.contacts.tracking.follower import Follower
+        from skinfield.contacts.tracks import Follower
 
         self._follower = Follower(self._habits, self._follower.next_number)
         self._stamp, self._started, self.events = 0, False, ()
@@ -125,16 +124,16 @@ class Tracker:
     def _follow(
         self, estimate: Estimate
     ) -> tuple[tuple[TrackedContact, ...], tuple[ContactEvent, ...]]:
-        from skinfield.contacts.tracking.in_plane import contacts_of, seen_of
+        from skinfield.contacts.developed_plane import contacts_of, measurements_of
 
         chart, stamp = self._chart_of(estimate), int(estimate.stamp_ns)
-        seen = seen_of(estimate.contacts, chart)
+        seen = measurements_of(estimate.contacts, chart)
         follower = self._follower
         follower.step(seen, self._step_to(stamp))
         self._stamp, self._started = stamp, True
         tracks = [track for track in follower.tracks if track.is_confirmed]
-        told = [one[1][0] for one in follower.told]
-        everyone = list(dict.fromkeys([*tracks, *told]))
+        named = [one[1][0] for one in follower.changes]
+        everyone = list(dict.fromkeys([*tracks, *named]))
         contacts = dict(zip(everyone, contacts_of(everyone, chart, follower.now), strict=True))
         events = tuple(
             ContactEvent(
@@ -144,10 +143,11 @@ class Tracker:
                 ids=ids,
                 position=contacts[first].position,
             )
-            for kind, (first, *_), ids in follower.told
+            for kind, (first, *_), ids in follower.changes
         )
-        order = sorted(tracks, key=lambda track: (-track.mean[2], track.known.number))
-        return tuple(contacts[track] for track in order), events
+        forces = [float(track.mean[2]) for track in tracks]
+        order = falling_order(forces, [track.known.number for track in tracks])
+        return tuple(contacts[tracks[index]] for index in order), events
 
     def _step_to(self, stamp: int) -> float:
         """Seconds since the reading before."""
@@ -163,7 +163,7 @@ class Tracker:
         return (stamp - self._stamp) * 1e-9
 
     def _chart_of(self, estimate: Estimate) -> "Chart":
-        from skinfield.contacts.tracking.chart import Chart
+        from skinfield.contacts.developed_plane import Chart
 
         patch = estimate.grid.patch
         if self._chart is None:

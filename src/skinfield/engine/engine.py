@@ -1,33 +1,87 @@
-"""The whole skin: all patches of a cycle within one budget of time."""
+"""Engine of the whole skin: all patches of a cycle within one budget of time."""
 
-import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from skinfield.engine.intake import Intake
+from skinfield.engine.patch_kinds import Group, kinds_of
+from skinfield.engine.workspace import Clockwork
+from skinfield.layout import Skin
+from skinfield.mechanics import Layer, Mechanics
+from skinfield.observation import Quantity, check_skin
+from skinfield.pipeline.multigrid_levels import prepare_rungs
+
+if TYPE_CHECKING:
+    from skinfield.inverse import Solver
+import time
+from functools import lru_cache, partial
+
+from numpy.typing import NDArray
 
 from skinfield.contacts import ContactFinder
-from skinfield.engine.again import done_again, told_by
-from skinfield.engine.answers import estimate_of, grid_of
-from skinfield.engine.clockwork import NS
-from skinfield.engine.cost import CostModel
-from skinfield.engine.estimates import Estimates
+from skinfield.engine.cache_warmup import Shadow, run_in
 from skinfield.engine.intake import Readings
-from skinfield.engine.interning import check_names, one_skin
-from skinfield.engine.linear_stages import answer_linearly, finest_for_all, refine_linearly
-from skinfield.engine.making import clockwork_of, groups_of
-from skinfield.engine.measure import run_in
+from skinfield.engine.patch_kinds import check_names, one_skin
 from skinfield.engine.report import CycleReport, Snapshot
-from skinfield.engine.results import Results
-from skinfield.engine.search_stages import begin_search, spend
-from skinfield.engine.shadow import Shadow
-from skinfield.errors import Floats, Ints, check_offers, check_positive
+from skinfield.engine.results import Estimates, Results, estimate_of, grid_of
+from skinfield.engine.stages import (
+    answer_linearly,
+    begin_search,
+    finest_for_all,
+    refine_linearly,
+    spend,
+)
+from skinfield.engine.timing_model import NS, CostModel
+from skinfield.errors import Floats, Ints, check_count, check_offers, check_positive
 from skinfield.fields import Estimate
 from skinfield.inverse import NonNegative, Solver
-from skinfield.layout import Patch, Skin
-from skinfield.mechanics import BondedLayer, Layer, Mechanics
-from skinfield.observation import Capacitance, Quantity
+from skinfield.layout import Patch
+from skinfield.mechanics import BondedLayer
+from skinfield.observation import Capacitance
+
+
+def groups_of(
+    skin: Skin,
+    layer: Layer | Mapping[str, Layer] | None,
+    noise_std: ArrayLike | Mapping[str, ArrayLike] | None,
+    rungs: Sequence[int],
+    mechanics: Mechanics,
+    quantity: Quantity,
+    solver: "Solver",
+    progress: Callable[[int, int], None],
+) -> list[Group]:
+    """Prepare each kind of patch once; see `Engine`.
+
+    `progress` is called before each kind with the patches that are ready, and how many there are.
+    """
+    typical = quantity.typical_noise
+    noise = typical if noise_std is None else noise_std
+    groups, first = [], 0
+    for index, kind in enumerate(kinds_of(skin, layer, noise, typical)):
+        progress(first, len(skin))
+        patch = kind.patches[0]
+        check_skin(patch, kind.layer, mechanics, quantity)
+        prepared = prepare_rungs(
+            patch, kind.layer, tuple(rungs), mechanics, quantity, solver, kind.noise_std
+        )
+        groups.append(Group(index, first, kind, prepared))
+        first += len(kind.patches)
+    return groups
+
+
+def clockwork_of(
+    groups: Sequence[Group], skin: Skin, quantity: Quantity, clock: Callable[[], int]
+) -> Clockwork:
+    """Arrays of all patches, those of one kind side by side."""
+    patches = [patch for group in groups for patch in group.kind.patches]
+    names = [patch.name for patch in skin]
+    noise = [np.tile(group.kind.noise_std, group.count) for group in groups]
+    order = [names.index(patch.name) for patch in patches]
+    return Clockwork(groups, Intake(patches, order, quantity, np.concatenate(noise)), clock)
+
 
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
 MOST_KEPT = 0.1  # of the budget, for each of these
@@ -90,6 +144,7 @@ class Engine:
         noise_std: ArrayLike | Mapping[str, ArrayLike] | None = None,
         finder: ContactFinder | None = None,
         clock: Callable[[], int] = time.perf_counter_ns,
+        progress: Callable[[int, int], None] = lambda ready, patches: None,
     ) -> None:
         check_positive("budget", budget, FOR_ALL)
         self.skin, self.budget, self.rungs = one_skin(skin), float(budget), tuple(rungs)
@@ -105,7 +160,14 @@ class Engine:
         self.names = tuple(patch.name for patch in self.skin)
         self.cycle = 0
         self.groups = groups_of(
-            self.skin, layer, noise_std, self.rungs, self.mechanics, self.quantity, self.solver
+            self.skin,
+            layer,
+            noise_std,
+            self.rungs,
+            self.mechanics,
+            self.quantity,
+            self.solver,
+            progress,
         )
         self._work = clockwork_of(self.groups, self.skin, self.quantity, clock)
         self._ordered = tuple(self._work.intake.names)
@@ -159,7 +221,6 @@ class Engine:
         valid: NDArray[np.bool_] | None = None,
         *,
         budget: float | None = None,
-        script: ArrayLike | None = None,
     ) -> None:
         """Answer one cycle into `results` alone: for loops that allocate nothing.
 
@@ -171,61 +232,17 @@ class Engine:
         valid : (N,) bool array, optional
             False for further taxels to leave out.
         budget : float, s, optional
-        script : (S, 5) int64 array, optional
-            Of a cycle that is to be done again, see `again`; the budget then plays no part.
 
         Raises
         ------
         InputError
-            For arrays of another shape or type, and as `again`.
+            For arrays of another shape or type.
         """
         start = self._begin(budget)
-        told = None if script is None else told_by(script, self._work)
         self._work.logging = False
         self._work.begin_flat(readings, valid)
-        hot, first = self._answer() if told is None else (done_again(self._work, told), start)
+        hot, first = self._answer()
         self._finish(hot, start, first)
-
-    def again(
-        self,
-        readings: Readings,
-        *,
-        valid: Mapping[str, ArrayLike] | None = None,
-        stamp_ns: int = 0,
-        script: ArrayLike,
-    ) -> Estimates:
-        """Answer one cycle as an engine did before, whatever time it takes now.
-
-        From a `reset` on, cycle by cycle, the answers are the same bit for bit: on this machine, or
-        one with a processor of the same kind, and with the same libraries.
-
-        Parameters
-        ----------
-        readings, valid, stamp_ns
-            As they were then.
-        script : (S, 5) int64 array
-            What `script` was after that cycle.
-
-        Returns
-        -------
-        Estimates
-
-        Raises
-        ------
-        InputError
-            For a script that no such engine writes, or of a search that ends otherwise.
-        """
-        start = self._begin(None)
-        told = told_by(script, self._work)
-        self._work.logging = True
-        self._work.begin(readings, valid)
-        hot = done_again(self._work, told)
-        return Estimates(self, self.cycle + 1, self._close(hot, start, start), stamp_ns)
-
-    @property
-    def script(self) -> Ints:
-        """What of the last cycle depended on time, (S, 5): a view, see `again` and `Script`."""
-        return self._work.script.rows
 
     def _begin(self, budget: float | None) -> int:
         """Set the end of a cycle; returns its start, ns."""
@@ -294,3 +311,33 @@ class Engine:
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""
         self._work.reset()
+
+
+def prefer(engine: "Engine", finest: int | None = None, first: int | None = None) -> None:
+    """Say how the next cycles spend their time.
+
+    Idle tests are made on every rung all the same: what touches the skin does not go unnoticed.
+
+    Parameters
+    ----------
+    engine : Engine
+    finest : int, optional
+        Rung beyond which no patch is answered, counted from the coarsest. Default the finest.
+    first : int, optional
+        Patch, in the skin's order, that is served before all others, and on any rung.
+
+    Raises
+    ------
+    InputError
+        If there is no such rung or patch.
+    """
+    work = engine._work
+    top = work.rungs - 1
+    if finest is not None:
+        check_count("finest", finest, 0, top, "rung, counted from the coarsest")
+        top = finest
+    row = -1
+    if first is not None:
+        check_count("first", first, 0, len(engine.names) - 1, "patch, in the skin's order")
+        row = engine.results.row_of(first)
+    work.prefer(top, row)

@@ -1,4 +1,4 @@
-"""One prepared linear map for many patches of equal geometry, applied to all of them at once."""
+"""Linear maps for many patches of equal geometry: dense, or in tiles without what is negligible."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.inverse.tiles import Tiles
+from skinfield.layout import Grid
 
 Singles = NDArray[np.float32]
 FEW = 5  # patches up to which a product for each is quicker than one for all
@@ -67,3 +69,60 @@ class DenseProduct:
             return
         for reading, row in zip(readings, out, strict=True):
             np.dot(reading, self.transposed, out=row)
+
+
+CUT = 1e-3  # of each taxel's effect on the field: for answers
+PROOF = 1e-4  # of each taxel's part in an idle test: its bound is then about 0.01 deviations
+SMALL = 20_000  # entries below which calls cost more than numbers
+
+
+@dataclass(frozen=True, eq=False)
+class TiledProduct:
+    """Tiles of cells that each taxel matters for: see `Tiles`.
+
+    Attributes
+    ----------
+    stamps : Tiles
+        In float32. Their `dropped` bounds how far an answer may be off.
+    """
+
+    stamps: Tiles
+
+    @classmethod
+    def of(cls, matrix: Floats | NDArray[Any], grid: Grid, cut: float = CUT) -> "TiledProduct":
+        """Of a matrix (K, L) whose rows are the cells of a grid; `cut` as of `Tiles.of`."""
+        return cls(Tiles.of(matrix, grid, cut))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(K, L)."""
+        return len(self.stamps.dropped), len(self.stamps.begins) - 1
+
+    @property
+    def nbytes(self) -> int:
+        """Of what is read in each call."""
+        return self.stamps.nbytes
+
+    def apply(self, readings: Singles, out: Singles) -> None:
+        """See `SharedProduct.apply`."""
+        self.stamps.apply(readings, out)
+
+
+def product_of(
+    matrix: Floats | NDArray[Any], grid: Grid, cut: float = CUT
+) -> DenseProduct | TiledProduct:
+    """The quicker product of a matrix (K, L), by how much of it is large.
+
+    Parameters
+    ----------
+    matrix : (K, L) array
+    grid : Grid
+        Of K cells.
+    cut : float
+        Of a stamped product, as of `Tiles.of`; 0 keeps all that is not 0.
+    """
+    if matrix.size >= SMALL and min(grid.shape) >= 4:
+        stamped = TiledProduct.of(matrix, grid, cut)
+        if stamped.stamps.pays:
+            return stamped
+    return DenseProduct.of(matrix)

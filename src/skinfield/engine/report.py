@@ -1,4 +1,4 @@
-"""What one cycle did, and what it left undone."""
+"""Report of a cycle: what it did, step by step, and what it left undone."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,9 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from skinfield.engine.clockwork import Clockwork
-from skinfield.engine.done import Done, Logged
-from skinfield.engine.state import Answer, Step
+from skinfield.engine.state import Answer, Logged, LoggedStep, Step
+from skinfield.engine.workspace import Clockwork
 from skinfield.errors import Floats, InputError, Ints
 
 WORDS = {
@@ -72,7 +71,7 @@ class CycleReport:
     overrun : bool
         Whether more than the budget was spent.
     names : tuple of str
-        Of the patches, as `Done.patch` counts them.
+        Of the patches, as `LoggedStep.patch` counts them.
     """
 
     budget: float
@@ -85,7 +84,7 @@ class CycleReport:
     _snapshot: "Snapshot"
 
     @cached_property
-    def steps(self) -> tuple[Done, ...]:
+    def steps(self) -> tuple[LoggedStep, ...]:
         """All steps; those of one plan's searches in the order in which they were taken."""
         return tuple(done for each in self._log for done in steps_of(each, self._snapshot.group))
 
@@ -127,16 +126,16 @@ class CycleReport:
         return tuple(self.names[place] for place in there)
 
 
-def steps_of(logged: Logged, groups: Ints) -> Iterator[Done]:
+def steps_of(logged: Logged, groups: Ints) -> Iterator[LoggedStep]:
     """One step, or those of a plan's searches."""
     if len(logged) == 7:
-        yield Done(*logged)
+        yield LoggedStep(*logged)
         return
     kinds, found = logged
     for kind, row in zip(kinds.tolist(), found.tolist(), strict=True):
         patch, rung, predicted, start, end = (row[i] for i in (0, 1, -3, -2, -1))
         group = int(groups[int(patch)])
-        yield Done(kind, group, int(patch), int(rung), int(start), int(end), predicted)
+        yield LoggedStep(kind, group, int(patch), int(rung), int(start), int(end), predicted)
 
 
 @dataclass(frozen=True, eq=False)

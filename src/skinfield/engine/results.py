@@ -1,15 +1,23 @@
-"""Answers of a cycle as arrays that stay where they are, for loops that allocate nothing."""
+"""Results of a cycle: arrays that stay where they are, and estimates of each patch made of them."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.engine.clockwork import Clockwork
-from skinfield.engine.group import Group
+from skinfield.contacts import ContactFinder
+from skinfield.engine.patch_kinds import Group
+from skinfield.engine.report import CycleReport
 from skinfield.engine.state import FEASIBLE, LINEAR
-from skinfield.errors import Floats, Ints
+from skinfield.engine.workspace import Clockwork
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.fields import Estimate
+from skinfield.layout import Grid
+from skinfield.pipeline.multigrid import Rest, linear_beliefs, searched_beliefs
+
+if TYPE_CHECKING:
+    from skinfield.engine.engine import Engine
 
 
 class Results:
@@ -93,3 +101,133 @@ class Results:
             each.setflags(write=False)
         linear = [each[place] for each in group.fields]
         return linear, [each[place] for each in group.feasible], zeros
+
+
+def grid_on(group: Group, place: int, rung: int) -> Grid:
+    """Nodes of a rung on one of the patches, which lie where those of the first do."""
+    first, patch = group.kind.patches[0], group.kind.patches[place]
+    grid = group.rungs.steps[rung].grid
+    return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
+
+
+def grid_of(work: Clockwork, patch: int, rung: int) -> Grid:
+    """Nodes of a rung on a patch, by its row."""
+    group, place = work.places[patch]
+    return grid_on(group, place, rung)
+
+
+def estimate_of(
+    work: Clockwork,
+    finder: ContactFinder,
+    patch: int,
+    grid_of: Callable[[int, int], Grid],
+    stamp_ns: int,
+    report: CycleReport,
+) -> Estimate:
+    """Copy a patch's answer out of the arrays; contacts and deformation follow when asked for."""
+    state, intake = work.state, work.intake
+    group = work.groups[state.group[patch]]
+    place, rung, answer = patch - group.first, int(state.rung[patch]), int(state.answer[patch])
+    step, grid, rows = group.rungs.steps[rung], grid_of(patch, rung), intake.rows_of(patch)
+    pressure, valid = _pressure(group, answer, rung, place), intake.valid[rows].copy()
+    filled = work.white[group.index][place] * group.kind.noise_std
+
+    def predicted() -> Floats:
+        if step.model is None:
+            return np.asarray(group.rungs.explained @ filled)
+        return np.asarray(step.model.matrix @ pressure)
+
+    linear = answer == LINEAR or step.operator is None
+    return Rest(
+        grid=grid,
+        pressure=pressure,
+        readings=intake.linear[rows].copy(),
+        valid=valid,
+        predicted=predicted,
+        moved=lambda: step.deformation.on(grid)(pressure),
+        beliefs=lambda: linear_beliefs(step) if linear else searched_beliefs(step),
+        finder=finder,
+    ).estimate(
+        latency=report.spent,
+        stamp_ns=stamp_ns,
+        gap=float(state.gap[patch]),
+        iterations=int(state.iterations[patch]),
+        deadline_met=not report.overrun,
+        notes=_notes(work, answer, valid),
+    )
+
+
+def _pressure(group: Group, answer: int, rung: int, place: int) -> Floats:
+    if answer == LINEAR:
+        return np.asarray(group.fields[rung][place], dtype=np.float64)
+    if answer == FEASIBLE:
+        return np.array(group.feasible[rung][place])
+    return np.zeros(len(group.rungs.steps[rung].grid))
+
+
+def _notes(work: Clockwork, answer: int, valid: NDArray[np.bool_]) -> tuple[str, ...]:
+    notes = []
+    if answer == LINEAR and not work.linear:
+        notes.append("no time to search: the clipped linear answer, without a certificate")
+    if not valid.all():
+        missing = int(len(valid) - valid.sum())
+        notes.append(f"{missing} taxels left out; pressure_std is that of all taxels")
+    return tuple(notes)
+
+
+class MissingPatch(InputError, KeyError):
+    """A patch that was not answered in a cycle."""
+
+    __str__ = Exception.__str__
+
+
+class Estimates(Mapping[str, Estimate]):
+    """Estimates of one cycle by the names of patches; those without an answer are not in it.
+
+    An estimate is copied out of the engine's arrays when it is first asked for, which must be
+    before the engine's next cycle; `keep` does so for all.
+
+    Attributes
+    ----------
+    report : CycleReport
+    """
+
+    def __init__(self, engine: "Engine", cycle: int, report: CycleReport, stamp_ns: int) -> None:
+        self.report = report
+        self._engine, self._cycle, self._stamp_ns = engine, cycle, stamp_ns
+        self._made: dict[str, Estimate] = {}
+
+    def __getitem__(self, name: str) -> Estimate:
+        if name not in self._made:
+            self._check(name)
+            self._made[name] = self._engine.estimate_of(name, self._stamp_ns, self.report)
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.report.names and name not in self.report.missing
+
+    def __iter__(self) -> Iterator[str]:
+        missing = set(self.report.missing)
+        return (name for name in self._engine.names if name not in missing)
+
+    def __len__(self) -> int:
+        return len(self.report.names) - len(self.report.missing)
+
+    def keep(self) -> "Estimates":
+        """Copy all estimates now, so that they outlast the engine's next cycle."""
+        for name in self:
+            self[name]
+        return self
+
+    def _check(self, name: str) -> None:
+        why = self.report[name].skipped
+        if name in self.report.missing:
+            raise MissingPatch(
+                f"patch {name!r} was not answered in this cycle: {why}; see `report.missing`"
+            )
+        if self._engine.cycle != self._cycle:
+            raise InputError(
+                f"the estimate of {name!r} was asked for after the engine's next cycle, expected "
+                "before: its arrays hold newer answers; take what you need, or call "
+                "`estimates.keep()`, before the next cycle"
+            )

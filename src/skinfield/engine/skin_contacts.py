@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.contacts.live import CONTACT, Habits, LiveContacts, level_of
-from skinfield.engine.answers import grid_on
 from skinfield.engine.engine import Engine
-from skinfield.engine.group import Group
+from skinfield.engine.patch_kinds import Group
+from skinfield.engine.results import grid_on
 from skinfield.engine.state import FEASIBLE, LINEAR
 from skinfield.errors import Ints, check_shape
-from skinfield.pipeline.ladder_estimate import Beliefs, linear_beliefs, searched_beliefs
+from skinfield.pipeline.multigrid import Beliefs, linear_beliefs, searched_beliefs
 
 if TYPE_CHECKING:
     from skinfield.contacts.live_kernel import Level

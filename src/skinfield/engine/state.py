@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
+
+Logged = tuple[int, int, int, int, int, int, float] | tuple[Ints, Floats]
 
 
 class Answer(IntEnum):
@@ -32,6 +35,36 @@ class Step(IntEnum):
 # as plain numbers: the members of an enumeration are slow to look up
 MISSING, IDLE, LINEAR, FEASIBLE = (int(each) for each in Answer)
 PRODUCT, TEST, ROW, COLD, WARM, MASKED = (int(each) for each in Step)
+
+
+class LoggedStep(NamedTuple):
+    """Entry of the step log: one step that was taken.
+
+    Attributes
+    ----------
+    step : int
+        Of `Step`; see `kind`.
+    group : int
+    patch : int
+        Row of the patch; -1 for a step of all patches of a kind.
+    rung : int
+    start, end : int, ns
+        Of the engine's clock.
+    predicted : float, s
+    """
+
+    step: int
+    group: int
+    patch: int
+    rung: int
+    start: int
+    end: int
+    predicted: float
+
+    @property
+    def kind(self) -> Step:
+        """What kind of step it was."""
+        return Step(self.step)
 
 
 @dataclass(eq=False)

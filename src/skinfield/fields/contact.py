@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
-from skinfield.fields.spread import Spread, normal_interval, normal_radius
+from skinfield.fields.uncertainty import Spread, normal_interval, normal_radius
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

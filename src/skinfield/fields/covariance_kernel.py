@@ -1,14 +1,14 @@
 """Covariances of sums over cells, compiled."""
 
 import numpy as np
-from numba import njit
 
+from skinfield.compiled import njit
 from skinfield.errors import Floats, Ints
 
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def of_factor(factor: Floats, cells: Ints, weights: Floats) -> Floats:
     """Covariance (M, M) of sums with weights (M, N) of rows `cells` of a factor (K, L)."""
     sums, readings = weights.shape[0], factor.shape[1]
@@ -29,7 +29,7 @@ def of_factor(factor: Floats, cells: Ints, weights: Floats) -> Floats:
     return covariance
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def of_lattice(prior: Floats, steps: Ints, cells: Ints, weights: Floats) -> Floats:
     """Covariance (M, M) of sums with weights (M, N), by the offset of each pair of cells.
 

@@ -4,4 +4,4 @@ from skinfield.layout.files import load_layout as load_layout
 from skinfield.layout.files import save_layout as save_layout
 from skinfield.layout.grid import Grid as Grid
 from skinfield.layout.patch import Patch as Patch
-from skinfield.layout.skin import Skin as Skin
+from skinfield.layout.patch import Skin as Skin

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from skinfield.layout.patch import Patch
-from skinfield.layout.skin import Skin
+from skinfield.errors import FileError
+from skinfield.layout.patch import Patch, Skin
 
 if TYPE_CHECKING:
     from skinfield.layout.formats import Format
@@ -55,3 +55,32 @@ def save_layout(
     if isinstance(skin, Patch):
         skin = Skin((skin,), name=skin.name)
     return (form or format_by_extension(path)).write(skin, path)
+
+
+def skin_from_text(text: str) -> Skin:
+    """Skin from a layout file or, where no such file exists, from a generator by name.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"right_foot.txt"``, ``"hexagon72"`` or ``"rectangular:rows=8,columns=8"``.
+
+    Raises
+    ------
+    FileError
+        When it is neither a file nor the name of a generator, or the file cannot be used.
+    InputError
+        When an argument of the generator cannot be used.
+    """
+    from skinfield.layout.generators import GENERATORS, by_name
+
+    name = text.strip().partition(":")[0]
+    if name in GENERATORS and not Path(text).is_file():
+        patch = by_name(text)
+        return Skin((patch,), name=patch.name)
+    if not Path(text).exists():
+        raise FileError(
+            f"{text}: no such file, and no generator, expected the path of a layout file or one "
+            f"of {', '.join(GENERATORS)}"
+        )
+    return load_layout(text)

@@ -137,7 +137,7 @@ class Grid:
         """
         from scipy.spatial import cKDTree
 
-        from skinfield.layout.hull import inside_hull
+        from skinfield.layout.geometry import inside_hull
 
         taxels = self.patch.plane
         near = np.asarray(cKDTree(taxels).query(self.plane)[0]) <= COVER * self.patch.pitch

@@ -4,12 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.layout.finding import Finding as Finding
 from skinfield.layout.formats import read_layout
-from skinfield.layout.formats.draft import Content, Draft
-from skinfield.layout.formats.mend import mend
-from skinfield.layout.patch import Patch
-from skinfield.layout.skin import Skin
+from skinfield.layout.formats.repair import Content, Draft, mend
+from skinfield.layout.formats.repair import Finding as Finding
+from skinfield.layout.patch import Patch, Skin
 
 ORDER = ("error", "warning", "info")
 

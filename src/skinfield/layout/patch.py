@@ -1,5 +1,6 @@
-"""The taxels under one sheet of elastomer."""
+"""Patches and skins: the taxels under one sheet of elastomer, and all patches of one robot."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -7,10 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, Ints, as_floats, check_finite, check_shape
-from skinfield.layout.hull import spans_plane
-from skinfield.layout.surface import Surface, surface_through
+from skinfield.layout.flattening import Surface, surface_through
+from skinfield.layout.geometry import spans_plane
 
 PER_TAXEL = ("positions", "normals", "module", "uid", "channel")
+COARSEST = 0.5  # m between taxels under one sheet: no skin has that, so these are millimetres
+WIDEST = 10.0  # m from end to end of one sheet
+LARGEST_PAD = 0.1  # m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,6 +46,11 @@ class Patch:
     Notes
     -----
     All arrays are copies, and read-only.
+
+    Raises
+    ------
+    InputError
+        If lengths are those of no skin: millimetres that were given as metres, most likely.
     """
 
     positions: Floats
@@ -57,6 +66,7 @@ class Patch:
 
     def __post_init__(self) -> None:
         positions = _positions(self.positions)
+        _check_lengths(self.name, positions, self.pad_diameter)
         rows = np.arange(len(positions))
         given = self.normals is not None
         columns = {
@@ -67,11 +77,6 @@ class Patch:
             "channel": _whole("channel", self.channel, rows).astype(np.int64),
             "link_from_patch": _pose(self.link_from_patch),
         }
-        if not 0.0 < self.pad_diameter < 1.0:
-            raise InputError(
-                f"pad_diameter is {self.pad_diameter!r} m, expected a length above 0 and below 1: "
-                "give it in metres, 4 mm is 4e-3"
-            )
         highest = int(columns["channel"].max()) + 1
         if self.n_channels and self.n_channels < highest:
             raise InputError(
@@ -170,6 +175,37 @@ class Patch:
         return self.plane[row], row
 
 
+def millimetres_in(positions: Floats) -> str:
+    """Why positions (L, 3) can only be millimetres given as metres, in words; "" if they need not.
+
+    Taxels at one place count once.
+    """
+    from skinfield.layout.geometry import nearest_distance
+
+    extent = float(np.ptp(positions, axis=0).max())
+    distance = nearest_distance(positions)
+    pitch = float(np.median(distance)) if np.isfinite(distance).all() else 0.0
+    if pitch <= COARSEST and extent <= WIDEST:
+        return ""
+    return (
+        f"taxels are {pitch:.3g} m apart over {extent:.3g} m, which no skin is: "
+        "these are millimetres given as metres"
+    )
+
+
+def _check_lengths(name: str, positions: Floats, pad_diameter: float) -> None:
+    if why := millimetres_in(positions):
+        raise InputError(
+            f"{name}: {why}; expected metres, at most {COARSEST:g} m apart and {WIDEST:g} m from "
+            "end to end: divide positions by 1000"
+        )
+    if not 0.0 < pad_diameter < LARGEST_PAD:
+        raise InputError(
+            f"pad_diameter is {pad_diameter!r} m, expected a length above 0 and below "
+            f"{LARGEST_PAD:g}: give it in metres, 4 mm is 4e-3"
+        )
+
+
 def _positions(values: ArrayLike) -> Floats:
     positions = as_floats("positions", values)
     if positions.ndim != 2 or positions.shape[1] not in (2, 3) or len(positions) == 0:
@@ -185,7 +221,7 @@ def _positions(values: ArrayLike) -> Floats:
 
 def _default_normals(positions: Floats) -> Floats:
     """Outward normals where none are known, (L, 3)."""
-    from skinfield.layout.normals import facing_from_positions
+    from skinfield.layout.geometry import facing_from_positions
 
     up = np.broadcast_to([0.0, 0.0, 1.0], positions.shape)
     if np.ptp(positions[:, 2]) < 1e-9:
@@ -234,3 +270,48 @@ def _pose(values: ArrayLike | None) -> Floats:
             "a last row of 0 0 0 1"
         )
     return pose
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """All patches of one robot; each patch knows its link and its pose there.
+
+    Parameters
+    ----------
+    patches : sequence of Patch, or one Patch
+        At least one, of distinct names.
+    name : str
+        Of the robot or of the file it came from.
+    notes : sequence of str
+        What the importer repaired or left out, in sentences.
+    """
+
+    patches: tuple[Patch, ...]
+    name: str = "skin"
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        patches = (self.patches,) if isinstance(self.patches, Patch) else tuple(self.patches)
+        object.__setattr__(self, "patches", patches)
+        object.__setattr__(self, "notes", tuple(self.notes))
+        names = [patch.name for patch in self.patches]
+        if not names or len(set(names)) < len(names):
+            raise InputError(f"patches are named {names}, expected one or more, each name once")
+
+    def __iter__(self) -> Iterator[Patch]:
+        return iter(self.patches)
+
+    def __len__(self) -> int:
+        return len(self.patches)
+
+    def __getitem__(self, key: int | str) -> Patch:
+        names = [patch.name for patch in self.patches]
+        if isinstance(key, str):
+            if key in names:
+                return self.patches[names.index(key)]
+        elif -len(self) <= key < len(self):
+            return self.patches[key]
+        raise InputError(
+            f"patch {key!r} is not in {self.name!r}, expected one of {', '.join(names)} "
+            f"or a number below {len(self)}"
+        )

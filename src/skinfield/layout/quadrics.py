@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.errors import Floats
-from skinfield.layout.links import Ints
-from skinfield.layout.surface import flat_frames
+from skinfield.errors import Floats, Ints
+from skinfield.layout.geometry import flat_frames
 
 BLENDED = 8  # quadrics around a point that have a say in it
 FLEX = 2.5  # pitches from its taxel up to which a quadric bends; beyond, it runs on straight

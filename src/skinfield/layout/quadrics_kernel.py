@@ -7,8 +7,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
 Parts = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
@@ -16,7 +16,7 @@ TINY = 1e-12  # m
 SHORT = 1e-6  # blended normals that nearly cancel have no direction
 
 
-@njit(cache=True, nogil=True)
+@njit
 def positions(points: Floats, parts: Parts, blended: int, flex: float) -> Floats:
     """Points (N, 3) m in space; quadrics bend up to `flex` m from their taxel."""
     plane, place, _, slope, bend, _ = parts
@@ -40,7 +40,7 @@ def positions(points: Floats, parts: Parts, blended: int, flex: float) -> Floats
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit
 def frames(points: Floats, parts: Parts, blended: int, flex: float) -> Floats:
     """Tangent, tangent and outward normal (N, 3, 3) as columns."""
     plane, _, normals, slope, bend, turn = parts
@@ -66,7 +66,7 @@ def frames(points: Floats, parts: Parts, blended: int, flex: float) -> Floats:
     return out
 
 
-@njit(cache=True, nogil=True)
+@inner
 def weigh(point: Floats, plane: Floats, blended: int, rows: Ints, weights: Floats) -> int:
     """Nearest taxels, the nearest first, and their Shepard weights; returns how many there are."""
     count, most = 0, min(blended + 1, len(plane))
@@ -91,13 +91,13 @@ def weigh(point: Floats, plane: Floats, blended: int, rows: Ints, weights: Float
     return count
 
 
-@njit(cache=True, nogil=True)
+@inner
 def bending_part(x: float, y: float, flex: float) -> float:
     """Part of an offset over which a quadric bends."""
     return min(1.0, flex / max(math.sqrt(x * x + y * y), TINY))
 
 
-@njit(cache=True, nogil=True)
+@inner
 def stand_upright(frame: Floats) -> None:
     """Make the tangents orthonormal about the normal, as near to what they are as can be.
 

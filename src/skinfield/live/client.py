@@ -1,7 +1,7 @@
 """A running skin from another program: `with skinfield.connect() as live`."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from types import TracebackType
 from typing import Any, Literal, Self
 
@@ -10,18 +10,16 @@ import numpy as np
 from skinfield.errors import InputError, check_positive
 from skinfield.layout import Skin
 from skinfield.live.control import order
-from skinfield.live.estimates import Models
 from skinfield.live.fit_ring import is_fit
-from skinfield.live.following import Following, state_of
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ConfigWatch, ModelConfig, Models, state_of
+from skinfield.live.runtime_parameters import Focus, Limits, Tuning, tuning_of
 from skinfield.live.slots import Head, Slot
 from skinfield.live.snapshot import Snapshot as Snapshot
 from skinfield.live.snapshot import Stale as Stale
-from skinfield.live.tuning import Focus, Limits, Tuning, tuning_of
-from skinfield.live.tuning_order import retune
 from skinfield.ring import Ring, RingReader, State
 
 FOREVER = 1e9  # s
+LOOK = 0.005  # s between looks whether the engine took over
 
 
 class NotRunning(InputError):
@@ -42,11 +40,11 @@ class Live:
     def __init__(self, name: str) -> None:
         self.name = name
         self.reader = RingReader(name)
-        if "recipe" not in self.reader.description:
+        if "model_config" not in self.reader.description:
             self.reader.close()
             raise NotRunning(f"ring {name!r} is of something else, expected that of a live skin")
-        self._following = Following(self.reader)
-        self.skin: Skin = self.recipe.skin
+        self._config_watch = ConfigWatch(self.reader)
+        self.skin: Skin = self.model_config.skin
         self._room = self.reader.slot()  # looked at before a cycle is worth a copy of its own
         self._looked = Slot.of(self._room.arrays)
         self._seen = 0
@@ -57,9 +55,9 @@ class Live:
         return state_of(self.reader)
 
     @property
-    def recipe(self) -> Recipe:
+    def model_config(self) -> ModelConfig:
         """What the estimates follow from; its solver may change while the skin runs."""
-        return self._following.recipe
+        return self._config_watch.model_config
 
     def latest(self, max_age: float | None = None, timeout: float = 1.0) -> Snapshot:
         """The newest cycle.
@@ -111,7 +109,7 @@ class Live:
         return self._snapshot(Slot.of(copied.arrays), copied.number)
 
     def _snapshot(self, slot: Slot, number: int) -> Snapshot:
-        return Snapshot(slot, number, self._following.models_of(slot), time.time_ns())
+        return Snapshot(slot, number, self._config_watch.models_of(slot), time.time_ns())
 
     def _stale(self, found: Snapshot | None, max_age: float | None, timeout: float) -> Stale:
         what = "no cycle" if found is None else f"the newest reading is {found.age:.3g} s old"
@@ -124,7 +122,7 @@ class Live:
     @property
     def models(self) -> Models:
         """What turns pressure into deformation and uncertainty, for the calibration in force."""
-        return self._following.models
+        return self._config_watch.models
 
     def __iter__(self) -> Iterator[Snapshot]:
         """Every cycle with a new reading; a slow loop gets the newest and misses some."""
@@ -296,3 +294,30 @@ def chosen(name: str | None) -> str:
             f"no name was given and {what}, expected one skin: start `skinfield run`, or name it"
         )
     return there[0]
+
+
+def retune(reader: RingReader, changes: Mapping[str, Any], timeout: float) -> Tuning:
+    """Change settings by name; see `Live.tune`, whose errors these are."""
+    limits = Limits.of(reader.description)
+    wanted = limits.check(tuning_of(reader).changed(changes))
+    if not changes:
+        return wanted
+    order(reader.name, "set", {"set": {name: _plain(getattr(wanted, name)) for name in changes}})
+    end = time.monotonic() + timeout
+    while timeout > 0 and not _is_in_force(found := tuning_of(reader), wanted, changes):
+        if time.monotonic() > end:
+            raise Stale(
+                f"the engine did not take over {', '.join(changes)} within {timeout:g} s, and goes "
+                f"by {found}: see `skinfield status {reader.name}`"
+            )
+        time.sleep(LOOK)
+    return tuning_of(reader) if timeout > 0 else wanted
+
+
+def _is_in_force(found: Tuning, wanted: Tuning, changes: Mapping[str, Any]) -> bool:
+    """Whether all that was asked for is; another program may have changed the rest."""
+    return all(getattr(found, name) == getattr(wanted, name) for name in changes)
+
+
+def _plain(value: Any) -> Any:
+    return value.as_dict() if isinstance(value, Focus) else value

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from skinfield.errors import InputError
-from skinfield.live.beside import beside
+from skinfield.ring.files import sidecar
 
 LONGEST = 4096  # bytes of an order
-ORDERS = ("tare", "key", "set", "hand over", "stop")
+ORDERS = ("tare", "set", "hand over", "stop")
 
 
 def address_of(name: str) -> Path:
     """Socket of the engine that serves this ring."""
-    return beside(name, "control")
+    return sidecar(name, "control")
 
 
 class Control:

@@ -1,4 +1,4 @@
-"""The process in which nothing runs but the engine: python -m skinfield.live.engine_process.
+"""Engine process of a live skin, where nothing else runs: python -m skinfield.live.engine_process.
 
 It reads its settings from its standard input and answers until it is told to stop. Whoever started
 it restarts it when it fails; the ring outlasts it.
@@ -8,29 +8,176 @@ import os
 import pickle
 import signal
 import sys
+import threading
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
+
+from skinfield.acquisition import Channels
 from skinfield.acquisition.recorded import CycleFlag
-from skinfield.errors import InputError
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.live.baseline import Baseline, BaselineCollector
 from skinfield.live.binding import Binding, bind
 from skinfield.live.control import Control
-from skinfield.live.cycle import Cycle
-from skinfield.live.early import Early
 from skinfield.live.handover import GO, READY, Handover
 from skinfield.live.intake import Intake
-from skinfield.live.journal import Journal, tune_or_say
-from skinfield.live.notes import write_notes
-from skinfield.live.parent import end_with
-from skinfield.live.recipe import Recipe
-from skinfield.live.ring_fields import known_tare, open_ring, room_for, write_tare
+from skinfield.live.model_config import ModelConfig
+from skinfield.live.parent_watchdog import end_with
+from skinfield.live.ring_fields import POLLED, known_baseline, open_ring, write_baseline
 from skinfield.live.settings import LiveSettings
-from skinfield.live.slots import Head, Slot
-from skinfield.live.start import Start
-from skinfield.live.tare import Tare
-from skinfield.live.unanswered import say_nothing
+from skinfield.live.slots import Head, Slot, say_nothing
+from skinfield.live.status_text import write_notes
+from skinfield.live.update import RuntimeParameters, Updater
 from skinfield.realtime import EventWaiter, PeriodicClock, TimingTable, Waiter
 from skinfield.ring import RingReader, State
+
+FIRST_LEAD = 0.25  # of a period
+MOST_LEAD = 0.5
+SPARE_NS = 30_000  # between the end of the work and the cycle
+COOLING = 0.999  # of the lead, from cycle to cycle
+
+
+class Prefetch:
+    """Wakes shortly before each cycle is due and does some work, within a time that it learns.
+
+    Parameters
+    ----------
+    clock : PeriodicClock
+    work : function
+        That would otherwise be done in the cycle.
+    """
+
+    def __init__(self, clock: PeriodicClock, work: Callable[[], None]) -> None:
+        self._clock, self._work = clock, work
+        self._most = MOST_LEAD * clock.period_ns
+        self._lead = FIRST_LEAD * clock.period_ns
+
+    def __call__(self) -> None:
+        """Do it, if there is time before the next cycle."""
+        if not self._clock.early(int(self._lead)):
+            return
+        start = time.monotonic_ns()
+        self._work()
+        took = time.monotonic_ns() - start + SPARE_NS
+        self._lead = min(max(COOLING * self._lead, took), self._most)
+
+
+class Preparation:
+    """Makes an `Updater` beside the loop, which goes on taking in readings.
+
+    Parameters
+    ----------
+    make : function that returns an Updater
+    """
+
+    def __init__(self, make: Callable[[], Updater]) -> None:
+        self._make = make
+        self._made: Updater | None = None
+        self._failed: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="prepare", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._made = self._make()
+        except BaseException as error:
+            self._failed = error
+
+    def poll(self) -> Updater | None:
+        """The cycle, when it is ready; raises what making it raised."""
+        if self._thread.is_alive():
+            return None
+        self._thread.join()
+        if self._failed is not None:
+            raise self._failed
+        return self._made
+
+
+class Start:
+    """First the code that must be compiled, then a baseline, then the engine for its noise.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+    binding : Binding
+    known : Baseline, optional
+        Of an engine that ran before on this ring: no new baseline is taken, as something may lie
+        on the skin now.
+    tracks : (1,) int64 array
+        Contacts numbered so far, written in place.
+
+    Attributes
+    ----------
+    phase : str
+        What it does, for people: "loading", "taring" or "preparing".
+    progress : dict
+        Of "loading" and "preparing": `patches` that are ready, `of` how many, and `left_s`, how
+        long the others take, s, where that can be said; empty before the first.
+    baseline : Baseline or None
+        When there is one.
+    """
+
+    def __init__(
+        self, settings: LiveSettings, binding: Binding, known: Baseline | None, tracks: Ints
+    ) -> None:
+        self._settings, self._binding, self._tracks = settings, binding, tracks
+        self._model_config = ModelConfig.of(settings, binding.ports)
+        self._tare = BaselineCollector(settings, binding)  # begun anew once what must be loaded is
+        self.baseline = known
+        self.phase, self.progress = "loading", dict[str, float]()
+        self._began = time.monotonic()
+        self._preparation = Preparation(self._rehearsed if known is None else self._final)
+
+    def _rehearsed(self) -> Updater:
+        """With a typical noise: whatever must be compiled, is, before readings are waited for."""
+        taxels = len(self._binding.channel)
+        table = np.zeros((taxels, 4))
+        table[:, 1:] = 1.0
+        noise = np.full(taxels, self._settings.quantity.typical_noise)
+        return self._updater(table, noise, 1_000_000_000)
+
+    def _final(self) -> Updater:
+        assert self.baseline is not None  # by then it is known
+        return self._updater(
+            self.baseline.calibration, self.baseline.noise_std, self.baseline.stale_ns
+        )
+
+    def _updater(self, table: Floats, noise: Floats, stale_ns: int) -> Updater:
+        return Updater(
+            self._model_config, self._binding, table, noise, stale_ns, self._tracks, self._advance
+        )
+
+    def _advance(self, ready: int, patches: int) -> None:
+        """So many patches are ready."""
+        now = time.monotonic()
+        if ready == 0:
+            self._began = now
+        progress: dict[str, float] = {"patches": ready, "of": patches}
+        if ready:
+            progress["left_s"] = round((now - self._began) / ready * (patches - ready), 1)
+        self.progress = progress
+
+    def take(self, channels: Channels, now_ns: int) -> Updater | None:
+        """Take what is new; the cycle when it is ready to answer."""
+        if self.phase == "taring":
+            if self._tare.take(channels, now_ns):
+                self.baseline = self._tare.finish()
+                self.phase, self.progress = "preparing", {}
+                self._preparation = Preparation(self._final)
+            return None
+        made = self._preparation.poll()
+        if made is None:
+            return None
+        if self.baseline is None:
+            self.phase, self.progress = "taring", {}
+            self._tare = BaselineCollector(self._settings, self._binding)
+            self._tare.skip(channels)
+            return None
+        return made
+
 
 NS = 1e-9
 STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
@@ -44,18 +191,18 @@ class EngineProcess:
     Parameters
     ----------
     settings : LiveSettings
-    prepared : Binding and Cycle, optional
+    prepared : Binding and Updater, optional
         To go on with at once from what the engine before published last.
     """
 
     def __init__(
-        self, settings: LiveSettings, prepared: tuple[Binding, Cycle] | None = None
+        self, settings: LiveSettings, prepared: tuple[Binding, Updater] | None = None
     ) -> None:
         self.settings, self.prepared = settings, prepared
-        self.intake = Intake(settings.sources, room_for(sum(map(len, settings.skin))))
+        self.intake = Intake(settings.sources, POLLED)
         self.binding = bind(settings.skin, self.intake.ports)
-        self.recipe = Recipe.of(settings, self.intake.ports)
-        self.ring, fresh_ring = open_ring(settings, self.recipe)
+        self.model_config = ModelConfig.of(settings, self.intake.ports)
+        self.ring, fresh_ring = open_ring(settings, self.model_config)
         self.slots: dict[int, Slot] = {}
         self.intake.count_in(self.ring.status["sources"])
         self.timing = TimingTable(
@@ -64,25 +211,24 @@ class EngineProcess:
             self.ring.status["times"],
             self.ring.status["totals"],
         )
-        self.journal = Journal(self.ring, self.intake.blocks, settings, fresh_ring)
-        known = None if fresh_ring else known_tare(self.ring)
+        self.parameters = RuntimeParameters(self.ring, settings, fresh_ring)
+        known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
         self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
         self.control = Control(settings.name)
-        self.cycle: Cycle | None = None
+        self.updater: Updater | None = None
         self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
         self.stopping, self.ending = False, State.STOPPED
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
-        self.since_key = 0
-        self.keys = 1
+        self.reset = True  # whether the next answer begins without knowledge of those before
         self.began = False
-        self.again: Tare | None = None
-        self.early: Early | None = None
+        self.again: BaselineCollector | None = None
+        self.prefetch: Prefetch | None = None
         self.taken = 0  # messages, before the cycle
         self.said: list[str] = []
         self.looks = max(int(1.0 / settings.period), 1)  # cycles between looks at the sources
-        self.notes: dict[str, object] = {"phase": self.start.phase}
+        self.notes: dict[str, object] = {"phase": self.start.phase, "progress": self.start.progress}
         write_notes(self.ring.status["notes"], self.notes)
 
     def run(self) -> None:
@@ -95,8 +241,8 @@ class EngineProcess:
             if self.prepared is not None and self.prepared[0].ports == self.binding.ports:
                 self._go_on(self.prepared[1])
             while not self.stopping:
-                if self.early is not None:
-                    self.early()
+                if self.prefetch is not None:
+                    self.prefetch()
                 due, wake = self.waiter.wait()
                 self.one(due, wake)
                 count += 1
@@ -119,35 +265,39 @@ class EngineProcess:
         messages, self.taken = intake.poll(wall) + self.taken, 0
         slot = self._slot()
         head = slot.head
-        if self.cycle is None:
+        if self.updater is None:
             self._begin(wall)
         elif self.again is not None and self.again.take(intake.channels, wall):
-            self._finish_tare(self.cycle, wall)
-        if self.since_key <= 0 and self.cycle is not None and not self.began:
-            self.journal.key(self.cycle, wall)
-        self.journal.log()
+            self._finish_tare(self.updater)
+        self._log()
         acquired = time.monotonic_ns()
         head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
         head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
         head[Head.LOG_POSITION], head[Head.MESSAGES] = ring.log_end, messages
-        if self.cycle is None or self.began:
+        if self.updater is None or self.began:
             self.began = False  # it took long to get ready: the next cycle is the first on time
             self._without_answer(slot)
             return
-        self._answer(self.cycle, slot, wake, wall)
+        self._answer(self.updater, slot, wake, wall)
 
-    def _take_in_early(self) -> None:
+    def _prefetch(self) -> None:
         """Before a cycle is due: take in what is there already."""
         self.taken += self.intake.poll(time.time_ns())
-        self.journal.log()
+        self._log()
 
-    def _answer(self, cycle: Cycle, slot: Slot, wake: int, wall: int) -> None:
+    def _log(self) -> None:
+        """Log what was taken in; what is logged is not logged again."""
+        blocks = self.intake.blocks
+        if blocks.end[0]:
+            self.ring.log(blocks.octets, int(blocks.end[0]) * 8)
+            blocks.clear()
+
+    def _answer(self, updater: Updater, slot: Slot, wake: int, wall: int) -> None:
         head = slot.head
-        key = self.since_key <= 0
-        self.since_key = self.keys if key else self.since_key - 1
-        budget_ns = head[Head.BUDGET_NS] = self.journal.budget_ns
+        budget_ns = head[Head.BUDGET_NS] = self.parameters.budget_ns
+        reset, self.reset = self.reset, False
         budget = budget_ns * NS
-        fresh = cycle.answer(self.intake.channels, wall, slot, key=key, budget=budget)
+        fresh = updater.answer(self.intake.channels, wall, slot, reset=reset, budget=budget)
         head[Head.FLAGS] |= self.flags
         self.flags = 0
         due = int(head[Head.DUE_NS])
@@ -161,7 +311,7 @@ class EngineProcess:
         published = time.monotonic_ns()
         latency = -1
         if fresh:
-            latency = max(wall + (published - wake) - cycle.newest_ns, 0)
+            latency = max(wall + (published - wake) - updater.newest_ns, 0)
         acquired = int(head[Head.ACQUIRED_NS])
         self.timing.add(due, wake, acquired, published, time.monotonic_ns(), latency)
         self.timing.set_skipped(self.waiter.skipped)
@@ -180,41 +330,41 @@ class EngineProcess:
         """Go on with the start; from when there is a cycle on, answer."""
         start = self.start
         before = start.phase
-        cycle = start.take(self.intake.channels, wall)
+        updater = start.take(self.intake.channels, wall)
+        if start.progress is not self.notes["progress"]:
+            self._note(progress=start.progress)
         if start.phase != before:
             self.ring.set_state(State.CALIBRATING)
             self._note(phase=start.phase)
-            if start.tared is not None:
-                self.journal.log()  # so that a calibration has all the room
-                write_tare(self.ring, start.tared, self.intake.blocks, wall)
-                self._note(tare=list(start.tared.notes))
-        if cycle is not None:
-            self._go(cycle)
+            if start.baseline is not None:
+                write_baseline(self.ring, start.baseline)
+                self._note(tare=list(start.baseline.notes))
+        if updater is not None:
+            self._go(updater)
 
-    def _go(self, cycle: Cycle) -> None:
+    def _go(self, updater: Updater) -> None:
         """From here on nothing may wait."""
         settings = self.settings
-        self.cycle, self.since_key, self.began = cycle, 0, True
-        cycle.tuned.tune(self.journal.tuning)
-        self.keys = max(int(settings.key_seconds / settings.period), 1)
+        self.updater, self.reset, self.began = updater, True, True
+        updater.filters.tune(self.parameters.tuning)
         granted = settings.real_time.apply()
-        self._note(phase="running", granted=granted.as_dict())
+        self._note(phase="running", progress={}, granted=granted.as_dict())
         if settings.rate is None:
             self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
         else:
             self.waiter = clock = PeriodicClock(int(settings.period * 1e9))
             if settings.early and granted.real_time:
-                self.early = Early(clock, self._take_in_early)
+                self.prefetch = Prefetch(clock, self._prefetch)
         self.ring.set_state(State.RUNNING)
 
-    def _go_on(self, cycle: Cycle) -> None:
+    def _go_on(self, updater: Updater) -> None:
         """Take over from the engine before: contacts keep their numbers."""
-        cycle.count_in(self.ring.status["tracks"])
+        updater.count_in(self.ring.status["tracks"])
         with RingReader(self.settings.name) as reader:
             last = reader.latest()
         if last is not None:
-            cycle.resume(Slot.of(last.arrays))
-        self._go(cycle)
+            updater.resume(Slot.of(last.arrays))
+        self._go(updater)
         self.began = False
 
     def _listen_to_sources(self) -> None:
@@ -240,20 +390,26 @@ class EngineProcess:
         if order in ("stop", "hand over"):
             self.stopping = True
             self.ending = State.STOPPED if order == "stop" else State.STARTING
-        elif order == "key":
-            self.since_key = 0
-        elif order == "tare" and self.cycle is not None:
+        elif order == "tare" and self.updater is not None:
             self._tare_again()
         elif order == "set":
-            self._note(refused=tune_or_say(self.journal, self.control.values, self.cycle))
+            self._note(refused=self._tune(self.control.values))
+
+    def _tune(self, order: Mapping[str, Any]) -> str:
+        """Obey an order to change the tuning; why it was refused, or nothing."""
+        try:
+            self.parameters.tune(order.get("set"), self.updater)
+        except InputError as error:
+            return str(error)
+        return ""
 
     def _tare_again(self) -> None:
         """Take a new baseline of an untouched skin; answers go on by the old one until then."""
-        self.again = Tare(self.settings, self.binding)
+        self.again = BaselineCollector(self.settings, self.binding)
         self.again.skip(self.intake.channels)
         self._note(tare=["a new baseline is being taken"])
 
-    def _finish_tare(self, cycle: Cycle, wall: int) -> None:
+    def _finish_tare(self, updater: Updater) -> None:
         """Take over a new baseline, at the cost of some cycles; noise and ages stay the same."""
         tare, self.again = self.again, None
         assert tare is not None  # whoever calls has looked
@@ -263,12 +419,11 @@ class EngineProcess:
             self._note(tare=[f"the baseline stays as it was: {error}"])
             return
         noise_std = self.ring.status["noise_std"].copy()
-        tared = replace(found, noise_std=noise_std, stale_ns=cycle.stale_ns)
-        self.journal.log()
-        write_tare(self.ring, tared, self.intake.blocks, wall)
-        cycle.calibrate(tared.calibration)
-        self.since_key = 0
-        self._note(tare=list(tared.notes))
+        baseline = replace(found, noise_std=noise_std, stale_ns=updater.stale_ns)
+        write_baseline(self.ring, baseline)
+        updater.calibrate(baseline.calibration)
+        self.reset = True
+        self._note(tare=list(baseline.notes))
 
     def _stop(self, *_: object) -> None:
         self.stopping = True
@@ -285,7 +440,7 @@ def main() -> None:
     end_with(int(sys.argv[1]) if len(sys.argv) > 1 else os.getppid())
     asked, prepared = pickle.load(sys.stdin.buffer), None
     if isinstance(asked, Handover):
-        prepared = asked.cycle()
+        prepared = asked.updater()
         sys.stdout.buffer.write(READY)
         sys.stdout.buffer.flush()
         if sys.stdin.buffer.readline() != GO:

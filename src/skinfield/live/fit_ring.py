@@ -1,6 +1,7 @@
-"""The ring in which fitted contacts are published beside a live skin's own."""
+"""Ring of fitted contacts beside a live skin's own: fields, reader, best contacts of both."""
 
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from typing import Any
@@ -8,10 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.acquisition.recorded_fit import FitLayout, FitSizes
+from skinfield.acquisition.recorded import FitLayout, FitSizes
 from skinfield.contacts.live import CONTACT
-from skinfield.live.notes import FIELD as NOTES
-from skinfield.ring import Field
+from skinfield.engine.state import Answer
+from skinfield.errors import InputError
+from skinfield.live.snapshot import Snapshot
+from skinfield.live.status_text import FIELD as NOTES
+from skinfield.live.status_text import read_notes
+from skinfield.ring import Field, RingReader
 
 Array = NDArray[Any]
 VERSION = 2
@@ -157,3 +162,214 @@ class FitSlot:
         if self.patches["state"][patch] != Fitted.DONE:
             return None
         return np.array(self.pressure[patch])
+
+
+AGAIN = 0.5  # s between looks for a ring that is not there
+
+
+class FitReader:
+    """Reads what the fit beside a live skin publishes; there need not be one, or not yet.
+
+    Nothing here raises because the fit is missing, was started anew, or has ended: then there is
+    no answer of it. For one thread at a time.
+
+    Parameters
+    ----------
+    name : str
+        Of the live skin.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._reader: RingReader | None = None
+        self._looked = -AGAIN
+        self._newest: FitSlot | None = None
+        self._number = 0  # of the answer that `following` gave last
+
+    def _open(self) -> RingReader | None:
+        """The ring as it is now; looked for twice a second while there is none."""
+        now = time.monotonic()
+        if now - self._looked < AGAIN:
+            return self._reader
+        self._looked = now
+        if self._reader is not None and self._reader.alive and not self._reader.replaced():
+            return self._reader
+        self.close()
+        try:
+            reader = RingReader(fit_name(self.name))
+        except InputError:  # FileError is one: there is none, or it is being made
+            return None
+        if not reader.alive or not _is_of_a_fit(reader):
+            reader.close()
+            return None
+        self._reader = reader
+        self._room = reader.slot()
+        self._names = tuple(map(str, reader.description["patches"]))
+        self._number = max(reader.number - reader.slots // 2, 0)  # the oldest may go at any time
+        return reader
+
+    @property
+    def names(self) -> tuple[str, ...] | None:
+        """Of the patches of the skin that is fitted; None where there is no fit."""
+        return None if self._open() is None else self._names
+
+    def latest(self) -> FitSlot | None:
+        """The newest answers of all patches, until the next call; None where there are none."""
+        reader = self._open()
+        if reader is None:
+            return None
+        if reader.number != (self._room.number if self._newest is not None else 0):
+            try:
+                copied = reader.latest(self._room)
+            except InputError:  # overtaken, or damaged: the next call tries again
+                return self._newest
+            self._newest = None if copied is None else FitSlot.of(copied.arrays)
+        return self._newest
+
+    def following(self) -> Iterator[tuple[int, FitSlot | None]]:
+        """Numbers and answers since the last call, each of them until the next one.
+
+        It begins with some that are still there. None for an answer that was overwritten before it
+        was read, or is damaged.
+        """
+        reader = self._open()
+        if reader is None:
+            return
+        newest = reader.number
+        if newest < self._number:
+            self._number = 0
+        oldest = newest - reader.slots
+        if self._number < oldest:  # of many one word is enough
+            self._number = oldest
+            yield oldest, None
+        while self._number < newest:
+            self._number += 1
+            copied = reader.get(self._number, self._room)
+            yield self._number, None if copied is None else FitSlot.of(copied.arrays)
+
+    def pressure(self, patch: int) -> NDArray[np.float32] | None:
+        """Pressure (K,), Pa, of a patch by its number on the finest grid; None if not fitted.
+
+        Of the answer that the newest `latest` gave; a copy.
+        """
+        return None if self._newest is None else self._newest.pressure_of(patch)
+
+    def status(self) -> dict[str, Any]:
+        """What the fit does: `phase`, notes, counts; empty where there is none."""
+        reader = self._open()
+        if reader is None:
+            return {}
+        view = reader.status_view
+        counts = {key: int(view[key][0]) for key in ("fits", "unhelpful", "cpu_ns")}
+        return {**(read_notes(view["notes"]) or {}), **counts, "pid": reader.pid}
+
+    def close(self) -> None:
+        """Let go of the ring."""
+        if self._reader is not None:
+            self._reader.close()
+        self._reader, self._newest = None, None
+
+
+def _is_of_a_fit(reader: RingReader) -> bool:
+    """Whether a ring is laid out as those of this program's fits are."""
+    said, fields = reader.description, {each.name: each for each in reader.slot_fields}
+    names, pressure = said.get("patches"), fields.get("pressure")
+    if said.get("skinfield_fit") != VERSION or not isinstance(names, list) or pressure is None:
+        return False
+    if "contacts" not in fields or len(pressure.shape) != 2 or len(names) != pressure.shape[0]:
+        return False
+    bytes_each = CONTACT.itemsize * max(len(names), 1)
+    rows, nodes = int(np.prod(fields["contacts"].shape)) // bytes_each, pressure.shape[1]
+    return _alike(reader.slot_fields, slot_fields(len(names), nodes, rows)) and _alike(
+        reader.status_fields, status_fields()
+    )
+
+
+def _alike(found: Sequence[Field], expected: Sequence[Field]) -> bool:
+    """Whether fields are the same, however their types are written."""
+    plain = [[(e.name, np.dtype(e.dtype), e.shape) for e in each] for each in (found, expected)]
+    return plain[0] == plain[1]
+
+
+NEAR = 10e-3  # m from a contact of the engine, whose place is less sure
+RECENT_NS = 400_000_000  # that a fit may be behind the reading, or before it
+RESTING_NS = 2_000_000_000  # the same, of a touch that rests
+SAME_PLACE, SAME_FORCE = 4e-3, 0.5  # m; part of the larger: what the engine takes for the same
+Rows = NDArray[np.void]
+
+
+def best_contacts(snapshot: Snapshot, fit: FitReader | None) -> tuple[Rows, list[str]]:
+    """Contacts of a snapshot, with those of the fit's newest answer in their place: `best_of`."""
+    return best_of(snapshot, None if fit is None else fit.latest())
+
+
+def best_of(snapshot: Snapshot, found: FitSlot | None) -> tuple[Rows, list[str]]:
+    """Contacts of a snapshot, with those of a fit in their place where it is recent.
+
+    Of a patch that the fit answered within 0.4 s of the snapshot's reading, the fit's contacts
+    count, and those of the engine that began since, 10 mm away or more. They end with the touch:
+    where the engine sees nothing any more of what it saw then, neither does this. While the engine
+    sees what it saw then, at about the same place and about as strong, the fit may be up to 2 s
+    behind: a busy machine.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+    found : FitSlot or None
+        What the fit had found by then. None, or one of another skin: all is as the engine says.
+
+    Returns
+    -------
+    (N,) array of CONTACT
+        Patch after patch.
+    list of str
+        Of each row who says it: "fit" or "engine".
+    """
+    engine = snapshot.contacts
+    if found is None or len(found.patches) != len(snapshot.patches):
+        return engine, ["engine"] * len(engine)
+    recent = recent_patches(snapshot, found)
+    rows: list[Rows] = []
+    by: list[str] = []
+    for patch in range(len(snapshot.patches)):
+        own = engine[engine["patch"] == patch]
+        if recent[patch]:
+            told = found.patches[patch]
+            fitted = found.contacts[patch][: int(told["contacts"])]
+            since = (int(snapshot.patches["stamp_ns"][patch]) - int(told["stamp_ns"])) * 1e-9
+            own = own[(own["age"] < since) & _apart(own, fitted)]
+            rows.append(fitted)
+            by += ["fit"] * len(fitted)
+        rows.append(own)
+        by += ["engine"] * len(own)
+    return np.concatenate(rows) if rows else np.zeros(0, CONTACT), by
+
+
+def _apart(own: Rows, fitted: Rows) -> NDArray[np.bool_]:
+    """Which of the engine's contacts are none of those that were fitted under another number."""
+    off = [own[axis][:, None] - fitted[axis][None] for axis in ("x", "y")]
+    near = (np.hypot(*off) < NEAR).any(axis=1)
+    return np.asarray(~near & ~np.isin(own["track"], fitted["track"]))
+
+
+def recent_patches(snapshot: Snapshot, found: FitSlot) -> NDArray[np.bool_]:
+    """Which patches (P,) the fit answers for the reading of a snapshot."""
+    now, told = snapshot.patches, found.patches
+    apart = np.abs(now["stamp_ns"] - told["stamp_ns"])
+    answered = now["answer"] != int(Answer.MISSING)
+    touched = (now["answer"] >= int(Answer.LINEAR)) | (now["contacts"] > 0)
+    there = touched | (told["touched"] == 0)
+    young = apart <= RECENT_NS
+    for patch in np.flatnonzero(~young & (apart <= RESTING_NS)):
+        own = snapshot.contacts[snapshot.contacts["patch"] == patch]
+        young[patch] = len(own) > 0 and _same(told[patch], own)
+    recent = (told["state"] == int(Fitted.DONE)) & young & answered & there
+    return np.asarray(recent, dtype=np.bool_)
+
+
+def _same(told: np.void, own: Rows) -> bool:
+    """Whether the engine sees on a patch what it saw when the fit answered."""
+    force, before = float(own["normal_force"].sum()), float(told["engine_force"])
+    moved = np.hypot(own["x"][0] - told["engine_x"], own["y"][0] - told["engine_y"])
+    as_strong = abs(force - before) <= SAME_FORCE * max(force, before)
+    return bool(len(own) == told["engine_contacts"] and moved <= SAME_PLACE and as_strong)

@@ -14,14 +14,13 @@ from typing import IO
 
 from skinfield.acquisition import Port
 from skinfield.errors import InputError
+from skinfield.live.baseline import Baseline
 from skinfield.live.binding import Binding, bind
 from skinfield.live.control import order
-from skinfield.live.cycle import Cycle
-from skinfield.live.following import recipe_of
-from skinfield.live.recipe import Recipe
-from skinfield.live.ring_fields import known_tare
+from skinfield.live.model_config import ModelConfig, model_config_of
+from skinfield.live.ring_fields import known_baseline
 from skinfield.live.settings import LiveSettings
-from skinfield.live.tare import Tared
+from skinfield.live.update import Updater
 from skinfield.ring import RingReader
 
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -39,13 +38,13 @@ class Handover:
     settings : LiveSettings
     ports : tuple of Port
         Of the sources, which the engine before still holds.
-    known : Tared
+    known : Baseline
         Its calibration: something may lie on the skin.
     """
 
     settings: LiveSettings
     ports: tuple[Port, ...]
-    known: Tared
+    known: Baseline
 
     @classmethod
     def of(cls, settings: LiveSettings) -> "Handover":
@@ -57,7 +56,7 @@ class Handover:
             If none does, or it has no baseline yet.
         """
         with RingReader(settings.name) as reader:
-            known, ports = known_tare(reader), recipe_of(reader).ports
+            known, ports = known_baseline(reader), model_config_of(reader).ports
         if known is None:
             raise InputError(
                 f"{settings.name!r} has no baseline yet, expected one that answers: wait until it "
@@ -65,11 +64,11 @@ class Handover:
             )
         return cls(settings, ports, known)
 
-    def cycle(self) -> tuple[Binding, Cycle]:
+    def updater(self) -> tuple[Binding, Updater]:
         """The prepared cycle, and what it is bound to."""
-        recipe, known = Recipe.of(self.settings, self.ports), self.known
+        model_config, known = ModelConfig.of(self.settings, self.ports), self.known
         binding = bind(self.settings.skin, self.ports)
-        made = Cycle(recipe, binding, known.calibration, known.noise_std, known.stale_ns)
+        made = Updater(model_config, binding, known.calibration, known.noise_std, known.stale_ns)
         return binding, made
 
 

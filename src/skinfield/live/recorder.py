@@ -1,38 +1,211 @@
-"""Records a running skin, from a process of its own: python -m skinfield.live.recorder.
+"""Recorder of a running skin, in a process of its own: python -m skinfield.live.recorder.
 
 Two threads. One takes everything new out of the ring every few milliseconds: it reads shared memory
 and nothing else, so the engine never waits for it. The other writes: it may wait for the disk as
 long as the disk likes, as a bounded queue lies between them. What the queue cannot hold is dropped,
-counted, and told in the file, in the state beside the ring and to whoever listens.
+counted, and published in the file, in the state beside the ring and to whoever listens.
 """
 
+import argparse
 import contextlib
-import math
+import json
 import os
+import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 
-from skinfield.errors import InputError
-from skinfield.live.control import order
+from skinfield.errors import FileError, InputError, SkinfieldError, check_count, check_range
 from skinfield.live.fit_ring import LAYOUT as FIT
-from skinfield.live.recorder_disk import Disk
-from skinfield.live.recorder_drain import Drain
-from skinfield.live.recorder_place import Place, load, place_now, place_since
-from skinfield.live.recorder_queue import Queue, Told
-from skinfield.live.recorder_settings import RecorderSettings
-from skinfield.live.recorder_state import RecorderState
-from skinfield.live.recorder_views import shower_of
-from skinfield.live.recorder_watch import Watch, enclosed_of, layout_of
+from skinfield.live.parent_watchdog import end_with
+from skinfield.live.recorder_drain import (
+    Drain,
+    SkinViews,
+    StatusWatch,
+    enclosed_of,
+    layout_of,
+    place_now,
+    place_since,
+)
+from skinfield.live.recorder_queue import Disk, Queue, event_item
 from skinfield.ring import RingReader
-from skinfield.sinks.mcap import RecordingWriter
-from skinfield.sinks.mcap.output import Output
+from skinfield.ring.files import sidecar
+from skinfield.sinks.mcap import FoxgloveViews, RecordingSettings, RecordingWriter, RosViews
+from skinfield.sinks.mcap.container import Output
+
+
+@dataclass
+class RecorderState:
+    """How a recording is going.
+
+    Attributes
+    ----------
+    pid : int
+    path : str
+        Of the file.
+    began_ns, told_ns : int, ns
+        When it began, and when this was written; since the epoch.
+    seconds : float, s
+        It has been going on.
+    bytes_written : int
+        Of the file.
+    bytes_read, cycles : int
+        Of the ring's log, and of its slots.
+    overrun_bytes, overrun_cycles : int
+        Overwritten in the ring before they could be read.
+    dropped_bytes, dropped_cycles : int
+        That the disk was too slow for.
+    given_up : int
+        Messages that could not be written at the end.
+    queue_bytes : int
+        That wait for the disk.
+    lag : float, s
+        Age of the oldest reading that waits.
+    since_flush, since_sync : float, s
+    longest : float, s
+        That one write or sync took.
+    failing : bool
+        Whether nothing can be written now.
+    failure : str
+        Why, or why it could not last time.
+    finished : bool
+        Whether the file has its end.
+    ended : str
+        Why the recording ended; empty while it goes on.
+    """
+
+    pid: int = 0
+    path: str = ""
+    began_ns: int = 0
+    told_ns: int = 0
+    seconds: float = 0.0
+    bytes_written: int = 0
+    bytes_read: int = 0
+    cycles: int = 0
+    overrun_bytes: int = 0
+    overrun_cycles: int = 0
+    dropped_bytes: int = 0
+    dropped_cycles: int = 0
+    given_up: int = 0
+    queue_bytes: int = 0
+    lag: float = 0.0
+    since_flush: float = 0.0
+    since_sync: float = 0.0
+    longest: float = 0.0
+    failing: bool = False
+    failure: str = ""
+    finished: bool = False
+    ended: str = ""
+
+    @property
+    def lost(self) -> int:
+        """Bytes of readings that are not in the file, for whatever reason."""
+        return self.overrun_bytes + self.dropped_bytes
+
+    def write(self, name: str) -> None:
+        """Tell others, in one step; quietly not where the folder is full."""
+        path = state_path(name)
+        new = path.with_name(f"{path.name}.{os.getpid()}")
+        try:
+            new.write_text(json.dumps(asdict(self)))
+            new.replace(path)
+        except OSError:
+            new.unlink(missing_ok=True)
+
+
+def state_path(name: str) -> Path:
+    """Where the recorder of the ring `name` tells of itself."""
+    return sidecar(name, "recorder")
+
+
+def read_state(name: str) -> RecorderState | None:
+    """What the recorder of the ring `name` last told; None if there is none.
+
+    Of one that was killed, `ended` says so.
+
+    Raises
+    ------
+    FileError
+        If the file is something else.
+    """
+    path = state_path(name)
+    try:
+        state = RecorderState(**json.loads(path.read_text()))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, TypeError) as error:
+        raise FileError(f"{path} is no state of a recorder: {error}") from error
+    if not state.ended and not _lives(state.pid):
+        state.ended = f"its process {state.pid} is gone: skinfield recover mends the file"
+    return state
+
+
+def _lives(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # another user's
+        return True
+    return True
+
+
+def forget_state(name: str) -> None:
+    """Remove what this process told."""
+    state_path(name).unlink(missing_ok=True)
+
 
 PAUSE = 0.005  # s between looks at the ring
 SECOND = 1.0  # s between looks at everything else
-BEGINNING = 0.1  # s beyond the age at which readings are too old
 LOWEST = 1  # of the real-time priorities
 NICE = -10  # where that is not granted
+READY = b"ready\n"  # told on the standard output by one that waits
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderSettings:
+    """Which skin, into which file, and how.
+
+    Parameters
+    ----------
+    name : str
+        Of the ring.
+    path : Path
+        Ends in .mcap by custom.
+    file : RecordingSettings
+    since_ns : int, ns
+        Time since the epoch from which on to record, as far as the ring still has it; 0: now.
+    flush : float, s
+        After so long what was read is handed to the system, and survives a `kill -9`.
+    sync : float, s
+        After so long it is on the disk, and survives power loss.
+    queue_bytes : int
+        That may wait for the disk; what comes beyond is dropped and counted.
+    views : tuple of classes
+        Channels for other programs: `RosViews`, `FoxgloveViews`.
+    view_rate : float, 1/s
+        Of these, and of the fields of pressure.
+    """
+
+    name: str
+    path: Path
+    file: RecordingSettings = field(default_factory=RecordingSettings)
+    since_ns: int = 0
+    flush: float = 0.15
+    sync: float = 1.5
+    queue_bytes: int = 1 << 26
+    views: tuple[type[RosViews] | type[FoxgloveViews], ...] = ()
+    view_rate: float = 20.0
+
+    def __post_init__(self) -> None:
+        check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
+        check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
+        check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
+        check_count("since_ns", self.since_ns, 0, 1 << 62, "nanoseconds since the epoch")
+        check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")
 
 
 class Recorder:
@@ -49,7 +222,7 @@ class Recorder:
         Whether this thread and the one that writes shall come before ordinary work from now on,
         where that is permitted.
     rehearsal : bool
-        Whether this is only to load what is needed: nobody is told, and the engine asked nothing.
+        Whether this is only to load what is needed: nobody is told.
 
     Raises
     ------
@@ -76,12 +249,10 @@ class Recorder:
         self.settings, self._say, self._rehearsal = settings, say, rehearsal
         self._reader = RingReader(settings.name)
         self._began, self._began_ns = time.monotonic(), time.time_ns()
-        load()
-        before = place_now(self._reader)
         layout = layout_of(self._reader)
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader)
-        shower = shower_of(self._reader, settings)
+        views = SkinViews.of(self._reader, settings.views)
         self._writer = RecordingWriter(
             settings.path,
             enclosed,
@@ -89,64 +260,27 @@ class Recorder:
             fit=FIT,
             settings=settings.file,
             output=output,
-            views=shower.views,
+            views=views.views,
         )
         self._queue = Queue(settings.queue_bytes)
-        sources = [str(each) for each in self._reader.description.get("sources", [])]
-        self._watch = Watch(self._reader, self._queue, tares)
-        place = self._place(before, tares)
-        self._drain = Drain(self._reader, self._queue, layout, sources, shower, place)
+        self._watch = StatusWatch(self._reader, self._queue, tares)
+        since_ns = settings.since_ns
+        begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
+        self._drain = Drain(self._reader, self._queue, layout, views, settings.view_rate, begin)
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
         self._ended = ""
         text = f"recording {settings.name} of process {self._reader.pid}"
-        self._queue.tell(Told(self._began_ns, "recording_started", text, {}))
+        self._queue.tell(event_item(self._began_ns, "recording_started", text, {}))
         if first:  # now, as all that must be loaded is: the other thread inherits it
             come_first()
         self._disk.start()
         self._next = self._began
         self.state = self._state()
-        self._since = math.inf  # when the first cycle was there
-        if place.wall_ns:
-            self._since = self._began - (self._began_ns - place.wall_ns) * 1e-9
-        self._ask_at = math.inf if rehearsal else self._began
-
-    def _place(self, before: Place, tares: int) -> Place:
-        """Where to begin: far enough back for a replay from the time on that is wanted.
-
-        A calibration that is newer than the enclosed one must be in the file, and is behind
-        `before`.
-        """
-        status, since_ns = self._reader.status_view, self.settings.since_ns
-        now = place_now(self._reader)  # first: a calibration that comes after it is recorded
-        if int(status["tares"][0]) != tares:
-            return before
-        if not since_ns:
-            return now
-        known = int(status["stale_ns"][0]) + int(BEGINNING * 1e9)
-        return place_since(self._reader, since_ns - known, now)
 
     def _write_state(self) -> None:
         if not self._rehearsal:
             self.state.write(self.settings.name)
-
-    def _ask_for_a_beginning(self) -> None:
-        """Have the engine make its next cycle a key cycle, from which a replay can begin.
-
-        Only once all that its answers follow from is in the file: until then older readings count.
-        """
-        now, status = time.monotonic(), self._reader.status_view
-        if self._drain.cycles and math.isinf(self._since):
-            self._since = now
-        due = self._since + BEGINNING + int(status["stale_ns"][0]) * 1e-9
-        if now < due or not status["tares"][0]:
-            self._ask_at = max(due, now + BEGINNING) if self._drain.cycles else now
-            return
-        self._ask_at = math.inf
-        try:
-            order(self.settings.name, "key")
-        except InputError:
-            return  # no engine listens now: the first cycle of the next is one
 
     def run(
         self,
@@ -174,8 +308,6 @@ class Recorder:
     def step(self) -> None:
         """Take what is new; once a second, look at all else and tell of it."""
         self._drain.take()
-        if time.monotonic() > self._ask_at:
-            self._ask_for_a_beginning()
         if time.monotonic() < self._next:
             return
         self._next += SECOND
@@ -195,7 +327,7 @@ class Recorder:
         self._drain.tell_lost()
         self._watch.look()
         text = f"the recording ends: {self._ended or 'closed'}"
-        self._queue.tell(Told(time.time_ns(), "recording_ended", text, self._totals()))
+        self._queue.tell(event_item(time.time_ns(), "recording_ended", text, self._totals()))
         try:
             self._disk.stop()
         finally:
@@ -292,7 +424,131 @@ def come_first() -> str:
     return "ordinary"
 
 
-if __name__ == "__main__":
-    from skinfield.live.recorder_process import main
+class Nowhere:
+    """An output for a recording that nobody wants."""
 
+    end = 0
+
+    def append(self, piece: bytes | bytearray | memoryview) -> None:
+        """See `Output`."""
+        self.end += len(piece)
+
+    def sync(self) -> None:
+        """See `Output`."""
+
+    def close(self) -> None:
+        """See `Output`."""
+
+
+def order_of(path: Path, since_ns: int) -> bytes:
+    """What a recorder that waits is told on its standard input.
+
+    Parameters
+    ----------
+    path : Path
+    since_ns : int, ns
+        As of `RecorderSettings`.
+    """
+    return json.dumps({"path": str(path.absolute()), "since_ns": since_ns}).encode() + b"\n"
+
+
+def main() -> None:
+    """Record until SIGTERM or Ctrl-C."""
+    given = _given()
+    if given.parent is not None:
+        end_with(given.parent)
+    try:
+        path, since_ns = given.path, given.since_ns
+        if given.wait:
+            if rehearse(given.name):
+                come_first()  # now, as all is loaded: on a busy machine the order is read at once
+            ordered = _wait()
+            if ordered is None:
+                return  # it is not wanted any more
+            path, since_ns = ordered
+        settings = RecorderSettings(name=given.name, path=path, since_ns=since_ns)
+        good = _record(settings, given.seconds)
+    except SkinfieldError as error:
+        raise SystemExit(f"recorder: {error}") from error
+    raise SystemExit(0 if good else 1)
+
+
+def _given() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m skinfield.live.recorder")
+    parser.add_argument("name")
+    parser.add_argument("path", type=Path, nargs="?")
+    parser.add_argument("--seconds", type=float)
+    parser.add_argument(
+        "--since-ns",
+        type=int,
+        default=0,
+        help="Time since the epoch to begin at, if the ring goes back.",
+    )
+    parser.add_argument(
+        "--wait", action="store_true", help="Get ready; the path comes on the standard input."
+    )
+    parser.add_argument("--parent", type=int, help="Process with which it ends.")
+    given = parser.parse_args()
+    if given.wait == (given.path is not None):
+        parser.error("expected either a path or --wait")
+    return given
+
+
+def rehearse(name: str) -> bool:
+    """Record a moment into nowhere: all that a recording needs is loaded afterwards.
+
+    Nothing of the ring is kept, as it may be another one until a recording is wanted.
+
+    Returns
+    -------
+    bool
+        False if there is no such ring now: less is loaded then.
+    """
+    settings = RecorderSettings(name=name, path=Path(os.devnull), since_ns=1)
+    try:
+        recorder = Recorder(settings, output=Nowhere(), rehearsal=True)
+    except SkinfieldError:  # it is being made anew
+        return False
+    try:
+        recorder.step()
+    finally:
+        recorder.close()
+    return True
+
+
+def _wait() -> tuple[Path, int] | None:
+    """Where to record, and since when; None if whoever would have said so is gone."""
+    with contextlib.suppress(BrokenPipeError):  # nobody waits for that any more
+        os.write(sys.stdout.fileno(), READY)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing has begun that would have to be finished
+    line = sys.stdin.buffer.readline()
+    return read_order(line) if line else None
+
+
+def read_order(line: bytes) -> tuple[Path, int]:
+    """The path and the time, ns, of `order_of`; raises InputError."""
+    try:
+        order = json.loads(line)
+        return Path(order["path"]), int(order["since_ns"])
+    except (ValueError, TypeError, KeyError) as error:
+        raise InputError(f"order is {line[:80]!r}, expected JSON of path and since_ns") from error
+
+
+def _record(settings: RecorderSettings, seconds: float | None) -> bool:
+    """Record until told to stop; whether all that was taken is in the file, and it is whole."""
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    state = Recorder(settings, _say, first=True).run(stop, seconds)
+    forget_state(settings.name)
+    return state.finished and not state.given_up
+
+
+def _say(text: str) -> None:
+    with contextlib.suppress(OSError):  # the terminal is gone: the file is not
+        sys.stderr.write(f"recorder: {text}\n")
+        sys.stderr.flush()
+
+
+if __name__ == "__main__":
     main()

@@ -1,89 +1,42 @@
-"""What waits between the thread that reads the ring and the one that writes the file."""
+"""Queue of a recorder, and the thread that writes: it may wait for the disk as long as it likes."""
 
 import threading
+import time
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from skinfield.acquisition.recorded import Enclosed
+from skinfield.errors import FileError
 from skinfield.sinks.mcap import RecordingWriter
-from skinfield.sinks.mcap.views import ViewMessage
+
+RETRY = 0.2  # s between attempts to write to a disk that refuses
+LAST_CHANCE = 1.0  # s that a full disk gets at the end
+SLOW = 0.5  # s that one write or sync may take before it is told
 
 
-class Entry(NamedTuple):
-    """Something to be written; `put` hands it to a writer.
+class Item(NamedTuple):
+    """Something to be written.
 
     Attributes
     ----------
     time_ns : int, ns
         Since the epoch.
-    position : int, bytes
-        Of blocks in the log; -1 for a cycle.
-    data : bytes
+    size : int, bytes
+    write : function of the writer
+    cycle : bool
+        Whether it is a cycle; other readings are counted in bytes where they are dropped.
     """
 
     time_ns: int
-    position: int
-    data: bytes
-
-    def put(self, writer: RecordingWriter) -> None:
-        """Write it."""
-        if self.position < 0:
-            writer.write_cycle(self.time_ns, self.data)
-        else:
-            writer.write_blocks(self.time_ns, self.position, self.data)
+    size: int
+    write: Callable[[RecordingWriter], None]
+    cycle: bool = False
 
 
-class Told(NamedTuple):
-    """An event or a second's timing: never dropped."""
-
-    time_ns: int
-    kind: str
-    text: str
-    values: dict[str, object]
-
-    def put(self, writer: RecordingWriter) -> None:
-        """Write it."""
-        if self.kind == "timing":
-            writer.timing(self.time_ns, self.values)
-        else:
-            writer.event(self.time_ns, self.kind, self.text, **self.values)
-
-
-class Attached(NamedTuple):
-    """A small file that is enclosed while recording: never dropped."""
-
-    time_ns: int
-    enclosed: Enclosed
-
-    def put(self, writer: RecordingWriter) -> None:
-        """Write it."""
-        writer.enclose(self.time_ns, self.enclosed)
-
-
-class Shown(NamedTuple):
-    """A message for other programs: dropped first, and not missed."""
-
-    time_ns: int
-    message: ViewMessage
-
-    def put(self, writer: RecordingWriter) -> None:
-        """Write it."""
-        writer.show(self.message)
-
-
-class Beside(NamedTuple):
-    """An answer of the fit beside the engine: left out where the disk does not keep up."""
-
-    time_ns: int
-    data: bytes
-
-    def put(self, writer: RecordingWriter) -> None:
-        """Write it."""
-        writer.write_fit(self.time_ns, self.data)
-
-
-Item = Entry | Told | Attached | Shown | Beside
+def event_item(time_ns: int, kind: str, text: str, values: dict[str, object]) -> Item:
+    """An event, see `RecordingWriter.event`."""
+    return Item(time_ns, 0, lambda writer: writer.event(time_ns, kind, text, **values))
 
 
 @dataclass
@@ -101,14 +54,12 @@ class Dropped:
     since_ns: int = 0
     until_ns: int = 0
 
-    def add(self, entry: Entry) -> None:
+    def add(self, item: Item) -> None:
         """Count one."""
-        if entry.position < 0:
-            self.cycles += 1
-        else:
-            self.bytes += len(entry.data)
-        self.since_ns = self.since_ns or entry.time_ns
-        self.until_ns = entry.time_ns
+        self.cycles += item.cycle
+        self.bytes += 0 if item.cycle else item.size
+        self.since_ns = self.since_ns or item.time_ns
+        self.until_ns = item.time_ns
 
 
 class Queue:
@@ -128,7 +79,7 @@ class Queue:
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._entries: deque[Item] = deque()
+        self._items: deque[Item] = deque()
         self._bytes = 0
         self._ready = threading.Condition()
         self._ended = False
@@ -142,59 +93,52 @@ class Queue:
 
     @property
     def oldest_ns(self) -> int:
-        """When its oldest entry came, ns since the epoch; 0 if it is empty."""
+        """When its oldest item came, ns since the epoch; 0 if it is empty."""
         with self._ready:
-            return self._entries[0].time_ns if self._entries else 0
+            return self._items[0].time_ns if self._items else 0
 
-    def put(self, entry: Entry) -> bool:
-        """Append, if it fits.
+    def put(self, item: Item) -> bool:
+        """Append readings or a cycle, if they fit.
 
         Once something did not fit, nothing more does until half of the room is free again: a few
         long gaps can be told and understood, thousands of short ones cannot.
         """
         with self._ready:
             room = self._most // 2 if self.dropped.since_ns else self._most
-            if self._bytes + len(entry.data) > room:
-                self.dropped.add(entry)
-                self.dropped_bytes += len(entry.data) if entry.position >= 0 else 0
-                self.dropped_cycles += entry.position < 0
+            if self._bytes + item.size > room:
+                self.dropped.add(item)
+                self.dropped_bytes += 0 if item.cycle else item.size
+                self.dropped_cycles += item.cycle
                 return False
             if self.dropped.since_ns:
                 self._tell_dropped()
-            self._entries.append(entry)
-            self._bytes += len(entry.data)
+            self._items.append(item)
+            self._bytes += item.size
             self._ready.notify()
             return True
 
-    def tell(self, told: Told | Attached) -> None:
-        """Append something that is always kept."""
+    def tell(self, item: Item) -> None:
+        """Append an event, a second's timing or a small file: always kept."""
         with self._ready:
-            self._entries.append(told)
+            self._items.append(item)
             self._ready.notify()
 
-    def show(self, shown: Shown) -> None:
-        """Append something that is only shown, if there is plenty of room."""
-        with self._ready:
-            if self._bytes + len(shown.message.data) < self._most // 4:
-                self._entries.append(shown)
-                self._bytes += len(shown.message.data)
-
-    def offer(self, beside: Beside) -> bool:
+    def offer(self, item: Item) -> bool:
         """Append something that comes after all readings, if there is room enough for those."""
         with self._ready:
-            if self.dropped.since_ns or self._bytes + len(beside.data) > self._most // 2:
+            if self.dropped.since_ns or self._bytes + item.size > self._most // 2:
                 return False
-            self._entries.append(beside)
-            self._bytes += len(beside.data)
+            self._items.append(item)
+            self._bytes += item.size
             return True
 
     def take(self, timeout: float) -> list[Item]:
         """Everything that is there, as soon as there is something; empty after `timeout` s."""
         with self._ready:
-            if not self._entries and not self._ended:
+            if not self._items and not self._ended:
                 self._ready.wait(timeout)
-            found = list(self._entries)
-            self._entries.clear()
+            found = list(self._items)
+            self._items.clear()
             self._bytes = 0
             return found
 
@@ -219,4 +163,173 @@ class Queue:
             "were dropped"
         )
         values: dict[str, object] = dict(vars(lost))
-        self._entries.append(Told(lost.until_ns, "dropped", text, values))
+        self._items.append(event_item(lost.until_ns, "dropped", text, values))
+
+
+@dataclass
+class DiskState:
+    """What others may know of it.
+
+    Attributes
+    ----------
+    failing_since : float, s
+        Monotonic time; 0 while writing works.
+    failure : str
+        What the system said last.
+    failures : int
+        Times that it began to fail.
+    last_flush, last_sync : float, s
+        Monotonic time.
+    longest : float, s
+        That one write or sync took.
+    lost : int
+        Messages that were given up at the end.
+    finished : bool
+        Whether the file has its end.
+    """
+
+    failing_since: float = 0.0
+    failure: str = ""
+    failures: int = 0
+    last_flush: float = 0.0
+    last_sync: float = 0.0
+    longest: float = 0.0
+    lost: int = 0
+    finished: bool = False
+
+
+class Disk(threading.Thread):
+    """Takes from the queue, writes, flushes and syncs in time, and closes the file at the end.
+
+    Parameters
+    ----------
+    writer : RecordingWriter
+    queue : Queue
+    flush, sync : float, s
+
+    Attributes
+    ----------
+    state : DiskState
+    """
+
+    def __init__(self, writer: RecordingWriter, queue: Queue, flush: float, sync: float) -> None:
+        super().__init__(name="disk", daemon=True)
+        self._writer, self._queue, self._flush_every, self._sync_every = writer, queue, flush, sync
+        now = time.monotonic()
+        self.state = DiskState(last_flush=now, last_sync=now)
+        self._slow_told = 0.0
+        self._crash: BaseException | None = None
+
+    def run(self) -> None:
+        """Work until the queue has ended."""
+        try:
+            while not self._queue.ended:
+                self._round()
+            self._finish()
+        except BaseException as error:
+            self._crash = error
+
+    def stop(self) -> None:
+        """Wait for its end; raises what went wrong with it."""
+        self._queue.end()
+        self.join()
+        if self._crash is not None:
+            raise self._crash
+
+    @property
+    def crashed(self) -> bool:
+        """Whether it ended too early."""
+        return self._crash is not None
+
+    def _round(self) -> None:
+        """Write what came, unless the disk refuses: then what comes waits in the queue."""
+        state = self.state
+        if state.failing_since:
+            time.sleep(RETRY)
+        else:
+            due = state.last_flush + self._flush_every - time.monotonic()
+            self._put_all(max(due, 0.0))
+        if state.failing_since or time.monotonic() - state.last_flush >= self._flush_every:
+            self._flush()
+        if not state.failing_since and time.monotonic() - state.last_sync >= self._sync_every:
+            self._sync()
+
+    def _put_all(self, timeout: float) -> None:
+        for item in self._queue.take(timeout):
+            self._put(item)
+
+    def _put(self, item: Item) -> None:
+        try:
+            item.write(self._writer)
+        except FileError as error:  # it waits in the writer
+            self._failed(error)
+
+    def _flush(self) -> None:
+        began = time.monotonic()
+        try:
+            self._writer.flush()
+        except FileError as error:
+            self._failed(error)
+            return
+        self._took(began, "write")
+        if self.state.failing_since:
+            self._works_again()
+        self.state.last_flush = time.monotonic()
+
+    def _sync(self) -> None:
+        began = time.monotonic()
+        try:
+            self._writer.sync()
+        except FileError as error:
+            self._failed(error)
+            return
+        self._took(began, "sync")
+        self.state.last_sync = time.monotonic()
+
+    def _failed(self, error: FileError) -> None:
+        state = self.state
+        state.failure = str(error)
+        if not state.failing_since:
+            state.failing_since = time.monotonic()
+            state.failures += 1
+
+    def _works_again(self) -> None:
+        state = self.state
+        seconds = time.monotonic() - state.failing_since
+        state.failing_since = 0.0
+        text = f"nothing could be written for {seconds:.1f} s ({state.failure}); now it works again"
+        self._put(event_item(time.time_ns(), "disk_failed", text, {"seconds": round(seconds, 3)}))
+
+    def _took(self, began: float, what: str) -> None:
+        took = time.monotonic() - began
+        self.state.longest = max(self.state.longest, took)
+        if took > SLOW and began - self._slow_told > 1.0:
+            self._slow_told = began
+            text = f"a {what} took {took:.1f} s: the disk is slow"
+            self._put(event_item(time.time_ns(), "disk_slow", text, {"seconds": round(took, 3)}))
+
+    def _give_up(self) -> None:
+        """Let go of what cannot be written; a word about it may still fit."""
+        self.state.lost = sum(self._writer.container.give_up_waiting().values())
+        text = f"{self.state.lost} messages could not be written at the end: {self.state.failure}"
+        self._put(event_item(time.time_ns(), "given_up", text, {"messages": self.state.lost}))
+        try:
+            self._writer.flush()
+        except FileError:
+            self._writer.container.give_up_waiting()
+
+    def _finish(self) -> None:
+        """Close the file; a disk that is still full gets a last chance, then data is given up."""
+        end = time.monotonic() + LAST_CHANCE
+        self._put_all(0.0)
+        self._flush()
+        while self.state.failing_since and time.monotonic() < end:
+            time.sleep(RETRY)
+            self._flush()
+        if self.state.failing_since:
+            self._give_up()
+        try:
+            self._writer.close()
+            self.state.finished = True
+        except FileError as error:
+            self._failed(error)

@@ -1,43 +1,91 @@
-"""A recording answered again: the same code, the same bytes, the same decisions."""
+"""Replay of a recording: readings, settings and estimates as they were, cycle by cycle."""
 
 import io
 import json
-from collections.abc import Iterator
-from dataclasses import replace
-from functools import cached_property
+import time
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Channels, Kind, blocks_of
-from skinfield.acquisition.block import Octets
-from skinfield.acquisition.recorded import TARE, CycleFlag
-from skinfield.acquisition.recorded import Cycle as Recorded
+from skinfield.acquisition.recorded import (
+    CYCLES,
+    FIELDS,
+    FITS,
+    TARE,
+    Cycle,
+    FieldRecord,
+    FitRecord,
+)
 from skinfield.contacts.live import CONTACT
 from skinfield.engine.state import Answer
-from skinfield.errors import FileError, InputError
-from skinfield.live.answered import Answered as Answered
-from skinfield.live.answered import Passed as Passed
-from skinfield.live.answered import is_unanswered
-from skinfield.live.binding import bind
-from skinfield.live.configuration import Configuration, same
-from skinfield.live.cycle import Cycle
-from skinfield.live.in_force import InForce, beginning
-from skinfield.live.recipe import Recipe
+from skinfield.errors import FileError, Floats, InputError
+from skinfield.live.fit_ring import LAYOUT, FitSlot
+from skinfield.live.model_config import Configuration, ModelConfig, Models, write_configuration
+from skinfield.live.ring_fields import describe, slots_for, status_fields
+from skinfield.live.runtime_parameters import Tuning
 from skinfield.live.slots import PATCH, Head, Sizes, Slot
-from skinfield.live.tare import Tared
-from skinfield.live.tuning import Tuning
-from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_moments import LASTING, Moments
-from skinfield.sources.recordings.mcap_steps import Step, Steps
+from skinfield.live.status_text import write_notes
+from skinfield.pipeline.serialisation import value_from_plain
+from skinfield.realtime import TimingTable
+from skinfield.ring import Ring, State
+from skinfield.sources.recordings.mcap_live import LiveRecording, Newest
 
-KEY = int(CycleFlag.KEY)
-IDLE = int(Answer.IDLE)
-SLACK_NS = 100_000_000  # by which a replay begins earlier than it must
+FAR = 1e15  # that no place (m), force (N) or pressure (Pa) comes near
+SOURCE = "replay"
+FIXED = "it is a replay, and goes by what was in force then"
+LINEAR, MISSING = int(Answer.LINEAR), int(Answer.MISSING)
+
+
+class Moment(NamedTuple):
+    """One cycle.
+
+    Attributes
+    ----------
+    cycle : Cycle
+        As it was recorded.
+    slot : Slot
+        As readers of the ring had it, but for readings and pressure: those of the newest cycle so
+        far of which they are in the file, and a touched patch's rung is that of its pressure. The
+        next cycle overwrites it.
+    fresh : bool
+        Whether it had a new reading.
+    """
+
+    cycle: Cycle
+    slot: Slot
+    fresh: bool
+
+
+class ConfigChange(NamedTuple):
+    """What the engine went by from a time on.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        Since the epoch.
+    tuning : Tuning
+    configuration : Configuration
+    """
+
+    time_ns: int
+    tuning: Tuning
+    configuration: Configuration
+
+
+class BaselineRecord(NamedTuple):
+    """A calibration from a time on, ns since the epoch: (L, 4), and noise (L,)."""
+
+    time_ns: int
+    calibration: Floats
+    noise_std: Floats
 
 
 class Replay:
-    """The cycles of a recording, answered again.
+    """The cycles of a recording as they were; for one thread at a time.
 
     Parameters
     ----------
@@ -47,253 +95,357 @@ class Replay:
     Attributes
     ----------
     recording : LiveRecording
-    recipe : Recipe
-    tared : Tared or None
-        The calibration in force.
-    passed : int
-        Cycles that could not be answered: until all that an answer follows from is in the file
-        and a key cycle comes, at the beginning and after a gap, and while the engine was starting.
-    gaps : int
-        Places where readings or cycles are missing.
+    index : Index
+        When its cycles were.
+    model_config : ModelConfig
+        What its estimates followed from at the beginning.
+    sizes : Sizes
+        Of its slots.
+    settings : list of ConfigChange
+        Changes in time; what was in force at the beginning comes first.
 
     Raises
     ------
     FileError
-        If the file cannot be read, or does not say what its estimates followed from.
+        If the file cannot be read, is of another version, or has no cycle.
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.recording = LiveRecording.open(path)
-        if not self.recording.configuration:
+        self.recording = found = LiveRecording.open(path)
+        if not found.configuration:
             raise FileError(
-                f"{path} encloses no configuration, expected one: it cannot be answered again; "
+                f"{path} encloses no configuration, expected one: nobody can tell of which skin "
+                "its estimates are; `skinfield export` still gives its readings"
+            )
+        self.model_config = ModelConfig.from_json(json.dumps(found.configuration))
+        layout = found.cycle_layout
+        if (layout.contact, layout.patch) != (CONTACT, PATCH):
+            raise FileError(
+                f"{path}: the rows of contacts and patches are of another version, expected those "
+                "of this one; `skinfield reconstruct` makes its estimates anew"
+            )
+        self.index = found.index
+        if not self.index.cycles:
+            raise FileError(
+                f"{path} has no cycle, expected one or more: it is too short or too damaged; "
                 "`skinfield export` still gives its readings"
             )
-        self.recipe = Recipe.from_json(json.dumps(self.recording.configuration))
-        self.binding = bind(self.recipe.skin, self.recipe.ports)
-        self.channels = Channels(self.binding.channels)
-        self.slot = Slot.empty(Sizes.of(self.recipe.skin, self.recipe.rungs, self.recipe.rows))
-        self.passed = self.gaps = 0
-        self._first = self.tared = self._first_tare()
-        self._cycle: Cycle | None = None
-        self._in_force = InForce(self.recipe, len(self.binding.channel))
-        self._began_ns, self._whole = 0, False
-
-    @property
-    def tuning(self) -> Tuning:
-        """What was in force in the cycle that was answered last."""
-        return self._in_force.tuning
-
-    @property
-    def configuration(self) -> Configuration:
-        """Likewise, of the engine."""
-        return self._in_force.configuration
-
-    @cached_property
-    def moments(self) -> Moments:
-        """When its cycles were; found by one pass over the file."""
-        return Moments.of(self.recording)
-
-    def _first_tare(self) -> Tared | None:
-        """The calibration that was in force when the recording began, if there was one."""
-        start, end = TARE.split("{number}")
-        numbers = {
-            int(name[len(start) : -len(end)]): name
-            for name in self.recording.attached
-            if name.startswith(start)
-            and name.endswith(end)
-            and name[len(start) : -len(end)].isdigit()
-        }
-        if not numbers:
-            return None
-        attached = self.recording.attached[numbers[min(numbers)]]
-        taxels = len(self.binding.channel)
-        try:
-            with np.load(io.BytesIO(attached.data), allow_pickle=False) as file:
-                table, noise = file["calibration"], file["noise_std"]
-                stale_ns = int(file["stale_ns"].reshape(-1)[0])
-        except (OSError, ValueError, KeyError, EOFError) as error:
-            raise FileError(
-                f"{self.recording.path}: {attached.name} cannot be used: {error}"
-            ) from error
-        if table.shape != (taxels, 4) or noise.shape != (taxels,):
-            raise FileError(
-                f"{self.recording.path}: {attached.name} is of {len(noise)} taxels, expected "
-                f"{taxels} as the layout has"
-            )
-        return Tared(table.astype(np.float64), noise.astype(np.float64), stale_ns)
-
-    def __iter__(self) -> Iterator[Answered]:
-        return (each for each in self.walk() if isinstance(each, Answered))
-
-    def from_time(self, time_ns: int) -> Iterator[Answered | Passed]:
-        """Cycles from shortly before a time on, so that what was then is answered in full.
-
-        It begins at a key cycle that lies far enough back for every patch to have a new reading
-        or none that counts; the cycles until then are among those that come. Another iteration of
-        this replay must not go on after this.
-
-        Parameters
-        ----------
-        time_ns : int, ns
-            Since the epoch.
-        """
-        stale = 0 if self._first is None else self._first.stale_ns
-        key = self.moments.key_before(time_ns - stale)
-        if key is None:
-            return self.walk()
-        return self.walk(self.moments.record_before(key - stale - SLACK_NS))
-
-    def walk(self, record: int = 0) -> Iterator[Answered | Passed]:
-        """All cycles from a record of the file on, as if the file began there."""
-        self._forget()
-        self._recall(record)
-        before: Recorded | None = None
-        going, since_ns = False, 0  # from when on nothing is missing
-        blocks = Blocks(1 << 12)
-        for step in Steps(self.recording, first=record):
-            cycle = step.cycle
-            gap = before is not None and (step.missing > 0 or cycle.number != before.number + 1)
-            again = before is not None and is_unanswered(cycle) and not is_unanswered(before)
-            self.gaps += gap
-            if before is None or gap or again:
-                going, since_ns = False, cycle.wall_ns
-            if again:
-                self._forget()
-            blocks = self._room(blocks, len(step.data))
-            if self._take(step, blocks) and not step.missing:
-                going, since_ns = False, 0
-            if cycle.flags & KEY and self._knows_all(cycle.wall_ns - since_ns):
-                going = going or self._begin(before)
-                self._began_ns = self._began_ns or cycle.wall_ns
-            if going and self._cycle is not None:
-                yield self._answered(self._cycle, cycle, bool(cycle.flags & KEY))
-            else:
-                self._pass(cycle)
-                yield Passed(cycle)
-            before = cycle
-
-    def _knows_all(self, complete_ns: int) -> bool:
-        """Whether all that an answer follows from was read since then.
-
-        Readings from before count until they are too old: an engine that was running when the
-        recording began, or while something got lost, knew them.
-        """
-        return self.tared is not None and complete_ns > self.tared.stale_ns
-
-    def _forget(self) -> None:
-        """Begin as an engine does that was started again: it knows the calibration alone."""
-        self.channels = Channels(self.binding.channels)
-        self._in_force = InForce(self.recipe, len(self.binding.channel))
-        if self._cycle is not None:
-            self._cycle.forget()
-
-    def _recall(self, record: int) -> None:
-        """Know what was in force before a record of the file, as if the log began with it."""
-        self.tared = self._first
-        if self._cycle is not None and self.tared is not None:
-            self._cycle.calibrate(self.tared.calibration)
-        if record > 0:
-            self._know(self.moments.lasting_before(record))
-
-    def _pass(self, cycle: Recorded) -> None:
-        """Leave a cycle out; what the engine answered in it is not new any more."""
-        self.passed += 1
-        if cycle.patches.dtype != PATCH or len(cycle.patches) != len(self.recipe.skin):
-            return
-        starts, channel = self.binding.starts, self.binding.channel
-        for patch in np.flatnonzero(cycle.patches["fresh"] > 0):
-            self.channels.fresh[channel[starts[patch] : starts[patch + 1]]] = 0
-
-    def _room(self, blocks: Blocks, size: int) -> Blocks:
-        """A buffer that holds so many bytes."""
-        if size <= blocks.octets.size:
-            blocks.clear()
-            return blocks
-        return Blocks(2 * size)
-
-    def _take(self, step: Step, blocks: Blocks) -> bool:
-        """Apply the readings of a step, and what it says about the engine.
-
-        Whether an engine's process began there, which knows no reading from before.
-        """
-        from skinfield.acquisition.kernel import find_among
-
-        if not step.data:
-            return False
-        blocks.put_data(step.data)
-        at = find_among(blocks.words, 0, int(blocks.end[0]), *LASTING)
-        start = beginning(blocks, at) if at >= 0 else -1
-        if start >= 0:
-            self._forget()
-        self.channels.apply_good(blocks, max(start, 0))
-        if at >= 0:
-            self._know(blocks.data)
-        return start >= 0
-
-    def _know(self, data: bytes | Octets) -> None:
-        """Take over what blocks say that lasts: a new calibration."""
-        rows = np.zeros((len(self.binding.channel), 6)) if self.tared is None else self.tared.rows()
-        taken = False
-        for block in blocks_of(data):
-            if block.kind == Kind.CALIBRATION and block.channel + block.count <= len(rows):
-                rows[block.channel : block.channel + block.count] = block.payload.reshape(-1, 6)
-                taken = True
-        if taken:
-            self.tared = Tared.from_rows(rows)
-            if self._cycle is not None:
-                self._cycle.calibrate(self.tared.calibration)
-        self._in_force.take(data, self._cycle)
-        known = self._in_force.configuration
-        if not same(known.solver, self.recipe.solver):
-            self.recipe, self._cycle = replace(self.recipe, solver=known.solver), None
-
-    def _begin(self, before: Recorded | None) -> bool:
-        """Start at a key cycle, from the contacts that the cycle before it told."""
-        tared = self.tared
-        assert tared is not None  # whoever calls has looked
-        if self._cycle is None or self._cycle.stale_ns != tared.stale_ns:
-            noise, stale = tared.noise_std, tared.stale_ns
-            self._cycle = Cycle(self.recipe, self.binding, tared.calibration, noise, stale)
-        if before is not None:
-            self._check(before)
-            if is_unanswered(before):
-                self._cycle.tracks[0] = before.patches["tracks"][0]
-            else:
-                self._cycle.go_on_from(before)
-        self._in_force.apply(self._cycle)
-        self._began_ns, self._whole = 0, False
-        return True
-
-    def _check(self, told: Recorded) -> None:
-        """Raise FileError unless rows of patches and contacts are those of such a skin."""
-        known = told.patches.dtype == PATCH and told.contacts.dtype == CONTACT
-        counts = told.patches["contacts"] if known else np.zeros(0, np.int64)
-        within = ((counts >= 0) & (counts <= self.recipe.rows)).all()
-        right = len(counts) == len(self.recipe.skin) and counts.sum() == len(told.contacts)
-        if not (known and within and right):
-            raise FileError(
-                f"{self.recording.path}: cycle {told.number} has {len(told.patches)} patches and "
-                f"{len(told.contacts)} contacts, expected those of the skin that is enclosed: it "
-                "is damaged, or of another version"
-            )
-
-    def _answered(self, cycle: Cycle, recorded: Recorded, key: bool) -> Answered:
-        script = recorded.script if len(recorded.script) else None
-        fresh = cycle.answer(self.channels, recorded.wall_ns, self.slot, key=key, script=script)
-        if fresh and script is None:
-            raise InputError(
-                f"cycle {recorded.number} has new readings and no script, expected one: the "
-                "recording is damaged"
-            )
-        slot = self.slot
-        same = (
-            slot.used_contacts().tobytes() == recorded.contacts.tobytes()
-            and slot.patches.tobytes() == recorded.patches.tobytes()
-            and len(recorded.script) == int(slot.head[Head.SCRIPT])
+        self.sizes = Sizes.of(
+            self.model_config.skin, self.model_config.rungs, self.model_config.rows
         )
-        if not self._whole:
-            rows = slot.patches
-            known = (rows["answer"] <= IDLE) | (rows["answered_ns"] >= self._began_ns)
-            self._whole = bool(known.all())
-        return Answered(recorded, slot, fresh, same, self._whole)
+        self.settings = list(_config_history(found, self.model_config))
+        self._tares = list(_tares(found, self.sizes.taxels))
+        self._fields = Newest(found, FIELDS, self._field_of)
+        self._slot = Slot.empty(self.sizes)
+        self._field: FieldRecord | None = None
+        self._models: tuple[tuple[int, int], Models] | None = None
+        self._show_field(None)
+
+    def __iter__(self) -> Iterator[Moment]:
+        return self.from_time(0)
+
+    def from_time(self, time_ns: int) -> Iterator[Moment]:
+        """Cycles from a time on, ns since the epoch; another iteration must not go on after it."""
+        first = self.index.record_before(time_ns)
+        for _, at, message in self.recording.messages((CYCLES,), first):
+            cycle = self.recording.cycle_of(at, message)
+            if cycle is None or cycle.wall_ns < time_ns or not self._fits(at, cycle):
+                continue
+            self._show_field(self._fields.before(cycle.wall_ns))
+            self._show(cycle)
+            yield Moment(cycle, self._slot, bool(self._slot.head[Head.FRESH]))
+
+    def config_at(self, time_ns: int) -> ConfigChange:
+        """What the engine went by at a time, ns since the epoch."""
+        return self.settings[_newest(self.settings, time_ns)]
+
+    def tare(self, time_ns: int) -> BaselineRecord | None:
+        """The calibration at a time, ns since the epoch; None where none was taken."""
+        return self._tares[_newest(self._tares, time_ns)] if self._tares else None
+
+    def models(self, time_ns: int) -> Models:
+        """What turns pressure into deformation and uncertainty, of a time, ns since the epoch."""
+        key = _newest(self.settings, time_ns), _newest(self._tares, time_ns)
+        if self._models is None or self._models[0] != key:
+            model_config = replace(
+                self.model_config, solver=self.settings[key[0]].configuration.solver
+            )
+            tare, typical = self.tare(time_ns), model_config.quantity.typical_noise
+            noise = np.zeros(self.sizes.taxels) if tare is None else tare.noise_std
+            self._models = key, Models(model_config, np.where(noise > 0, noise, typical))
+        return self._models[1]
+
+    def _fits(self, at: int, cycle: Cycle) -> bool:
+        """Whether a cycle has the rows of such a skin; else it is noted as damage."""
+        rows, contacts = cycle.patches, cycle.contacts
+        counts, places = rows["contacts"], np.arange(self.sizes.patches)
+        limits = (("contacts", self.sizes.rows), ("rung", max(self.model_config.rungs)))
+        if len(rows) == len(places) and all(
+            ((rows[name] >= 0) & (rows[name] <= most)).all()
+            for name, most in (*limits, ("answer", max(Answer)))
+        ):
+            its = np.repeat(places, counts)
+            if len(its) == len(contacts) and (contacts["patch"] == its).all():
+                return True
+        self.recording.note(
+            at, f"cycle {cycle.number} has {len(rows)} patches and {len(contacts)} "
+            "contacts, expected those of the skin that is enclosed",
+        )  # fmt: skip
+        return False
+
+    def _field_of(self, at: int, data: bytes) -> FieldRecord | None:
+        found, sizes = self.recording.field_of(at, data), self.sizes
+        if found is None:
+            return None
+        its = len(found.sides), len(found.counts), found.grid
+        if its == (sizes.patches, sizes.taxels, sizes.nodes):
+            return found
+        self.recording.note(
+            at, f"a field of {its[0]} patches, {its[1]} taxels and {its[2]} nodes, expected "
+            f"{sizes.patches}, {sizes.taxels} and {sizes.nodes}",
+        )  # fmt: skip
+        return None
+
+    def _show_field(self, found: FieldRecord | None) -> None:
+        """Put readings and pressure into the slot; without any, nothing is known of them."""
+        if found is self._field and found is not None:
+            return
+        self._field, slot = found, self._slot
+        if found is None:
+            slot.counts[:], slot.values[:], slot.valid[:], slot.pressure[:] = np.nan, 0.0, 0, 0.0
+            return
+        slot.counts[:], slot.values[:], slot.valid[:] = found.counts, found.values, found.valid
+        found.pressure_into(slot.pressure)
+
+    def _show(self, cycle: Cycle) -> None:
+        """Put contacts, patches and times into the slot."""
+        slot, head, patches = self._slot, self._slot.head, cycle.patches
+        slot.patches[:] = patches
+        used = np.arange(self.sizes.rows) < patches["contacts"][:, None]
+        slot.contacts[used] = cycle.contacts
+        if self._field is not None:
+            touched = (patches["answer"] >= LINEAR) & (self._field.sides > 0)
+            slot.patches["rung"][touched] = self._field.sides[touched]
+        for place, value in (
+            (Head.FLAGS, int(cycle.flags)),
+            (Head.DUE_NS, cycle.due_ns),
+            (Head.WAKE_NS, cycle.wake_ns),
+            (Head.ACQUIRED_NS, cycle.acquired_ns),
+            (Head.READY_NS, cycle.done_ns),
+            (Head.WALL_NS, cycle.wall_ns),
+            (Head.LOG_POSITION, cycle.log_position),
+            (Head.FRESH, np.count_nonzero(patches["fresh"] > 0)),
+            (Head.CONTACTS, len(cycle.contacts)),
+            (Head.GENERATION, self.config_at(cycle.wall_ns).configuration.generation),
+        ):
+            head[place] = value
+
+
+def _newest(found: list[Any], time_ns: int) -> int:
+    """Place of the newest of some up to a time; before all of them, of the first."""
+    return max(bisect_right([each.time_ns for each in found], time_ns) - 1, 0)
+
+
+def _config_history(recording: LiveRecording, model_config: ModelConfig) -> Iterator[ConfigChange]:
+    """Settings by time, from the events that tell of them; what makes no sense is noted."""
+    newest = ConfigChange(
+        0, Tuning(deadline=model_config.budget), Configuration(1, model_config.solver)
+    )
+    yield newest
+    for event in recording.index.events:
+        if event.get("kind") != "settings":
+            continue
+        try:
+            tuning = Tuning().changed(event["tuning"])
+            configuration = newest.configuration
+            if "solver" in event:
+                solver = value_from_plain("solver", event["solver"])
+                if not hasattr(solver, "prepare"):
+                    raise InputError(f"the solver is {event['solver']!r:.60}")
+                configuration = Configuration(int(event["generation"]), solver)
+            newest = ConfigChange(event["wall_ns"], tuning, configuration)
+            yield newest
+        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+            recording.note(0, f"settings that make no sense are left out: {error!s:.200}")
+
+
+def _tares(recording: LiveRecording, taxels: int) -> Iterator[BaselineRecord]:
+    """Calibrations by time; what makes no sense is noted."""
+    start, end = TARE.split("{number}")
+    found = {
+        int(number): each
+        for name, each in recording.attached.items()
+        if name.startswith(start)
+        and name.endswith(end)
+        and (number := name.removeprefix(start).removesuffix(end)).isdecimal()
+    }
+    known = False
+    for _, each in sorted(found.items()):
+        try:
+            with np.load(io.BytesIO(each.data), allow_pickle=False) as file:
+                table, noise = file["calibration"], file["noise_std"]
+            if table.shape != (taxels, 4) or noise.shape != (taxels,):
+                raise InputError(f"it is of {len(noise)} taxels, expected {taxels}")
+            time_ns = each.time_ns if known else 0  # the first holds from the beginning on
+            known = True
+            yield BaselineRecord(time_ns, table.astype(np.float64), noise.astype(np.float64))
+        except (OSError, ValueError, KeyError, EOFError, TypeError) as error:
+            recording.note(0, f"{each.name} cannot be used, and is left out: {error}")
+
+
+class ReplayFit:
+    """Answers of the fit beside the engine at any time of a recording, for one thread at a time.
+
+    What cannot be read of them is told in the recording's `damage`, and the engine's own contacts
+    are left.
+
+    Parameters
+    ----------
+    replay : Replay
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self._recording, self._sizes = replay.recording, replay.sizes
+        self._newest: Newest[FitSlot] | None = None
+        try:
+            layout = self._recording.fit_layout
+            if layout is not None and layout != LAYOUT:
+                raise FileError("the rows of the contact fit are of another version, and left out")
+            if layout is not None:
+                self._newest = Newest(self._recording, FITS, self._slot_of)
+        except FileError as error:
+            self._recording.note(0, str(error))
+
+    def at(self, time_ns: int) -> FitSlot | None:
+        """What the fit had found by a time, ns since the epoch, as `FitReader.latest` gave it then.
+
+        None where there was no fit, or it knew of no touch.
+        """
+        try:
+            return None if self._newest is None else self._newest.before(time_ns)
+        except FileError as error:
+            self._recording.note(0, str(error))
+            return None
+
+    def _slot_of(self, at: int, data: bytes) -> FitSlot | None:
+        record, sizes = self._recording.fit_of(at, data), self._sizes
+        if record is None or not len(record.places):
+            return None
+        patches, nodes, _ = record.sizes
+        if (patches, nodes) != (sizes.patches, sizes.nodes):
+            self._recording.note(
+                at, f"a contact fit of {patches} patches with {nodes} nodes each, expected "
+                f"{sizes.patches} with {sizes.nodes}: it is damaged, or of another skin",
+            )  # fmt: skip
+            return None
+        if not is_sound(record):
+            self._recording.note(
+                at, f"answer {record.number} of the contact fit has contacts of other patches or "
+                f"numbers that cannot be, expected finite ones below {FAR:g}: it is damaged",
+            )  # fmt: skip
+            return None
+        return slot_of(record)
+
+
+def is_sound(record: FitRecord) -> bool:
+    """Whether numbers of an answer can be shown: finite, within reach, each on its own patch."""
+    rows = record.contacts
+    shown = [rows[name].ravel() for name in ("position", "normal", "x", "y", "normal_force")]
+    own = rows["patch"] == np.repeat(record.places, record.patches["contacts"])
+    numbers = np.concatenate([*shown, record.pressure])
+    return bool(own.all() and (np.abs(numbers) < FAR).all())  # false for NaN too
+
+
+def slot_of(record: FitRecord) -> FitSlot:
+    """The answer as it was in the fit's ring; of patches that it says nothing of, nothing."""
+    slot, places = FitSlot.empty(*record.sizes), record.places.astype(np.int64)
+    slot.told_ns[0] = record.time_ns
+    slot.patches[places] = record.patches
+    used = np.arange(record.sizes.rows) < record.patches["contacts"][:, None]
+    patch, row = np.nonzero(used)
+    slot.contacts[places[patch], row] = record.contacts
+    slot.forms[places[patch], row] = record.forms
+    slot.pressure[np.repeat(places, record.pressed), record.nodes] = record.pressure
+    return slot
+
+
+def paced(moments: Iterable[Moment], speed: float) -> Iterator[Moment]:
+    """Cycles at `speed` times the pace at which they were live; a slow reader is waited for."""
+    began, first = time.monotonic(), None
+    for each in moments:
+        first = each.cycle.wall_ns if first is None else first
+        due = began + (each.cycle.wall_ns - first) * 1e-9 / speed
+        left = due - time.monotonic()
+        if left > 0:
+            time.sleep(left)
+        yield each
+
+
+class Published:
+    """A replay in a ring, as a running skin that others can look at.
+
+    Stamps are moved to now, so that ages mean what they mean live.
+
+    Parameters
+    ----------
+    name : str
+        Of the ring.
+    replay : Replay
+    """
+
+    def __init__(self, name: str, replay: Replay) -> None:
+        model_config, slot = replay.model_config, replay.sizes.fields()
+        period = float(replay.recording.description.get("period", 1e-3))
+        told = describe(name, model_config, [SOURCE], period) | {"fixed": FIXED}
+        self._replay = replay
+        status = status_fields(1, replay.sizes.taxels)
+        self._ring = Ring.create(name, slot, status, told, slots_for(slot), 1 << 16)
+        status_arrays = self._ring.status
+        period_ns = max(int(period * 1e9), 1)
+        self._timing = TimingTable(period_ns, None, status_arrays["times"], status_arrays["totals"])
+        self._tare: BaselineRecord | None = None
+        self._config: ConfigChange | None = None
+        self._go_by(replay.index.first_ns)
+        self._ring.set_state(State.RUNNING)
+        write_notes(status_arrays["notes"], {"phase": f"replay of {replay.recording.path.name}"})
+
+    def _go_by(self, time_ns: int) -> None:
+        """Tell settings and calibration of a time."""
+        status, known, tare = (
+            self._ring.status,
+            self._replay.config_at(time_ns),
+            self._replay.tare(time_ns),
+        )
+        if known is not self._config:
+            self._config = known
+            status["tuning"][:] = known.tuning.numbers(self._ring.description["patches"])
+            write_configuration(status["configuration"], known.configuration)
+        if tare is not None and tare is not self._tare:
+            self._tare = tare
+            status["calibration"][:], status["noise_std"][:] = tare.calibration, tare.noise_std
+            status["tares"][0] += 1
+
+    def put(self, each: Moment) -> None:
+        """Publish one cycle."""
+        ring, cycle = self._ring, each.cycle
+        self._go_by(cycle.wall_ns)
+        slot = Slot.of(ring.begin())
+        for part in fields(Slot):
+            np.copyto(getattr(slot, part.name), getattr(each.slot, part.name))
+        now = time.time_ns()
+        shift = now - cycle.wall_ns
+        for name in ("stamp_ns", "answered_ns"):
+            known = slot.patches[name] > 0
+            slot.patches[name][known] += shift
+        slot.head[Head.WALL_NS] = now
+        slot.patches["stamp_ns"][slot.patches["answer"] == MISSING] = 0
+        ring.publish()
+        ring.heartbeat(time.monotonic_ns())
+        times = (cycle.due_ns, cycle.wake_ns, cycle.acquired_ns, cycle.done_ns)
+        self._timing.add(*times, cycle.done_ns, -1)
+
+    def close(self) -> None:
+        """Take the ring away."""
+        name = self._ring.name
+        self._ring.close()
+        Ring.remove(name)

@@ -6,29 +6,27 @@ from dataclasses import replace
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Count, Kind
-from skinfield.acquisition.block import CALIBRATED, LONGEST, block_bytes
+from skinfield.acquisition import Count
 from skinfield.contacts.live import CONTACT
 from skinfield.engine.state import Answer
 from skinfield.errors import FileError, InputError
-from skinfield.live.configuration import FIELD as CONFIGURATION
-from skinfield.live.notes import FIELD as NOTES
-from skinfield.live.recipe import Recipe
+from skinfield.live.baseline import Baseline
+from skinfield.live.model_config import FIELD as CONFIGURATION
+from skinfield.live.model_config import ModelConfig
+from skinfield.live.runtime_parameters import FIELD as TUNING
 from skinfield.live.settings import LiveSettings
 from skinfield.live.slots import PATCH, Head, Sizes
-from skinfield.live.tare import Tared
-from skinfield.live.tuning import FIELD as TUNING
+from skinfield.live.status_text import FIELD as NOTES
 from skinfield.realtime.timing import FIELDS as TIMING
 from skinfield.realtime.timing import TIMES, TOTALS
 from skinfield.ring import Field, Ring, RingReader
 
-VERSION = 1
+VERSION = 2
 ROOM = 1 << 26  # bytes for slots
 FEWEST, MOST = 64, 1024  # slots
 SECONDS = 4.0  # of readings in the log
 BYTES_PER_TAXEL = 6.0  # of a reading, heads of blocks among them
 POLLED = 1 << 22  # bytes for what the sources bring at once
-CALIBRATION_ROWS = LONGEST // CALIBRATED  # taxels in one block
 
 
 def status_fields(sources: int, taxels: int) -> list[Field]:
@@ -47,37 +45,39 @@ def status_fields(sources: int, taxels: int) -> list[Field]:
     ]
 
 
-def description_of(settings: LiveSettings, recipe: Recipe) -> dict[str, object]:
+def description_of(settings: LiveSettings, model_config: ModelConfig) -> dict[str, object]:
     """What readers must know, in plain values."""
     names = [type(source).__name__ for source in settings.sources]
-    return describe(settings.name, recipe, names, settings.period) | {
+    return describe(settings.name, model_config, names, settings.period) | {
         "source_settings": [repr(source)[:500] for source in settings.sources],
         "rate": settings.rate,
         "deadline": settings.due_after,
     }
 
 
-def describe(name: str, recipe: Recipe, sources: Sequence[str], period: float) -> dict[str, object]:
+def describe(
+    name: str, model_config: ModelConfig, sources: Sequence[str], period: float
+) -> dict[str, object]:
     """What readers must know of any ring with estimates."""
     return {
         "skinfield_live": VERSION,
         "name": name,
-        "skin": recipe.skin.name,
-        "patches": [patch.name for patch in recipe.skin],
-        "taxels": [len(patch) for patch in recipe.skin],
-        "links": [patch.link for patch in recipe.skin],
+        "skin": model_config.skin.name,
+        "patches": [patch.name for patch in model_config.skin],
+        "taxels": [len(patch) for patch in model_config.skin],
+        "links": [patch.link for patch in model_config.skin],
         "sources": list(sources),
         "source_counters": [each.name.lower() for each in Count],
         "period": period,
-        "budget": recipe.budget,
-        "rungs": list(recipe.rungs),
+        "budget": model_config.budget,
+        "rungs": list(model_config.rungs),
         "head": [each.name.lower() for each in Head],
         "answers": [each.name.lower() for each in Answer],
         "times": list(TIMES),
         "totals": list(TOTALS),
         "patch_row": PATCH.descr,
         "contact_row": CONTACT.descr,
-        "recipe": recipe.to_json(),
+        "model_config": model_config.to_json(),
     }
 
 
@@ -93,14 +93,7 @@ def log_for(taxels: int, rate: float | None) -> int:
     return 1 << int(min(max(math.ceil(math.log2(wanted)), 24), 28))
 
 
-def room_for(taxels: int) -> int:
-    """Bytes for the blocks of one poll, or of a whole calibration."""
-    whole, rest = divmod(taxels, CALIBRATION_ROWS)
-    kind = int(Kind.CALIBRATION)
-    return max(POLLED, whole * block_bytes(kind, CALIBRATION_ROWS) + block_bytes(kind, rest))
-
-
-def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
+def open_ring(settings: LiveSettings, model_config: ModelConfig) -> tuple[Ring, bool]:
     """The ring of this skin: that of an engine that died, if it fits, else a new one.
 
     Returns
@@ -116,16 +109,16 @@ def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     """
     sizes = Sizes.of(settings.skin, settings.rungs, settings.rows)
     slot, status = sizes.fields(), status_fields(len(settings.sources), sizes.taxels)
-    wanted, slots = description_of(settings, recipe), settings.slots or slots_for(slot)
-    log, least = settings.log_bytes or log_for(sizes.taxels, settings.rate), room_for(sizes.taxels)
-    if log < least:
+    wanted, slots = description_of(settings, model_config), settings.slots or slots_for(slot)
+    log = settings.log_bytes or log_for(sizes.taxels, settings.rate)
+    if log < POLLED:
         raise InputError(
-            f"log_bytes is {log}, expected at least {least}: what the sources bring at once, or "
-            "a calibration, must fit into the ring's log"
+            f"log_bytes is {log}, expected at least {POLLED}: what the sources bring at once must "
+            "fit into the ring's log"
         )
     try:
         ring = Ring.reopen(settings.name, slot, status, slots, log)
-        if goes_on(ring, recipe):
+        if goes_on(ring, model_config):
             return ring, False
         ring.close()
     except InputError:  # there is none, or one of another skin: if it is in use, the next says so
@@ -134,34 +127,30 @@ def open_ring(settings: LiveSettings, recipe: Recipe) -> tuple[Ring, bool]:
     return made, True
 
 
-def goes_on(ring: Ring, recipe: Recipe) -> bool:
-    """Whether a ring is of a skin with this recipe; its solver may have been another."""
+def goes_on(ring: Ring, model_config: ModelConfig) -> bool:
+    """Whether a ring is of a skin with this configuration; its solver may have been another."""
     try:
-        before = Recipe.from_json(str(ring.description.get("recipe")))
-        return replace(before, solver=recipe.solver).to_json() == recipe.to_json()
+        before = ModelConfig.from_json(str(ring.description.get("model_config")))
+        return replace(before, solver=model_config.solver).to_json() == model_config.to_json()
     except FileError:
         return False
 
 
-def write_tare(ring: Ring, tared: Tared, blocks: Blocks, now_ns: int) -> None:
-    """Publish a calibration: in the status for who comes later, and in the log for recordings."""
+def write_baseline(ring: Ring, baseline: Baseline) -> None:
+    """Publish a calibration."""
     status = ring.status
-    status["calibration"][:] = tared.calibration
-    status["noise_std"][:] = tared.noise_std
-    status["stale_ns"][0] = tared.stale_ns
+    status["calibration"][:] = baseline.calibration
+    status["noise_std"][:] = baseline.noise_std
+    status["stale_ns"][0] = baseline.stale_ns
     status["tares"][0] += 1
-    rows = tared.rows()
-    for first in range(0, len(rows), CALIBRATION_ROWS):
-        part = rows[first : first + CALIBRATION_ROWS]
-        blocks.put_rows(now_ns, first, Kind.CALIBRATION, part)
 
 
-def known_tare(ring: Ring | RingReader) -> Tared | None:
+def known_baseline(ring: Ring | RingReader) -> Baseline | None:
     """The calibration in a ring's status; None where none was taken yet."""
     status = ring.status
     if status["tares"][0] < 1:
         return None
-    return Tared(
+    return Baseline(
         status["calibration"].copy(),
         status["noise_std"].copy(),
         int(status["stale_ns"][0]),

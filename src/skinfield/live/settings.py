@@ -8,7 +8,7 @@ from skinfield.conditioning import Calibration, Convention
 from skinfield.errors import InputError, check_offers, check_positive, check_range, check_type
 from skinfield.inverse import NonNegative, Solver
 from skinfield.layout import Patch, Skin
-from skinfield.live.tuning import HEAVIEST, SLOWEST, Tuning
+from skinfield.live.runtime_parameters import HEAVIEST, SLOWEST, Tuning
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import Capacitance, Quantity
 from skinfield.realtime import RealTime
@@ -51,8 +51,6 @@ class LiveSettings:
     stale_after : float, s, optional
         Age at which a taxel's reading is left out. Default five times the longest interval that is
         usual for it, at least 50 ms.
-    key_seconds : float, s
-        Between cycles that start without knowledge of those before, from which a replay can begin.
     rows : int
         Contacts told of each patch, at most.
     threshold : float, N
@@ -86,7 +84,6 @@ class LiveSettings:
     deadline: float | None = None
     tare_seconds: float = 1.0
     stale_after: float | None = None
-    key_seconds: float = 5.0
     rows: int = 8
     threshold: float = 0.0
     smoothing: float = 0.0
@@ -108,8 +105,7 @@ class LiveSettings:
         for name in ("budget", "deadline", "stale_after"):
             if getattr(self, name) is not None:
                 check_positive(name, getattr(self, name), "seconds")
-        for name in ("tare_seconds", "key_seconds"):
-            check_positive(name, getattr(self, name), "seconds")
+        check_positive("tare_seconds", self.tare_seconds, "seconds")
         check_range("threshold", self.threshold, 0.0, HEAVIEST, "N, of contacts that are told")
         check_range("smoothing", self.smoothing, 0.0, SLOWEST, "s, a time constant; 0: none")
         unknown = set(self.calibration) - {patch.name for patch in self.skin}

@@ -1,8 +1,8 @@
 /* Reads a running skin from C or C++: contacts in newtons and metres, cycle by cycle.
  *
- *   cc -O2 -I"$(python -c 'import skinfield.live.include as i; print(i.include_folder())')" own.c
+ *   cc -O2 -I"$(python -c 'import skinfield.live as live; print(live.include_folder())')" own.c
  *
- * Version 1 of what `skinfield run` publishes, on top of skinfield_ring.h, which copies whole slots
+ * Version 2 of what `skinfield run` publishes, on top of skinfield_ring.h, which copies whole slots
  * and reads the log. Nothing here allocates, waits for the engine or can disturb it. All numbers
  * are SI units. Functions return 0 or a negative errno, unless they say otherwise. */
 #ifndef SKINFIELD_LIVE_H
@@ -19,7 +19,7 @@
 #endif
 #include <stddef.h>
 
-enum { SKINFIELD_LIVE_VERSION = 1 };
+enum { SKINFIELD_LIVE_VERSION = 2 };
 enum { /* how a patch was answered */
     SKINFIELD_MISSING = 0,  /* no reading that is young enough: nothing is known */
     SKINFIELD_IDLE = 1,     /* nothing stands out of the noise */
@@ -27,7 +27,6 @@ enum { /* how a patch was answered */
     SKINFIELD_FEASIBLE = 3  /* by an iterative solver, with its gap */
 };
 enum { /* bits of head[SKINFIELD_HEAD_FLAGS] */
-    SKINFIELD_KEY = 1,      /* answered without knowledge of earlier cycles */
     SKINFIELD_LATE = 2,     /* ready after its deadline */
     SKINFIELD_OVERRUN = 4,  /* ready after the next one was due */
     SKINFIELD_RESTARTED = 8 /* the first of an engine that was started again */
@@ -43,10 +42,9 @@ enum { /* numbers of a cycle, by their place in `head`; times in ns */
     SKINFIELD_HEAD_MESSAGES = 7,    /* taken in */
     SKINFIELD_HEAD_FRESH = 8,       /* patches with a new reading */
     SKINFIELD_HEAD_CONTACTS = 9,    /* on all patches */
-    SKINFIELD_HEAD_SCRIPT = 10,     /* rows of the script */
-    SKINFIELD_HEAD_BUDGET_NS = 11,  /* that the reconstruction had; 0 of a replay */
-    SKINFIELD_HEAD_GENERATION = 12, /* of the engine's process: 1 for the first */
-    SKINFIELD_HEAD_NUMBERS = 13
+    SKINFIELD_HEAD_BUDGET_NS = 10,  /* that the reconstruction had; 0 of a replay */
+    SKINFIELD_HEAD_GENERATION = 11, /* of the engine's process: 1 for the first */
+    SKINFIELD_HEAD_NUMBERS = 12
 };
 
 typedef struct {
@@ -104,7 +102,7 @@ typedef struct {
 
 static inline int skinfield_live_fields_(skinfield_live *live)
 {
-    static const char version[] = "{\"skinfield_live\": 1,";
+    static const char version[] = "{\"skinfield_live\": 2,";
     const skinfield_ring *ring = &live->ring;
     skinfield_field head, patches, contacts;
     if (ring->description_bytes < sizeof version ||

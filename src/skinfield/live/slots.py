@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from skinfield.acquisition.recorded import Cycle as Recorded
 from skinfield.acquisition.recorded import CycleFlag
 from skinfield.contacts.live import CONTACT
-from skinfield.engine.clockwork import ROUNDS
-from skinfield.engine.script import WIDTH
+from skinfield.engine.state import Answer
 from skinfield.layout import Skin
 from skinfield.ring import Field
 
@@ -32,9 +31,8 @@ class Head(IntEnum):
     MESSAGES = 7  # taken in
     FRESH = 8  # patches with a new reading
     CONTACTS = 9  # on all patches, of the newest answers
-    SCRIPT = 10  # rows of the script; 0 if nothing was answered
-    BUDGET_NS = 11  # that the reconstruction had; 0 of a replay
-    GENERATION = 12  # of the engine's process, as the ring counts them: 1 for the first
+    BUDGET_NS = 10  # that the reconstruction had; 0 of a replay
+    GENERATION = 11  # of the engine's process, as the ring counts them: 1 for the first
 
 
 PATCH = np.dtype(
@@ -68,21 +66,17 @@ class Sizes:
         Of the skin; the last of the finest grid of a patch.
     rows : int
         Contacts per patch, at most.
-    script : pair of int
-        Rows and columns of the engine's script, at most.
     """
 
     patches: int
     taxels: int
     nodes: int
     rows: int
-    script: tuple[int, int]
 
     @classmethod
     def of(cls, skin: Skin, rungs: Sequence[int], rows: int) -> "Sizes":
         """Sizes of a skin's slots."""
-        script = ((len(rungs) + ROUNDS) * (len(skin) + 1) + 1, WIDTH)
-        return cls(len(skin), sum(map(len, skin)), max(rungs) ** 2, rows, script)
+        return cls(len(skin), sum(map(len, skin)), max(rungs) ** 2, rows)
 
     def fields(self) -> list[Field]:
         """Arrays of a slot; records are bytes, see `PATCH` and `CONTACT`."""
@@ -90,7 +84,6 @@ class Sizes:
             Field("head", "<i8", (len(Head),)),
             Field("patches", "<u1", (self.patches * PATCH.itemsize,)),
             Field("contacts", "<u1", (self.patches * self.rows * CONTACT.itemsize,)),
-            Field("script", "<i8", self.script),
             Field("counts", "<f4", (self.taxels,)),
             Field("values", "<f4", (self.taxels,)),
             Field("valid", "<u1", (self.taxels,)),
@@ -108,7 +101,6 @@ class Slot:
     patches : (P,) array of PATCH
     contacts : (P, R) array of CONTACT
         As many of each row as the patch's `contacts` says.
-    script : (S, W) int64 array
     counts : (L,) float32 array
         The newest, in the unit of the ports; NaN where nothing came.
     values : (L,) float32 array
@@ -123,7 +115,6 @@ class Slot:
     head: Array
     patches: Array
     contacts: Array
-    script: Array
     counts: Array
     values: Array
     valid: Array
@@ -135,7 +126,7 @@ class Slot:
         """Name the parts of a slot's arrays."""
         patches = arrays["patches"].view(PATCH)
         contacts = arrays["contacts"].view(CONTACT).reshape(len(patches), -1)
-        plain = {name: arrays[name] for name in ("head", "script", "counts", "values", "valid")}
+        plain = {name: arrays[name] for name in ("head", "counts", "values", "valid")}
         words = arrays["contacts"].view(np.int64).reshape(len(patches), -1)
         return cls(
             patches=patches,
@@ -169,7 +160,17 @@ class Slot:
             int(head[Head.READY_NS]),
             int(head[Head.WALL_NS]),
             int(head[Head.LOG_POSITION]),
-            np.array(self.script[: int(head[Head.SCRIPT])], np.int64),
             self.used_contacts(),
             self.patches.copy(),
         )
+
+
+def say_nothing(slot: Slot, tracks: int) -> None:
+    """Say, while an engine starts, that all patches are missing; contacts go on from `tracks`."""
+    slot.patches[:] = np.zeros((), slot.patches.dtype)
+    slot.patches["answer"] = int(Answer.MISSING)
+    slot.patches["gap"] = np.nan
+    slot.patches["tracks"] = tracks
+    slot.head[Head.FLAGS] = slot.head[Head.FRESH] = slot.head[Head.CONTACTS] = 0
+    slot.values[:] = 0.0
+    slot.valid[:] = 0

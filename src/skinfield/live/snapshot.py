@@ -10,8 +10,7 @@ from skinfield.acquisition.recorded import CycleFlag
 from skinfield.engine.state import Answer
 from skinfield.errors import Floats, InputError
 from skinfield.fields import Estimate
-from skinfield.live.estimates import Models
-from skinfield.live.recipe import Recipe
+from skinfield.live.model_config import ModelConfig, Models
 from skinfield.live.slots import Head, Slot
 
 
@@ -47,7 +46,7 @@ class Snapshot(Mapping[str, Estimate]):
         self.stamp_ns = int(slot.patches["stamp_ns"].max(initial=0))
         self.age = (wall_ns - self.stamp_ns) * 1e-9 if self.stamp_ns else float("inf")
         self.fresh = bool(slot.head[Head.FRESH])
-        self._names = [patch.name for patch in models.recipe.skin]
+        self._names = [patch.name for patch in models.model_config.skin]
         self._made: dict[str, Estimate] = {}
 
     def __getitem__(self, name: str) -> Estimate:
@@ -84,9 +83,9 @@ class Snapshot(Mapping[str, Estimate]):
         }
 
     @property
-    def recipe(self) -> Recipe:
+    def model_config(self) -> ModelConfig:
         """What the answers follow from."""
-        return self._models.recipe
+        return self._models.model_config
 
     @property
     def prepared(self) -> bool:
@@ -111,7 +110,7 @@ class Snapshot(Mapping[str, Estimate]):
             return None
         if pressure is None:
             return self[name].indentation
-        place, nodes = self._names.index(name), self.recipe.rungs[-1]
+        place, nodes = self._names.index(name), self.model_config.rungs[-1]
         normals = self._models.grid(place, nodes).normals
         moved = self._models.moved(place, nodes, pressure)
         return np.asarray(-np.einsum("kc,kc->k", moved, normals))

@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 
 from skinfield.acquisition import Count
 from skinfield.errors import InputError
-from skinfield.live.beside import beside
-from skinfield.live.configuration import configuration_of
-from skinfield.live.following import state_of
-from skinfield.live.notes import read_notes
+from skinfield.live.model_config import configuration_of, state_of
+from skinfield.live.runtime_parameters import FIELD as TUNING
+from skinfield.live.runtime_parameters import Limits, tuning_of
 from skinfield.live.slots import Head, Slot
-from skinfield.live.tuning import FIELD as TUNING
-from skinfield.live.tuning import Limits, tuning_of
+from skinfield.live.status_text import read_notes
 from skinfield.realtime import Timing
 from skinfield.ring import RingReader
+from skinfield.ring.files import sidecar
 
 SILENT = 3.0  # s without a word of a recorder, after which something is wrong
 Array = NDArray[Any]
@@ -173,7 +172,7 @@ class Observer:
             patches=[] if slot is None else _patches(told, slot, self._stale_ns),
             contacts=[] if slot is None else contacts_of(told["patches"], slot),
             notes=read_notes(reader.status_view["notes"]) or {},
-            beside={what: _beside(reader.name, what) for what in ("supervisor", "recorder")},
+            beside={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
             tuning=_tuning(reader),
         )
@@ -229,8 +228,8 @@ def _plain(value: Any) -> Any:
     return values
 
 
-def _beside(name: str, what: str) -> Any:
-    path: Path = beside(name, what)
+def _sidecar(name: str, what: str) -> Any:
+    path: Path = sidecar(name, what)
     try:
         told = json.loads(path.read_text())
     except (OSError, ValueError):

@@ -16,12 +16,13 @@ from typing import IO, Self
 
 from skinfield.errors import InputError, check_offers
 from skinfield.inverse import Solver
-from skinfield.live.beside import beside
-from skinfield.live.configuration import Configuration
 from skinfield.live.control import address_of
 from skinfield.live.handover import Change, nameless_file, plain_error, spawn, tail_of
+from skinfield.live.model_config import Configuration
 from skinfield.live.settings import LiveSettings
+from skinfield.live.status_text import read_notes, start_in_words
 from skinfield.ring import Ring, RingReader, State
+from skinfield.ring.files import sidecar
 
 LOOK = 0.1  # s between looks
 LIMITS = {State.RUNNING: 3.0, State.CALIBRATING: 60.0}  # s without a sign of life
@@ -88,7 +89,7 @@ class Supervisor:
     @property
     def status_path(self) -> Path:
         """File in which restarts are told to others."""
-        return beside(self.settings.name, "supervisor")
+        return sidecar(self.settings.name, "supervisor")
 
     def __enter__(self) -> Self:
         try:
@@ -256,9 +257,19 @@ class Supervisor:
                 return reader
             time.sleep(0.02)
         raise EngineFailed(
-            f"the engine did not answer within {timeout:g} s"
-            + (f": {self.failure}" if self.failure else "; do readings arrive?")
+            f"the engine did not answer within {timeout:g} s: "
+            + (self.failure or self.start_in_words() or "it has said nothing yet")
         )
+
+    def start_in_words(self) -> str:
+        """What the engine does before it answers; empty where it has said nothing yet."""
+        try:
+            with RingReader(self.settings.name) as reader:
+                notes = read_notes(reader.status_view["notes"]) or {}
+                waits = notes.get("phase") == "taring" and not reader.status_view["sources"].any()
+        except InputError:
+            return ""
+        return "it waits for readings, and none has come" if waits else start_in_words(notes)
 
     def _reader(self, state: State) -> RingReader | None:
         child = self._child

@@ -7,12 +7,22 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.errors import Floats, check_finite, check_positive, check_range, check_shape
-from skinfield.mechanics.cells import Kernel, integrate_over_cell, integrate_with_pole
+from skinfield.mechanics.cell_integrals import (
+    Kernel,
+    integrate_over_cell,
+    integrate_with_pole,
+    inverse_distance_integrals,
+    mean_inverse,
+    mean_inverse_distance,
+)
 from skinfield.mechanics.elastomer import Layer
-from skinfield.mechanics.love import inverse_distance_integrals
-from skinfield.mechanics.pads import mean_inverse, mean_inverse_distance
-from skinfield.mechanics.radial import RadialKernel, electrostatic, jinc
-from skinfield.mechanics.transfer import CoveredTransfer, LayerTransfer
+from skinfield.mechanics.hankel import (
+    CoveredTransfer,
+    LayerTransfer,
+    RadialKernel,
+    electrostatic,
+    jinc,
+)
 
 REACH = 32.0  # thicknesses; the slowest kernel falls as exp(-0.739 r/h), to 1e-12 here
 SLOW_CUTOFF = 46.0  # transforms that fall as exp(-alpha)

@@ -1,8 +1,9 @@
-"""The elastomer between skin and robot."""
+"""The elastomer layer, and the protocol of its mechanics."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
-from skinfield.errors import check_positive, check_range
+from skinfield.errors import Floats, check_positive, check_range
 
 
 @dataclass(frozen=True)
@@ -33,3 +34,38 @@ class Layer:
         check_range("relative_permittivity", self.relative_permittivity, 1.0, 1e4, "vacuum has 1")
         if self.thickness >= 1.0:
             check_range("thickness", self.thickness, 0.0, 1.0, "give it in metres: 2 mm is 2e-3")
+
+
+class Mechanics(Protocol):
+    """Any model of the elastomer; `BondedLayer` and `HalfSpace` are two."""
+
+    def base_stress(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Normal stress at taxels, (N,) Pa, per Pa of pressure on a cell at `offset` (N, 2) m."""
+        ...
+
+    def base_traction(
+        self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
+    ) -> Floats:
+        """Traction on the base, (N, 3, 3) Pa, per Pa of traction on a cell at `offset`."""
+        ...
+
+    def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
+        """Displacement of the surface, (N, 3, 3) m, per Pa of traction on a cell."""
+        ...
+
+    def indentation(
+        self,
+        layer: Layer,
+        offset: Floats,
+        cell: float,
+        pad_diameter: float = 0.0,
+        electrostatic: bool = False,
+    ) -> Floats:
+        """Inward displacement averaged over a pad, (N,) m, per Pa of pressure on a cell."""
+        ...
+
+    def reach(self, layer: Layer) -> float:
+        """Distance in m beyond which responses are negligible; infinite if they never are."""
+        ...

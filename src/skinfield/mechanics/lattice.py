@@ -7,8 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.mechanics.elastomer import Layer
-from skinfield.mechanics.protocol import Mechanics
+from skinfield.mechanics.elastomer import Layer, Mechanics
 
 STENCIL = 6  # nodes of an interpolation along one axis: exact for polynomials of degree 5
 
@@ -45,7 +44,7 @@ def displacement_kernel(
     return np.stack([mirrored(x, odd_x=True), mirrored(y, odd_y=True), mirrored(z)])
 
 
-def kept_indentation_kernel(
+def cached_indentation_kernel(
     mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
 ) -> Floats:
     """As `indentation_kernel`, from a table that is kept for the next call.
@@ -54,16 +53,16 @@ def kept_indentation_kernel(
     for a medium that is the same in all directions.
     """
     size = _size(max(half_rows, half_columns) + 1)
-    table = _kept(_indentation_table, mechanics, layer, cell, step, size)
+    table = _cached(_indentation_table, mechanics, layer, cell, step, size)
     return mirrored(table[: half_rows + 1, : half_columns + 1]) / layer.young_modulus
 
 
-def kept_surface_kernel(
+def cached_surface_kernel(
     mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
 ) -> Floats:
     """Displacement i per traction j, (3, 3, 2 half_rows + 1, 2 half_columns + 1) m/Pa, kept."""
     size = _size(max(half_rows, half_columns) + 1)
-    table = _kept(_surface_table, mechanics, layer, cell, step, size)
+    table = _cached(_surface_table, mechanics, layer, cell, step, size)
     part = table[:, :, : half_rows + 1, : half_columns + 1] / layer.young_modulus
     odd_x = np.zeros((3, 3), dtype=bool)
     odd_x[0, 1:] = odd_x[1:, 0] = True  # one index is x, the other is not
@@ -77,7 +76,7 @@ def kept_surface_kernel(
     )
 
 
-def _kept(
+def _cached(
     table: Callable[..., Floats],
     mechanics: Mechanics,
     layer: Layer,

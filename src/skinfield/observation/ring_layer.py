@@ -14,28 +14,18 @@ beside the rim of a flat end.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, TypeVar
 
 import numpy as np
-from numba import njit
 
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
-F = TypeVar("F", bound=Callable[..., Any])
 FAR, NEAR = 2, 6  # points of quadrature in an element: from afar, and near or at one of its ends
 APART, CLOSE = 2.0, 0.7  # lengths of an element from which it is far, or one of its ends near
 MANTISSA = 0x000FFFFFFFFFFFFF  # bits of a double
 ROOT, LN2 = 0x0006A09E667F3BCD, math.log(2.0)  # mantissa of sqrt(2)
-
-
-def inner(function: F) -> F:
-    """Compile what compiled functions alone call: without the wrappers for Python and C."""
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    made: F = njit(nogil=True, error_model="numpy", **options)(function)
-    return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,14 +78,14 @@ def charge_density(surface: Floats, points: Floats, line: Floats) -> Floats:
     return np.asarray(below @ lu_solve(factors, surface[:, 1] - 1.0, check_finite=False))
 
 
-@inner
+@inner(error_model="numpy")
 def _ring(r: float, s: float, above: float) -> float:
     """Potential of a ring of radius s, per length and radius, `above` the ring's plane."""
     m = ((r - s) ** 2 + above**2) / ((r + s) ** 2 + above**2)
     return _ring_with(r, s, above, math.log(m))
 
 
-@inner
+@inner(error_model="numpy")
 def _ring_with(r: float, s: float, above: float, log: float) -> float:
     """The same, by the logarithm of the complementary parameter m."""
     wide = (r + s) ** 2 + above**2
@@ -107,13 +97,13 @@ def _ring_with(r: float, s: float, above: float, log: float) -> float:
     return (first - second * log) / (math.pi * math.sqrt(wide))
 
 
-@inner
+@inner(error_model="numpy")
 def _pull(r: float, s: float, t: float) -> float:
     """Charge on the pads' plane below a ring at the height t and its image, as in `_ring`."""
     return _pull_with(r, s, t, math.log(((r - s) ** 2 + t**2) / ((r + s) ** 2 + t**2)))
 
 
-@inner
+@inner(error_model="numpy")
 def _pull_with(r: float, s: float, t: float, log: float) -> float:
     """The same, by the logarithm of the complementary parameter."""
     wide, near = (r + s) ** 2 + t**2, (r - s) ** 2 + t**2
@@ -125,7 +115,7 @@ def _pull_with(r: float, s: float, t: float, log: float) -> float:
     return -2.0 / math.pi * t * (first - second * log) / (near * math.sqrt(wide))
 
 
-@inner
+@inner(error_model="numpy")
 def _rule(before: float, behind: float, length: float) -> tuple[int, int]:
     """Which points integrate along an element; squares of its length and its ends' distances."""
     if min(before, behind) > APART * APART * length:
@@ -137,7 +127,7 @@ def _rule(before: float, behind: float, length: float) -> tuple[int, int]:
     return FAR, FAR + NEAR
 
 
-@inner
+@inner(error_model="numpy")
 def _logarithms(values: Floats, bits: Ints, room: Floats, room_bits: Ints, out: Floats) -> None:
     """Natural logarithms (N,) of normal positive numbers; each of the `bits` is the same memory.
 
@@ -158,7 +148,7 @@ def _logarithms(values: Floats, bits: Ints, room: Floats, room_bits: Ints, out: 
         out[n] = out[n] * LN2 + 2.0 * (s + s * odd)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def _far(r: float, height: float, rings: Floats, room: Floats, bits: Ints, out: Floats) -> None:
     """Potential and pull (2, P) at a place of all rings (3, P) of radius, height and weight.
 
@@ -184,7 +174,7 @@ def _far(r: float, height: float, rings: Floats, room: Floats, bits: Ints, out: 
         pull[n] = weight[n] * _pull_with(r, s, t, log[2 * count + n])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Potential at the surface's nodes and charge below them, per density at the nodes."""
     count = len(surface)
@@ -230,3 +220,17 @@ def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple
                 potential[row, element] += part * (1 - at[point])
                 potential[row, element + 1] += part * at[point]
     return potential, below
+
+
+@njit(error_model="numpy")
+def add_means(nodes: Floats, at: Floats, share: Floats, pad: Ints, out: Floats) -> None:
+    """Add to means over pads (N, M) what points add, which are in order."""
+    start = 0
+    for n in range(len(at)):
+        while start + 3 < len(nodes) - 1 and at[n] >= nodes[start + 2]:
+            start += 2
+        x = (at[n] - nodes[start]) / (nodes[start + 2] - nodes[start])
+        row = out[pad[n]]
+        row[start] += share[n] * (1 - x) * (1 - 2 * x)  # an element's functions
+        row[start + 1] += share[n] * 4 * x * (1 - x)
+        row[start + 2] += share[n] * x * (2 * x - 1)

@@ -167,7 +167,7 @@ def _pad_points(distances: bytes, radius: float) -> tuple[Floats, Floats, Ints]:
 
 def _averages(nodes: Floats, distances: Floats, radius: float) -> Floats:
     """Means over pads (N, M) of the functions that belong to the nodes."""
-    from skinfield.observation.pad_means import add_means
+    from skinfield.observation.ring_layer import add_means
 
     out = np.zeros((len(distances), len(nodes)))
     add_means(nodes, *_pad_points(distances.tobytes(), radius), out)

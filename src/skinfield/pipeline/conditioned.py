@@ -1,53 +1,17 @@
-"""From the readings of a recording to the quantity that a reconstruction takes."""
+"""Conditioned recordings: readings in the quantity that a reconstruction takes."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.conditioning import Calibration, Convention, Filter, NoFilter, filtered
-from skinfield.errors import Floats, InputError, check_positive
+from skinfield.conditioning import NoFilter, filtered
+from skinfield.errors import Floats, InputError
 from skinfield.layout import Patch
 from skinfield.mechanics import Layer
 from skinfield.observation import Quantity
-from skinfield.pipeline.survey import CYSKIN_GAIN as CYSKIN_GAIN
-from skinfield.pipeline.survey import ICUB_GAIN as ICUB_GAIN
-from skinfield.pipeline.survey import survey
+from skinfield.pipeline.diagnostics import Conditioning, survey
 from skinfield.reading import Recording
-
-
-@dataclass(frozen=True, kw_only=True)
-class Conditioning:
-    """How counts become a quantity.
-
-    Parameters
-    ----------
-    board : Convention, optional
-        What a count means; default by the range of the counts.
-    gain : float, counts per unit of ΔC/C₀, optional
-        Default a guess for the board.
-    calibration : Calibration, optional
-        Per taxel; takes the place of both.
-    filter : Filter
-        Over time, before the reconstruction.
-    noise_std : float, in the quantity's unit, optional
-        Default as measured in the recording's quietest stretch.
-    """
-
-    board: Convention | None = None
-    gain: float | None = None
-    calibration: Calibration | None = None
-    filter: Filter = field(default_factory=NoFilter)
-    noise_std: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.noise_std is not None:
-            check_positive("noise_std", self.noise_std, "no reading is exact")
-        if self.gain is not None and not (np.isfinite(self.gain) and self.gain):
-            raise InputError(
-                f"gain is {self.gain!r}, expected a finite number other than 0: counts per unit "
-                "of ΔC/C₀, negative where pressure lowers them"
-            )
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""One patch: from readings to fields and contacts."""
+"""Reconstruction of one patch: from readings to fields and contacts, wherever a taxel sees."""
 
 import copy
 import time
@@ -10,7 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.contacts import ContactFinder
-from skinfield.errors import Floats, InputError, check_positive
+from skinfield.errors import (
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_offers,
+    check_positive,
+    check_shape,
+    check_type,
+)
 from skinfield.fields import Estimate
 from skinfield.inverse import GaussianField, Solver
 from skinfield.layout import Grid, Patch
@@ -22,12 +31,59 @@ from skinfield.observation import (
     Quantity,
     check_skin,
 )
-from skinfield.pipeline.arguments import check_parts, checked_readings
 from skinfield.pipeline.intervals import Intervals
 from skinfield.pipeline.plan import MOST, LinearPlan, Results, Setting
-from skinfield.pipeline.plans import Plans
-from skinfield.pipeline.reserve import Reserve
-from skinfield.pipeline.support import support_of
+from skinfield.pipeline.plans import DeadlineMargin, Plans
+
+SIGHT = 5.0  # thicknesses beyond a pad's rim at which a press is no longer seen
+
+
+def support_of(grid: Grid, layer: Layer) -> tuple[Grid, Ints]:
+    """Lattice that carries pressure under every taxel, and the grid's nodes in it.
+
+    A window that leaves taxels out would have to explain their readings by pressure inside it.
+    The answer is wanted in the window, but pressure is sought wherever a taxel sees.
+
+    Returns
+    -------
+    support : Grid
+        The grid itself where its cells hold all taxels.
+    nodes : (K,) int array
+        Where the grid's nodes stand in the support.
+
+    Raises
+    ------
+    InputError
+        If no taxel sees any of the grid's nodes.
+    """
+    _check_sight(grid, layer)
+    taxels = grid.patch.plane
+    last = grid.plane[-1]
+    margin = grid.pitch * (0.5 + 1e-9)  # a cell holds what lies within half a pitch of its node
+    before = np.ceil(np.maximum(grid.origin - margin - taxels.min(axis=0), 0.0) / grid.pitch)
+    after = np.ceil(np.maximum(taxels.max(axis=0) - margin - last, 0.0) / grid.pitch)
+    left, low = before.astype(int).tolist()
+    right, high = after.astype(int).tolist()
+    if not any((left, low, right, high)):
+        return grid, np.arange(len(grid))
+    rows, columns = grid.shape
+    shape = (low + rows + high, left + columns + right)
+    origin = grid.origin - np.array([left, low]) * grid.pitch
+    row, column = np.divmod(np.arange(len(grid)), columns)
+    return Grid(grid.patch, shape, grid.pitch, origin), (row + low) * shape[1] + column + left
+
+
+def _check_sight(grid: Grid, layer: Layer) -> None:
+    from scipy.spatial import cKDTree
+
+    patch = grid.patch
+    nearest = float(np.min(cKDTree(patch.plane).query(grid.plane)[0]))
+    sight = patch.pad_diameter / 2 + SIGHT * layer.thickness + grid.pitch
+    if nearest > sight:
+        raise InputError(
+            f"the grid's nearest node is {nearest * 1e3:.1f} mm from any taxel of {patch.name!r}, "
+            f"expected within {sight * 1e3:.1f} mm: nothing is measured there; move the window"
+        )
 
 
 class Reconstructor:
@@ -99,7 +155,7 @@ class Reconstructor:
             intervals.check(*self.kind)
         self._plans = Plans(setting, self.solver)
         self._linear = np.empty(len(patch), precision)
-        self._reserve = Reserve()
+        self._margin = DeadlineMargin()
         self._run_in()
 
     @property
@@ -211,7 +267,7 @@ class Reconstructor:
         None where the plan computes all at once, as one that finds contacts does.
         """
         end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
-        answer = self._plans.prompt(reading, valid, self._reserve.before(end))
+        answer = self._plans.prompt(reading, valid, self._margin.before(end))
         if answer is None:
             return None
         pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
@@ -231,7 +287,7 @@ class Reconstructor:
         acted = answer.iterations > 0  # without a step it could not have been any earlier
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
         in_time = (
-            self._reserve.learn(start, end)
+            self._margin.learn(start, end)
             if acted
             else end is None or time.perf_counter_ns() <= end
         )
@@ -246,7 +302,8 @@ class Reconstructor:
         Parameters
         ----------
         presses : int
-            Each at a place, with a load and with noise of its own; see `pipeline.rehearsal`.
+            Each at a place, with a load and with noise of its own; see
+            `pipeline.interval_training`.
         seed : int
         bodies : sequence of Indenter, optional
             Default balls, flats, a cone and a bar.
@@ -264,7 +321,7 @@ class Reconstructor:
         InputError
             For too few presses, or a quantity that the simulator does not know.
         """
-        from skinfield.pipeline.learnt import intervals_of
+        from skinfield.pipeline.interval_training import intervals_of
 
         return self.with_intervals(intervals_of(self, presses, seed, bodies))
 
@@ -292,3 +349,56 @@ class Reconstructor:
         self(np.zeros(len(self.patch)))
         self.reset()
         self._plans.run_in()
+
+
+def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:
+    """Raise InputError, with what to hand in, for a part that is something else."""
+    why = "a solver such as GaussianField() or ContactFit()"
+    check_offers("solver", solver, ("prepare",), why)
+    check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
+    if grid is not None:
+        check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
+    if intervals is not None:
+        check_type("intervals", intervals, Intervals, "those of a calibrated reconstructor")
+
+
+def checked_readings(
+    readings: ArrayLike, valid: ArrayLike | None, patch: Patch, quantity: Quantity
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Readings (T, L), and which of them to use (T, L), or InputError for what no skin reads."""
+    table = np.atleast_2d(as_floats("readings", readings))
+    check_shape("readings", table, (None, len(patch)), f"one per taxel of {patch.name!r}")
+    if not len(table):
+        raise InputError("readings is empty, expected one reading or more")
+    if valid is None and np.isfinite(table).all() and (table > quantity.lowest).all():
+        return table, np.ones(table.shape, dtype=np.bool_)
+    if np.isinf(table).any():
+        row, taxel = np.argwhere(np.isinf(table))[0]
+        raise InputError(
+            f"readings[{row}, {taxel}] is {table[row, taxel]}, expected finite numbers: "
+            "mark a taxel that did not answer with NaN"
+        )
+    impossible = np.argwhere(table <= quantity.lowest)
+    if len(impossible):
+        row, taxel = impossible[0]
+        raise InputError(
+            f"readings[{row}, {taxel}] is {table[row, taxel]}, expected above "
+            f"{quantity.lowest:g} ({len(impossible)} are not): no skin reads that; mark "
+            "such taxels with NaN, and check the gain"
+        )
+    mask = ~np.isnan(table)
+    if valid is not None:
+        given = np.atleast_2d(np.asarray(valid, dtype=np.bool_))
+        if given.shape not in (mask.shape, (1, mask.shape[1])):
+            raise InputError(
+                f"valid has shape {np.shape(valid)}, expected {mask.shape[1:]} or "
+                f"{mask.shape}: one per taxel, or one per reading and taxel"
+            )
+        mask &= given
+    empty = np.flatnonzero(~mask.any(axis=1))
+    if len(empty):
+        raise InputError(
+            f"readings[{empty[0]}] has no valid taxel ({len(empty)} of {len(table)} readings), "
+            "expected at least one: drop such readings"
+        )
+    return table, mask

@@ -5,14 +5,14 @@
 can read them while the loop runs.
 """
 
+from skinfield.realtime.clock import EventWaiter as EventWaiter
 from skinfield.realtime.clock import PeriodicClock as PeriodicClock
 from skinfield.realtime.clock import Waiter as Waiter
-from skinfield.realtime.events import EventWaiter as EventWaiter
-from skinfield.realtime.granted import Granted as Granted
-from skinfield.realtime.histogram import Quantiles as Quantiles
-from skinfield.realtime.histogram import TimeHistogram as TimeHistogram
-from skinfield.realtime.histogram import quantiles as quantiles
 from skinfield.realtime.layout import WORDS as WORDS
-from skinfield.realtime.settings import RealTime as RealTime
+from skinfield.realtime.setup import RealTime as RealTime
+from skinfield.realtime.setup import RealTimeStatus as RealTimeStatus
+from skinfield.realtime.timing import Quantiles as Quantiles
+from skinfield.realtime.timing import TimeHistogram as TimeHistogram
 from skinfield.realtime.timing import Timing as Timing
 from skinfield.realtime.timing import TimingTable as TimingTable
+from skinfield.realtime.timing import quantiles as quantiles

@@ -1,8 +1,12 @@
-"""Calls of the C library that Python does not have. All are missing on other systems than Linux."""
+"""System calls and processors of a real-time loop, its competitors, and what disturbs it."""
 
 import ctypes
 import os
+import platform
 import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
@@ -47,3 +51,144 @@ def read_text(path: str) -> str:
         return Path(path).read_text(encoding="utf-8", errors="replace")
     except OSError:
         return ""
+
+
+PROCESSES = Path("/proc")
+KERNEL_THREAD = 0x0020_0000  # PF_KTHREAD of linux/sched.h
+FLAGS, PRIORITY = 6, 37  # fields of /proc/PID/stat behind the name, see proc(5)
+
+
+@dataclass(frozen=True)
+class Competitor:
+    """A thread with a real-time priority that may run on one processor only.
+
+    Attributes
+    ----------
+    process : int
+    name : str
+    priority : int
+    cpu : int
+    """
+
+    process: int
+    name: str
+    priority: int
+    cpu: int
+
+
+def competitors() -> tuple[Competitor, ...]:
+    """Those of other processes; the kernel's own threads are not among them."""
+    return tuple(_competitors())
+
+
+def _competitors() -> Iterator[Competitor]:
+    for process in PROCESSES.glob("[0-9]*"):
+        if int(process.name) == os.getpid():
+            continue
+        for thread in process.glob("task/[0-9]*"):
+            try:
+                name, _, rest = (thread / "stat").read_text(errors="replace").rpartition(")")
+                fields = rest.split()
+                if int(fields[FLAGS]) & KERNEL_THREAD or not int(fields[PRIORITY]):
+                    continue
+                cpus = _allowed((thread / "status").read_text(errors="replace"))
+            except (OSError, ValueError, IndexError):  # it has ended meanwhile
+                continue
+            if len(cpus) == 1:
+                name = name.partition("(")[2]
+                yield Competitor(int(process.name), name, int(fields[PRIORITY]), cpus.pop())
+
+
+def _allowed(status: str) -> set[int]:
+    for line in status.splitlines():
+        if line.startswith("Cpus_allowed_list:"):
+            return cpus_of(line.partition(":")[2])
+    return set()
+
+
+def kernel() -> str:
+    """Such as "Linux 6.1.0-18-rt-amd64, PREEMPT_RT"."""
+    version = platform.version().split()
+    words = [word for word in version if word.startswith("PREEMPT")]
+    name = f"{platform.system()} {platform.release()}"
+    return f"{name}, {' '.join(words)}" if words else name
+
+
+def disturbances(cpu: int | None) -> tuple[str, ...]:
+    """A sentence each.
+
+    Parameters
+    ----------
+    cpu : int or None
+        To which the loop is pinned.
+    """
+    return tuple(_disturbances(cpu))
+
+
+def _disturbances(cpu: int | None) -> Iterator[str]:
+    if (os.cpu_count() or 1) == 1:
+        yield "this machine has one CPU: everything else shares it with the loop"
+    if threading.active_count() > 1:
+        yield (
+            f"{threading.active_count() - 1} more Python threads run in this process: each may "
+            "hold the interpreter for 5 ms; run the loop in a process of its own"
+        )
+    if not LINUX:
+        return
+    for competitor in competitors():
+        if competitor.cpu == cpu:
+            yield (
+                f"CPU {cpu} is also that of {competitor.name}, process {competitor.process}, at "
+                f"real-time priority {competitor.priority}: give one of them another CPU"
+            )
+    yield from _throttling()
+    yield from _governor(cpu)
+    yield from _sibling(cpu)
+    if _swap_used():
+        yield (
+            "swap is in use: memory that is not locked may have to be read from disk; "
+            "run `sudo swapoff -a`"
+        )
+    if "hypervisor" in read_text("/proc/cpuinfo"):
+        yield (
+            "this is a virtual machine: its host may take a CPU away at any time; compare with "
+            "a cyclictest beside it, `skinfield bench --jitter`"
+        )
+
+
+def _throttling() -> Iterator[str]:
+    runtime = read_text("/proc/sys/kernel/sched_rt_runtime_us").strip()
+    period = read_text("/proc/sys/kernel/sched_rt_period_us").strip()
+    if runtime.isdigit() and period.isdigit() and int(runtime) < int(period):
+        yield (
+            f"real-time throttling is on: what computes for more than {int(runtime) / 1000:g} of "
+            f"{int(period) / 1000:g} ms is stopped for the rest; a loop that sleeps in every "
+            "cycle does not get there, `sudo sysctl kernel.sched_rt_runtime_us=-1` ends it"
+        )
+
+
+def _governor(cpu: int | None) -> Iterator[str]:
+    found = read_text(f"/sys/devices/system/cpu/cpu{cpu or 0}/cpufreq/scaling_governor").strip()
+    if found and found != "performance":
+        yield (
+            f"the governor of CPU {cpu or 0} is {found}: it slows down when there is little to "
+            "do; run `sudo cpupower frequency-set -g performance`"
+        )
+
+
+def _sibling(cpu: int | None) -> Iterator[str]:
+    if cpu is None:
+        return
+    topology = f"/sys/devices/system/cpu/cpu{cpu}/topology/thread_siblings_list"
+    others = sorted(cpus_of(read_text(topology)) - {cpu})
+    if others:
+        yield (
+            f"CPU {cpu} shares its core with CPU {', '.join(map(str, others))}: what runs there "
+            "slows the loop down; turn off hyper-threading, or leave that one idle"
+        )
+
+
+def _swap_used() -> bool:
+    """Whether any swap is used, from the fourth column of the system's table."""
+    rows = [line.split() for line in read_text("/proc/swaps").splitlines()[1:]]
+    return any(len(row) > 3 and row[3].isdigit() and int(row[3]) > 0 for row in rows)

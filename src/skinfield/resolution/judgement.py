@@ -1,16 +1,27 @@
-"""All maps of one layout, what they come to in numbers, and in one sentence."""
+"""Judgement of a layout: all maps in numbers and in one sentence, and by thickness."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skinfield.errors import Floats
-from skinfield.resolution.accuracy import SIZE_PRIOR, PlaceAccuracy, place_accuracy
-from skinfield.resolution.blind import THRESHOLD, BlindSpots, blind_spots
+from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
 from skinfield.resolution.design import Places, SkinDesign, Touch
-from skinfield.resolution.detectable import DetectableForce, detectable_force
-from skinfield.resolution.two_points import TwoPointDistance, few_places, two_point_distance
+from skinfield.resolution.detectability import (
+    THRESHOLD,
+    BlindSpots,
+    DetectableForce,
+    blind_spots,
+    detectable_force,
+)
+from skinfield.resolution.discrimination import (
+    SIZE_PRIOR,
+    PlaceAccuracy,
+    TwoPointDistance,
+    few_places,
+    place_accuracy,
+    two_point_distance,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,13 +93,13 @@ class Judgement:
 
     def maps(self) -> Iterator[tuple[str, str, Places, Floats]]:
         """Name, unit, places and values in that unit of every map where less is better."""
-        places, found, told = self.blind.places, self.detectable, self.accuracy
-        yield "smallest force found, place known", "N", places, found.known_place
-        yield "smallest force found, place unknown", "N", places, found.unknown_place
-        yield "place deviation, size known", "mm", places, told.place_std_known_size * 1e3
-        yield "place deviation, size unknown", "mm", places, told.place_std * 1e3
-        yield "force deviation, size known", "N", places, told.force_std_known_size
-        yield "force deviation, size unknown", "N", places, told.force_std
+        places, force, accuracy = self.blind.places, self.detectable, self.accuracy
+        yield "smallest force found, place known", "N", places, force.known_place
+        yield "smallest force found, place unknown", "N", places, force.unknown_place
+        yield "place deviation, size known", "mm", places, accuracy.place_std_known_size * 1e3
+        yield "place deviation, size unknown", "mm", places, accuracy.place_std * 1e3
+        yield "force deviation, size known", "N", places, accuracy.force_std_known_size
+        yield "force deviation, size unknown", "N", places, accuracy.force_std
         few = self.two_points.places
         yield "two touches told, typical direction", "mm", few, self.two_points.typical * 1e3
         yield "two touches told, worst direction", "mm", few, self.two_points.worst * 1e3
@@ -121,11 +132,11 @@ class Judgement:
                 f"{largest:.{0 if largest >= 10 else 1}f} mm²"
             )
         pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
-        told = f"to {place * 1e3:.2g} mm"
+        placed = f"to {place * 1e3:.2g} mm"
         if not place < self._guess:
-            told = "no better than a guess would"
+            placed = "no better than a guess would"
         return (
-            f"A touch of {force:g} N is found {where}; half of the patch places it {told} and "
+            f"A touch of {force:g} N is found {where}; half of the patch places it {placed} and "
             f"{pair}; {blind}."
         )
 
@@ -156,7 +167,7 @@ def part_of(values: Floats, share: float, *, falling: bool = False) -> float:
     return float(ordered[max(int(np.ceil(share * len(ordered))) - 1, 0)])
 
 
-Told = Callable[[str], None]
+OnMap = Callable[[str], None]
 
 
 def judge(
@@ -167,7 +178,7 @@ def judge(
     two_point_places: Places | None = None,
     terms: Terms | None = None,
     ways: int = 12,
-    on_map: Told | None = None,
+    on_map: OnMap | None = None,
 ) -> Judgement:
     """Every map of a layout for one touch.
 
@@ -186,12 +197,12 @@ def judge(
         Called with the name of each map before it is made.
     """
     terms = Terms() if terms is None else terms
-    tell: Told = (lambda _: None) if on_map is None else on_map
+    tell: OnMap = (lambda _: None) if on_map is None else on_map
     places = Places.over(design.patch) if places is None else places
     tell("blind spots")
     blind = blind_spots(design, touch, places, threshold=terms.blind_threshold)
     tell("smallest force")
-    found = detectable_force(
+    detectable = detectable_force(
         design,
         touch,
         places,
@@ -199,8 +210,80 @@ def judge(
         detection_rate=terms.detection_rate,
     )
     tell("place and force")
-    told = place_accuracy(design, touch, places, size_prior=terms.size_prior)
+    accuracy = place_accuracy(design, touch, places, size_prior=terms.size_prior)
     tell("two touches")
     few = few_places(design) if two_point_places is None else two_point_places
     pairs = two_point_distance(design, touch, few, error_rate=terms.error_rate, ways=ways)
-    return Judgement(design, touch, terms, blind, found, told, pairs)
+    return Judgement(design, touch, terms, blind, detectable, accuracy, pairs)
+
+
+FEW = 120  # places of the two touches, per thickness
+
+
+@dataclass(frozen=True, eq=False)
+class ThicknessComparison:
+    """Judgements of one layout and touch, by thickness.
+
+    Attributes
+    ----------
+    thickness : (T,) array, m
+    judgements : tuple of T Judgement
+    """
+
+    thickness: Floats
+    judgements: tuple[Judgement, ...]
+
+    def rows(self, name: str) -> tuple[Row, ...]:
+        """One map in numbers, by thickness.
+
+        Raises
+        ------
+        InputError
+            When no map has that name; the message lists them.
+        """
+        names = [row.name for row in self.judgements[0].rows()]
+        if name not in names:
+            raise InputError(f"name is {name!r}, expected one of {', '.join(names)}")
+        at = names.index(name)
+        return tuple(judgement.rows()[at] for judgement in self.judgements)
+
+    def best(self, name: str) -> float:
+        """Thickness in m whose median of a map is smallest."""
+        return float(self.thickness[np.argmin([row.median for row in self.rows(name)])])
+
+
+def compare_thickness(
+    design: SkinDesign,
+    touch: Touch,
+    thicknesses: Sequence[float],
+    *,
+    terms: Terms | None = None,
+    on_thickness: Callable[[float], None] | None = None,
+) -> ThicknessComparison:
+    """Judge a layout under several thicknesses; the touch stays as it is.
+
+    Parameters
+    ----------
+    design : SkinDesign
+        Whose thickness does not count.
+    touch : Touch
+    thicknesses : sequence of float, m
+    terms : Terms, optional
+    on_thickness : function of float, optional
+        Called with each thickness in m before it is judged.
+    """
+    values = np.sort(as_floats("thicknesses", thicknesses))
+    check_shape("thicknesses", values, (None,), "in metres")
+    if len(values) < 2:
+        raise InputError(f"thicknesses is {values.tolist()}, expected two or more to compare")
+    for value in values:
+        check_positive("thicknesses", float(value), "in metres")
+        touch.check_on(replace(design.layer, thickness=float(value)))
+    few = few_places(design, FEW)
+    judgements = []
+    for value in values:
+        if on_thickness is not None:
+            on_thickness(float(value))
+        thick = replace(design, layer=replace(design.layer, thickness=float(value)))
+        judgements.append(judge(thick, touch, two_point_places=few, terms=terms))
+    return ThicknessComparison(values, tuple(judgements))

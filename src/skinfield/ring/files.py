@@ -54,6 +54,18 @@ def path_of(name: str, folder: Path | None) -> Path:
     return folder_of(folder) / f"{PREFIX}{name}"
 
 
+def sidecar(name: str, what: str) -> Path:
+    """Path of a file beside the ring `name`, for `what`; its own name is none that a ring can have.
+
+    Raises
+    ------
+    InputError
+        If no ring can have that name.
+    """
+    path_of(name, None)
+    return folder_of(None) / f"skinfield-{what}.{name}"
+
+
 def open_ring(path: Path, write: bool) -> int:
     """Descriptor of a ring's file.
 

@@ -1,13 +1,358 @@
-"""Where everything of a ring lies: decided for a new one, read from a file; see `header`."""
+"""Layout of a ring's file: header, table of fields, status, slots and log, little-endian.
+
+====== ===== ==========================================================================
+offset bytes what
+====== ===== ==========================================================================
+0      8     ``SKINFLD`` and a zero
+8      4     version of this layout (uint32)
+12     4     bytes of this header, 4096 (uint32)
+16     8     bytes of the file (uint64, as all that follows)
+24     8     offset of the table of fields: first those of a slot, then those of the status
+32     8     how many fields a slot has
+40     8     how many fields the status has
+48     8     offset of the description, a JSON object in UTF-8
+56     8     bytes of the description
+64     8     offset of the status
+72     8     bytes of the status
+80     8     offset of the slots
+88     8     bytes of a slot, a multiple of 64
+96     8     slots
+104    8     offset of the log
+112    8     bytes of the log, a power of two
+120    8     when the ring was made, ns since the epoch
+128    8     head: number of the newest complete slot, 0 before the first
+192    4     futex: the lower half of head; written after head, woken on after that
+256    8     log end: bytes ever appended, always the end of a batch
+264    8     log reserved: bytes that may have been written; never below log end
+320    8     heartbeat, ns of CLOCK_MONOTONIC
+384    4     process of the writer (uint32)
+388    4     state: 0 starting, 1 calibrating, 2 running, 3 stopped, 4 failed (uint32)
+392    4     generation: 1 for the first writer, one more for each that went on (uint32)
+512    512   marks: 64 ends of batches (uint64), see below
+====== ===== ==========================================================================
+
+What changes has cache lines of its own. Entries of the table of fields have 128 bytes:
+
+====== ===== ==========================================================================
+offset bytes what
+====== ===== ==========================================================================
+0      48    name, filled up with zeros
+48     8     type as in NumPy: ``<f8``, ``<i4``, ...; ``u1`` and ``b1`` have a bar before
+56     8     offset from the beginning of the slot, or of the status
+64     8     bytes
+72     8     dimensions, 0 to 6
+80     48    shape, six uint64
+====== ===== ==========================================================================
+
+A slot begins with 64 bytes of its own; fields lie behind:
+
+====== ===== ==========================================================================
+offset bytes what
+====== ===== ==========================================================================
+0      8     lock: 2 n + 1 while slot n is written, 2 n + 2 when it is complete
+8      8     log end when the slot was complete
+16     8     generation of its writer
+====== ===== ==========================================================================
+
+Slot n lies at index n modulo the number of slots. Byte p of the log lies at p modulo its size.
+The log is divided into 64 segments; mark i is the first end of a batch in the newest segment that
+is i modulo 64 in the endless row of segments. A reader that was too slow goes on at a mark.
+"""
 
 import json
+import re
+import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from enum import IntEnum
+from math import prod
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError, check_count
-from skinfield.ring.fields import ENTRY, Field, Placed, place, read_table, table
-from skinfield.ring.header import MAGIC, PAGE, SLOT_HEADER, VERSION, Header
+
+LINE = 64  # bytes of a cache line
+ENTRY = 128  # bytes of a field's entry in the table
+DIMENSIONS, MOST_FIELDS = 6, 1024
+
+_ENTRY = struct.Struct("<48s8s9Q")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,46}")
+_DTYPE = re.compile(r"\|[biu]1|<[iu][248]|<f[248]")
+_MOST_FIELDS = 1 << 36  # bytes of a field
+
+
+class Field(NamedTuple):
+    """An array that each slot has, or the status.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores, at most 47.
+    dtype : str
+        Whole or floating-point numbers of up to 8 bytes, or bool, as NumPy names them.
+    shape : tuple of int
+        () is a single number.
+    """
+
+    name: str
+    dtype: str
+    shape: tuple[int, ...] = ()
+
+
+class Placed(NamedTuple):
+    """A field at its place: bytes from the beginning of the slot, or of the status."""
+
+    field: Field
+    offset: int
+    size: int
+
+    def view(self, octets: NDArray[np.uint8], start: int) -> NDArray[Any]:
+        """The array in a file, or in a copy of a slot, which begins at byte `start`.
+
+        NumPy does not hold the memory of a buffer, only that of an array: so the bytes must be one.
+        """
+        field = self.field
+        return np.ndarray(field.shape, np.dtype(field.dtype), octets.data, start + self.offset)
+
+
+def place(name: str, fields: Sequence[Field], start: int) -> tuple[tuple[Placed, ...], int]:
+    """Give each field its place.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, for errors.
+    fields : sequence of Field
+    start : int, bytes
+        Taken before the first.
+
+    Returns
+    -------
+    tuple of Placed
+        What has a cache line or more begins with one.
+    int
+        Bytes in all, a multiple of 64.
+
+    Raises
+    ------
+    InputError
+        If a field cannot be used, or two have one name.
+    """
+    if len(fields) > MOST_FIELDS:
+        raise InputError(f"{name} has {len(fields)} fields, expected at most {MOST_FIELDS}")
+    placed: dict[str, Placed] = {}
+    for field in fields:
+        checked, itemsize = _checked(name, Field(*field))
+        if checked.name in placed:
+            raise InputError(f"{name} has two fields {checked.name}, expected different names")
+        size = itemsize * prod(checked.shape)
+        step = LINE if size >= LINE else 8
+        start = -(-start // step) * step
+        placed[checked.name] = Placed(checked, start, size)
+        start += size
+    return tuple(placed.values()), max(LINE, -(-start // LINE) * LINE)
+
+
+def _checked(name: str, field: Field) -> tuple[Field, int]:
+    if not isinstance(field.name, str) or not _NAME.fullmatch(field.name):
+        raise InputError(
+            f"a field of {name} is called {field.name!r}, expected a letter, then letters, digits "
+            "and underscores, at most 47"
+        )
+    try:
+        dtype = np.dtype(field.dtype)
+        shape = tuple(int(length) for length in field.shape)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"field {field.name} of {name} is {field}, expected a type and a shape: {error}"
+        ) from error
+    if not _DTYPE.fullmatch(dtype.str):
+        raise InputError(
+            f"dtype of field {field.name} is {field.dtype!r}, expected little-endian numbers of up "
+            "to 8 bytes, or bool"
+        )
+    if len(shape) > DIMENSIONS or min(shape, default=0) < 0 or not _small(shape):
+        raise InputError(
+            f"shape of field {field.name} is {shape}, expected up to {DIMENSIONS} lengths that "
+            f"make less than {_MOST_FIELDS} bytes"
+        )
+    return Field(field.name, dtype.str, shape), dtype.itemsize
+
+
+def table(placed: Sequence[Placed]) -> bytes:
+    """Entries of the table of fields."""
+    return b"".join(
+        _ENTRY.pack(
+            field.name.encode(),
+            field.dtype.encode(),
+            offset,
+            size,
+            len(field.shape),
+            *(*field.shape, *([0] * (DIMENSIONS - len(field.shape)))),
+        )
+        for field, offset, size in placed
+    )
+
+
+def read_table(
+    data: memoryview, at: int, count: int, first: int, limit: int, where: str
+) -> tuple[Placed, ...]:
+    """Read and check entries of the table of fields.
+
+    Parameters
+    ----------
+    data : memoryview
+        The whole file; the table lies within it.
+    at : int
+        Offset of the first entry.
+    count : int
+    first, limit : int, bytes
+        Of a slot or of the status, between which fields may lie.
+    where : str
+        For errors.
+
+    Raises
+    ------
+    FileError
+        If an entry makes no sense.
+    """
+    if count > MOST_FIELDS:
+        raise FileError(f"{where} is damaged: {count} fields, expected at most {MOST_FIELDS}")
+    found = [_entry(data, at + ENTRY * i, first, limit, where) for i in range(count)]
+    if len({placed.field.name for placed in found}) < count:
+        raise FileError(f"{where} is damaged: two of its fields have one name")
+    return tuple(found)
+
+
+def _entry(data: memoryview, at: int, first: int, limit: int, where: str) -> Placed:
+    name, dtype, offset, size, dimensions, *lengths = _ENTRY.unpack_from(data, at)
+    text, kind = (part.rstrip(b"\0").decode("ascii", "replace") for part in (name, dtype))
+    good = _NAME.fullmatch(text) and _DTYPE.fullmatch(kind) and dimensions <= DIMENSIONS
+    if good:
+        shape = tuple(lengths[:dimensions])
+        whole = int(kind[2]) * prod(shape) == size and _small(shape)
+        good = whole and first <= offset and offset + size <= limit and offset % 8 == 0
+    if not good:
+        raise FileError(
+            f"{where} is damaged: its field at byte {at} has no name, type or place that can be"
+        )
+    return Placed(Field(text, kind, shape), offset, size)
+
+
+def _small(shape: tuple[int, ...]) -> bool:
+    """Whether NumPy can make such an array, even one of no elements."""
+    return prod(max(length, 1) for length in shape) * 8 <= _MOST_FIELDS
+
+
+MAGIC, VERSION, PAGE = b"SKINFLD\0", 1, 4096
+MARKS = 64
+SLOT_HEADER = LINE
+# indices of 64-bit words of the file
+HEAD, FUTEX, LOG_END, LOG_RESERVED, HEARTBEAT, WRITER, GENERATION = 16, 24, 32, 33, 40, 48, 49
+MARK = 64
+SLOT_LOG_END, SLOT_GENERATION = 1, 2  # of a slot; its lock is word 0
+
+_HEADER = struct.Struct("<8sII14Q")
+_MOST = 1 << 40  # bytes that a file can be meant to have
+
+
+class State(IntEnum):
+    """What the writer of a ring is doing, as it says itself."""
+
+    STARTING = 0
+    CALIBRATING = 1
+    RUNNING = 2
+    STOPPED = 3
+    FAILED = 4
+
+
+class Header(NamedTuple):
+    """What does not change, as it stands in the file's first 128 bytes."""
+
+    magic: bytes
+    version: int
+    header_bytes: int
+    file_bytes: int
+    fields_offset: int
+    slot_fields: int
+    status_fields: int
+    description_offset: int
+    description_bytes: int
+    status_offset: int
+    status_bytes: int
+    slots_offset: int
+    slot_bytes: int
+    slots: int
+    log_offset: int
+    log_bytes: int
+    created_ns: int
+
+    def pack(self) -> bytes:
+        """Its bytes."""
+        return _HEADER.pack(*self)
+
+    @classmethod
+    def read(cls, data: memoryview, where: str) -> Self:
+        """Read and check it: every part lies within the file afterwards.
+
+        Parameters
+        ----------
+        data : memoryview
+            The whole file.
+        where : str
+            For errors.
+
+        Raises
+        ------
+        FileError
+            If it is no ring, of another version, or damaged.
+        """
+        if len(data) < PAGE or data[:8] != MAGIC:
+            raise FileError(f"{where} is no ring, expected {PAGE} bytes that begin with SKINFLD")
+        header = cls(*_HEADER.unpack_from(data))
+        if (header.version, header.header_bytes) != (VERSION, PAGE):
+            raise FileError(
+                f"{where} has version {header.version}, expected {VERSION}: "
+                "writer and reader must be of one version of skinfield"
+            )
+        if not header._fits(len(data)):
+            raise FileError(f"{where} is damaged: its parts do not fit into its {len(data)} bytes")
+        return header
+
+    def _fits(self, size: int) -> bool:
+        entries = ENTRY * (self.slot_fields + self.status_fields)
+        ends = (
+            (PAGE, self.fields_offset),
+            (self.fields_offset + entries, self.description_offset),
+            (self.description_offset + self.description_bytes, self.status_offset),
+            (self.status_offset + self.status_bytes, self.slots_offset),
+            (self.slots_offset + self.slots * self.slot_bytes, self.log_offset),
+            (self.log_offset + self.log_bytes, self.file_bytes),
+        )
+        aligned = self.status_offset | self.slots_offset | self.slot_bytes | self.log_offset
+        return (
+            self.file_bytes == size <= _MOST
+            and all(end <= start for end, start in ends)
+            and aligned % LINE == 0
+            and self.slots >= 2
+            and self.slot_bytes >= SLOT_HEADER
+            and self.log_bytes >= PAGE
+            and self.log_bytes & (self.log_bytes - 1) == 0
+        )
+
+    @property
+    def mark_shift(self) -> int:
+        """A position in the log, shifted right by this, is its segment."""
+        return (self.log_bytes // MARKS).bit_length() - 1
+
+    @property
+    def slot_starts(self) -> range:
+        """Offset of each slot."""
+        return range(
+            self.slots_offset, self.slots_offset + self.slots * self.slot_bytes, self.slot_bytes
+        )
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError, check_count
-from skinfield.ring.header import LOG_END, LOG_RESERVED, MARK, MARKS
+from skinfield.ring.layout import LOG_END, LOG_RESERVED, MARK, MARKS
 from skinfield.ring.system import Fence
 
 Octets = NDArray[np.uint8]

@@ -1,9 +1,10 @@
-"""The readers' side of a ring: nothing here can disturb the writer."""
+"""Readers of a ring in shared memory, which never disturb its writer, and the rings there are."""
 
 import contextlib
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
@@ -11,12 +12,116 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError, check_count
-from skinfield.ring import files, header, system
-from skinfield.ring.fields import Field
-from skinfield.ring.header import State
-from skinfield.ring.layout import Layout
+from skinfield.ring import files, system
+from skinfield.ring import layout as header
+from skinfield.ring.layout import LINE, SLOT_GENERATION, SLOT_LOG_END, Field, Layout, Placed, State
 from skinfield.ring.log import LogReader
-from skinfield.ring.slot import Slot
+
+
+class Slot:
+    """A copy of a slot; `RingReader.slot` makes one that can be filled again and again.
+
+    Attributes
+    ----------
+    number : int
+        0 as long as it is empty.
+    generation : int
+        Of the writer that made it.
+    log_end : int, bytes
+        Of the log when the slot was complete: what was appended before is at lower positions.
+    arrays : dict of str to array
+        By the fields' names; ``slot["name"]`` is short for them.
+    octets : (slot_bytes,) uint8 array
+        The same, as it lies in the ring.
+    """
+
+    def __init__(self, fields: tuple[Placed, ...], size: int) -> None:
+        self.number = self.generation = self.log_end = 0
+        room = np.zeros(size + LINE, np.uint8)
+        start = -room.ctypes.data % LINE
+        self.octets: NDArray[np.uint8] = room[start : start + size]
+        self.arrays: dict[str, NDArray[Any]] = {
+            placed.field.name: placed.view(self.octets, 0) for placed in fields
+        }
+        self._words = self.octets.data.cast("Q")
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.arrays[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrays)
+
+    def took(self, number: int) -> None:
+        """Note which slot `octets` now are a whole copy of; 0 if of none."""
+        self.number = number
+        self.log_end = self._words[SLOT_LOG_END]
+        self.generation = self._words[SLOT_GENERATION]
+
+
+@dataclass(frozen=True)
+class RingInfo:
+    """A ring that was found.
+
+    Attributes
+    ----------
+    name : str
+    path : Path
+    pid : int
+        Of its writer, or of its last one; 0 if the file is damaged.
+    state : State or None
+        As the writer last said; None if the file is damaged.
+    alive : bool
+        Whether its writer lives.
+    generation, number : int
+        Of writers so far; of the newest slot.
+    problem : str
+        Why it cannot be read; empty if it can.
+    """
+
+    name: str
+    path: Path
+    pid: int
+    state: State | None
+    alive: bool
+    generation: int
+    number: int
+    problem: str = ""
+
+
+def rings_in(folder: Path | None = None) -> tuple[RingInfo, ...]:
+    """Rings that are there, by name, with the state of their writers; damaged ones too."""
+    paths = sorted(files.folder_of(folder).glob(f"{files.PREFIX}*"))
+    return tuple(_look(path) for path in paths if path.is_file())
+
+
+def _look(path: Path) -> RingInfo:
+    name = path.name.removeprefix(files.PREFIX)
+    try:
+        with RingReader(name, folder=path.parent) as reader:
+            return RingInfo(
+                name,
+                path,
+                reader.pid,
+                reader.state,
+                reader.alive,
+                reader.generation,
+                reader.number,
+            )
+    except FileError as error:
+        return RingInfo(name, path, 0, None, _written(path), 0, 0, str(error))
+
+
+def _written(path: Path) -> bool:
+    """Whether a living process writes a file that is damaged."""
+    try:
+        descriptor = files.open_ring(path, write=False)
+    except FileError:
+        return False
+    try:
+        return files.locked(descriptor)
+    finally:
+        os.close(descriptor)
+
 
 _TRIES = 64  # to copy the newest slot before the writer comes round
 _LONGEST = 0.5  # s in one system call

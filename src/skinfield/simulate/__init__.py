@@ -11,6 +11,6 @@ from skinfield.simulate.indenters import Ring as Ring
 from skinfield.simulate.indenters import Rod as Rod
 from skinfield.simulate.indenters import Sphere as Sphere
 from skinfield.simulate.indenters import Wedge as Wedge
-from skinfield.simulate.pressing.ladder import press_ladder as press_ladder
 from skinfield.simulate.pressing.press import Press as Press
 from skinfield.simulate.pressing.press import press as press
+from skinfield.simulate.pressing.press import press_ladder as press_ladder

@@ -5,22 +5,22 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any, Protocol
+from typing import IO, Protocol
 
 import numpy as np
 
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import InputError
 from skinfield.fields import Estimate
-from skinfield.sinks.contact_rows import (
+from skinfield.fields.contact_table import (
     COLUMNS,
-    WHOLE,
-    WORDS,
     Row,
     Value,
+    arrow_schema,
+    arrow_table,
+    load_pyarrow,
     rows_from_estimate,
 )
-from skinfield.sinks.pending import Pending, explained, pending
-from skinfield.sinks.sink import Closing
+from skinfield.sinks.pending import Closing, Pending, explained, pending
 
 CHUNK = 16384  # rows held before they are written: some megabytes
 
@@ -60,7 +60,7 @@ class ContactWriter(Closing):
         self.write_rows(rows_from_estimate(estimate, self.readings, self.start_ns), count)
 
     def write_rows(self, rows: Iterable[Row], readings: int) -> None:
-        """Add what `contact_rows.rows_from_estimate` makes of some readings, maybe elsewhere."""
+        """Add what `contact_table.rows_from_estimate` makes of some readings, maybe elsewhere."""
         for row in rows:
             self.rows.append(row)
             if len(self.rows) >= CHUNK:
@@ -127,7 +127,7 @@ def open_contacts(path: str | Path) -> ContactWriter:
         raise InputError(f"path is {str(path)!r}, expected a name that ends in .csv or .parquet")
     make = _Parquet if kind == ".parquet" else _Csv
     if kind == ".parquet":
-        _pyarrow()  # before a file is made
+        load_pyarrow()  # before a file is made
     place = pending(path)
     with explained(place.target):
         file = place.part.open("xb")
@@ -163,31 +163,10 @@ def _text(value: Value) -> str:
 
 class _Parquet:
     def __init__(self, file: IO[bytes]) -> None:
-        arrow = _pyarrow()
-        types = [
-            arrow.int64() if name in WHOLE else arrow.string() if name in WORDS else arrow.float64()
-            for name in COLUMNS
-        ]
-        self.schema = arrow.schema(list(zip(COLUMNS, types, strict=True)))
-        self.writer = arrow.parquet.ParquetWriter(file, self.schema)
+        self.writer = load_pyarrow().parquet.ParquetWriter(file, arrow_schema())
 
     def append(self, rows: Sequence[Row]) -> None:
-        arrow = _pyarrow()
-        columns = list(zip(*rows, strict=True)) or [()] * len(COLUMNS)
-        arrays = [arrow.array(c, f.type) for c, f in zip(columns, self.schema, strict=True)]
-        self.writer.write_table(arrow.table(arrays, schema=self.schema))
+        self.writer.write_table(arrow_table(rows))
 
     def finish(self) -> None:
         self.writer.close()
-
-
-def _pyarrow() -> Any:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise SkinfieldError(
-            "Parquet needs pyarrow, which is not installed: pip install 'skinfield[parquet]', "
-            "or write .csv"
-        ) from error
-    return pyarrow

@@ -1,14 +1,56 @@
-"""Results appear whole or not at all: written under another name, renamed at the end."""
+"""Atomic results: written under another name and renamed at the end, so whole or not at all."""
 
 import os
 import secrets
 import shutil
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
 
 from skinfield.errors import FileError
+from skinfield.fields import Estimate
+
+
+class Sink(Protocol):
+    """Anything that takes estimates, one or many at a time, until it is closed."""
+
+    def write(self, estimate: Estimate, /) -> None:
+        """Take the estimate of one reading or of a run of readings."""
+        ...
+
+    def close(self) -> None:
+        """Finish; the result has its name only now."""
+        ...
+
+
+class Closing(ABC):
+    """A `with` block around a sink: closed at its end, discarded on an error."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Finish."""
+
+    @abstractmethod
+    def discard(self) -> None:
+        """Give up: nothing is left, and what stood at the result's place stays."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.discard()
 
 
 @dataclass(frozen=True)
@@ -55,7 +97,7 @@ def pending(path: str | Path) -> Pending:
             raise FileError(
                 f"{target} cannot be written: {folder} is no folder, expected one that is there"
             )
-        own = any((target / name).is_file() for name in ("zarr.json", "readings.npy"))
+        own = any((target / name / "zarr.json").is_file() for name in (".", "results.zarr"))
         if target.is_dir() and not own:
             raise FileError(
                 f"{target} is a folder that is no Zarr store and no results, expected a new name"

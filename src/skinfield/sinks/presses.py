@@ -9,7 +9,7 @@ import numpy as np
 from skinfield.errors import InputError
 from skinfield.layout import Patch
 from skinfield.simulate import Press
-from skinfield.simulate.pressing.parts import base_stress_below_cells, parts_of
+from skinfield.simulate.pressing.press import base_stress_below_cells, parts_of
 from skinfield.sinks.pending import write_bytes
 
 

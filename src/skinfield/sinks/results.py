@@ -1,181 +1,159 @@
-"""Results as readings and settings: small, exact, and everything else is computed from them."""
+"""Results folder: a Zarr group of readings, fields and settings, and contacts as Parquet.
 
-import os
-import zlib
-from contextlib import suppress
-from dataclasses import dataclass, field
+    run.skinfield/
+      results.zarr/      attributes: layout, grid, elastomer, solver; notes; source
+        stamp_ns/        (T,) int64, ns
+        readings/        (T, L) float64, in the quantity's unit; NaN where a taxel did not answer
+        pressure/ pressure_std/ displacement/ position/      where fields are stored
+      contacts.parquet/  one row per contact and reading: `fields.contact_table.COLUMNS`
+
+It is of Zarr format 3; every chunk has a checksum. Fields that are not stored are computed from the
+readings when somebody looks at them: `sources.open_results`.
+"""
+
+from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import Floats, InputError, check_shape
+from skinfield.fields.contact_table import Row
+from skinfield.layout import Grid
 from skinfield.pipeline import Reconstructor
-from skinfield.pipeline.batch_format import (
-    BLOCK,
-    READINGS,
-    SETTINGS,
-    STAMPS,
-    Extent,
-    narrowed,
-    text_from_content,
+from skinfield.pipeline.serialisation import (
+    ARRAYS,
+    CONTACTS,
+    ReconstructorConfig,
+    attributes_from_results,
 )
-from skinfield.pipeline.batch_recipe import Recipe
-from skinfield.pipeline.batch_text import plain_from_value
-from skinfield.pipeline.conditioner import Conditioner
-from skinfield.sinks.pending import Pending, explained, pending
-from skinfield.sinks.sink import Closing
+from skinfield.sinks.contacts import open_contacts
+from skinfield.sinks.fields import (
+    SERIES,
+    Arrays,
+    create_array,
+    create_fixed,
+    create_series,
+    load_zarr,
+)
+from skinfield.sinks.pending import Closing, Pending, explained, pending
 
-
-@dataclass
-class _Column:
-    """One array that grows, and the sums of its blocks."""
-
-    file: IO[bytes]
-    kind: np.dtype[Any]
-    tail: tuple[int, ...]
-    rows: int = 0
-    sums: list[int] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.start = self._head()
-
-    def append(self, rows: NDArray[Any]) -> None:
-        data = np.ascontiguousarray(rows, dtype=self.kind)
-        self.file.write(data.data)
-        while len(data):
-            begun = self.rows % BLOCK
-            take, data = data[: BLOCK - begun], data[BLOCK - begun :]
-            self.sums[len(self.sums) - bool(begun) :] = [
-                zlib.crc32(take.data, self.sums[-1] if begun else 0)
-            ]
-            self.rows += len(take)
-
-    def finish(self) -> None:
-        self.file.seek(0)
-        if self._head() != self.start:  # numpy leaves room for 21 digits
-            raise InputError(f"the head of an array of {self.rows} rows outgrew its room")
-        self.file.flush()
-        os.fsync(self.file.fileno())
-        self.file.close()
-
-    def _head(self) -> int:
-        shape = (self.rows, *self.tail)
-        np.lib.format.write_array_header_1_0(
-            self.file, {"descr": self.kind.str, "fortran_order": False, "shape": shape}
-        )
-        return self.file.tell()
+BLOCK = 4096  # readings of a chunk
 
 
 class ResultsWriter(Closing):
-    """Writes the readings of a recording as they come; made by `open_results_file`."""
+    """Writes the readings of a recording as they come.
 
-    def __init__(
-        self, place: Pending, content: dict[str, Any], taxels: int, kind: np.dtype[Any]
-    ) -> None:
-        self.place, self.content, self.taxels, self.kind = place, content, taxels, kind
-        self._columns: list[_Column] = []
+    Parameters
+    ----------
+    place : Pending
+        Folder of results; it gets its name from whoever made the place.
+    config : ReconstructorConfig
+    source : str
+        Where the readings come from.
+
+    Raises
+    ------
+    InputError
+        If a part of the reconstructor is not skinfield's own.
+    FileError
+        If the folder cannot be made.
+    SkinfieldError
+        If zarr is not installed.
+    """
+
+    def __init__(self, place: Pending, config: ReconstructorConfig, source: str = "") -> None:
+        self.place, self.config, self.source = place, config, source
+        attributes = attributes_from_results(config, (), source)
+        zarr, taxels = load_zarr(), len(config.patch)
         with explained(place.target):
             place.part.mkdir()
-            try:
-                for name, each, tail in ((STAMPS, "<i8", ()), (READINGS, kind, (taxels,))):
-                    file = (place.part / name).open("xb")
-                    self._columns.append(_Column(file, np.dtype(each), tail))
-            except BaseException:
-                self.discard()
-                raise
+            self._group = zarr.create_group(place.part / ARRAYS, attributes=attributes)
+            create_array(self._group, "stamp_ns", "i8", (0,), (BLOCK,), *SERIES["stamp_ns"][2:],
+                         ("reading",))  # fmt: skip
+            create_array(self._group, "readings", "f8", (0, taxels), (BLOCK, taxels),
+                         config.quantity.unit, "of the taxels", ("reading", "taxel"))  # fmt: skip
+        self._waiting: list[tuple[NDArray[np.int64], Floats]] = []
+        self._count = 0
 
     def write(self, stamp_ns: NDArray[np.int64], readings: Floats) -> None:
-        """Add readings (T, L), as they are stored, with their stamps (T,).
+        """Add readings (T, L), in the quantity's unit, with their stamps (T,).
 
         Raises
         ------
         FileError
             If they cannot be written.
         """
-        check_shape("readings", readings, (None, self.taxels), "one number per taxel")
+        check_shape("readings", readings, (None, len(self.config.patch)), "one number per taxel")
         check_shape("stamp_ns", stamp_ns, (len(readings),), "one per reading")
-        with explained(self.place.target):
-            self._columns[0].append(stamp_ns)
-            self._columns[1].append(narrowed(readings, self.kind))
+        self._waiting.append((stamp_ns, readings))
+        self._count += len(readings)
+        if self._count >= BLOCK:
+            self._flush(self._count - self._count % BLOCK)  # no chunk is written twice
 
-    def close(self, notes: tuple[str, ...] | None = None) -> None:
-        """Finish; `notes`, if given, take the place of those that were said at the start."""
-        if not self._columns:
-            return
-        stamps, readings = self._columns
-        try:
-            if not readings.rows:
-                raise InputError("no reading was written, expected one or more")
-            sums = {STAMPS: stamps.sums, READINGS: readings.sums}
-            self.content |= {"readings": readings.rows, "sums": sums}
-            if notes is not None:
-                self.content["notes"] = list(notes)
-            text = text_from_content(self.content)
-            with explained(self.place.target):
-                for column in self._columns:
-                    column.finish()
-                (self.place.part / SETTINGS).write_text(text, encoding="utf-8")
-            self.place.commit()
-            self._columns = []
-        except BaseException:
-            self.discard()
-            raise
+    def close(self, notes: tuple[str, ...] = ()) -> None:
+        """Write what is left, and what was assumed, found and left out."""
+        self._flush(self._count)
+        if not self._group["stamp_ns"].shape[0]:
+            raise InputError("no reading was written, expected one or more")
+        with explained(self.place.target):
+            self._group.update_attributes(attributes_from_results(self.config, notes, self.source))
 
     def discard(self) -> None:
         """Give up: what was written is removed."""
-        for column in self._columns:
-            with suppress(OSError, ValueError):
-                column.file.close()
-        self._columns = []
         self.place.discard()
 
+    def _flush(self, count: int) -> None:
+        if not self._waiting:
+            return
+        stamps, readings = (np.concatenate(each) for each in zip(*self._waiting, strict=True))
+        self._waiting, self._count = [(stamps[count:], readings[count:])], len(stamps) - count
+        with explained(self.place.target):
+            self._group["stamp_ns"].append(stamps[:count])
+            self._group["readings"].append(readings[:count])
 
-def open_results_file(
-    path: str | Path,
-    recipe: Recipe,
-    kind: np.dtype[Any],
-    *,
-    conditioner: Conditioner | None = None,
-    notes: tuple[str, ...] = (),
-    source: str = "",
-) -> ResultsWriter:
-    """Start a file of results, which `sources.open_results` reads.
+
+def create_fields(path: Path, grid: Grid, readings: int) -> None:
+    """Make room for the fields of all readings in a folder of results."""
+    group = load_zarr().open_group(path / ARRAYS, mode="r+")
+    with explained(path):
+        for name in SERIES:
+            if name != "stamp_ns":
+                create_series(group, name, grid, readings)
+        create_fixed(group, grid)
+
+
+def write_fields_at(path: Path, first: int, series: Arrays) -> None:
+    """Write fields of readings from `first` on, which begins a chunk, into a folder of results.
 
     Parameters
     ----------
-    path : str or Path
-        Ends in `.skinfield`; a folder of that name is made at the end.
-    recipe : Recipe
-        Of the reconstructor.
-    kind : dtype
-        Of the readings in the file; see `batch_format.Extent`.
-    conditioner : Conditioner, optional
-        What turns counts into readings in the quantity's unit; without it they are.
-    notes, source
-        As `LazyResults` has them.
-
-    Raises
-    ------
-    InputError
-        For another extension, or a part of the recipe that no file can hold.
-    FileError
-        If the file cannot be made.
+    path : Path
+    first : int
+    series : dict of arrays
+        See `fields.series_of`.
     """
+    group = load_zarr().open_group(path / ARRAYS, mode="r+")
+    with explained(path):
+        for name, values in series.items():
+            if name != "stamp_ns":
+                group[name][first : first + len(values)] = values
+
+
+def write_contacts_at(path: Path, first: int, rows: Sequence[Row], readings: int) -> None:
+    """Write the table of contacts of readings from `first` on into a folder of results."""
+    folder = path / CONTACTS
+    with explained(path):
+        folder.mkdir(exist_ok=True)
+    with open_contacts(folder / f"{first:012d}.parquet") as writer:
+        writer.write_rows(rows, readings)
+
+
+def results_place(path: str | Path) -> Pending:
+    """Place of a folder of results; raises as `pending`, and InputError for another extension."""
     if Path(path).suffix.lower() != ".skinfield":
         raise InputError(f"path is {str(path)!r}, expected a name that ends in .skinfield")
-    how = (None, None) if conditioner is None else (conditioner.calibration, conditioner.board)
-    content: dict[str, Any] = {
-        "taxels": len(recipe.patch),
-        "type": kind.str,
-        "recipe": recipe.to_plain(),
-        "calibration": plain_from_value("calibration", how[0]),
-        "board": plain_from_value("board", how[1]),
-        "notes": list(notes),
-        "source": source,
-    }
-    return ResultsWriter(pending(path), content, len(recipe.patch), kind)
+    return pending(path)
 
 
 def save_results(
@@ -184,7 +162,6 @@ def save_results(
     readings: ArrayLike,
     stamp_ns: ArrayLike | None = None,
     *,
-    exact: bool = False,
     notes: tuple[str, ...] = (),
     source: str = "",
 ) -> None:
@@ -199,18 +176,21 @@ def save_results(
         NaN marks a taxel that did not answer; each with a valid taxel.
     stamp_ns : (T,) array, ns, optional
         Default the number of the reading.
-    exact : bool
-        Keep double precision where single would round; else only if it rounds by a thousandth of
-        the noise or more.
+    notes : tuple of str
+        What was assumed, found and left out.
+    source : str
+        Where the readings come from.
 
     Raises
     ------
     InputError
         For another extension, readings that no skin has, or a solver that no file can hold.
     FileError
-        If the file cannot be written.
+        If the folder cannot be written.
+    SkinfieldError
+        If zarr is not installed.
     """
-    from skinfield.pipeline.arguments import checked_readings
+    from skinfield.pipeline.reconstructor import checked_readings
 
     table, _ = checked_readings(readings, None, reconstructor.patch, reconstructor.quantity)
     stamps = np.arange(len(table)) if stamp_ns is None else np.asarray(stamp_ns)
@@ -219,10 +199,12 @@ def save_results(
         raise InputError(f"stamp_ns holds {stamps.dtype}, expected whole nanoseconds")
     if int(stamps.max()) > np.iinfo(np.int64).max:
         raise InputError(f"stamp_ns reaches {stamps.max()}, expected nanoseconds below 2**63")
-    extent = Extent()
-    extent.add(table)
-    noise = None if exact else float(np.min(reconstructor.model.noise_std))
-    with open_results_file(
-        path, Recipe.of(reconstructor), extent.kind(noise), notes=notes, source=source
-    ) as writer:
+    place = results_place(path)
+    try:
+        writer = ResultsWriter(place, ReconstructorConfig.of(reconstructor), source)
         writer.write(stamps.astype(np.int64), table)
+        writer.close(notes)
+        place.commit()
+    except BaseException:
+        place.discard()
+        raise

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import Any, Protocol
 
 from skinfield.errors import InputError, check_choice, check_range
-from skinfield.viewer.desk import Press
+from skinfield.viewer.controller import Press
 
 SHAPES = ("ball", "flat")
 RADII = (1e-3, 20e-3)  # m
@@ -72,7 +72,7 @@ class Presser:
         self._waiting: set[str] = set()
         self._noted: list[str] = []
 
-    def told(self) -> dict[str, Any]:
+    def offer(self) -> dict[str, Any]:
         """What the page offers."""
         force, radius = self._tool
         return {
@@ -83,21 +83,21 @@ class Presser:
         }
 
     @property
-    def standing(self) -> int:
+    def placed(self) -> int:
         """Presses by hand."""
         return len(self._presses)
 
     def truth(self) -> Sequence[Mapping[str, Any]]:
         """What presses now; says of presses that the skin let go why."""
         with self._lock:
-            said = self._virtual.ask({"do": "truth"})
-            self.preparing = bool(said.get("waits"))
-            notes = list(said.get("notes", ()))
+            reply = self._virtual.ask({"do": "truth"})
+            self.preparing = bool(reply.get("waits"))
+            notes = list(reply.get("notes", ()))
             for note in notes:
                 if note not in self._noted:
                     self._let_go(note)
             self._noted = notes
-        lines = said["lines"]
+        lines = reply["lines"]
         return lines[-1]["presses"] if lines else ()
 
     def _let_go(self, note: str) -> None:
@@ -106,7 +106,7 @@ class Presser:
             note = note.replace(f"press {id} ", "a press ")  # its name is the page's own
         self._say(note)
 
-    def press(self, given: Press) -> dict[str, Any]:
+    def press(self, press: Press) -> dict[str, Any]:
         """Begin a press, or change it; a scene ends with the first one by hand.
 
         Raises
@@ -115,36 +115,36 @@ class Presser:
             For a tool that there is none of, or a force that is too hard for it.
         """
         with self._lock:
-            done = self._whole(given)
+            done = self._whole(press)
             if done.id not in self._presses and len(self._presses) >= MOST:
                 raise InputError(f"{MOST} presses stand, expected fewer: lift some")
-            told = {"patch": done.patch, "x": done.x, "y": done.y}
+            place = {"patch": done.patch, "x": done.x, "y": done.y}
             why = self._waits_for()
             if why:
                 self._presses[done.id] = done
                 self._waiting.add(done.id)
-                return {**told, "waits": why}
+                return {**place, "waits": why}
             if self.playing != IDLE:
                 self._play(IDLE)
             self._do(done)
             self._presses[done.id] = done
-            return told
+            return place
 
-    def _whole(self, given: Press) -> Press:
+    def _whole(self, press: Press) -> Press:
         """A press with what it does not say taken from before."""
-        before = self._presses.get(given.id)
+        before = self._presses.get(press.id)
         if before is not None:
-            given = given._replace(
-                force=before.force if given.force is None else given.force,
-                shape=before.shape if given.radius is None else given.shape,
-                radius=before.radius if given.radius is None else given.radius,
+            press = press._replace(
+                force=before.force if press.force is None else press.force,
+                shape=before.shape if press.radius is None else press.shape,
+                radius=before.radius if press.radius is None else press.radius,
             )
-        if given.force is None or given.radius is None:
-            raise InputError(f"press {given.id!r} is new, expected its force and radius")
-        check_range("force", given.force, *FORCES, "newtons")
-        check_range("radius", given.radius, *RADII, "metres")
-        check_choice("shape", given.shape, SHAPES, "what presses")
-        return given
+        if press.force is None or press.radius is None:
+            raise InputError(f"press {press.id!r} is new, expected its force and radius")
+        check_range("force", press.force, *FORCES, "newtons")
+        check_range("radius", press.radius, *RADII, "metres")
+        check_choice("shape", press.shape, SHAPES, "what presses")
+        return press
 
     def _do(self, press: Press) -> None:
         assert press.force is not None  # it is whole
@@ -160,7 +160,7 @@ class Presser:
         )
 
     def do_waiting(self) -> None:
-        """Press what had to wait, if it need not any more; what is refused is told."""
+        """Press what had to wait, if it need not any more; what is refused is reported."""
         with self._lock:
             if not self._waiting or self._waits_for():
                 return

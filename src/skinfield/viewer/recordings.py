@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from skinfield.errors import FileError, InputError
-from skinfield.live.recorder_state import RecorderState, read_state
-from skinfield.viewer.feed import Feed
+from skinfield.live.recorder import RecorderState, read_state
+from skinfield.viewer.source import DataSource
 
 MOST = 99  # files of one second
 SILENT = 30.0  # s without a word of a recorder that says something each second, but while it ends
@@ -47,7 +47,7 @@ class Recordings:
     name : str
         Of the ring.
     recorder : Recorders
-    replay : function from a path to a Feed
+    replay : function from a path to a DataSource
     folder : Path
         For the files, which are named by the time.
     """
@@ -56,13 +56,13 @@ class Recordings:
         self,
         name: str,
         recorder: Recorders,
-        replay: Callable[[Path], Feed],
+        replay: Callable[[Path], DataSource],
         folder: Path,
     ) -> None:
         self._name, self._recorder, self._replay, self._folder = name, recorder, replay, folder
         self._going: tuple[Path, AbstractContextManager[None]] | None = None
         self._files: list[Path] = []
-        self._said: deque[str] = deque(maxlen=KEPT)
+        self._notices: deque[str] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         self._beginning: Path | None = None
         self._pid: int | None = None  # of the recorder that was begun here
@@ -76,7 +76,7 @@ class Recordings:
         """Somebody may begin one soon."""
         self._recorder.prepare()
 
-    def told(self) -> dict[str, Any] | None:
+    def state(self) -> dict[str, Any] | None:
         """What is being recorded, by whomever; None if nothing is."""
         self._recorder.tend()
         pid = self._pid
@@ -88,16 +88,16 @@ class Recordings:
                 return None
             nothing: dict[str, Any] = {"seconds": 0.0, "bytes": 0, "cycles": 0, "failure": ""}
             return {"file": beginning.name, "mine": True, **nothing}
-        told: dict[str, Any] = {"seconds": state.seconds, "bytes": state.bytes_written}
-        told |= {"cycles": state.cycles}
-        told |= {"failure": state.failure, "mine": self._going is not None}
-        return {"file": Path(state.path).name, **told}
+        fields: dict[str, Any] = {"seconds": state.seconds, "bytes": state.bytes_written}
+        fields |= {"cycles": state.cycles}
+        fields |= {"failure": state.failure, "mine": self._going is not None}
+        return {"file": Path(state.path).name, **fields}
 
     def notices(self) -> list[str]:
         """Failures since the last time, in sentences."""
         found = []
-        while self._said:
-            found.append(self._said.popleft())
+        while self._notices:
+            found.append(self._notices.popleft())
         return found
 
     def _state(self) -> RecorderState | None:
@@ -113,7 +113,7 @@ class Recordings:
             try:
                 self._finish(*going)
             except InputError as error:
-                self._said.append(str(error))
+                self._notices.append(str(error))
 
     def _take(self) -> tuple[Path, AbstractContextManager[None]] | None:
         """What goes on, for whoever asks first: it ends it."""
@@ -136,7 +136,7 @@ class Recordings:
         InputError
             If one goes on, or cannot be begun.
         """
-        if self.told() is not None or self._going is not None:
+        if self.state() is not None or self._going is not None:
             raise InputError("a recording is going on, expected none: end it first")
         path = self._new_path()
         going = self._recorder(path)
@@ -174,7 +174,7 @@ class Recordings:
         self._finish(*going)
         return {"file": going[0].name}
 
-    def open(self, name: str) -> Feed:
+    def open(self, name: str) -> DataSource:
         """Open one of `names`."""
         for path in self._files:
             if path.name == name:

@@ -1,19 +1,103 @@
-"""From cycles to what the page draws."""
+"""Updates of the page: what a cycle's fields, taxels and contacts become on the wire."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.acquisition.recorded import CycleFlag
 from skinfield.engine.state import Answer
 from skinfield.errors import Floats, InputError
+from skinfield.layout import Patch
+from skinfield.live.slots import Head
 from skinfield.live.snapshot import Snapshot
-from skinfield.viewer.outlines import outline_of
-from skinfield.viewer.stage import Stage, Standing
-from skinfield.viewer.update_rows import contact_of, finite, newest_of, outline_near, plain
+from skinfield.viewer.scene_layout import PlacedPatch, SceneLayout
+from skinfield.viewer.source import EngineView
 from skinfield.viewer.wire import packed, scaled
+
+POINTS = 32
+
+
+def outline_of(patch: Patch, row: Any) -> Floats:
+    """Circle of a contact's area around its place, closed, (POINTS + 1, 3) m in the patch's frame.
+
+    Parameters
+    ----------
+    patch : Patch
+    row : record of CONTACT
+        With `x`, `y` in the patch's plane, m, and `area`, m².
+    """
+    area = float(row["area"])
+    radius = math.sqrt(max(area, 0.0) / math.pi) if math.isfinite(area) else 0.0
+    angle = np.linspace(0.0, 2.0 * math.pi, POINTS + 1)
+    plane = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
+    plane += np.array([float(row["x"]), float(row["y"])])
+    return np.asarray(patch.surface.position_from_plane(plane))
+
+
+NEAR = 1.5e-3  # m: from the place of a contact to that of its outline
+
+
+def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
+    """Numbers of the cycle with the newest reading."""
+    if not snapshots:
+        return {"cycle": 0, "stamp_ns": 0, "age_s": None, "fresh": False, "late": False}
+    newest = max(snapshots, key=lambda each: each.stamp_ns)
+    head = newest.slot.head
+    ready = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-3
+    published = int(head[Head.WALL_NS]) + int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])
+    latency = (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None
+    return {
+        "cycle": newest.number,
+        "stamp_ns": newest.stamp_ns,
+        "age_s": finite(newest.age),
+        "fresh": newest.fresh,
+        "late": bool(int(head[Head.FLAGS]) & CycleFlag.LATE),
+        "ready_us": ready,
+        "latency_us": latency,
+    }
+
+
+def contact_of(row: Any, number: int, by: str) -> dict[str, Any]:
+    """A contact of patch `number`, found by the engine or the fit, without what is drawn."""
+    return {
+        "track": int(row["track"]),
+        "patch": number,
+        "by": by,
+        "x": float(row["x"]),
+        "y": float(row["y"]),
+        "force": float(row["normal_force"]),
+        "force_std": finite(row["force_std"]),
+        "place_std": finite(row["place_std"]),
+        "area": finite(row["area"]),
+        "peak": finite(row["peak_pressure"]),
+        "age_s": finite(row["age"]),
+        "speed": finite(row["speed"]),
+    }
+
+
+def outline_near(contacts: Any, position: Floats) -> Floats | None:
+    """Border of the contact that stands there."""
+    for each in contacts:
+        if float(np.linalg.norm(each.position - position)) < NEAR:
+            border: Floats = each.outline
+            return border if len(border) else None
+    return None
+
+
+def finite(value: Any) -> float | None:
+    """A number for JSON; None for what is none."""
+    found = float(value)
+    return found if math.isfinite(found) else None
+
+
+def plain(values: Floats) -> list[float]:
+    """Numbers for JSON."""
+    return [float(each) for each in values]
+
 
 Array = NDArray[Any]
 QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels": ""}
@@ -21,38 +105,6 @@ DEAD = 255  # of a taxel that is left out; others reach 254
 FULL = 254
 STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
 BY_FIT = "fit"
-
-
-class Fitted(Protocol):
-    """Contacts that were worked out beside the engine."""
-
-    def pressure(self, patch: str) -> Floats | None:
-        """On the finest grid, (K,) Pa; None where there is no recent one."""
-        ...
-
-
-class Seen(NamedTuple):
-    """One engine at the time of an update.
-
-    Attributes
-    ----------
-    snapshot : Snapshot or None
-    contacts : structured (N,) array
-    by : sequence of str
-        Who found each: "engine" or "fit".
-    fit : Fitted or None
-    """
-
-    snapshot: Snapshot | None
-    contacts: Array
-    by: Sequence[str]
-    fit: Fitted | None = None
-
-
-def seen_plainly(snapshot: Snapshot | None) -> Seen:
-    """A cycle as the engine answered it."""
-    rows = np.zeros(0) if snapshot is None else snapshot.contacts
-    return Seen(snapshot, rows, ["engine"] * len(rows))
 
 
 @dataclass
@@ -74,11 +126,11 @@ class Updates:
 
     Parameters
     ----------
-    stage : Stage
+    layout : SceneLayout
     """
 
-    def __init__(self, stage: Stage) -> None:
-        self.stage = stage
+    def __init__(self, layout: SceneLayout) -> None:
+        self.layout = layout
         self.quantity = "pressure"
         self._grids: set[tuple[int, int]] = set()
         self._sent: dict[int, tuple[Any, ...]] = {}
@@ -100,7 +152,7 @@ class Updates:
     def make(
         self,
         number: int,
-        seen: Sequence[Seen],
+        views: Sequence[EngineView],
         truth: Sequence[Mapping[str, Any]],
         time_s: float | None = None,
     ) -> list[bytes]:
@@ -110,28 +162,28 @@ class Updates:
         ----------
         number : int
             By which the page says that it has drawn it.
-        seen : sequence of Seen
-            As many as the stage has feeds.
+        views : sequence of EngineView
+            As many as the layout has sources.
         truth : sequence of dict
             Presses of a virtual skin as it tells them.
         time_s : float, s, optional
             On the time bar of a replay.
         """
         parcel, patches, contacts = Parcel(), [], []
-        for place, each in enumerate(self.stage.standing):
-            its = seen[self.stage.feeds.index(each.feed)]
+        for place, each in enumerate(self.layout.placed):
+            its = views[self.layout.sources.index(each.source)]
             if its.snapshot is None:
                 continue
             row = self._patch(place, each, its, parcel)
             if row is not None:
                 patches.append(row)
             contacts += self._contacts(place, each, its)
-        head = newest_of([each.snapshot for each in seen if each.snapshot is not None])
+        head = newest_of([each.snapshot for each in views if each.snapshot is not None])
         head |= {
             "kind": "update",
             "number": number,
             "quantity": self.quantity,
-            "unit": self._unit(seen),
+            "unit": self._unit(views),
             "range": [0.0, parcel.highest],
             "patches": patches,
             "contacts": contacts,
@@ -141,33 +193,33 @@ class Updates:
             head["time_s"] = time_s
         return [*parcel.geometry, packed(head, parcel.arrays)]
 
-    def _unit(self, seen: Sequence[Seen]) -> str:
+    def _unit(self, views: Sequence[EngineView]) -> str:
         if self.quantity != "taxels":
             return QUANTITIES[self.quantity]
-        known = [each.snapshot for each in seen if each.snapshot is not None]
-        return known[0].recipe.quantity.unit if known else ""
+        known = [each.snapshot for each in views if each.snapshot is not None]
+        return known[0].model_config.quantity.unit if known else ""
 
     def _patch(
-        self, number: int, each: Standing, its: Seen, parcel: Parcel
+        self, number: int, each: PlacedPatch, its: EngineView, parcel: Parcel
     ) -> dict[str, Any] | None:
         """Row of a patch with what changed of it; None where nothing did."""
         snapshot = its.snapshot
         assert snapshot is not None  # whoever calls has looked
         row, name = snapshot.patches[each.place], each.patch.name
-        fitted = None if its.fit is None else its.fit.pressure(name)
+        fitted = None if its.fit is None else its.fit.get(name)
         answer = Answer(int(row["answer"]))
-        rung = int(row["rung"]) if fitted is None else snapshot.recipe.rungs[-1]
+        rung = int(row["rung"]) if fitted is None else snapshot.model_config.rungs[-1]
         key = (int(row["stamp_ns"]), int(answer), rung, fitted is not None)
         if fitted is None and self._sent.get(number) == key:
             return None
         self._sent[number] = key
-        shown = rung if answer >= Answer.LINEAR else snapshot.recipe.rungs[-1]
+        shown = rung if answer >= Answer.LINEAR else snapshot.model_config.rungs[-1]
         if (number, shown) not in self._grids:
             first = not any(have == number for have, _ in self._grids)
-            parcel.geometry.append(self.stage.geometry(number, shown, first))
+            parcel.geometry.append(self.layout.geometry(number, shown, first))
             self._grids.add((number, shown))
         gap = float(row["gap"])
-        told: dict[str, Any] = {
+        fields: dict[str, Any] = {
             "i": number,
             "answer": "searched" if answer == Answer.FEASIBLE else answer.name.lower(),
             "rung": shown,
@@ -177,29 +229,29 @@ class Updates:
             "invalid": int(row["invalid"]),
             "taxels": parcel.put("taxels", self._taxels(number, each, snapshot, parcel)),
         }
-        told["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
-        told |= {"height": -1, "colour": -1, "height_scale": 0.0}
+        fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
+        fields |= {"height": -1, "colour": -1, "height_scale": 0.0}
         if answer >= Answer.LINEAR:
-            told |= self._fields(name, snapshot, fitted, parcel)
-        return told
+            fields |= self._fields(name, snapshot, fitted, parcel)
+        return fields
 
     def _fields(
         self, name: str, snapshot: Snapshot, fitted: Floats | None, parcel: Parcel
     ) -> dict[str, Any]:
         """Deformation and colours of a patch that is touched."""
-        told: dict[str, Any] = {}
+        fields: dict[str, Any] = {}
         heights = snapshot.indentation(name, fitted)
         if heights is not None:
             scale = float(max(heights.max(initial=0.0), 1e-9)) / 65535.0
-            told["height_scale"] = scale
-            told["height"] = parcel.put("height", scaled(heights, 0.0, 65535.0 * scale))
+            fields["height_scale"] = scale
+            fields["height"] = parcel.put("height", scaled(heights, 0.0, 65535.0 * scale))
         values = self._values(name, snapshot, fitted, heights)
         if values is not None:
             high = float(values.max(initial=0.0))
             parcel.highest = max(parcel.highest, high)
-            told |= {"colour_lo": 0.0, "colour_hi": high}
-            told["colour"] = parcel.put("colour", scaled(values, 0.0, high))
-        return told
+            fields |= {"colour_lo": 0.0, "colour_hi": high}
+            fields["colour"] = parcel.put("colour", scaled(values, 0.0, high))
+        return fields
 
     def _values(
         self, name: str, snapshot: Snapshot, fitted: Floats | None, heights: Floats | None
@@ -212,19 +264,19 @@ class Updates:
             return np.asarray(snapshot[name].pressure_std)
         return None
 
-    def _taxels(self, number: int, each: Standing, snapshot: Snapshot, parcel: Parcel) -> Array:
-        """Readings of a patch as bytes; full is the strongest one seen, or far above the noise."""
+    def _taxels(self, number: int, each: PlacedPatch, snapshot: Snapshot, parcel: Parcel) -> Array:
+        """Readings of a patch as bytes; full is the strongest one views, or far above the noise."""
         values, valid, noise = snapshot.taxels(each.patch.name)
         strength = np.abs(values)
         floor = STRONG * float(np.median(noise))
-        seen = float(strength[valid].max(initial=0.0))
-        full = self._strongest[number] = max(self._strongest.get(number, floor), seen, floor)
+        strongest = float(strength[valid].max(initial=0.0))
+        full = self._strongest[number] = max(self._strongest.get(number, floor), strongest, floor)
         if self.quantity == "taxels":
             parcel.highest = max(parcel.highest, full)
         shown = np.clip(strength * (FULL / full), 0, FULL) if full > 0 else np.zeros(len(strength))
         return np.where(valid, np.nan_to_num(shown), DEAD).astype(np.uint8)
 
-    def _contacts(self, number: int, each: Standing, its: Seen) -> list[dict[str, Any]]:
+    def _contacts(self, number: int, each: PlacedPatch, its: EngineView) -> list[dict[str, Any]]:
         rows = []
         for row, by in zip(its.contacts, its.by, strict=True):
             if int(row["patch"]) != each.place:
@@ -234,7 +286,8 @@ class Updates:
                 found = outline_near(its.snapshot[each.patch.name].contacts, row["position"])
             border = outline_of(each.patch, row) if found is None else found
             rows.append(contact_of(row, number, by) | {
-                "key": f"{each.feed.name} {int(row['track'])}",  # each engine counts for itself
+                "old": its.old,
+                "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
                 "position": plain(each.shown(row["position"][None])[0]),
                 "normal": plain(each.turned(row["normal"][None])[0]),
                 "outline": np.round(each.shown(border), 6).tolist(),
@@ -243,7 +296,7 @@ class Updates:
 
     def _truth(self, press: Mapping[str, Any]) -> dict[str, Any] | None:
         """A press as the picture shows it; None where its patch is none of the picture's."""
-        for number, each in enumerate(self.stage.standing):
+        for number, each in enumerate(self.layout.placed):
             if each.patch.name != press["patch"]:
                 continue
             surface, plane = each.patch.surface, np.array([[press["x"], press["y"]]])

@@ -29,15 +29,15 @@ def packed(head: dict[str, Any], arrays: Sequence[tuple[str, Array]] = ()) -> by
     arrays : sequence of (name, array)
         Of 8, 16 or 32 bit unsigned numbers, or float32.
     """
-    told, parts, at = [], [], 0
+    entries, parts, at = [], [], 0
     for name, array in arrays:
         data = np.ascontiguousarray(array).tobytes()
         kind = TYPES[array.dtype.str[1:]]
-        told.append({"name": name, "type": kind, "at": at, "length": int(array.size)})
+        entries.append({"name": name, "type": kind, "at": at, "length": int(array.size)})
         pad = -len(data) % STEP
         parts.append(data + b"\0" * pad)
         at += len(data) + pad
-    text = json.dumps({**head, "arrays": told}, separators=(",", ":"), allow_nan=False).encode()
+    text = json.dumps({**head, "arrays": entries}, separators=(",", ":"), allow_nan=False).encode()
     text += b" " * (-(PREFIX.size + len(text)) % 8)
     return b"".join([PREFIX.pack(MAGIC, len(text)), text, *parts])
 
@@ -63,11 +63,11 @@ def unpacked(message: bytes) -> tuple[dict[str, Any], list[Array]]:
         raise ValueError(f"head is {head!r:.80}, expected what `packed` makes: {error}") from error
 
 
-def _array(told: dict[str, Any], payload: memoryview) -> Array:
-    code = {name: code for code, name in TYPES.items()}[told["type"]]
-    dtype, at, length = np.dtype("<" + code), told["at"], told["length"]
+def _array(entry: dict[str, Any], payload: memoryview) -> Array:
+    code = {name: code for code, name in TYPES.items()}[entry["type"]]
+    dtype, at, length = np.dtype("<" + code), entry["at"], entry["length"]
     if not 0 <= at <= at + length * dtype.itemsize <= len(payload):
-        raise ValueError(f"array {told['name']!r} reaches beyond the message")
+        raise ValueError(f"array {entry['name']!r} reaches beyond the message")
     return np.frombuffer(payload, dtype, length, at)
 
 

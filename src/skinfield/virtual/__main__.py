@@ -1,4 +1,4 @@
-"""A virtual skin that another process has started: settings come as a line, words go back."""
+"""Virtual skin that another process has started: settings come as a line, words go back."""
 
 import gc
 import json
@@ -8,7 +8,8 @@ import sys
 from typing import Any
 
 from skinfield.errors import SkinfieldError
-from skinfield.virtual.settings import settings_from_json
+from skinfield.settings import value_from_json
+from skinfield.virtual.settings import VirtualSettings
 from skinfield.virtual.skin import VirtualSkin
 
 
@@ -20,7 +21,7 @@ def main() -> int:
     one at the end, ``{"counts": {...}}``.
     """
     try:
-        skin = VirtualSkin(settings_from_json(sys.stdin.readline()))
+        skin = VirtualSkin(value_from_json(VirtualSettings, sys.stdin.readline()))
     except SkinfieldError as error:
         _say({"ready": False, "error": str(error)})
         return 2

@@ -1,7 +1,6 @@
 """CySkin's boards: they obey the host's packets, and send SENSOR_DATA of their modules."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,13 +14,10 @@ from skinfield.protocols.cyskin import (
     CySkinWire,
     on_boards,
 )
-from skinfield.protocols.cyskin.numbers import SENSORS
-from skinfield.virtual.can_boards import CanBoards, open_buses
-from skinfield.virtual.delivery import CanWire
+from skinfield.protocols.cyskin.modules import SENSORS
+from skinfield.virtual.can_boards import CanBoards, CanWire, Schedule, open_buses
 from skinfield.virtual.electronics import Converters, converters_of, joined, manufacture
-from skinfield.virtual.faults import numbers_of
-from skinfield.virtual.schedule import Schedule
-from skinfield.virtual.settings import VirtualSettings
+from skinfield.virtual.settings import VirtualSettings, numbers_of
 
 MOST_BOARDS = 16
 TEMPERATURE = 1000.0  # counts of a module's sensor 0 at 25 °C; what real ones send is not public
@@ -29,17 +25,8 @@ PER_KELVIN = 20.0  # counts/K of it
 PLAIN_NOISE = 20.0  # counts of it, as recordings have
 
 
-@dataclass
-class Playing:
-    """A board while it is played."""
-
-    state: CySkinBoardState
-    fresh: CySkinBoardState
-    quiet: bool = False
-
-
-class CySkinBoards(CanBoards):
-    """See `hardware.Hardware`. All boards are on one bus.
+class CySkinBoards(CanBoards[CySkinBoardState]):
+    """See `skin.Hardware`. All boards are on one bus.
 
     Parameters
     ----------
@@ -51,10 +38,10 @@ class CySkinBoards(CanBoards):
         placed, self.boards = boards_of(skin)
         self.wire = CySkinWire()
         rng = np.random.default_rng([settings.seed, 2])
-        self._playing = []
-        for board in self.boards:
-            state = CySkinBoardState(board=board, wire=self.wire, sending=settings.at_once)
-            self._playing.append(Playing(state, state))
+        fresh = [
+            CySkinBoardState(board=board, wire=self.wire, sending=settings.at_once)
+            for board in self.boards
+        ]
         self._channel = _channels(placed, self.boards)
         self._module_of = self._channel // SENSORS
         self._unplugged: set[int] = set()
@@ -64,27 +51,17 @@ class CySkinBoards(CanBoards):
         self._encoder = CySkinEncoder(self.boards, wire=self.wire)
         can = CanWire(bus, self._encoder.messages_per_reading, settings.wires, rng)
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        super().__init__(converters, schedule, [can], settings.rate)
-        self._asked: list[int] = []
+        super().__init__(fresh, converters, schedule, [can], settings.rate)
+        self._synced: list[int] = []
         self._encode(0)  # compiles before the first reading
 
-    def _count(self) -> int:
-        return len(self.boards)
-
-    def _periods(self) -> dict[int, float]:
-        return {
-            number: playing.state.period_ms * 1e-3
-            for number, playing in enumerate(self._playing)
-            if playing.state.sending and not playing.quiet
-        }
-
-    def _told(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
+    def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         whole = self._assembler.take(identifier, data)
         if whole is None:
             return False
         address, octets = whole
         try:
-            command, given = self.wire.unpacked(octets)
+            command, arguments = self.wire.unpacked(octets)
         except InputError:
             return False  # damaged: boards pass it over
         meant = False
@@ -93,12 +70,12 @@ class CySkinBoards(CanBoards):
             if playing.quiet or address not in (board, self.wire.every_board):
                 continue
             before = playing.state
-            playing.state, answers = before.after(command, given)
+            playing.state, answers = before.after(command, arguments)
             for answer, content in answers:
                 for message in self.wire.messages(board, self.wire.packet(answer, content)):
                     self.wires[bus].bus.send(*message)
             if playing.state.syncs != before.syncs:
-                self._asked.append(number)
+                self._synced.append(number)
             self.commands += 1
             meant = True
         return meant
@@ -106,10 +83,10 @@ class CySkinBoards(CanBoards):
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`; whoever was asked for one reading sends it at once."""
         super().listen(now_ns, warmth)
-        if self._asked:
+        if self._synced:
             self.converters.convert(warmth)
-            self.send(self._asked, now_ns)
-            self._asked = []
+            self.send(self._synced, now_ns)
+            self._synced = []
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
@@ -120,7 +97,7 @@ class CySkinBoards(CanBoards):
 
     def _encode(self, now_ns: int) -> int:
         """Write the messages of the boards that send; how many."""
-        from skinfield.virtual.world_kernel import scatter
+        from skinfield.virtual.kernels import scatter
 
         encoder = self._encoder
         scatter(self.converters.counts, self._channel, encoder.counts)
@@ -128,38 +105,12 @@ class CySkinBoards(CanBoards):
             encoder.counts[module * SENSORS : (module + 1) * SENSORS] = 0
         return encoder.encode(self.wires[0].made, 0, now_ns)
 
-    def check(self, kind: str, what: str) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            self._modules(what)
-        else:
-            count = 1 if kind == "bus-off" else len(self.boards)
-            numbers_of(what, count, "bus" if kind == "bus-off" else "board")
-
-    def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """See `Hardware`."""
-        self.check(kind, what)
-        if kind == "unplug":
-            self._unplugged.update(self._modules(what))
-        elif kind == "bus-off":
-            self.wires[0].off = True
-        else:
-            for number in numbers_of(what, len(self.boards), "board"):
-                playing = self._playing[number]
-                playing.quiet, playing.state = True, playing.fresh
-                self.reboots += 1
-            self._reschedule(now_ns)
-
-    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            self._unplugged.difference_update(self._modules(what))
-        elif kind == "bus-off":
-            self.wires[0].off = False
-        else:
-            for number in numbers_of(what, len(self.boards), "board"):
-                self._playing[number].quiet = False
-            self._reschedule(now_ns)
+    def _plug(self, what: str, plugged: bool | None) -> None:
+        modules = self._modules(what)
+        if plugged:
+            self._unplugged.difference_update(modules)
+        elif plugged is not None:
+            self._unplugged.update(modules)
 
     def _modules(self, what: str) -> list[int]:
         """Modules, counted over all boards, of ``"3"`` or, of one board, ``"1.3"``."""

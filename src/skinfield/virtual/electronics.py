@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.layout import Skin
-from skinfield.pipeline.survey import CYSKIN_GAIN
+from skinfield.pipeline.diagnostics import CYSKIN_GAIN
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Electronics,
@@ -28,7 +28,7 @@ def electronics_of(settings: VirtualSettings) -> Electronics:
     Those of `simulate.electronics` with another noise, and without the spreads, cross-talk and
     defects that the settings do not ask for.
     """
-    icub = settings.hardware in ("icub", "yarp")
+    icub = settings.hardware == "icub"
     known = icub_electronics() if icub else cyskin_electronics()
     noise = replace(known.noise, white=known.noise.white * settings.noise, flicker=0.0, walk=0.0)
     return Electronics(
@@ -91,7 +91,7 @@ class Converters:
 
     def convert(self, warmth: float) -> None:
         """Put the counts of now into `counts`, with `warmth`, K."""
-        from skinfield.virtual.world_kernel import convert
+        from skinfield.virtual.kernels import convert
 
         convert(
             self.change, self.level, self.gain, self.drift, warmth, self.white, self._common,
@@ -105,7 +105,7 @@ class Converters:
         return np.clip(np.rint(level), self.low, self.high)
 
     def set_fault(self, kind: str, rows: Ints) -> None:
-        """Begin a fault of taxels; see `faults.KINDS`."""
+        """Begin a fault of taxels; see `settings.KINDS`."""
         if kind == "noisy":
             self.white[rows] = NOISIER * np.maximum(self._quiet[rows], 1.0)
         elif kind == "dead":

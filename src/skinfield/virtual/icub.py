@@ -7,39 +7,148 @@ import numpy as np
 
 from skinfield.errors import Ints
 from skinfield.layout import Skin
-from skinfield.protocols.icub import ICubEncoder
-from skinfield.protocols.icub.board import BoardState
-from skinfield.protocols.icub.commands import addressed_board
-from skinfield.protocols.icub.numbers import TAXELS, Firmware, SkinType
+from skinfield.protocols.icub import ICubEncoder, configuration_for
+from skinfield.protocols.icub.commands import (
+    BOARD_CHANNELS,
+    TAXELS,
+    BoardState,
+    Firmware,
+    SkinType,
+    addressed_board,
+)
+from skinfield.protocols.icub.configuration import THERMAL, kind_for
+from skinfield.simulate.electronics import ThermalPads
 from skinfield.sources.buses import Bus
-from skinfield.virtual.can_boards import CanBoards, open_buses
-from skinfield.virtual.delivery import CanWire
-from skinfield.virtual.faults import numbers_of
-from skinfield.virtual.icub_channels import Board, boards_of, icub_converters, slots_of
-from skinfield.virtual.schedule import Schedule
-from skinfield.virtual.settings import VirtualSettings
+from skinfield.virtual.can_boards import CanBoards, CanWire, Schedule, open_buses
+from skinfield.virtual.electronics import Converters, converters_of, joined, manufacture
+from skinfield.virtual.settings import VirtualSettings, numbers_of
 
+MIDDLE = 0x8000  # converter counts at rest, about
+APART = 2000.0  # converter counts: how far taxels at rest are from there, at most
+LOW, HIGH = 1.0, 65534.0  # 0 is a converter that does not answer, 65535 one that is not there
 UNPLUGGED = 0xFFFF
 
 
-@dataclass
-class Playing:
-    """A board while it is played.
+@dataclass(frozen=True)
+class Board:
+    """One board.
 
     Attributes
     ----------
-    board : Board
-    state : BoardState
-    fresh : BoardState
-        As after switching on.
-    quiet : bool
-        While it boots.
+    bus, address : int
+    patch : int
+    channel : int
+        Of the patch, at which it begins.
+    triangles : tuple of int
+        That are there.
+    row : int
+        Of its first triangle among those of its bus.
+    pads : bool
+        Whether its triangles have thermal pads.
     """
 
-    board: Board
-    state: BoardState
-    fresh: BoardState
-    quiet: bool = False
+    bus: int
+    address: int
+    patch: int
+    channel: int
+    triangles: tuple[int, ...]
+    row: int
+    pads: bool
+
+    @property
+    def end(self) -> int:
+        """Row behind its last triangle."""
+        return self.row + len(self.triangles)
+
+
+def boards_of(skin: Skin) -> list[Board]:
+    """Boards of all patches, at the addresses of `protocols.icub.configuration_for`.
+
+    Triangles without a taxel are not there.
+    """
+    boards: list[Board] = []
+    rows: dict[int, int] = {}
+    addresses = iter(configuration_for(*skin.patches).boards)
+    for number, patch in enumerate(skin):
+        pads = kind_for(patch) == SkinType.COMPENSATED
+        for first in range(0, patch.n_channels, BOARD_CHANNELS):
+            place = next(addresses)
+            triangles = tuple(t for t, each in enumerate(place.triangles) if each.enabled)
+            row = rows.get(place.bus, 0)
+            boards.append(Board(place.bus, place.address, number, first, triangles, row, pads))
+            rows[place.bus] = row + len(triangles)
+    return boards
+
+
+def icub_converters(skin: Skin, settings: VirtualSettings, boards: list[Board]) -> Converters:
+    """Counts of the taxels of all patches, and then of two thermal pads for each triangle."""
+    arrays = manufacture(skin, settings)
+    size = 1 << 2  # converter counts per count of a byte, in which the electronics are given
+    gain, white = -size * joined(arrays, "gain"), size * joined(arrays, "white_noise")
+    drift = -size * joined(arrays, "drift")
+    pads = ThermalPads()
+    if settings.pads:
+        first = 0
+        for patch, array in zip(skin, arrays, strict=True):
+            if kind_for(patch) == SkinType.COMPENSATED:
+                gains = np.array(pads.gains, float)[array.wiring.stage]
+                drift[first : first + len(patch)] = pads.per_kelvin * gains / 128.0
+            first += len(patch)
+    extra = _pads_of(boards)
+    rng = np.random.default_rng([settings.seed, 3])
+    level = np.rint(MIDDLE + rng.uniform(-APART, APART, len(gain) + extra))
+    zeros = np.zeros(extra)
+    warm = pads.per_kelvin if settings.pads else 0.0
+    converter = converters_of(arrays)
+    last = int(converter.max()) + 1
+    return Converters(
+        level,
+        np.concatenate([gain, zeros]),
+        np.concatenate([drift, zeros + warm]),
+        np.concatenate([white, zeros + pads.noise * settings.noise]),
+        np.concatenate([converter, last + np.arange(extra) // len(THERMAL)]),
+        common=size * settings.common_noise,
+        low=LOW,
+        high=HIGH,
+        seed=settings.seed,
+    )
+
+
+def _pads_of(boards: list[Board]) -> int:
+    return sum(len(THERMAL) * len(board.triangles) for board in boards if board.pads)
+
+
+def slots_of(skin: Skin, boards: list[Board], bus: int) -> Ints:
+    """Where the channels of all converters are among the triangles' inputs of a bus; -1: not there.
+
+    Parameters
+    ----------
+    skin : Skin
+    boards : list of Board
+        Of all buses.
+    bus : int
+    """
+    parts: list[Ints] = []
+    for number, patch in enumerate(skin):
+        slots = np.full(len(patch), -1, np.int64)
+        for board in boards:
+            if (board.bus, board.patch) == (bus, number):
+                slots[:] = np.where(slots < 0, _slots_on(board, patch.channel), slots)
+        parts.append(slots)
+    for board in boards:
+        if board.pads:
+            rows = np.arange(board.row, board.end)
+            places = (rows[:, None] * TAXELS + np.array(THERMAL)).ravel()
+            parts.append(places if board.bus == bus else np.full(len(places), -1, np.int64))
+    return np.concatenate(parts).astype(np.int64)
+
+
+def _slots_on(board: Board, channel: Ints) -> Ints:
+    within = channel - board.channel
+    triangle = within // TAXELS
+    row = np.searchsorted(board.triangles, triangle)
+    there = (within >= 0) & (within < BOARD_CHANNELS)
+    return np.where(there, (board.row + row) * TAXELS + within % TAXELS, -1)
 
 
 @dataclass
@@ -62,8 +171,8 @@ class Line:
     unplugged: set[int] = field(default_factory=set)
 
 
-class ICubBoards(CanBoards):
-    """See `hardware.Hardware`.
+class ICubBoards(CanBoards[BoardState]):
+    """See `skin.Hardware`.
 
     Parameters
     ----------
@@ -76,16 +185,14 @@ class ICubBoards(CanBoards):
         rng = np.random.default_rng([settings.seed, 2])
         firmware = Firmware.MTB3 if settings.mtb3 else Firmware.MTB4
         fresh = [_fresh(board, firmware, settings) for board in self.boards]
-        self._playing = [
-            Playing(board, state, state) for board, state in zip(self.boards, fresh, strict=True)
-        ]
         converters = icub_converters(skin, settings, self.boards)
         self._lines = [
             self._line(skin, settings, firmware, bus, number, rng)
             for number, bus in enumerate(open_buses(settings, 1 + self.boards[-1].bus))
         ]
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        super().__init__(converters, schedule, [line.wire for line in self._lines], settings.rate)
+        wires = [line.wire for line in self._lines]
+        super().__init__(fresh, converters, schedule, wires, settings.rate)
         for board in range(len(self.boards)):
             self._base(board, settings.temperature.warmth(0.0))
             self._configure(board)
@@ -110,20 +217,11 @@ class ICubBoards(CanBoards):
         encoder = ICubEncoder(triangles, firmware=firmware)
         return Line(wire, encoder, slots_of(skin, self.boards, number))
 
-    def _count(self) -> int:
-        return len(self.boards)
-
-    def _periods(self) -> dict[int, float]:
-        return {
-            number: playing.state.period_ms * 1e-3
-            for number, playing in enumerate(self._playing)
-            if playing.state.sending and not playing.quiet
-        }
-
-    def _told(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
+    def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         address = addressed_board(identifier)
         for number, playing in enumerate(self._playing):
-            if (playing.board.bus, playing.board.address) != (bus, address) or playing.quiet:
+            board = self.boards[number]
+            if (board.bus, board.address) != (bus, address) or playing.quiet:
                 continue
             before = playing.state
             playing.state = before.after(data)
@@ -146,8 +244,7 @@ class ICubBoards(CanBoards):
 
     def _configure(self, number: int) -> None:
         """Put a board's state into the encoder of its bus."""
-        playing = self._playing[number]
-        state, board = playing.state, playing.board
+        state, board = self._playing[number].state, self.boards[number]
         encoder = self._lines[board.bus].encoder
         for row, triangle in enumerate(board.triangles, board.row):
             encoder.configure(
@@ -165,7 +262,7 @@ class ICubBoards(CanBoards):
         used = set()
         for number in members:
             playing = self._playing[number]
-            board = playing.board
+            board = self.boards[number]
             sends = self._lines[board.bus].encoder.sends
             for row, triangle in enumerate(board.triangles, board.row):
                 sends[row] = playing.state.triangles[triangle].enabled
@@ -176,7 +273,7 @@ class ICubBoards(CanBoards):
 
     def _encode(self, buses: Iterable[int], now_ns: int) -> list[int]:
         """Write the messages of the boards that send; how many, on each bus."""
-        from skinfield.virtual.world_kernel import scatter
+        from skinfield.virtual.kernels import scatter
 
         counts = []
         for bus in buses:
@@ -187,46 +284,18 @@ class ICubBoards(CanBoards):
             counts.append(line.encoder.encode(line.wire.made, 0, now_ns))
         return counts
 
-    def check(self, kind: str, what: str) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            self._triangles(what)
-        elif kind == "bus-off":
-            numbers_of(what, len(self._lines), "bus")
-        else:
-            numbers_of(what, len(self.boards), "board")
-
-    def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            for bus, row in self._triangles(what):
-                self._lines[bus].unplugged.add(row)
-        elif kind == "bus-off":
-            for bus in numbers_of(what, len(self._lines), "bus"):
-                self._lines[bus].wire.off = True
-        else:
-            for number in numbers_of(what, len(self.boards), "board"):
-                playing = self._playing[number]
-                playing.quiet, playing.state = True, playing.fresh
-                self.reboots += 1
-            self._reschedule(now_ns)
-
-    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            for bus, row in self._triangles(what):
-                self._lines[bus].unplugged.discard(row)
-                line = self._lines[bus]
+    def _plug(self, what: str, plugged: bool | None) -> None:
+        for bus, row in self._triangles(what):
+            line = self._lines[bus]
+            if plugged:
+                line.unplugged.discard(row)
                 line.encoder.raw[row] = line.encoder.base[row]
-        elif kind == "bus-off":
-            for bus in numbers_of(what, len(self._lines), "bus"):
-                self._lines[bus].wire.off = False
-        else:
-            for number in numbers_of(what, len(self.boards), "board"):
-                self._playing[number].quiet = False
-                self._base(number, warmth)
-                self._configure(number)
-            self._reschedule(now_ns)
+            elif plugged is not None:
+                line.unplugged.add(row)
+
+    def _awake(self, number: int, warmth: float) -> None:
+        self._base(number, warmth)
+        self._configure(number)
 
     def _triangles(self, what: str) -> list[tuple[int, int]]:
         """Bus and row of triangles from ``"3"`` or ``"1.3"``: of board 0, or of the named one."""

@@ -1,4 +1,4 @@
-"""A virtual skin in a process of its own, and a handle on it."""
+"""Virtual skin in a process of its own, and a handle on it."""
 
 import contextlib
 import json
@@ -12,11 +12,12 @@ from types import TracebackType
 from typing import Any
 
 from skinfield.errors import InputError
-from skinfield.sources.live.places import host_and_port
+from skinfield.settings import json_from_value
+from skinfield.sources.buses.bus import host_and_port
+from skinfield.virtual.scenes import FINGER
 from skinfield.virtual.settings import VirtualSettings
-from skinfield.virtual.tool import FINGER
 
-READY = 120.0  # s: presses may have to be solved first, and kernels compiled
+READY = 600.0  # s: presses may have to be solved first, and kernels compiled
 ANSWER = 5.0  # s
 TRIES = 3
 DATAGRAM = 65536
@@ -52,16 +53,16 @@ def start(settings: VirtualSettings | None = None, timeout: float = READY) -> "V
     )
     assert child.stdin is not None
     try:
-        child.stdin.write(settings.to_json().encode() + b"\n")
+        child.stdin.write(json_from_value(settings).encode() + b"\n")
         child.stdin.flush()
-        said = _line(child, timeout)
+        reply = _line(child, timeout)
     except BaseException:
         _end(child)
         raise
-    if not said.get("ready"):
+    if not reply.get("ready"):
         _end(child)
-        raise InputError(f"virtual skin did not start: {said.get('error', 'it said nothing')}")
-    return VirtualProcess(child, settings, said)
+        raise InputError(f"virtual skin did not start: {reply.get('error', 'it reply nothing')}")
+    return VirtualProcess(child, settings, reply)
 
 
 def _line(child: "subprocess.Popen[bytes]", timeout: float) -> dict[str, Any]:
@@ -77,10 +78,10 @@ def _line(child: "subprocess.Popen[bytes]", timeout: float) -> dict[str, Any]:
             return {}
         data += more
     try:
-        said = json.loads(data.splitlines()[0])
+        reply = json.loads(data.splitlines()[0])
     except ValueError:
         return {}
-    return said if isinstance(said, dict) else {}
+    return reply if isinstance(reply, dict) else {}
 
 
 def _end(child: "subprocess.Popen[bytes]") -> None:
@@ -108,15 +109,15 @@ class VirtualProcess:
     """
 
     def __init__(
-        self, child: "subprocess.Popen[bytes]", settings: VirtualSettings, said: dict[str, Any]
+        self, child: "subprocess.Popen[bytes]", settings: VirtualSettings, reply: dict[str, Any]
     ) -> None:
-        self._child, self.settings, self.description = child, settings, said
+        self._child, self.settings, self.description = child, settings, reply
         self._final: dict[str, Any] = {}
         self._tag = 0
         self._asking = threading.Lock()  # one question at a time, from any thread
         self._socket: socket.socket | None = None
-        if said.get("control"):
-            place = host_and_port(said["control"], "127.0.0.1", 0)
+        if reply.get("control"):
+            place = host_and_port(reply["control"], "127.0.0.1", 0)
             family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
             self._socket = socket.socket(family, socket.SOCK_DGRAM)
             self._socket.connect(place)
@@ -179,12 +180,12 @@ class VirtualProcess:
         while (left := until - time.monotonic()) > 0.0:
             if not select.select([self._socket], [], [], left)[0]:
                 break
-            said = json.loads(self._socket.recv(DATAGRAM))
-            if said.pop("tag", None) != self._tag:
+            reply = json.loads(self._socket.recv(DATAGRAM))
+            if reply.pop("tag", None) != self._tag:
                 continue  # of a command that was given up
-            if not said.pop("ok"):
-                raise InputError(said["error"])
-            return dict(said)
+            if not reply.pop("ok"):
+                raise InputError(reply["error"])
+            return dict(reply)
         return None
 
     def press(
@@ -203,17 +204,17 @@ class VirtualProcess:
 
         With an `id` that is pressing already, that press is changed.
         """
-        given: dict[str, Any] = {
+        fields: dict[str, Any] = {
             "do": "press", "patch": patch, "force": force, "radius": radius, "shape": shape,
         }  # fmt: skip
-        given |= {"taxel": taxel} if taxel is not None else {"x": x, "y": y}
-        given |= {"id": id} if id is not None else {}
-        return str(self.ask(given)["id"])
+        fields |= {"taxel": taxel} if taxel is not None else {"x": x, "y": y}
+        fields |= {"id": id} if id is not None else {}
+        return str(self.ask(fields)["id"])
 
     def move(self, id: str, x: float, y: float, force: float | None = None) -> None:
         """Move a press to another point of the patch's plane, m."""
-        given: dict[str, Any] = {"do": "move", "id": id, "x": x, "y": y}
-        self.ask(given | ({} if force is None else {"force": force}))
+        fields: dict[str, Any] = {"do": "move", "id": id, "x": x, "y": y}
+        self.ask(fields | ({} if force is None else {"force": force}))
 
     def release(self, id: str | None = None) -> None:
         """Lift off a press, or all that began by hand."""
@@ -239,9 +240,9 @@ class VirtualProcess:
         """Lines about what really pressed, from line `after` on."""
         lines: list[dict[str, Any]] = []
         while True:
-            said = self.ask({"do": "truth", "after": after})
-            lines += said["lines"]
-            if not said["lines"] or lines[-1]["number"] + 1 >= said["made"]:
+            reply = self.ask({"do": "truth", "after": after})
+            lines += reply["lines"]
+            if not reply["lines"] or lines[-1]["number"] + 1 >= reply["made"]:
                 return lines
             after = lines[-1]["number"] + 1
 

@@ -1,9 +1,8 @@
-"""What a virtual skin is made of, as text and numbers, so that another process can be told."""
+"""Settings of the virtual skin with its temperature and faults, as text and numbers."""
 
-import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
-from typing import Any
+import math
+import re
+from dataclasses import dataclass, field
 
 from skinfield.errors import (
     InputError,
@@ -14,12 +13,173 @@ from skinfield.errors import (
     check_type,
 )
 from skinfield.mechanics import Layer
-from skinfield.virtual.faults import Fault, fault_from_text
-from skinfield.virtual.temperature import Temperature
 
-HARDWARE = ("icub", "cyskin", "packet", "yarp")
-CAN_BUSES = ("udp_multicast", "udp", "socketcan")
+ROOM = 25.0
+NUMBER = r"[+-]?\d+(?:\.\d*)?"
+PROFILE_PATTERN = re.compile(
+    rf"(?P<start>{NUMBER})(?:(?P<how>\.\.|~)(?P<change>{NUMBER})@(?P<seconds>\d+(?:\.\d*)?)s)?"
+)
+PROFILE_SYNTAX = (
+    "25 (constant, °C), 25..35@600s (to 35 °C in 600 s) or 25~3@300s (± 3 K with a period)"
+)
+KINDS = {
+    "unplug": "triangle",  # a triangle, or a module of CySkin
+    "reboot": "board",  # silent, then as after switching on
+    "bus-off": "bus",  # the whole bus is gone
+    "dead": "taxel",  # sends its count at rest
+    "stuck": "taxel",  # keeps the count that it has
+    "noisy": "taxel",  # ten times the noise
+    "saturated": "taxel",  # at the clamp of full load
+    "no-ack": "taxel",  # the converter does not answer
+}
+SECONDS = {"ms": 1e-3, "s": 1.0, "min": 60.0}
+TIME = r"(?:\d+(?:\.\d*)?)(?:ms|s|min)"
+FAULT_PATTERN = re.compile(rf"(?P<what>[^@+]*?)(?:@(?P<start>{TIME}))?(?:\+(?P<seconds>{TIME}))?")
+FAULT_SYNTAX = (
+    "WHAT[@START][+SECONDS] with times such as 10s, 250ms or 2min: 3@10s is number 3 from 10 s "
+    "on, 3@10s+5s for 5 s"
+)
+FOREVER = 1e9  # s
+HARDWARE = ("icub", "cyskin", "packet")
 STREAMS = ("udp", "tcp", "serial")
+
+
+@dataclass(frozen=True)
+class Temperature:
+    """Constant, rising once, or a sine.
+
+    Parameters
+    ----------
+    start : float, °C
+        When boards take their base.
+    change : float, K
+        Of a rise, or the amplitude of a sine.
+    seconds : float, s
+        Of a rise, or the period of a sine.
+    sine : bool
+    """
+
+    start: float = ROOM
+    change: float = 0.0
+    seconds: float = 1.0
+    sine: bool = False
+
+    def __post_init__(self) -> None:
+        check_range("start", self.start, -60.0, 150.0, "degrees Celsius")
+        check_range("change", self.change, -200.0, 200.0, "kelvin")
+        check_positive("seconds", self.seconds, "of the rise, or of the sine's period")
+
+    def warmth(self, time: float) -> float:
+        """K above 25 °C at a time, s, since the stream began."""
+        above = self.start - ROOM
+        if not self.change:
+            return above
+        if self.sine:
+            return above + self.change * math.sin(2.0 * math.pi * time / self.seconds)
+        return above + self.change * min(max(time / self.seconds, 0.0), 1.0)
+
+
+def temperature_from_text(text: str) -> Temperature:
+    """Temperature from the words of a command line, see `PROFILE_SYNTAX`.
+
+    Raises
+    ------
+    InputError
+        For any other text.
+    """
+    found = PROFILE_PATTERN.fullmatch(text.strip())
+    if found is None:
+        raise InputError(f"temperature is {text!r}, expected {PROFILE_SYNTAX}")
+    start = float(found["start"])
+    if found["how"] is None:
+        return Temperature(start)
+    number, seconds = float(found["change"]), float(found["seconds"])
+    sine = found["how"] == "~"
+    return Temperature(start, number if sine else number - start, seconds, sine)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault that begins and, perhaps, ends.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    what : str
+        Number of the triangle, board, bus or taxel; of several patches or boards ``board.triangle``
+        and ``patch/taxel``. A run is ``3-7``, all are ``*``.
+    start : float, s
+        Since the stream began.
+    seconds : float, s
+        For how long; infinite: until it is cleared. Of a reboot, for how long the board is silent.
+    """
+
+    kind: str
+    what: str = "0"
+    start: float = 0.0
+    seconds: float = FOREVER
+
+    def __post_init__(self) -> None:
+        check_choice("kind", self.kind, KINDS, "of a fault")
+        check_range("start", self.start, 0.0, 1e9, "seconds since the stream began")
+        check_range("seconds", self.seconds, 0.0, FOREVER, "for how long the fault lasts")
+        if not isinstance(self.what, str) or len(self.what) > 100:
+            raise InputError(f"what is {self.what!r:.120}, expected the number of what fails")
+
+    @property
+    def end(self) -> float:
+        """When it ends, s since the stream began."""
+        return self.start + self.seconds
+
+
+def fault_from_text(text: str) -> Fault:
+    """Fault from ``"unplug 3@10s+5s"``.
+
+    Raises
+    ------
+    InputError
+        For any other text.
+    """
+    kind, _, rest = str(text).strip().partition(" ")
+    return fault_of(kind, rest)
+
+
+def fault_of(kind: str, text: str) -> Fault:
+    """Fault of a kind from what stands behind its flag, see `FAULT_SYNTAX`."""
+    found = FAULT_PATTERN.fullmatch(text.strip())
+    if found is None:
+        raise InputError(f"{kind} is {text!r}, expected {FAULT_SYNTAX}")
+    start = _seconds(found["start"]) if found["start"] else 0.0
+    lasting = _seconds(found["seconds"]) if found["seconds"] else FOREVER
+    if kind == "reboot" and lasting == FOREVER:
+        lasting = 2.0
+    return Fault(kind, found["what"].strip() or "0", start, lasting)
+
+
+def _seconds(text: str) -> float:
+    number = text.rstrip("mins")
+    return float(number) * SECONDS[text[len(number) :]]
+
+
+def numbers_of(text: str, count: int, name: str) -> list[int]:
+    """Whole numbers below `count` from ``"3"``, ``"3-7"`` or ``"*"``.
+
+    Raises
+    ------
+    InputError
+        If it is none of them.
+    """
+    low, dash, high = text.strip().partition("-")
+    if text.strip() == "*":
+        return list(range(count))
+    digits = low.isdecimal() and (high.isdecimal() or not dash) and len(text) < 20
+    first, last = (int(low), int(high if dash else low)) if digits else (1, 0)
+    if not digits or not first <= last < count:
+        raise InputError(
+            f"{name} is {text!r}, expected a number from 0 to {count - 1}, a run such as 3-7, or *"
+        )
+    return list(range(first, last + 1))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,21 +212,24 @@ class Wires:
 
 @dataclass(frozen=True, kw_only=True)
 class VirtualSettings:
-    """Settings of a `VirtualSkin`; all of them are text, numbers and tables, see `to_json`.
+    """Settings of a `VirtualSkin`; text, numbers and tables, which another process can be sent.
 
     Parameters
     ----------
-    hardware : "icub", "cyskin", "packet" or "yarp"
-        Whose boards it plays; "yarp": an iCub's ports behind them.
+    hardware : "icub", "cyskin" or "packet"
+        Whose boards it plays.
     skin : str
         Layout file, folder, or generator by name such as ``"hexagon72"``.
     bus : str
-        For iCub and CySkin: `udp_multicast`, `udp`, `socketcan` or an interface of python-can. For
-        packets: `udp`, `tcp` or `serial` (a pseudo-terminal). For yarp: `tcp`.
+        For iCub and CySkin: `udp`, `socketcan` or an interface of python-can. For packets: `udp`,
+        `tcp` or `serial` (a pseudo-terminal).
     channels : tuple of str
-        Where. For `udp_multicast`: ``"239.74.163.2:43113"``, group and port; for `udp` and `tcp`:
-        ``"127.0.0.1:0"``, where it is reached (port 0: any that is free); for `socketcan`:
-        ``can0``; for `serial`: a path for a link to the pseudo-terminal. As many as buses.
+        Where. For `udp` and `tcp`: ``"127.0.0.1:0"``, where it is reached (port 0: any that is
+        free); for `socketcan`: ``can0``; for `udp_multicast`: ``"239.74.163.2:43113"``, group and
+        port; for `serial`: a path for a link to the pseudo-terminal. As many as buses.
+    port : int
+        Of the first CAN bus over `udp` where no channels are named, the next ones follow; 0: any
+        that are free.
     rate : float, 1/s, optional
         Readings of each board. Default what the host asks for, or the board's own.
     at_once : bool
@@ -108,8 +271,9 @@ class VirtualSettings:
 
     hardware: str = "icub"
     skin: str = "hexagon72"
-    bus: str = "udp_multicast"
+    bus: str = "udp"
     channels: tuple[str, ...] = ()
+    port: int = 0
     rate: float | None = None
     at_once: bool = False
     scene: str = "press"
@@ -135,8 +299,6 @@ class VirtualSettings:
         check_choice("hardware", self.hardware, HARDWARE, "whose boards it plays")
         if self.hardware == "packet":
             check_choice("bus", self.bus, STREAMS, "what packets travel by")
-        if self.hardware == "yarp":
-            check_choice("bus", self.bus, ("tcp",), "what ports of YARP are reached by")
         for name in ("skin", "bus", "scene", "control", "truth"):
             check_type(name, getattr(self, name), str, "text")
         object.__setattr__(self, "channels", tuple(self.channels))
@@ -154,56 +316,6 @@ class VirtualSettings:
         check_range("common_noise", self.common_noise, 0.0, 1e6, "counts; 0 is off")
         for name in ("gain_spread", "converter_gain_spread"):
             check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
+        check_count("port", self.port, 0, 65000, "of UDP; 0 takes those that are free")
         check_count("priority", self.priority, 0, 99, "of SCHED_FIFO; 0 is not asked for")
         check_count("seed", self.seed, 0, 1 << 63, "of all that is random")
-
-    def to_json(self) -> str:
-        """As one line of JSON; `settings_from_json` reads it."""
-        return json.dumps(asdict(self))
-
-
-def settings_from_json(text: str) -> VirtualSettings:
-    """Settings from `VirtualSettings.to_json`.
-
-    Raises
-    ------
-    InputError
-        If it is none, or a value cannot be used.
-    """
-    try:
-        given = json.loads(text)
-    except ValueError as error:
-        raise InputError(f"settings are no JSON: {error}") from error
-    return settings_from(given)
-
-
-def settings_from(given: Any) -> VirtualSettings:
-    """Settings from a mapping of their names, the smaller ones as mappings of theirs."""
-    nested = {"layer": Layer, "temperature": Temperature, "wires": Wires}
-    values = dict(_known(given, VirtualSettings))
-    for name, kind in nested.items():
-        if name in values:
-            values[name] = kind(**_known(values[name], kind))
-    if "channels" in values:
-        values["channels"] = tuple(str(each) for each in values["channels"])
-    if "faults" in values:
-        values["faults"] = tuple(
-            fault_from_text(each) if isinstance(each, str) else Fault(**_known(each, Fault))
-            for each in values["faults"]
-        )
-    try:
-        return VirtualSettings(**values)
-    except TypeError as error:
-        raise InputError(f"settings {given!r:.200} cannot be used: {error}") from error
-
-
-def _known(given: Any, kind: type) -> Mapping[str, Any]:
-    names = [each.name for each in fields(kind)]
-    if not isinstance(given, Mapping):
-        raise InputError(
-            f"{kind.__name__} is {given!r:.80}, expected a table of {', '.join(names)}"
-        )
-    unknown = sorted(set(given) - set(names))
-    if unknown:
-        raise InputError(f"{unknown[0]!r} is no setting, expected one of {', '.join(names)}")
-    return given

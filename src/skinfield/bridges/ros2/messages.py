@@ -1,28 +1,152 @@
-"""From what a running skin says to messages of ROS 2, each reading once."""
+"""ROS 2 messages of a running skin, its diagnostics among them, and when each is sent."""
 
-from collections.abc import Collection, Iterator
-from typing import NamedTuple
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from enum import IntEnum
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.bridges.ros2.diagnostics import diagnostics_of
 from skinfield.engine.state import Answer
 from skinfield.layout import Skin
-from skinfield.live.best import best_contacts
-from skinfield.live.fit_reader import FitReader
+from skinfield.live.client import Live, NotRunning
+from skinfield.live.fit_ring import FitReader, best_contacts
+from skinfield.live.slots import Slot
 from skinfield.live.snapshot import Snapshot
-from skinfield.live.status import Status
+from skinfield.live.status import Observer, Status
+from skinfield.ring import State
 from skinfield.sinks.ros.kinds import (
     CLOUD,
     CONTACTS,
+    DIAGNOSTIC,
     DIAGNOSTICS,
     FRAMES,
+    KEY_VALUE,
     WRENCH_STAMPED,
     Kinds,
 )
 from skinfield.sinks.ros.messages import WHATS, Outgoing, SkinMessages, of_contacts
 from skinfield.sinks.ros.names import Topics
+
+LATE_SHARE = 0.01  # of the estimates lately, above which it is told as a fault
+
+
+class Level(IntEnum):
+    """Of `diagnostic_msgs/DiagnosticStatus`."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+STATES = {
+    "running": Level.OK,
+    "starting": Level.WARN,
+    "calibrating": Level.WARN,
+    "stopped": Level.STALE,
+    "failed": Level.ERROR,
+}
+
+
+def diagnostics_of(status: Status, header: Any, kinds: Kinds) -> Any:
+    """One status of the engine, one of each source, one of each patch, one of the recorder."""
+    rows = [_engine(status), *_sources(status), *_patches(status), *_recorder(status)]
+    told = [
+        kinds.make(
+            DIAGNOSTIC,
+            level=kinds.octet(int(level)),
+            name=f"skinfield {status.name}: {name}",
+            message=message,
+            hardware_id=status.name,
+            values=[
+                kinds.make(KEY_VALUE, key=key, value=_text(value)) for key, value in values.items()
+            ],
+        )
+        for level, name, message, values in rows
+    ]
+    return kinds.make(DIAGNOSTICS, header=header, status=told)
+
+
+Row = tuple[Level, str, str, Mapping[str, Any]]
+
+
+def _engine(status: Status) -> Row:
+    level, lately = STATES.get(status.state, Level.ERROR), status.lately
+    message = status.state
+    if level == Level.OK and lately.late > LATE_SHARE * max(lately.cycles, 1):
+        level, message = Level.WARN, f"running, {lately.late} of {lately.cycles} estimates late"
+    latency = {} if lately.latency is None else lately.latency.as_micros()
+    times = {f"latency {name} (us)": latency[name] for name in ("p50", "p99", "max") if latency}
+    return (
+        level,
+        "engine",
+        message,
+        {
+            "rate (1/s)": status.rate,
+            "late": status.since.late,
+            "late lately": lately.late,
+            "skipped": status.since.skipped,
+            **times,
+            "restarts": max(status.generation - 1, 0),
+            "resident (bytes)": status.memory.get("resident", 0),
+        },
+    )
+
+
+def _sources(status: Status) -> Iterator[Row]:
+    for name, counts in status.sources.items():
+        lately = status.sources_lately.get(name, {})
+        missing = sum(lately.get(what, 0) for what in ("lost", "overflowed"))
+        if missing:
+            yield Level.WARN, f"source {name}", f"{missing} messages lost lately", counts
+        else:
+            yield Level.OK, f"source {name}", "nothing lost lately", counts
+
+
+def _patches(status: Status) -> Iterator[Row]:
+    for patch in status.patches:
+        values = {
+            "answer": patch["answer"],
+            "age (s)": patch["age"],
+            "force (N)": patch["force"],
+            "contacts": patch["contacts"],
+            "taxels left out": patch["invalid"],
+            "grid": patch["rung"],
+        }
+        if patch["age"] is None:
+            level, message = Level.STALE, "no reading came yet"
+        elif patch["stale"]:
+            level, message = Level.STALE, f"the newest reading is {patch['age']:.3g} s old"
+        elif patch["answer"] == "missing":
+            level, message = Level.ERROR, "no answer: too few taxels are valid"
+        elif patch["invalid"]:
+            level, message = Level.WARN, f"{patch['invalid']} taxels left out"
+        else:
+            level, message = Level.OK, f"{patch['contacts']} contacts"
+        yield level, f"patch {patch['name']}", message, values
+
+
+def _recorder(status: Status) -> Iterator[Row]:
+    told = status.beside.get("recorder")
+    if not isinstance(told, dict):
+        return
+    lost = sum(int(told.get(f"{why}_bytes", 0)) for why in ("overrun", "dropped"))
+    plain = {key: value for key, value in told.items() if isinstance(value, int | float | str)}
+    if told.get("silent"):
+        yield Level.ERROR, "recorder", "says nothing any more", plain
+    elif lost:
+        yield Level.WARN, "recorder", f"{lost} bytes lost", plain
+    else:
+        yield Level.OK, "recorder", "finished" if told.get("finished") else "records", plain
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "none"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
 
 SAID = (*WHATS, "taxels", "diagnostics")
 
@@ -117,3 +241,126 @@ class Speaker:
             values, valid, _ = snapshot.taxels(self.make.skin[place].name)
             stamp_ns = int(snapshot.patches["stamp_ns"][place])
             yield self.make.taxels(place, stamp_ns, np.where(valid, values, np.nan))
+
+
+LOOKS = 0.05  # s between looks whether to stop
+
+
+class Pace:
+    """When each of several things is next due.
+
+    Parameters
+    ----------
+    rates : mapping of str to float, 1/s
+        0: never.
+    """
+
+    def __init__(self, rates: Mapping[str, float]) -> None:
+        self._every = {what: 1.0 / rate for what, rate in rates.items() if rate > 0}
+        self._next = dict.fromkeys(self._every, 0.0)
+
+    def due(self, now: float) -> list[str]:
+        """What may be done now."""
+        return [what for what, when in self._next.items() if when <= now]
+
+    def done(self, what: str, now: float) -> None:
+        """It was done: the next is due on the beat, but what was missed is not made up for."""
+        every, when = self._every[what], self._next[what]
+        self._next[what] = (when if now < when + every else now) + every
+
+    def wait(self, now: float) -> float:
+        """Seconds until something is due, at most `LOOKS`."""
+        return min(max(min(self._next.values(), default=now + LOOKS) - now, 0.0), LOOKS)
+
+
+class Talker:
+    """Sends the messages of a running skin, each at its pace and each reading once.
+
+    Parameters
+    ----------
+    live : Live
+    speaker : Speaker
+    rates : mapping of str to float, 1/s
+        Of `SAID`; 0: never.
+    send : function (Outgoing)
+    """
+
+    def __init__(
+        self,
+        live: Live,
+        speaker: Speaker,
+        rates: Mapping[str, float],
+        send: Callable[[Outgoing], None],
+    ) -> None:
+        self._live, self._speaker, self._send = live, speaker, send
+        self.pace = Pace(rates)
+        self._health = Observer(live.reader, window=1.0)
+        self._fit = FitReader(live.name)
+        self._room = live.reader.slot()  # looked at before a cycle is worth a copy of its own
+        self._looked = Slot.of(self._room.arrays)
+        self._stamps = np.zeros(len(live.skin), np.int64)
+        self._seen = 0
+        self._newest: Snapshot | None = None
+
+    def close(self) -> None:
+        """Let go of the fit; the skin runs on."""
+        self._fit.close()
+
+    def step(self, timeout: float = 0.0) -> None:
+        """Send what is due, as far as there is a new reading.
+
+        Parameters
+        ----------
+        timeout : float, s
+            How long to wait for one.
+
+        Raises
+        ------
+        NotRunning
+            If another skin took the name.
+        """
+        now = time.monotonic()
+        due = self.pace.due(now)
+        if "diagnostics" in due:
+            if self._live.reader.replaced():
+                raise NotRunning(f"{self._live.name!r} was started anew: connect again")
+            self._send(self._speaker.of_status(self._health.look(), time.time_ns()))
+            self.pace.done("diagnostics", now)
+        wanted = [what for what in due if what != "diagnostics"]
+        if self._live.state != State.RUNNING:
+            for what in wanted:
+                self.pace.done(what, now)
+        elif wanted:
+            self._look(0.0)
+            left = self._say(wanted)
+            if left and timeout > 0 and self._look(timeout):
+                self._say(left)
+
+    def _look(self, timeout: float) -> bool:
+        """Wait for a reading that is newer than the last one."""
+        end = time.monotonic() + timeout
+        reader = self._live.reader
+        while reader.wait(self._seen, max(end - time.monotonic(), 0.0)) > self._seen:
+            copied = reader.latest(self._room)
+            if copied is None:
+                return False
+            self._seen, stamps = copied.number, self._looked.patches["stamp_ns"]
+            if not np.array_equal(stamps, self._stamps):
+                self._stamps[:] = stamps
+                self._newest = self._live.latest()
+                return True
+        return False
+
+    def _say(self, wanted: list[str]) -> list[str]:
+        """Send what is new of `wanted`; the rest."""
+        if self._newest is None:
+            return wanted
+        left = []
+        for what in wanted:
+            if not self._speaker.news(self._newest, what).any():
+                left.append(what)
+                continue
+            for out in self._speaker.of_snapshot(self._newest, (what,), self._fit):
+                self._send(out)
+            self.pace.done(what, time.monotonic())
+        return left

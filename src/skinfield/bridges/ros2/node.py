@@ -10,9 +10,8 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
-from skinfield.bridges.ros2.messages import Channel, Speaker
-from skinfield.bridges.ros2.settings import RosSettings
-from skinfield.bridges.ros2.talker import Talker
+from skinfield.bridges.ros2.messages import Channel, Speaker, Talker
+from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.errors import InputError
 from skinfield.live.client import Live, connect
 from skinfield.sinks.ros.messages import Outgoing

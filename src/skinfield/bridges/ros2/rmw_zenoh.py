@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from struct import Struct
 
-from skinfield.bridges.ros2.gid import gid_of
 from skinfield.errors import FileError, InputError, check_count
 from skinfield.sinks.ros.names import TOKEN, check_prefix
 
@@ -133,6 +132,13 @@ class Publication:
     def gid(self) -> bytes:
         """The 16 bytes by which others know it."""
         return gid_of(self.token)
+
+
+def gid_of(token: str) -> bytes:
+    """The 16 bytes that stand for an entity of ROS 2: XXH3 of 128 bits of its token."""
+    import xxhash
+
+    return xxhash.xxh3_128_intdigest(token.encode()).to_bytes(GID, "little")
 
 
 def mangled(name: str) -> str:

@@ -12,12 +12,12 @@ from skinfield.bridges.child import say_ready
 from skinfield.bridges.yarp.contacts import ContactList
 from skinfield.bridges.yarp.settings import YarpSettings
 from skinfield.errors import InputError
-from skinfield.live.best import best_contacts
 from skinfield.live.client import Live, NotRunning, connect
-from skinfield.live.fit_reader import FitReader
+from skinfield.live.fit_ring import FitReader, best_contacts
 from skinfield.live.snapshot import Snapshot
 from skinfield.protocols.yarp import Port, envelope
 from skinfield.protocols.yarp.name_server import query
+from skinfield.settings import from_plain
 
 HERE = 10.0  # s to wait for the ring
 SLICE = 0.02  # s at most without a look at the port
@@ -111,14 +111,17 @@ def keep_registered(ports: tuple[Port, ...], stop: threading.Event) -> None:
     while not stop.wait(ASK):
         for port in ports:
             with suppress(InputError):  # not there now: asked again soon
-                if port.server is None or port.server.ask(query(port.name), port.name).registration:
+                if (
+                    port.server is None
+                    or port.server.request(query(port.name), port.name).registration
+                ):
                     continue
                 port.register()
 
 
 def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
     """Publish a running skin until told to stop; see `skinfield.bridges.child`."""
-    settings = YarpSettings.from_plain(plain)
+    settings = from_plain(YarpSettings, plain)
     with ExitStack() as ends:
         live = ends.enter_context(connect(name, timeout=HERE))
         publisher = Publisher(live, settings)

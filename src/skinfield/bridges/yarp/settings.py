@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from skinfield.errors import InputError, check_range, check_type
+from skinfield.errors import check_range, check_type
 from skinfield.protocols.yarp import PORT, NameServer, checked_name
-from skinfield.sources.live.places import host_and_port
+from skinfield.sources.buses.bus import host_and_port
 
 HERE = "127.0.0.1"
 NONE = "none"
@@ -67,18 +66,3 @@ class YarpSettings:
     def prefix(self, name: str) -> str:
         """Before the names of the ports, of the live skin of that name."""
         return f"/skinfield/{name}" if self.robot == USUAL else f"/{self.robot}/skinfield/{name}"
-
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "YarpSettings":
-        """Settings of a JSON object.
-
-        Raises
-        ------
-        InputError
-            If it has others, or one is meaningless.
-        """
-        names = tuple(cls.__dataclass_fields__)
-        strange = sorted(set(plain) - set(names))
-        if strange:
-            raise InputError(f"settings have {strange[0]!r}, expected some of {', '.join(names)}")
-        return cls(**plain)

@@ -1,4 +1,4 @@
-"""What goes over the wire: bytes of estimates with their head, and strict JSON."""
+"""Messages of the zenoh bridge: estimates, descriptions, calibrations and contacts as bytes."""
 
 import hashlib
 import json
@@ -11,13 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.contacts.live import CONTACT
 from skinfield.engine.state import Answer
-from skinfield.errors import FileError, InputError
-from skinfield.live.recipe import Recipe
+from skinfield.errors import FileError, Floats, InputError
+from skinfield.inverse import Solver
+from skinfield.layout import Skin
+from skinfield.live.model_config import ModelConfig
 from skinfield.live.slots import Sizes, Slot
+from skinfield.pipeline.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field
-from skinfield.ring.fields import LINE, Placed, place
-from skinfield.ring.slot import Slot as Copy
+from skinfield.ring.layout import LINE, Placed, place
+from skinfield.ring.reader import Slot as Copy
 
 VERSION = 1
 MAGIC = b"SKE1"
@@ -158,14 +162,14 @@ class Plan:
 
     Attributes
     ----------
-    recipe : Recipe
+    model_config : ModelConfig
     fingerprint : bytes
     fields : tuple of Placed
         Of a slot.
     slot_bytes : int
     """
 
-    recipe: Recipe
+    model_config: ModelConfig
     fingerprint: bytes
     fields: tuple[Placed, ...]
     slot_bytes: int
@@ -186,18 +190,18 @@ class Plan:
                 f"{VERSION}: the same skinfield on all computers"
             )
         ring = plain.get("ring")
-        text = ring.get("recipe") if isinstance(ring, dict) else None
+        text = ring.get("model_config") if isinstance(ring, dict) else None
         if not isinstance(text, str):
-            raise InputError("the description has no recipe, expected that of a live skin")
-        recipe = Recipe.from_json(text)
-        fields, size = place("slot", _sizes(recipe).fields(), LINE)
+            raise InputError("the description has no model_config, expected that of a live skin")
+        model_config = ModelConfig.from_json(text)
+        fields, size = place("slot", _sizes(model_config).fields(), LINE)
         told = [[each.field.name, each.offset, each.field.dtype] for each in fields]
         if plain.get("slot_bytes") != size or _places(plain.get("slot")) != told:
             raise InputError(
                 f"slots have {plain.get('slot_bytes')!r:.40} bytes, expected {size} of "
                 f"{', '.join(each.field.name for each in fields)}: is it another skinfield?"
             )
-        return cls(recipe, fingerprint_of(data), fields, size)
+        return cls(model_config, fingerprint_of(data), fields, size)
 
     def slot(self, data: bytes) -> Slot:
         """The slot of these octets, checked.
@@ -212,7 +216,7 @@ class Plan:
         copy = Copy(self.fields, self.slot_bytes)
         copy.octets[:] = np.frombuffer(data, np.uint8)
         slot = Slot.of(copy.arrays)
-        check_slot(slot, self.recipe)
+        check_slot(slot, self.model_config)
         return slot
 
     def empty(self) -> Slot:
@@ -226,27 +230,27 @@ def _places(plain: Any) -> Any:
     return [[each.get(what) for what in ("name", "offset", "dtype")] for each in plain]
 
 
-def _sizes(recipe: Recipe) -> Sizes:
-    """Sizes of a recipe's slots, within reason: whoever sent it may have meant ill."""
-    rungs, rows = recipe.rungs, recipe.rows
+def _sizes(model_config: ModelConfig) -> Sizes:
+    """Sizes of a configuration's slots, within reason: whoever sent it may have meant ill."""
+    rungs, rows = model_config.rungs, model_config.rows
     good = isinstance(rungs, tuple) and rungs and all(type(each) is int for each in rungs)
     if not good or not 2 <= min(rungs) <= max(rungs) <= MOST_NODES or len(rungs) > 64:
         raise FileError(f"rungs are {rungs!r:.80}, expected 2 to {MOST_NODES} nodes on a side")
     if type(rows) is not int or not 1 <= rows <= MOST_ROWS:
         raise FileError(f"rows is {rows!r:.40}, expected 1 to {MOST_ROWS}")
-    patches = len(recipe.skin)
-    taxels = sum(len(patch) for patch in recipe.skin)
+    patches = len(model_config.skin)
+    taxels = sum(len(patch) for patch in model_config.skin)
     if patches > MOST_PATCHES or 4 * patches * max(rungs) ** 2 + 32 * taxels > MOST_SLOT:
         raise FileError(f"the skin has {patches} patches and {taxels} taxels, expected fewer")
-    return Sizes.of(recipe.skin, rungs, rows)
+    return Sizes.of(model_config.skin, rungs, rows)
 
 
-def check_slot(slot: Slot, recipe: Recipe) -> None:
+def check_slot(slot: Slot, model_config: ModelConfig) -> None:
     """Raise InputError unless what a slot says can be: numbers of patches, grids and contacts."""
     patches, rows = slot.patches, slot.contacts.shape[1]
     answers = patches["answer"]
     _check("answers", (answers >= 0) & (answers < len(Answer)))
-    _check("grids", np.isin(patches["rung"], (0, *recipe.rungs)))
+    _check("grids", np.isin(patches["rung"], (0, *model_config.rungs)))
     _check("counts of contacts", (patches["contacts"] >= 0) & (patches["contacts"] <= rows))
     _check("stamps", (patches["stamp_ns"] >= 0) & (patches["stamp_ns"] < 1 << 62))
     _check("forces", np.isfinite(patches["force"]))
@@ -263,3 +267,146 @@ def check_slot(slot: Slot, recipe: Recipe) -> None:
 def _check(what: str, good: Array) -> None:
     if not good.all():
         raise InputError(f"{what} of an estimate cannot be, expected those of a live skin")
+
+
+class Calibration(NamedTuple):
+    """What changes while a ring stays, and decides what follows from a pressure.
+
+    Attributes
+    ----------
+    tares : int
+        Baselines taken so far.
+    generation : int
+        Of the engine's process.
+    solver : Solver or None
+        None: that of the model configuration.
+    noise_std : (L,) array
+        In the quantity's unit.
+    """
+
+    tares: int
+    generation: int
+    solver: Solver | None
+    noise_std: Floats
+
+    def packed(self) -> bytes:
+        """As JSON."""
+        solver = None if self.solver is None else plain_from_value("solver", self.solver)
+        plain = {"tares": self.tares, "generation": self.generation, "solver": solver}
+        return strict_json(plain | {"noise_std": self.noise_std.tolist()})
+
+    @classmethod
+    def of(cls, data: bytes, taxels: int) -> "Calibration":
+        """Undo `packed`, of a skin with so many taxels.
+
+        Raises
+        ------
+        InputError
+            If it makes no sense.
+        """
+        plain = object_of(data, MOST_JSON)
+        tares, generation = _count(plain.get("tares")), _count(plain.get("generation"))
+        values = plain.get("noise_std")
+        if not isinstance(values, list) or len(values) != taxels or not _all_noise(values):
+            raise InputError(f"a calibration has no noise of {taxels} taxels, expected that")
+        solver = value_from_plain("solver", plain.get("solver"))
+        if solver is not None and not (isinstance(plain["solver"], dict) and _solves(solver)):
+            raise InputError(f"a solver is {plain['solver']!r:.60}, expected one of skinfield's")
+        return cls(tares, generation, solver, np.array(values, np.float64))
+
+
+def _solves(solver: object) -> bool:
+    return callable(getattr(solver, "prepare", None))
+
+
+def _count(value: Any) -> int:
+    if type(value) is not int or not 0 <= value < 1 << 62:
+        raise InputError(f"a calibration counts {value!r:.40}, expected a whole number from 0")
+    return value
+
+
+def _all_noise(values: list[Any]) -> bool:
+    return all(type(each) in (int, float) and 0 <= each < 1e30 for each in values)
+
+
+RECENT_NS = 250_000_000  # that contacts may be of another time than an estimate
+FINDERS = ("engine", "fit")
+VECTORS = ("position", "normal")
+SURE = ("x", "y", "normal_force")  # what every contact has; the rest may be unknown
+PERHAPS = ("force_std", "place_std", "area", "peak_pressure", "age", "speed")
+MOST = 4096  # contacts
+FAR, LARGE = 1e3, 1e12  # m or N, and anything
+
+
+class Contacts(NamedTuple):
+    """Contacts of one cycle.
+
+    Attributes
+    ----------
+    stamp_ns : int, ns
+    rows : (N,) array of CONTACT
+        In the order in which they came; NaN where something is not known.
+    by : list of str
+        Who found each: "engine" or "fit".
+    """
+
+    stamp_ns: int
+    rows: NDArray[Any]
+    by: list[str]
+
+
+def contacts_from(data: bytes, skin: Skin) -> Contacts:
+    """Read the `contacts` of an engine with this skin.
+
+    Raises
+    ------
+    InputError
+        If they make no sense.
+    """
+    plain = object_of(data, MOST_STATUS)
+    stamp, told = plain.get("stamp_ns"), plain.get("contacts")
+    if type(stamp) is not int or not 0 <= stamp < 1 << 62:
+        raise InputError(f"stamp_ns of contacts is {stamp!r:.40}, expected ns since the epoch")
+    if not isinstance(told, list) or len(told) > MOST or not all(type(x) is dict for x in told):
+        raise InputError(f"contacts are no list of at most {MOST} objects, expected that")
+    places = {patch.name: place for place, patch in enumerate(skin)}
+    rows, by = np.zeros(len(told), CONTACT), []
+    for row, each in zip(rows, told, strict=True):
+        _fill(row, each, places)
+        if each.get("by") not in FINDERS:
+            raise InputError(f"a contact is by {each.get('by')!r:.40}, expected engine or fit")
+        by.append(str(each["by"]))
+    return Contacts(stamp, rows, by)
+
+
+def _fill(row: Any, plain: Mapping[str, Any], places: Mapping[str, int]) -> None:
+    patch, track = plain.get("patch"), plain.get("track")
+    if not isinstance(patch, str) or patch not in places:
+        raise InputError(f"a contact is on patch {patch!r:.40}, expected one of the skin")
+    if type(track) is not int or not 0 <= track < 1 << 62:
+        raise InputError(f"a contact is numbered {track!r:.40}, expected a whole number")
+    row["patch"], row["track"] = places[patch], track
+    for name in VECTORS:
+        values = plain.get(name)
+        if not isinstance(values, list) or len(values) != 3:
+            raise InputError(f"{name} of a contact is {values!r:.40}, expected three numbers")
+        row[name] = [_number(name, each, FAR) for each in values]
+    moments = plain.get("moments")
+    if not isinstance(moments, list) or len(moments) != 3:
+        raise InputError(f"moments of a contact are {moments!r:.40}, expected three numbers")
+    row["moments"] = [_perhaps("moments", each) for each in moments]
+    for name in SURE:
+        row[name] = _number(name, plain.get(name), FAR)
+    for name in PERHAPS:
+        row[name] = _perhaps(name, plain.get(name))
+
+
+def _number(name: str, value: Any, most: float) -> float:
+    good = type(value) in (int, float) and abs(value) <= most
+    if not good:
+        raise InputError(f"{name} of a contact is {value!r:.40}, expected at most {most:g}")
+    return float(value)
+
+
+def _perhaps(name: str, value: Any) -> float:
+    return math.nan if value is None else _number(name, value, LARGE)

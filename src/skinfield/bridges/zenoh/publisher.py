@@ -1,28 +1,139 @@
-"""Publishes a live skin over zenoh, from a process of its own: a reader of the ring like any."""
+"""Publisher over zenoh: what a running skin sends, and answers queries with."""
 
 import secrets
 import threading
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from skinfield.bridges.child import say_ready
-from skinfield.bridges.zenoh.keys import Part
 from skinfield.bridges.zenoh.messages import EstimateHead, newest_stamp
-from skinfield.bridges.zenoh.outlets import Outlets
-from skinfield.bridges.zenoh.session import ZenohSettings, open_session
-from skinfield.bridges.zenoh.told import Told, layout_text
+from skinfield.bridges.zenoh.session import Part, ZenohSettings, load_zenoh, open_session
+from skinfield.bridges.zenoh.status_messages import StatusEncoder, layout_text
 from skinfield.errors import InputError, check_positive, check_type
-from skinfield.live.best import best_contacts
 from skinfield.live.client import Live, NotRunning, connect
-from skinfield.live.fit_reader import FitReader
+from skinfield.live.fit_ring import FitReader, best_contacts
 from skinfield.live.slots import Head, Slot
 from skinfield.live.snapshot import Snapshot
 from skinfield.ring import State
-from skinfield.ring.slot import Slot as Copy
+from skinfield.ring.reader import Slot as Copy
+from skinfield.settings import from_plain
+
+JSON, BYTES = "application/json", "application/octet-stream"
+WHOLE = {  # what is published of an engine: kind of bytes, and priority
+    "contacts": (JSON, "INTERACTIVE_HIGH"),
+    "estimate": (BYTES, "DATA"),
+    "raw": (BYTES, "DATA"),
+    "status": (JSON, "DATA_LOW"),
+    "health": (JSON, "DATA_LOW"),
+}
+OF_PATCH = ("contacts", "raw")
+
+
+class Outlets:
+    """Publishers of one engine; nothing is made for keys that nobody reads.
+
+    All drop what cannot be sent at once: each message is whole, so the next makes up for it, and a
+    reader that hangs holds up nobody.
+
+    Parameters
+    ----------
+    session : zenoh.Session
+    part : Part
+    patches : sequence of str
+    """
+
+    def __init__(self, session: Any, part: Part, patches: Sequence[str]) -> None:
+        self._session, self._part = session, part
+        self._token: Any = None
+        self._publishers: dict[str, Any] = {}
+        self._patches = {
+            what: [self._declare(part.patch_key(name, what), what) for name in patches]
+            for what in OF_PATCH
+        }
+        for what in WHOLE:
+            self._publishers[what] = self._declare(part.key(what), what)
+
+    def _declare(self, key: str, what: str) -> Any:
+        zenoh = load_zenoh()
+        encoding, priority = WHOLE[what]
+        return self._session.declare_publisher(
+            key,
+            encoding=encoding,
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=getattr(zenoh.Priority, priority),
+            express=True,  # sent at once, not gathered with others
+        )
+
+    def wanted(self, what: str, patch: int | None = None) -> bool:
+        """Whether somebody reads this."""
+        return bool(self._of(what, patch).matching_status.matching)
+
+    def _of(self, what: str, patch: int | None) -> Any:
+        return self._publishers[what] if patch is None else self._patches[what][patch]
+
+    def put(
+        self, what: str, data: bytes, head: bytes | None = None, patch: int | None = None
+    ) -> None:
+        """Send."""
+        self._of(what, patch).put(data, attachment=head)
+
+    def live(self, alive: bool) -> None:
+        """Show that the engine lives, or take that back."""
+        if alive and self._token is None:
+            self._token = self._session.liveliness().declare_token(self._part.key("alive"))
+        elif not alive and self._token is not None:
+            self._token.undeclare()
+            self._token = None
+
+    @contextmanager
+    def answering(self, answers: Mapping[str, Callable[[], bytes]]) -> Iterator[None]:
+        """Answer queries of these keys as long as the block lasts.
+
+        Parameters
+        ----------
+        answers : mapping from what follows the engine's name in the key to a function
+            Called in a thread of zenoh.
+        """
+        made = []
+        try:
+            for what, answer in answers.items():
+                key = self._part.key(what)
+                made.append(self._session.declare_queryable(key, _Answer(key, what, answer)))
+            yield
+        finally:
+            for each in made:
+                each.undeclare()
+
+    def close(self) -> None:
+        """Take everything back."""
+        zenoh = load_zenoh()
+        self.live(False)
+        several = [each for row in self._patches.values() for each in row]
+        with suppress(zenoh.ZError):  # of a session that is closed already
+            for publisher in (*self._publishers.values(), *several):
+                publisher.undeclare()
+
+
+class _Answer:
+    """Answers one key."""
+
+    def __init__(self, key: str, what: str, make: Callable[[], bytes]) -> None:
+        self._key, self._make = key, make
+        self._encoding = "application/toml" if what.endswith("layout") else JSON
+
+    def __call__(self, query: Any) -> None:
+        with query:
+            try:
+                data = self._make()
+            except Exception as error:  # whatever it is, whoever asked must not wait for ever
+                query.reply_err(str(error).encode())
+                return
+            query.reply(self._key, data, encoding=self._encoding)
+
 
 SLICE = 0.1  # s at most without a look whether to stop
 STATUS = 0.5  # s between what is said of the state
@@ -55,23 +166,6 @@ class PublisherSettings:
         check_type("robot", self.robot, str, "a name in keys")
         check_positive("rate", self.rate, "estimates per second")
 
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "PublisherSettings":
-        """Of what `skinfield run` hands over.
-
-        Raises
-        ------
-        InputError
-            For what it never does.
-        """
-        strange = sorted(set(plain) - {"robot", "session", "rate"})
-        if strange:
-            raise InputError(f"settings have {strange[0]!r}, expected robot, session, rate")
-        values = dict(plain)
-        if "session" in values:
-            values["session"] = ZenohSettings.from_plain(values["session"])
-        return cls(**values)
-
 
 class Publisher:
     """Publishes what one ring holds.
@@ -87,7 +181,7 @@ class Publisher:
 
     def __init__(self, session: Any, live: Live, part: Part, rate: float = RATE) -> None:
         self._live, self._reader = live, live.reader
-        self._told, self._fit = Told(live, part), FitReader(live.name)
+        self._encoder, self._fit = StatusEncoder(live, part), FitReader(live.name)
         self._patches = range(len(live.skin))
         self._starts = live.models.starts
         self._outlets = Outlets(session, part, [patch.name for patch in live.skin])
@@ -105,13 +199,13 @@ class Publisher:
     @contextmanager
     def there(self) -> Iterator[None]:
         """Answer queries, and show that the engine lives."""
-        told, part = self._told, self._part
+        encoder, part = self._encoder, self._part
         answers = {
-            "description": lambda: told.description,
-            "layout": lambda: told.layout,
-            "calibration": told.calibration,
-            "status": told.newest_status,
-            "health": told.health,
+            "description": lambda: encoder.description,
+            "layout": lambda: encoder.layout,
+            "calibration": encoder.calibration,
+            "status": encoder.newest_status,
+            "health": encoder.health,
         }
         for patch in self._live.skin:
             key = part.patch_key(patch.name, "layout").removeprefix(part.key(""))
@@ -143,8 +237,8 @@ class Publisher:
     def _tell(self, now: float) -> None:
         self._status = now + STATUS
         self._outlets.live(self._reader.alive and self._reader.state < State.STOPPED)
-        self._outlets.put("status", self._told.status())
-        self._outlets.put("health", self._told.health())
+        self._outlets.put("status", self._encoder.status())
+        self._outlets.put("health", self._encoder.health())
 
     def _take(self, number: int, now: float) -> bool:
         """Take the newest cycle with a new reading; another only if none went out for long."""
@@ -168,7 +262,7 @@ class Publisher:
             sent_ns=time.time_ns(),
             tares=int(self._reader.status_view["tares"][0]),
             instance=self._instance,
-            fingerprint=self._told.fingerprint,
+            fingerprint=self._encoder.fingerprint,
         ).packed()
 
     def _send_contacts(self) -> None:
@@ -179,10 +273,10 @@ class Publisher:
         snapshot = Snapshot(slot, copy.number, self._live.models, time.time_ns())
         rows, by = best_contacts(snapshot, self._fit)
         head = self._head()
-        self._outlets.put("contacts", self._told.contacts(snapshot, rows, by), head)
+        self._outlets.put("contacts", self._encoder.contacts(snapshot, rows, by), head)
         for patch in several:
             self._outlets.put(
-                "contacts", self._told.contacts(snapshot, rows, by, patch), head, patch
+                "contacts", self._encoder.contacts(snapshot, rows, by, patch), head, patch
             )
 
     def _send_estimate(self) -> None:
@@ -218,7 +312,7 @@ def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
     InputError
         If zenoh cannot start, or there is no such skin.
     """
-    settings = PublisherSettings.from_plain(plain)
+    settings = from_plain(PublisherSettings, plain)
     part = Part(settings.robot, name)
     with open_session(settings.session) as session:
         live, ready = connect(name, timeout=HERE), False

@@ -1,16 +1,173 @@
-"""How a process joins others over zenoh: addresses, certificates, who may read and write."""
+"""Zenoh session: keys of a part, settings with access and TLS, and how it is opened."""
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote, unquote
 
-from skinfield.bridges.zenoh.security import Access as Access
-from skinfield.bridges.zenoh.security import Tls as Tls
-from skinfield.errors import InputError, check_choice, check_type
+from skinfield.errors import InputError, check_choice
+
+ROOT = "skinfield"
+ALL_ALIVE = f"{ROOT}/*/*/alive"
+
+
+@dataclass(frozen=True)
+class Part:
+    """One engine's place among the keys.
+
+    Parameters
+    ----------
+    robot : str
+    name : str
+        Of the engine, as `skinfield run --name` has it.
+    """
+
+    robot: str
+    name: str
+
+    def __post_init__(self) -> None:
+        for what in ("robot", "name"):
+            if not getattr(self, what) or not isinstance(getattr(self, what), str):
+                raise InputError(f"{what} is {getattr(self, what)!r}, expected a name")
+
+    def __str__(self) -> str:
+        return f"{self.robot}/{self.name}"
+
+    def key(self, what: str) -> str:
+        """Key of the engine's `estimate`, `contacts`, `status`, ..."""
+        return f"{ROOT}/{chunk(self.robot)}/{chunk(self.name)}/{what}"
+
+    def patch_key(self, patch: str, what: str) -> str:
+        """Key of a patch's `contacts`, `raw` or `layout`."""
+        return self.key(f"patch/{chunk(patch)}/{what}")
+
+    @classmethod
+    def of(cls, key: str) -> "Part":
+        """Whose key it is.
+
+        Raises
+        ------
+        InputError
+            If it is none of a live skin.
+        """
+        chunks = key.split("/")
+        if len(chunks) < 4 or chunks[0] != ROOT or len(key) > 1000:
+            raise InputError(f"key is {key[:80]!r}, expected {ROOT}/ROBOT/PART/...")
+        return cls(unquote(chunks[1]), unquote(chunks[2]))
+
+
+def chunk(name: str) -> str:
+    """A name as one chunk of a key: what is no letter, digit, or one of `_.-~` becomes %XX."""
+    return quote(name, safe="")
+
+
+# What one who reads does, and what reaches it; what one who writes does, and what it hears.
+_ASKS = ["declare_subscriber", "query", "declare_liveliness_subscriber", "liveliness_query"]
+_GIVES = ["put", "delete", "reply", "declare_queryable", "liveliness_token"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tls:
+    """Certificates, as PEM files.
+
+    Parameters
+    ----------
+    ca : Path
+        Of the authority that signed the certificates of all who take part.
+    certificate, key : Path, optional
+        Of this process; who listens needs them, and who connects to a `mutual` one.
+    mutual : bool
+        Whether who connects here must have a certificate of that authority too.
+    verify_name : bool
+        Whether the certificate of whom is connected to must name the address in use.
+    """
+
+    ca: Path
+    certificate: Path | None = None
+    key: Path | None = None
+    mutual: bool = True
+    verify_name: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("ca", "certificate", "key"):
+            path = getattr(self, name)
+            if path is not None and not Path(path).is_file():
+                raise InputError(f"{name} is {str(path)!r}, expected a PEM file that exists")
+        if (self.certificate is None) != (self.key is None):
+            raise InputError("certificate and key belong together, expected both or none")
+
+    def values(self) -> dict[str, object]:
+        """Of zenoh's `transport/link/tls`."""
+        found: dict[str, object] = {
+            "root_ca_certificate": str(self.ca),
+            "enable_mtls": self.mutual,
+            "verify_name_on_connect": self.verify_name,
+        }
+        if self.certificate is not None:
+            for side in ("listen", "connect"):
+                found[f"{side}_certificate"] = str(self.certificate)
+                found[f"{side}_private_key"] = str(self.key)
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Access:
+    """Who may do what; whatever is not listed is denied. Needs certificates.
+
+    Parameters
+    ----------
+    read : tuple of str
+        Common names of the certificates of those who may read here.
+    write : tuple of str
+        Of those who may write here: from whom anything is taken.
+    keys : tuple of str
+        Key expressions; `**` does not match chunks that begin with `@`, so they are listed.
+    """
+
+    read: tuple[str, ...] = ()
+    write: tuple[str, ...] = ()
+    keys: tuple[str, ...] = ("skinfield/**",)
+
+    def __post_init__(self) -> None:
+        for name in ("read", "write", "keys"):
+            values = tuple(getattr(self, name))
+            if not all(isinstance(value, str) and value for value in values):
+                raise InputError(f"{name} is {values!r}, expected texts that are not empty")
+            object.__setattr__(self, name, values)
+
+    def values(self) -> dict[str, object]:
+        """Of zenoh's `access_control`."""
+        rules, subjects, policies = [], [], []
+        for what, names in (("read", self.read), ("write", self.write)):
+            if not names:
+                continue
+            incoming, outgoing = (_ASKS, _GIVES) if what == "read" else (_GIVES, _ASKS)
+            for flow, messages in (("ingress", incoming), ("egress", outgoing)):
+                rules.append(
+                    {
+                        "id": f"{what}-{flow}",
+                        "permission": "allow",
+                        "flows": [flow],
+                        "messages": messages,
+                        "key_exprs": list(self.keys),
+                    }
+                )
+            subjects.append({"id": f"may-{what}", "cert_common_names": list(names)})
+            policies.append(
+                {"rules": [f"{what}-ingress", f"{what}-egress"], "subjects": [f"may-{what}"]}
+            )
+        return {
+            "enabled": True,
+            "default_permission": "deny",
+            "rules": rules,
+            "subjects": subjects,
+            "policies": policies,
+        }
+
 
 if TYPE_CHECKING:
     import zenoh
@@ -69,42 +226,6 @@ class ZenohSettings:
     def local(self) -> bool:
         """Whether nothing says where to meet others: on this machine then."""
         return not (self.listen or self.connect or self.config or self.scouting)
-
-    def to_plain(self) -> dict[str, Any]:
-        """Values for JSON, of which `from_plain` makes equal settings."""
-        plain: dict[str, Any] = json.loads(json.dumps(asdict(self), default=str))
-        return plain
-
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "ZenohSettings":
-        """Undo `to_plain`.
-
-        Raises
-        ------
-        InputError
-            For what it never makes.
-        """
-        values = _known(cls, plain)
-        if values.get("tls") is not None:
-            made = _known(Tls, values["tls"])
-            for name in ("ca", "certificate", "key"):
-                made[name] = None if made.get(name) is None else Path(made[name])
-            values["tls"] = Tls(**made)
-        if values.get("access") is not None:
-            values["access"] = Access(**_known(Access, values["access"]))
-        if values.get("config") is not None:
-            values["config"] = Path(values["config"])
-        return cls(**values)
-
-
-def _known(kind: Any, plain: object) -> dict[str, Any]:
-    check_type("settings", plain, dict, f"the fields of {kind.__name__}")
-    assert isinstance(plain, dict)
-    names = [each.name for each in fields(kind)]
-    strange = sorted(set(plain) - set(names))
-    if strange:
-        raise InputError(f"settings have {strange[0]!r}, expected some of {', '.join(names)}")
-    return dict(plain)
 
 
 def _endpoint(name: str, text: object, usual: str) -> str:

@@ -1,29 +1,159 @@
-"""A prepared contact fit: from readings to contacts and fields."""
+"""Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.errors import Floats, InputError
 from skinfield.fields import Contact
-from skinfield.inverse.atoms.answer import Answer, Known, Touches, holds, notes_on
-from skinfield.inverse.atoms.bank import MARGIN, Bank, make_bank
-from skinfield.inverse.atoms.belief import Effort, belief_of, stated
-from skinfield.inverse.atoms.cost import Priors
-from skinfield.inverse.atoms.kernel import PARAMETERS, Tables, tables_of
-from skinfield.inverse.atoms.left_over import explains, noise_scale, significant
-from skinfield.inverse.atoms.problem import AtomSet, Problem
-from skinfield.inverse.atoms.profiles import RING
+from skinfield.inverse.atoms.dictionary import MARGIN, Bank, make_bank
+from skinfield.inverse.atoms.fit_kernel import PARAMETERS, Priors, Tables, tables_of
+from skinfield.inverse.atoms.posterior import Effort, belief_of, stated
 from skinfield.inverse.atoms.render import AtomRenderer
-from skinfield.inverse.atoms.rims import Drawable, drawable
-from skinfield.inverse.atoms.search import search
-from skinfield.inverse.atoms.table import atom_table
+from skinfield.inverse.atoms.ring_source import Drawable, drawable
+from skinfield.inverse.atoms.search import AtomSet, Problem, search
+from skinfield.inverse.atoms.table import RING, atom_table
 from skinfield.inverse.operator import Fit
 from skinfield.observation import ObservationModel
 
 if TYPE_CHECKING:
     from skinfield.inverse.contact_fit import ContactFit
+
+
+ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
+QUIETEST = 1e-3  # of the stated noise, that is believed
+QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
+CALM = 0.7  # the same, where more noise than was stated had been assumed
+UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
+LOUD = 1.8  # times the stated noise, from which it is more: less may be weak touches
+LOUDEST = 4.0  # times: what is left over beyond is no noise, but more than the atoms could tell
+NORMAL_MEDIAN = 0.6745  # of the absolute value of a standard normal number
+
+
+def explains(problem: Problem, found: AtomSet) -> bool:
+    """Whether noise and model error account for what is left over, but for one reading in 1e4."""
+    from scipy.special import chdtri
+
+    squares = np.square(problem.left(found.predicted) * problem.white).sum()
+    return bool(squares <= chdtri(_freedom(found, problem.heard), ODD))
+
+
+def _freedom(found: AtomSet, taxels: int) -> int:
+    return max(taxels - int(found.free.sum()), 1)
+
+
+def noise_scale(problem: Problem, found: AtomSet, scale: float, most: int) -> float:
+    """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
+
+    `scale` is what is assumed already, in terms of what was stated. It is less where the squares
+    are far fewer than the taxels: of all taxels, and of those that see a contact, the larger of the
+    two, so that taxels that always read zero do not speak for the others. It is more where the
+    atoms do not explain the readings and taxels that see none of them are as restless: what they
+    read is no touch. Where as many atoms as there may be (`most`) do not explain the readings, all
+    taxels tell it.
+    """
+    left = problem.left(found.predicted) * problem.white
+    seen = (np.abs(found.predicted) * problem.white > 1.0) | (problem.white <= 0.0)
+    if not explains(problem, found):
+        if len(found) >= most:
+            left, seen = problem.left(np.zeros(len(left))) * problem.white, problem.white <= 0.0
+        typical = _typical(left[~seen]) if np.count_nonzero(~seen) >= UNSEEN else 1.0
+        return typical if LOUD < typical <= LOUDEST / scale else 1.0
+    if not len(found):
+        return 1.0
+    squares, parameters = np.square(left), int(found.free.sum())
+    share = float(squares.sum()) / _freedom(found, problem.heard)
+    seen &= problem.white > 0.0
+    if seen.sum() > parameters + 2:
+        share = max(share, float(squares[seen].sum()) / (int(seen.sum()) - parameters))
+    enough = QUIET if scale <= 1.0 else CALM
+    return 1.0 if share > enough else max(float(np.sqrt(share)), QUIETEST / scale)
+
+
+def _typical(left: Floats) -> float:
+    """Deviation by the median of the absolute values, which a few large ones do not move."""
+    return float(np.median(np.abs(left))) / NORMAL_MEDIAN
+
+
+def significant(false_alarm_rate: float, taxels: int) -> float:
+    """Gain in cost that noise exceeds at this rate: three parameters at as many places as taxels.
+
+    Half the quantile of chi-squared with three degrees of freedom (Wilks 1938).
+    """
+    from scipy.special import chdtri
+
+    return 0.5 * float(chdtri(3, false_alarm_rate / taxels))
+
+
+MOVED = 0.5  # standard deviations within which what was known of a contact still holds
+CHANGED = 0.2  # of its force's logarithm, likewise
+
+
+@dataclass(frozen=True, eq=False)
+class Touches:
+    """What a reading says of contacts, without the other fields of a `Fit`.
+
+    Attributes
+    ----------
+    pressure : (K,) array, Pa
+    contacts : tuple of Contact
+        By falling normal force.
+    explained : bool
+        Whether noise accounts for what the contacts leave over.
+    """
+
+    pressure: Floats
+    contacts: tuple[Contact, ...]
+    explained: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """The atoms that explain a reading, at a scale of its noise; `drawn` is None without any."""
+
+    problem: Problem
+    found: AtomSet
+    scale: float
+    drawn: Drawable | None
+
+
+def notes_on(problem: Problem, count: int, scale: float, offset: float) -> tuple[str, ...]:
+    """What is to be told of an answer with as many contacts, in sentences."""
+    notes = []
+    if problem.late:
+        notes.append(f"ContactFit stopped at the deadline, with {count} found")
+    if scale > LOUD:
+        notes.append("ContactFit saw more noise than was stated, and went by what it saw")
+    if abs(offset) > problem.common > 0.0:
+        notes.append("ContactFit took what all taxels share for an offset: tare the skin")
+    return tuple(notes)
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What was found out about an atom (6,).
+
+    Attributes
+    ----------
+    atom : (6,) array
+        The minimum of the cost.
+    offset : (6,) array
+        From there to the posterior's mean, which is stated: its error is smaller.
+    covariance : (6, 6) array
+    """
+
+    atom: Floats
+    offset: Floats
+    covariance: Floats
+
+
+def holds(known: Known, atom: Floats) -> bool:
+    """Whether an atom is still about where it was when its covariance was found."""
+    off = atom - known.atom
+    deviation = np.sqrt(np.diag(known.covariance)[:2])
+    return bool((np.abs(off[:2]) < MOVED * deviation).all() and abs(off[2]) < CHANGED)
+
 
 CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before any reading
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm

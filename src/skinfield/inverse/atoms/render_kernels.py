@@ -1,4 +1,4 @@
-"""Fields of atoms on a grid, compiled: cell by cell, without allocation.
+"""Rendering of atoms, compiled: pressure, its deviation and displacement on nodes.
 
 A row of `atoms` (N, 6) has x m, y m, force N, radius m, half-length m, angle rad. The contact is
 drawn out along a segment where the half-length is not 0: a mixture of round ones.
@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
-from skinfield.inverse.atoms.compiled import inner
 from skinfield.inverse.atoms.render_tables import (
     INNER,
     LARGEST,
@@ -19,6 +19,7 @@ from skinfield.inverse.atoms.render_tables import (
     TERMS,
     PressureTable,
 )
+from skinfield.inverse.atoms.table import FLAT
 from skinfield.layout import Grid
 
 STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right
@@ -289,3 +290,173 @@ def pressure(
     out[:] = 0.0
     for n in range(len(atoms)):
         add_pressure(atoms[n], family[n], surface, mesh, out, box, cells, room)
+
+
+@inner
+def _pressure_at(
+    atoms: Floats, family: Any, surface: Surface, x: float, y: float, room: Floats
+) -> float:
+    """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
+    total = 0.0
+    for n in range(len(atoms)):
+        radius = held(atoms[n, 3], surface)
+        pressure_terms(radius, family[n], surface, room)
+        count = points_along(radius, atoms[n, 4])
+        east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
+        for q in range(count):
+            away_x = x - atoms[n, 0] - NODE[count, q] * east
+            away_y = y - atoms[n, 1] - NODE[count, q] * north
+            square = 1.0 - (away_x * away_x + away_y * away_y) / (radius * radius)
+            if square <= 0.0:
+                continue
+            value = 0.0
+            for j in range(TERMS - 1, -1, -1):
+                value = value * square + room[j]
+            root = np.sqrt(square)
+            value = value / max(root, 0.5) if family[n] == FLAT else value * root
+            total += WEIGHT[count, q] * atoms[n, 2] * value / (np.pi * radius * radius)
+    return total
+
+
+@njit
+def render(
+    atoms: Floats,
+    family: Any,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    box: Any,
+    cells: Floats,
+    room: Floats,
+) -> float:
+    """Write the mean pressure of atoms on each cell, (K,) Pa; returns the peak of it, Pa.
+
+    It is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.
+    """
+    pressure(atoms, family, surface, mesh, out, box, cells, room)
+    peak = 0.0
+    for k in range(len(out)):
+        peak = max(peak, out[k])
+    for n in range(len(atoms)):
+        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1], room))
+    return peak
+
+
+SIZE = 6  # parameters of an atom
+NEGLIGIBLE = 1e-12  # of a variance: what of it is left over by those before
+
+
+@inner
+def _root(covariance: Floats, factor: Floats) -> int:
+    """Lower triangle whose square is the covariance, in columns without zeros; their number."""
+    count = 0
+    for j in range(SIZE):
+        pivot = covariance[j, j]
+        for k in range(count):
+            pivot -= factor[j, k] * factor[j, k]
+        if not pivot > NEGLIGIBLE * covariance[j, j]:
+            continue
+        root = np.sqrt(pivot)
+        for i in range(SIZE):
+            value = covariance[i, j]
+            for k in range(count):
+                value -= factor[i, k] * factor[j, k]
+            factor[i, count] = value / root if i >= j else 0.0
+        count += 1
+    return count
+
+
+@inner
+def _move(atom: Floats, step: Floats, factor: float, moved: Floats) -> None:
+    """Atom at the end of a step; the radius grows by its logarithm, so that it stays positive."""
+    for i in range(SIZE):
+        moved[i] = atom[i] + factor * step[i]
+    moved[3] = atom[3] * np.exp(min(max(factor * step[3] / atom[3], -3.0), 3.0))
+    moved[4] = abs(moved[4])
+
+
+@inner
+def _gather(
+    mesh: Mesh, first: Any, second: Any, plain: Floats, moved: Floats, share: float, out: Floats
+) -> None:
+    """Add the squared difference in both boxes, and clear the second picture there."""
+    low_row, low_column = max(min(first[0], second[0]), 0), max(min(first[1], second[1]), 0)
+    high_row = min(max(first[0] + first[2], second[0] + second[2]), mesh.rows)
+    high_column = min(max(first[1] + first[3], second[1] + second[3]), mesh.columns)
+    for row in range(low_row, high_row):
+        for k in range(row * mesh.columns + low_column, row * mesh.columns + high_column):
+            out[k] += share * (moved[k] - plain[k]) ** 2
+            moved[k] = 0.0
+
+
+@inner
+def _clear(mesh: Mesh, box: Any, out: Floats) -> None:
+    for row in range(max(box[0], 0), min(box[0] + box[2], mesh.rows)):
+        low, high = max(box[1], 0), min(box[1] + box[3], mesh.columns)
+        for k in range(row * mesh.columns + low, row * mesh.columns + high):
+            out[k] = 0.0
+
+
+@njit
+def pressure_std(
+    atoms: Floats,
+    family: Any,
+    covariance: Floats,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    boxes: Any,
+    cells: Floats,
+    room: Floats,
+    pictures: Floats,
+    small: Floats,
+) -> None:
+    """Write one standard deviation of each cell's pressure, (K,) Pa; atoms are independent.
+
+    The mean square of what changes at the ends of the axes of each covariance, drawn out by the
+    root of their number: to first order in the covariance the variance, and still in range where
+    the atom may be off by more than its size (spherical cubature; Arasaratnam and Haykin 2009).
+    """
+    out[:] = 0.0
+    plain, changed = pictures[0], pictures[1]
+    factor, step, moved = small[:SIZE], small[SIZE], small[SIZE + 1]
+    for n in range(len(atoms)):
+        count = _root(covariance[n], factor)
+        if not add_pressure(atoms[n], family[n], surface, mesh, plain, boxes[0], cells, room):
+            boxes[0, 2:] = 0
+        for j in range(count):
+            step[:] = factor[:, j]
+            for side in (-1.0, 1.0):
+                _move(atoms[n], step, side * np.sqrt(count), moved)
+                on = add_pressure(moved, family[n], surface, mesh, changed, boxes[1], cells, room)
+                if not on:
+                    boxes[1] = boxes[0]
+                _gather(mesh, boxes[0], boxes[1], plain, changed, 0.5 / count, out)
+        _clear(mesh, boxes[0], plain)
+    for k in range(len(out)):
+        out[k] = np.sqrt(out[k])
+
+
+class Workspace:
+    """Scratch of one renderer; it grows with the largest atom, and is for one thread.
+
+    Parameters
+    ----------
+    nodes : int
+        K of the grid.
+    """
+
+    def __init__(self, nodes: int) -> None:
+        self.pictures = np.zeros((2, nodes))
+        self.first = np.zeros(nodes)
+        self.boxes = np.zeros((2, 4), dtype=np.int64)
+        self.cells = np.empty(1024)
+        self.room = np.empty(2 * TERMS)
+        self.terms = np.empty((2, COUNT))
+        self.small = np.empty((SIZE + 2, SIZE))
+
+    def make_room(self, mesh: Mesh, extent: float) -> None:
+        """See that the cells of an atom fit that reaches `extent` m from its middle."""
+        side = int(2.0 * extent / mesh.pitch) + 3
+        if side * side > len(self.cells):
+            self.cells = np.empty(2 * side * side)

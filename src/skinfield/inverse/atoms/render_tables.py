@@ -18,7 +18,7 @@ from typing import cast
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.inverse.atoms.profiles import BALL, FLAT, unit_pressure
+from skinfield.inverse.atoms.table import BALL, FLAT, unit_pressure
 from skinfield.mechanics import Layer, Mechanics
 
 LOG_STEP = 0.2  # of ln(a/h)

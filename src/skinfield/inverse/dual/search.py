@@ -1,15 +1,12 @@
 """The search itself, compiled as one piece so that it can look at the clock between steps."""
 
 import numpy as np
-from numba import njit
 
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
 from skinfield.inverse.dual import kernel
-from skinfield.inverse.dual.arrays import Memory, Packed, Problem, unpacked
-from skinfield.inverse.dual.clock import now_ns
-from skinfield.inverse.dual.values import (
+from skinfield.inverse.dual.kernel import (
     COUNT,
-    ENDING,
     FACTORED,
     GAP,
     GIVEN,
@@ -29,6 +26,7 @@ from skinfield.inverse.dual.values import (
     relax_pace,
     see_all,
 )
+from skinfield.inverse.dual.workspace import Memory, Packed, Problem, now_ns, unpacked
 
 LOCAL = 0.5  # of the tolerance, to which the searched nodes are solved before all are seen
 STRICTER = 0.1  # of that, wherever it did not do
@@ -38,18 +36,12 @@ SPARE_NS = 2000  # for the way back to the caller
 WELL = 0.2  # of what was left before a step: if more is left after it, its system was too old
 FEW = 64  # active nodes whose system is made anew as quickly as an old one needs a step more
 POOR = 0.1  # of the objective: an answer so far from its dual value is no safe start
-BY_TIME = -1  # in place of how another search of the same reading ended
-TURNS, LATE, UNPROVED = 4, 2, 1  # what an ending is the sum of; turns are counted
 LARGEST = 1e30  # of half the squared readings, beyond which single precision overflows
 
 
-@njit(cache=True, nogil=True)
-def answer(given: Packed, readings: Floats, out: Floats, deadline: int, told: int) -> None:
-    """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none.
-
-    Whatever depended on time is in `counts[ENDING]`: with that as `told` in place of `BY_TIME`,
-    from the same memory, the same is done again bit for bit, and time plays no part.
-    """
+@njit
+def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
+    """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none."""
     problem, memory = unpacked(given)
     counts, measures = memory.counts, memory.measures
     for taxel in range(len(readings)):
@@ -57,7 +49,7 @@ def answer(given: Packed, readings: Floats, out: Floats, deadline: int, told: in
         memory.target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
         if weight == 0.0:  # left out: stamps still hold what such a taxel sees
             memory.dual[taxel] = 0.0
-    search(problem, memory, deadline, told)
+    search(problem, memory, deadline)
     start = now_ns(memory.room)
     shape = (problem.height, problem.width)
     kernel.spread_bumps(memory.pressed, memory.amounts, counts[PRESSED], problem.bump, shape, out)
@@ -65,14 +57,14 @@ def answer(given: Packed, readings: Floats, out: Floats, deadline: int, told: in
     learn_pace(measures, SPREAD_PACE, now_ns(memory.room) - start, work)
 
 
-@njit(cache=True, nogil=True)
-def search(problem: Problem, memory: Memory, deadline: int, told: int) -> None:
+@njit
+def search(problem: Problem, memory: Memory, deadline: int) -> None:
     """Leave the best amounts in `pressed` and `amounts`, and what they are worth in `measures`.
 
     Being late, or without time for a proof, ends it: so time decides in the last turn alone.
     """
     counts, measures = memory.counts, memory.measures
-    counts[STEPS] = counts[PRESSED] = counts[IDLE] = counts[ENDING] = turns = 0
+    counts[STEPS] = counts[PRESSED] = counts[IDLE] = 0
     best = half_square(memory.target)  # nothing pressed is an answer, too
     measures[GAP], measures[OBJECTIVE] = 0.0, best
     if not best < LARGEST:  # nor if it is not a number
@@ -86,7 +78,7 @@ def search(problem: Problem, memory: Memory, deadline: int, told: int) -> None:
         return
     local, passes, before, due = LOCAL * problem.tolerance, 0, np.inf, PATIENCE
     while True:
-        start, turns = now_ns(memory.room), turns + 1
+        start = now_ns(memory.room)
         best, plain = primal(problem, memory, best)
         left = half_square(memory.ascent)
         solved = left <= max(local, problem.rounding) * plain
@@ -98,10 +90,6 @@ def search(problem: Problem, memory: Memory, deadline: int, told: int) -> None:
         reserved = proof if counts[STEPS] > 0 else 0.0  # a first step goes before its proof
         until = ending + reserved + measures[STEP_PACE] * work
         late = deadline > 0 and until > deadline
-        if told >= 0:
-            late = told // TURNS == turns and told & LATE > 0
-            provable = not (told // TURNS == turns and told & UNPROVED > 0)
-        counts[ENDING] = TURNS * turns + LATE * late + UNPROVED * (not provable)
         if not (solved or late) and counts[STEPS] < min(due, problem.most):
             newton(problem, memory, active, active < FEW or left > WELL * before)
             before = left
@@ -126,7 +114,7 @@ def search(problem: Problem, memory: Memory, deadline: int, told: int) -> None:
     measures[OBJECTIVE] = best
 
 
-@njit(cache=True, nogil=True)
+@njit
 def begin(problem: Problem, memory: Memory) -> float:
     """Choose where to start; returns a dual value, or -1 if the patch is idle, which is proved."""
     kept = memory.counts[GIVEN] == 0 and stands_out(problem, memory)
@@ -140,7 +128,8 @@ def begin(problem: Problem, memory: Memory) -> float:
             idle = False
             break
     if idle:
-        memory.dual[:] = memory.target
+        for taxel in range(len(memory.dual)):
+            memory.dual[taxel] = memory.target[taxel]
         memory.counts[COUNT] = memory.counts[GIVEN] = 0
         return -1.0
     if memory.counts[GIVEN] == 0 or not given_is_better(problem, memory):
@@ -150,7 +139,7 @@ def begin(problem: Problem, memory: Memory) -> float:
     return lower
 
 
-@njit(cache=True, nogil=True)
+@inner
 def given_is_better(problem: Problem, memory: Memory) -> bool:
     """Whether the dual that was handed in is better than none; `every` is then of that one."""
     _, within = dual_values(problem, memory)
@@ -160,7 +149,7 @@ def given_is_better(problem: Problem, memory: Memory) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@inner
 def start_along(problem: Problem, memory: Memory) -> float:
     """Start where the dual value is highest on the way from 0 to the readings; returns it."""
     every, slack = memory.every, memory.slack
@@ -179,7 +168,7 @@ def start_along(problem: Problem, memory: Memory) -> float:
     return max(value - 0.5 * total, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@njit
 def stands_out(problem: Problem, memory: Memory) -> bool:
     """Whether a node that was searched before is too significant for an idle patch."""
     count, turn = memory.counts[COUNT], memory.turn
@@ -190,7 +179,7 @@ def stands_out(problem: Problem, memory: Memory) -> bool:
     return highest > 0.0
 
 
-@njit(cache=True, nogil=True)
+@inner
 def still_best(problem: Problem, memory: Memory) -> bool:
     """Whether the dual of the reading before is better than the way from 0 to the readings.
 
@@ -211,7 +200,7 @@ def still_best(problem: Problem, memory: Memory) -> bool:
     return before > along
 
 
-@njit(cache=True, nogil=True)
+@njit
 def excess(problem: Problem, memory: Memory, seen: Floats, length: float) -> float:
     """Half the squared amounts of the searched nodes, from `length` times what they see."""
     total = 0.0
@@ -221,7 +210,7 @@ def excess(problem: Problem, memory: Memory, seen: Floats, length: float) -> flo
     return 0.5 * total
 
 
-@njit(cache=True, nogil=True)
+@njit
 def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     """One semismooth Newton step from the dual, to where the dual value is highest along it.
 
@@ -230,7 +219,8 @@ def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     count, dual, step, turn = memory.counts[COUNT], memory.dual, memory.step, memory.turn
     rows, factored = problem.rows, memory.factored
     if anew or memory.counts[FACTORED] == 0:
-        factored[:active] = memory.active[:active]
+        for place in range(active):
+            factored[place] = memory.active[place]
         kernel.factor(rows, factored, active, len(dual), memory.lower)
         memory.counts[FACTORED] = active
     n = memory.counts[FACTORED]
@@ -245,7 +235,7 @@ def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
         dual[taxel] += length * step[taxel]
 
 
-@njit(cache=True, nogil=True)
+@inner
 def step_work(taxels: int, count: int, active: int) -> float:
     """Products of a Newton step, about."""
     small, large = min(active, taxels), max(active, taxels)
@@ -253,13 +243,13 @@ def step_work(taxels: int, count: int, active: int) -> float:
     return 4000.0 + factor + (4.0 * count + 3.0 * active) * taxels
 
 
-@njit(cache=True, nogil=True)
+@inner
 def time_to_prove(problem: Problem, memory: Memory) -> float:
     """Nanoseconds that a pass over all nodes takes, by its pace so far."""
     return float(memory.measures[PASS_PACE] * problem.rows.size)
 
 
-@njit(cache=True, nogil=True)
+@inner
 def time_to_end(problem: Problem, memory: Memory) -> float:
     """Nanoseconds that writing the answer takes, by its pace so far."""
     size = len(memory.every) + memory.counts[PRESSED] * problem.bump.size

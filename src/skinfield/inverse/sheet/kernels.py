@@ -1,4 +1,4 @@
-"""What a sheet does per reading and per taxel, compiled.
+"""Kernels of a sheet, compiled: stamps, conjugate gradients, and the Gram matrix of neighbours.
 
 All kernels work on taxels in the sheet's own order, strip by strip, and on arrays that the caller
 keeps. Each compiles for float32 and float64.
@@ -6,18 +6,19 @@ keeps. Each compiles for float32 and float64.
 
 from typing import Any
 
-from numba import njit
+import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.inverse.sheet.lanes import add_block
-from skinfield.inverse.sheet.stamps import GROUP, LANES
+from skinfield.compiled import inner, njit
+from skinfield.inverse.sheet.response import GROUP, LANES
+from skinfield.inverse.sheet.simd_kernel import add_block
 
 Array = NDArray[Any]
 Parts = tuple[Array, Array, Array, Array, int, int]  # see `gram.parts_of`
 FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+@inner(fastmath=FAST, inline="always")
 def profiles_at(table: Array, offset: float, out: Array) -> None:
     """Profiles of a taxel at `offset` of a cell, 0 to 1, flat; linear in between."""
     place = offset * (table.shape[0] - 1)
@@ -28,7 +29,7 @@ def profiles_at(table: Array, offset: float, out: Array) -> None:
         out[index] = low[index] + share * (high[index] - low[index])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+@inner(fastmath=FAST, inline="always")
 def add_stamp(
     value: float,
     across: Array,
@@ -60,7 +61,7 @@ def add_stamp(
             )
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def add_stamps(
     values: Array,
     corner: Array,
@@ -81,7 +82,7 @@ def add_stamps(
             add_stamp(value, a, d, x, y, rows, width, offset, taxel, to, columns, out)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def read_stamps(
     field: Array,
     corner: Array,
@@ -109,7 +110,7 @@ def read_stamps(
         out[taxel] = total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def multiply(start: Array, other: Array, value: Array, vector: Array, out: Array) -> float:
     """Write M v over v in `out`, for symmetric M with a diagonal of ones; returns v . M v.
 
@@ -130,7 +131,7 @@ def multiply(start: Array, other: Array, value: Array, vector: Array, out: Array
     return curved
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def residual_of(target: Array, moved: Array, valid: Array, out: Array) -> float:
     """Write target - moved where valid, else 0; returns the square of its norm."""
     square = 0.0
@@ -140,7 +141,7 @@ def residual_of(target: Array, moved: Array, valid: Array, out: Array) -> float:
     return square
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def descend(
     length: float, way: Array, moved: Array, valid: Array, answer: Array, residual: Array
 ) -> float:
@@ -154,7 +155,7 @@ def descend(
     return square
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(fastmath=FAST)
 def turn(keep: float, residual: Array, way: Array, copy: Array) -> None:
     """The next way, the residual and `keep` of the way before, and a copy of it."""
     share = way.dtype.type(keep)
@@ -162,7 +163,7 @@ def turn(keep: float, residual: Array, way: Array, copy: Array) -> None:
         way[row] = copy[row] = residual[row] + share * way[row]
 
 
-@njit(cache=True, nogil=True)
+@njit
 def take_in(
     readings: Array, order: Array, scale: Array, target: Array, valid: Array, answer: Array
 ) -> float:
@@ -182,8 +183,139 @@ def take_in(
     return square
 
 
-@njit(cache=True, nogil=True)
+@njit
 def give_out(answer: Array, gain: Array, out: Array) -> None:
     """Values of the taxels' stamps."""
     for row in range(len(out)):
         out[row] = answer[row] * gain[row]
+
+
+@njit
+def nearest(place: Array, strip: Array, height: float, out: Array) -> None:
+    """Distance from each taxel (L, 2) to the nearest other place, but no more than `height`.
+
+    Taxels are ordered by strips of that height, within a strip by x; strip n holds the taxels
+    strip[n] .. strip[n + 1].
+    """
+    out[:] = height
+    for row in range(len(strip) - 1):
+        for beside in range(max(row - 1, 0), row + 1):
+            first = strip[beside]
+            for taxel in range(strip[row], strip[row + 1]):
+                x, y = place[taxel]
+                end = min(taxel, strip[beside + 1])
+                while first < end and place[first, 0] < x - height:
+                    first += 1
+                for other in range(first, end):
+                    if place[other, 0] > x + height:
+                        break
+                    apart = np.hypot(place[other, 0] - x, place[other, 1] - y)
+                    if apart > 0.0:
+                        out[taxel] = min(out[taxel], apart)
+                        out[other] = min(out[other], apart)
+
+
+@njit
+def earlier(
+    place: Array, strip: Array, row: int, taxel: int, reach: float, first: Array, found: Array
+) -> int:
+    """Write the taxels before one of strip `row` that are within reach; returns their number.
+
+    They are in that strip and in the len(first) - 1 before it; `first` holds where in each of
+    these the search begins, which never goes back from one taxel of a strip to the next. Those
+    that do not fit into `found` are counted only.
+    """
+    x, y = place[taxel]
+    count = 0
+    for back in range(min(len(first) - 1, row), -1, -1):
+        end = taxel if back == 0 else strip[row - back + 1]
+        at = first[back]
+        while at < end and place[at, 0] < x - reach:
+            at += 1
+        first[back] = at
+        for other in range(at, end):
+            if place[other, 0] > x + reach:
+                break
+            if (place[other, 0] - x) ** 2 + (place[other, 1] - y) ** 2 <= reach * reach:
+                if count < len(found):
+                    found[count] = other
+                count += 1
+    return count
+
+
+@njit
+def count_pairs(place: Array, strip: Array, reach: float, back: int, count: Array) -> None:
+    """Write how many earlier neighbours each taxel has, (L,), in its strip and `back` before."""
+    first, none = np.empty(back + 1, np.int64), np.empty(0, np.int64)
+    for row in range(len(strip) - 1):
+        for step in range(min(back, row) + 1):
+            first[step] = strip[row - step]
+        for taxel in range(strip[row], strip[row + 1]):
+            count[taxel] = earlier(place, strip, row, taxel, reach, first, none)
+
+
+@njit(fastmath=FAST)
+def overlap(one: Array, other: Array, down: int, across: int) -> float:
+    """Sum of products of two stamps, the other's corner `down` rows and `across` cells further."""
+    first, last = max(0, across), min(one.shape[1], other.shape[1] + across)
+    total = one.dtype.type(0.0)
+    for row in range(max(0, down), min(one.shape[0], other.shape[0] + down)):
+        mine, beside = one[row, first:last], other[row - down, first - across :]
+        for cell in range(len(mine)):
+            total += mine[cell] * beside[cell]
+    return float(total)
+
+
+@njit(fastmath=FAST)
+def fill_pairs(
+    place: Array,
+    cell: Array,
+    offset: Array,
+    strip: Array,
+    reach: float,
+    read: Parts,
+    spread: Parts,
+    first: Array,
+    found: Array,
+    ring: Array,
+    start: Array,
+    other_of: Array,
+    value: Array,
+    own: Array,
+) -> None:
+    """Write what each taxel reads of itself, (L,), and of its earlier neighbours.
+
+    `read` and `spread` are what a taxel reads and the pressure that its reading makes; `first` and
+    `found` are room for `earlier`, and `ring` (N, rows, width) for the last stamps, as many as all
+    strips of a search hold.
+    """
+    ra, rd, rx, ry, rrows, rwidth = read
+    sa, sd, sx, sy, srows, swidth = spread
+    mine = np.empty((srows, swidth), ring.dtype)
+    shift = (srows - rrows) // 2  # of the corners of one taxel's stamps
+    for row in range(len(strip) - 1):
+        for step in range(min(len(first) - 1, row) + 1):
+            first[step] = strip[row - step]
+        for taxel in range(strip[row], strip[row + 1]):
+            mine[:] = 0.0
+            add_stamp(1.0, sa, sd, sx, sy, srows, swidth, offset, taxel, 0, swidth, mine.ravel())
+            here = ring[taxel % len(ring)]
+            here[:] = 0.0
+            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, rwidth, here.ravel())
+            own[taxel] = overlap(mine, here, shift, shift)
+            count = earlier(place, strip, row, taxel, reach, first, found)
+            for index in range(count):
+                beside = found[index]
+                down = cell[beside, 1] - cell[taxel, 1] + shift
+                across = cell[beside, 0] - cell[taxel, 0] + shift
+                entry = start[taxel] + index
+                other_of[entry] = beside
+                value[entry] = overlap(mine, ring[beside % len(ring)], down, across)
+
+
+@njit
+def scale_pairs(start: Array, other_of: Array, scale: Array, value: Array) -> None:
+    """Multiply each pair's value by both taxels' scales."""
+    for taxel in range(len(scale)):
+        for entry in range(start[taxel], start[taxel + 1]):
+            value[entry] *= scale[taxel] * scale[other_of[entry]]

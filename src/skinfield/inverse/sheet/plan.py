@@ -1,18 +1,197 @@
-"""All of a sheet that needs no reading."""
+"""Plan of a sheet: the ordering of taxels, their Gram matrix, and the profiles that fit."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, check_range
-from skinfield.inverse.gaussian_field import PITCHES, GaussianField
-from skinfield.inverse.sheet.gram import gram_of
-from skinfield.inverse.sheet.placing import Lattice, Placing, nearest_distance
-from skinfield.inverse.sheet.response import WIDEST
-from skinfield.inverse.sheet.stamps import Stamp, Stamps
-from skinfield.inverse.tikhonov import Tikhonov
+from skinfield.errors import Floats, InputError, Ints, check_range
+from skinfield.inverse.linear import PITCHES, GaussianField, Tikhonov
+from skinfield.inverse.sheet.response import GROUP, WIDEST, Stamp, Stamps
 from skinfield.mechanics import Layer, Mechanics
 from skinfield.observation import Quantity
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """Cells that hold the stamps of all taxels.
+
+    Attributes
+    ----------
+    shape : (rows, columns)
+    pitch : float, m
+        Side of a cell.
+    origin : (2,) array, m
+        Centre of cell (0, 0) in the sheet's plane.
+    """
+
+    shape: tuple[int, int]
+    pitch: float
+    origin: Floats
+
+    @classmethod
+    def around(cls, low: Floats, high: Floats, pitch: float, before: int, after: int) -> "Lattice":
+        """Cells over the rectangle low .. high (2,) m and what stamps reach beyond.
+
+        Stamps begin `before` - 1 cells before that of a taxel; their last column is `after` cells
+        behind it. The outermost taxels stand half a cell away from where that would not hold, as
+        nothing is checked when stamps are written.
+        """
+        columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
+        shape = (rows + 2 * before + 1, columns + before + after + 1)
+        return cls(shape, pitch, low - (before - 0.5) * pitch)
+
+
+@dataclass(frozen=True, eq=False)
+class Placing:
+    """Taxels in strips of cells, from left to right in each: neighbours lie close in memory.
+
+    Attributes
+    ----------
+    order : (L,) int array
+        Row of each taxel in what the caller hands in.
+    place : (L, 2) array
+        In cells from the lattice's origin, in that order.
+    strip : (N + 1,) int array
+        Where each strip begins.
+    height : float
+        Of a strip, in cells.
+    """
+
+    order: Ints
+    place: Floats
+    strip: Ints
+    height: float
+
+    @classmethod
+    def of(cls, place: Floats, height: float) -> "Placing":
+        """Sort places (L, 2) into strips of some height in cells."""
+        row = (place[:, 1] / height).astype(np.int64)
+        width = float(place[:, 0].max()) + 1.0
+        order = np.argsort(row * width + place[:, 0])  # x is below width: a strip after another
+        strip = np.zeros(int(row.max()) + 2, dtype=np.int64)
+        np.cumsum(np.bincount(row), out=strip[1:])
+        return cls(order, place[order], strip, height)
+
+    @property
+    def cell(self) -> NDArray[np.int32]:
+        """Cell that holds each taxel, (L, 2): column and row."""
+        return self.place.astype(np.int32)
+
+    @property
+    def offset(self) -> Floats:
+        """Place in the cell, (L, 2), 0 to 1."""
+        return self.place - np.floor(self.place)
+
+    def corner(self, reach: int, columns: int) -> Ints:
+        """Flat index of the first cell of a stamp that reaches some cells, (L,)."""
+        column, row = (self.cell - (reach - 1)).T.astype(np.int64)
+        return np.asarray(row * columns + column)
+
+
+def nearest_distance(placing: Placing) -> float:
+    """Median distance of a taxel to the nearest other, in cells; a strip's height at most."""
+    from skinfield.inverse.sheet.kernels import nearest
+
+    out = np.empty(len(placing.order))
+    nearest(placing.place, placing.strip, placing.height, out)
+    return float(np.median(out))
+
+
+TOO_DENSE = (
+    "positions are so dense that what is cut off their responses outweighs the noise, and no "
+    "pressure is the best: expected taxels some cells apart; use a smaller cut, such as 1e-4, or a "
+    "Reconstructor"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Gram:
+    """A Q A^T of the sheet's taxels: its diagonal and, by rows, what lies below it.
+
+    Attributes
+    ----------
+    start : (L + 1,) int array
+        Where each taxel's entries begin; their number is a multiple of `GROUP`, the last are the
+        taxel itself with a value of 0.
+    other : (N,) int32 array
+        Earlier neighbour of each entry.
+    value : (N,) array
+    own : (L,) array
+        The diagonal.
+    """
+
+    start: Ints
+    other: NDArray[np.int32]
+    value: NDArray[Any]
+    own: NDArray[Any]
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the matrix."""
+        return sum(part.nbytes for part in (self.start, self.other, self.value, self.own))
+
+
+def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
+    """Sum the products of the stamps of all taxels that are neighbours."""
+    from skinfield.inverse.sheet.kernels import count_pairs, fill_pairs
+
+    taxels, reach = len(placing.order), stamps.neighbours
+    back = int(np.ceil(reach / placing.height - 1e-9))
+    count = np.empty(taxels, dtype=np.int64)
+    count_pairs(placing.place, placing.strip, reach, back, count)
+    room = -(-count // GROUP) * GROUP
+    gram = Gram(
+        np.append(0, np.cumsum(room)),
+        np.repeat(np.arange(taxels, dtype=np.int32), room),
+        np.zeros(room.sum(), dtype=precision),
+        np.empty(taxels, dtype=precision),
+    )
+    ends = placing.strip[
+        np.minimum(np.arange(len(placing.strip)) + back + 1, len(placing.strip) - 1)
+    ]
+    read, spread = parts_of(stamps.read, precision), parts_of(stamps.spread, precision)
+    fill_pairs(
+        placing.place,
+        placing.cell,
+        placing.offset.astype(precision),
+        placing.strip,
+        reach,
+        read,
+        spread,
+        np.empty(back + 1, dtype=np.int64),
+        np.empty(count.max(), dtype=np.int64),
+        np.empty((int((ends - placing.strip).max()), read[4], read[5]), dtype=precision),
+        gram.start,
+        gram.other,
+        gram.value,
+        gram.own,
+    )
+    return gram
+
+
+def parts_of(stamp: Stamp, precision: type[Any]) -> tuple[Any, ...]:
+    """Take a stamp as the kernels do.
+
+    Returns
+    -------
+    across, down : (STEPS + 1, N) arrays
+        Profiles along x, all cells of a part together, and along y times the parts' signs, all
+        `GROUP` parts of a cell together.
+    along_x, along_y : (N,) arrays
+        Room for those of one taxel.
+    rows, width : int
+        Cells that are added to; `width` is a multiple of `LANES`, the profiles' last cells are 0.
+    """
+    steps, parts, rows = stamp.table.shape
+    across = np.zeros((steps, parts, stamp.width), dtype=precision)
+    across[..., :rows] = stamp.table
+    signed = (stamp.table * stamp.sign[:, None]).reshape(steps, -1, GROUP, rows)
+    down = np.ascontiguousarray(np.swapaxes(signed, 2, 3), dtype=precision)
+    across, down = across.reshape(steps, -1), down.reshape(steps, -1)
+    return across, down, np.empty_like(across[0]), np.empty_like(down[0]), rows, stamp.width
+
 
 LARGEST = 1 << 30  # cells
 EXPECTED = 2000  # cells per taxel, more than which is a slip of units or a taxel gone astray
@@ -82,7 +261,7 @@ class SheetPlan:
 
     def _scale(self, noise_std: Floats, snr: float) -> None:
         """Give the prior its variance and the matrix its diagonal."""
-        from skinfield.inverse.sheet.gram_kernel import scale_pairs
+        from skinfield.inverse.sheet.kernels import scale_pairs
 
         own = self.gram.own / noise_std**2
         self.variance = snr**2 / float(np.mean(own))

@@ -1,31 +1,219 @@
-"""One sheet of very many taxels: a regularised pressure at a cost that grows with their number."""
+"""Sheet of thousands to millions of taxels: arguments, and conjugate gradients that solve it."""
 
 import time
+from dataclasses import dataclass, field
 from functools import cached_property
+from time import perf_counter_ns
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, as_floats, check_positive, check_shape
-from skinfield.inverse.gaussian_field import GaussianField
-from skinfield.inverse.sheet.arguments import (
-    check_like,
-    check_physics,
-    check_readings,
-    check_settings,
-    checked_noise,
-    checked_places,
+from skinfield.errors import (
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_count,
+    check_finite,
+    check_offers,
+    check_positive,
+    check_range,
+    check_shape,
+    check_type,
 )
-from skinfield.inverse.sheet.conjugate import FORGET, Conjugate
-from skinfield.inverse.sheet.deform import SheetDeformation
-from skinfield.inverse.sheet.estimate import SheetEstimate
-from skinfield.inverse.sheet.gram import parts_of
-from skinfield.inverse.sheet.plan import SheetPlan
-from skinfield.inverse.sheet.search import highest_std
-from skinfield.inverse.tikhonov import Tikhonov
+from skinfield.inverse.linear import GaussianField, Tikhonov
+from skinfield.inverse.sheet.estimate import SheetDeformation, SheetEstimate, highest_std
+from skinfield.inverse.sheet.plan import TOO_DENSE, Gram, SheetPlan, parts_of
 from skinfield.mechanics import BondedLayer, Layer, Mechanics
 from skinfield.observation import BaseStress, Quantity
+from skinfield.observation.model import LAYER
+
+NOISE = 1e-20, 1e12  # in any unit of a reading
+LARGEST = 1e12  # deviations of the noise: their squares add up in single precision
+
+
+def check_physics(layer: object, mechanics: object, quantity: object) -> None:
+    """Raise InputError for what is no layer, elastomer or quantity."""
+    check_type("layer", layer, Layer, LAYER)
+    needs: tuple[str, ...] = ("surface_displacement", "indentation")
+    check_offers("mechanics", mechanics, needs, "a model such as BondedLayer() or HalfSpace()")
+    needs = ("matrix", "linearise", "typical_noise")
+    check_offers("quantity", quantity, needs, "one of BaseStress(), Gap() and Capacitance()")
+
+
+def check_settings(tolerance: float, most_iterations: int, precision: object) -> None:
+    """Raise InputError for settings that no iteration could go by."""
+    check_range("tolerance", tolerance, 1e-12, 0.5, "a share of the whitened readings")
+    check_count("most_iterations", most_iterations, 1, 10_000, "some ten are usual")
+    if precision not in (np.float32, np.float64):
+        raise InputError(
+            f"precision is {precision!r}, expected numpy.float32 or numpy.float64: the first is "
+            "faster, the second for comparisons"
+        )
+
+
+def checked_places(positions: ArrayLike) -> Floats:
+    """Positions (L, 2) of at least one taxel."""
+    places = as_floats("positions", positions)
+    check_shape("positions", places, (None, 2), "x and y of each taxel in the plane, in metres")
+    if not len(places):
+        raise InputError("positions has no taxel, expected at least one")
+    check_finite("positions", places, "a taxel without a place reads nothing that is known")
+    return places
+
+
+def checked_noise(noise_std: ArrayLike, taxels: int) -> Floats:
+    """One standard deviation per taxel, (L,)."""
+    noise = as_floats("noise_std", noise_std)
+    if noise.ndim == 0:
+        noise = np.full(taxels, float(noise))
+    check_shape("noise_std", noise, (taxels,), "one number, or one per taxel")
+    for index in np.flatnonzero(~((noise >= NOISE[0]) & (noise <= NOISE[1])))[:1]:
+        check_range(f"noise_std[{index}]", float(noise[index]), *NOISE, "no reading is exact")
+    return noise
+
+
+def check_like(name: str, array: NDArray[Any], precision: type[Any]) -> None:
+    """Raise InputError unless an array is one that the kernels take as it is."""
+    if array.dtype != precision or not array.flags.c_contiguous:
+        raise InputError(
+            f"{name} is of {array.dtype}, expected {np.dtype(precision)} in C order: what the "
+            "sheet computes in is its precision"
+        )
+
+
+def check_readings(readings: Floats, noise_std: Floats, lowest: float) -> None:
+    """Raise InputError for a reading that no skin gives; NaN stands for none."""
+    for index in np.flatnonzero(np.abs(readings) > LARGEST * noise_std)[:1]:
+        raise InputError(
+            f"readings[{index}] is {readings[index]}, expected at most {LARGEST:g} times its "
+            f"noise_std of {noise_std[index]:g}, or NaN for a taxel that did not answer"
+        )
+    for index in np.flatnonzero(readings <= lowest)[:1]:
+        raise InputError(
+            f"readings[{index}] is {readings[index]}, expected above {lowest:g}: no skin reads "
+            "that; mark such taxels with NaN, and check the gain"
+        )
+
+
+FORGET = 16  # steps in which a slow one is forgotten
+LARGEST_SQUARE = 1e34  # square of the whitened readings: products of single precision end at 3e38
+
+
+@dataclass
+class Conjugate:
+    """Solver of D (W A Q A^T W + I) D u = b, whose diagonal is made 1 by D.
+
+    Every array is made once. A taxel that did not answer is left out by holding its u at 0, which
+    takes its row and column out of the matrix.
+
+    Parameters
+    ----------
+    gram : Gram
+        Its values scaled, so that the diagonal is 1.
+    order : (L,) int array
+        Row of each taxel in the readings.
+    scale : (L,) array
+        From a reading to b.
+
+    Attributes
+    ----------
+    answer, valid : (L,) arrays
+        u, and 1 for each taxel that answered, else 0.
+    iterations : int
+    relative_residual : float
+        As a share of the norm of b.
+    stopped : bool
+        Whether a deadline cut the last reading short.
+    step_ns : int
+        What a step took lately, at its slowest.
+    """
+
+    gram: Gram
+    order: Ints
+    scale: NDArray[Any]
+    answer: NDArray[Any] = field(init=False)
+    valid: NDArray[Any] = field(init=False)
+    iterations: int = field(init=False, default=0)
+    stopped: bool = field(init=False, default=False)
+    step_ns: int = field(init=False, default=0)
+    relative_residual: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        empty = np.zeros_like(self.scale)
+        self.answer, self.valid = empty, np.ones_like(empty)
+        self._target, self._residual = empty.copy(), empty.copy()
+        self._way, self._moved = empty.copy(), empty.copy()
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.answer[:] = 0.0
+
+    def solve(
+        self, readings: NDArray[Any], tolerance: float, most: int, deadline_ns: int | None = None
+    ) -> None:
+        """Find the answer to linearised readings (L,), NaN where a taxel did not answer.
+
+        Stops where the norm of the residual falls to `tolerance` of that of b, or after `most`
+        steps, or where another step would end after `deadline_ns` of `time.perf_counter_ns`.
+        Starts from the answer before if that is nearer than 0.
+        """
+        from skinfield.inverse.sheet.kernels import descend, take_in, turn
+
+        answer, valid, residual, way, moved = (
+            self.answer,
+            self.valid,
+            self._residual,
+            self._way,
+            self._moved,
+        )
+        whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
+        if not whole < LARGEST_SQUARE:
+            raise InputError(
+                f"readings are {np.sqrt(whole):g} deviations of their noise, expected finite ones "
+                f"below {np.sqrt(LARGEST_SQUARE):g}: mark taxels that did not answer with NaN"
+            )
+        square = self._begin(whole)
+        self.iterations, self.stopped = 0, False
+        enough = tolerance**2 * whole
+        turn(0.0, residual, way, moved)
+        while square > enough and self.iterations < most:
+            begin = perf_counter_ns()
+            if deadline_ns is not None and begin + self.step_ns > deadline_ns:
+                self.stopped = True
+                break
+            curved = self._multiply(way, moved)
+            if not curved > 0.0:
+                raise InputError(TOO_DENSE)
+            before, square = square, descend(square / curved, way, moved, valid, answer, residual)
+            turn(square / before, residual, way, moved)
+            self.iterations += 1
+            spent = perf_counter_ns() - begin
+            self.step_ns = max(spent, self.step_ns - self.step_ns // FORGET)
+        self.relative_residual = float(np.sqrt(square / whole)) if whole > 0.0 else 0.0
+
+    def _begin(self, whole: float) -> float:
+        """Write the first residual; return the square of its norm."""
+        from skinfield.inverse.sheet.kernels import residual_of
+
+        if self.answer.any():
+            self._moved[:] = self.answer
+            self._multiply(self.answer, self._moved)
+            square = residual_of(self._target, self._moved, self.valid, self._residual)
+            if square < whole:
+                return float(square)
+            self.answer[:] = 0.0
+        self._residual[:] = self._target
+        return whole
+
+    def _multiply(self, vector: NDArray[Any], out: NDArray[Any]) -> float:
+        """Write M v over v in `out`; return v . M v."""
+        from skinfield.inverse.sheet.kernels import multiply
+
+        gram = self.gram
+        return float(multiply(gram.start, gram.other, gram.value, vector, out))
+
 
 MOST = 1e6  # s: a deadline that is as good as none
 

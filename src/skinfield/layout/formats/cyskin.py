@@ -1,9 +1,4 @@
-"""Calibration files of CySkin's robotskinlib: JSON, version 2.
-
-``skin`` holds taxels in 3D with normals and faces; ``tactile_maps`` hold the same taxels laid flat.
-Either may be one object or a list. The uid of a taxel is ``module << 4 | sensor``, and sensor 0 of
-a module measures its temperature.
-"""
+"""CySkin calibration files of robotskinlib: JSON, version 2."""
 
 import json
 from dataclasses import replace
@@ -14,13 +9,92 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.layout.finding import Finding
-from skinfield.layout.formats.draft import Content, Draft
-from skinfield.layout.formats.faces import check_faces, longest_sides, reach
-from skinfield.layout.formats.pose import pose_from_tf
+from skinfield.layout.formats.repair import Content, Draft, Finding
 from skinfield.layout.formats.text import listed, many, read_bytes, write_bytes
-from skinfield.layout.patch import Patch
-from skinfield.layout.skin import Skin
+from skinfield.layout.geometry import nearest_distance
+from skinfield.layout.patch import Patch, Skin
+
+ROUNDED = 1e-2  # of a rotation's columns: further off, it is no rotation that was rounded
+
+
+def pose_from_tf(path: Path, where: str, values: list[float]) -> tuple[Floats, list[Finding]]:
+    """Homogeneous pose from 16 column-major numbers, with what had to be repaired.
+
+    Raises
+    ------
+    FileError
+        When they are no rigid motion.
+    """
+    pose, findings = np.array(values).reshape(4, 4).T, []
+    if np.abs(pose[3, :3]).max() > 1e-9 and np.abs(pose[:3, 3]).max() <= 1e-9:
+        text = f"{where} is stored row by row, expected column by column; it is transposed"
+        findings.append(Finding("transposed-pose", "error", text))
+        pose = pose.T.copy()
+    rotation = pose[:3, :3]
+    skew = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+    rigid = skew <= ROUNDED and np.linalg.det(rotation) > 0
+    if not rigid or np.abs(pose[3] - [0, 0, 0, 1]).max() > 1e-9:
+        raise FileError(
+            f"{path}: {where} is {values}, expected a rigid motion, column by column: "
+            "a rotation of orthonormal columns, then the translation"
+        )
+    if skew > 1e-9:
+        left, _, right = np.linalg.svd(rotation)
+        pose = pose.copy()
+        pose[:3, :3] = left @ right
+        text = (
+            f"{where} has columns that are {skew:.1e} off orthonormal (few digits), which would "
+            "stretch the skin; the nearest rotation is taken"
+        )
+        findings.append(Finding("skewed-pose", "warning", text))
+    return pose, findings
+
+
+BRIDGE = 4.0  # pitches: a longer side joins taxels that are no neighbours
+LEFT_OUT = "; faces are left out: skinfield triangulates by itself"
+
+
+def check_faces(name: str, faces: object, positions: Floats) -> list[Finding]:
+    """Faces that name no taxel, a taxel twice, or taxels that are far apart."""
+    if not faces:
+        return []
+    if not isinstance(faces, list):
+        text = f"{name}: faces are {str(faces)[:40]!r}, expected a list of [i, j, k]"
+        return [Finding("mixed-up-faces", "warning", text + LEFT_OUT)]
+    good = [index for index, face in enumerate(faces) if _is_face(face, len(positions))]
+    findings, bad = [], sorted(set(range(len(faces))) - set(good))
+    if bad:
+        text = (
+            f"{name}: {len(bad)} of {len(faces)} faces (faces {listed(bad)}) do not name three "
+            f"different taxels of {len(positions)}: they belong to another list of taxels"
+        )
+        findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
+    corners = positions[np.array([faces[index] for index in good], np.int64).reshape(-1, 3)]
+    far = np.flatnonzero(longest_sides(corners) > reach(positions))
+    if len(far):
+        text = (
+            f"{name}: {len(far)} of {len(faces)} faces (faces {listed(far.tolist())}) join taxels "
+            f"more than {BRIDGE:g} pitches apart: they bridge gaps, or are mixed up"
+        )
+        findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
+    return findings
+
+
+def _is_face(face: object, taxels: int) -> bool:
+    if not isinstance(face, list) or len(face) != 3:
+        return False
+    return len(set(map(str, face))) == 3 and all(type(i) is int and 0 <= i < taxels for i in face)
+
+
+def longest_sides(corners: Floats) -> Floats:
+    """Longest side of each of (T, 3, 3) triangles, (T,) m."""
+    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1))
+
+
+def reach(positions: Floats) -> float:
+    """Distance, m, beyond which two of the taxels (N, 3) are no neighbours."""
+    return BRIDGE * float(np.median(nearest_distance(positions)))
+
 
 NAME = "cyskin"
 EXTENSIONS = (".json",)

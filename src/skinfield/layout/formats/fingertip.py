@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, InputError
-from skinfield.layout.finding import Finding
-from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.repair import Content, Draft, Finding
 from skinfield.layout.formats.text import integer, numbers, read_lines, spoilt, write_bytes
-from skinfield.layout.skin import Skin
+from skinfield.layout.patch import Skin
 
 NAME = "fingertip"
 EXTENSIONS = (".txt",)

@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.layout.finding import Finding
-from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.repair import Content, Draft, Finding
 from skinfield.layout.formats.text import (
     integer,
     listed,
@@ -24,7 +23,7 @@ from skinfield.layout.formats.text import (
     spoilt,
     write_bytes,
 )
-from skinfield.layout.skin import Skin
+from skinfield.layout.patch import Skin
 
 NAME = "icub-positions"
 EXTENSIONS = (".txt",)

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError
-from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.repair import Content, Draft
 from skinfield.layout.formats.text import read_bytes, write_bytes
-from skinfield.layout.skin import Skin
+from skinfield.layout.patch import Skin
 
 NAME = "skinfield-npz"
 EXTENSIONS = (".npz",)

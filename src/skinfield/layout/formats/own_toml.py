@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import FileError, Floats
-from skinfield.layout.formats.draft import Content, Draft
+from skinfield.layout.formats.repair import Content, Draft
 from skinfield.layout.formats.text import read_bytes, write_bytes
-from skinfield.layout.patch import Patch
-from skinfield.layout.skin import Skin
+from skinfield.layout.patch import Patch, Skin
 
 NAME = "skinfield-toml"
 EXTENSIONS = (".toml",)

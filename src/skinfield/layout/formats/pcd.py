@@ -1,7 +1,4 @@
-"""Point clouds of the Point Cloud Library, `.pcd`: one point per taxel, normals if there are any.
-
-ASCII, binary, and binary_compressed (LZF, field after field). Positions in metres.
-"""
+"""Point clouds of the Point Cloud Library, `.pcd`: one point per taxel, normals if any."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,11 +7,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, InputError
-from skinfield.layout.finding import Finding
-from skinfield.layout.formats.draft import Content, Draft
-from skinfield.layout.formats.lzf import decompress
+from skinfield.layout.formats.repair import Content, Draft, Finding
 from skinfield.layout.formats.text import integer, listed, many, read_bytes, spoilt, write_bytes
-from skinfield.layout.skin import Skin
+from skinfield.layout.patch import Skin
+
+
+def decompress(data: bytes, size: int) -> bytes:
+    """Unpack LZF to exactly `size` bytes.
+
+    A control byte below 32 is followed by that many + 1 literal bytes; any other holds the length
+    (3 bits, a further byte when all are set, plus 2) and the distance (13 bits, plus 1) of a copy
+    from what was unpacked before.
+
+    Raises
+    ------
+    InputError
+        When the data end early, point before their start, or unpack to another size.
+    """
+    out, at = bytearray(), 0
+    try:
+        while at < len(data) and len(out) <= size:
+            control = data[at]
+            at += 1
+            if control < 32:
+                literal = data[at : at + control + 1]
+                if len(literal) <= control:
+                    raise IndexError
+                out += literal
+                at += control + 1
+                continue
+            length = control >> 5
+            if length == 7:
+                length += data[at]
+                at += 1
+            distance = ((control & 31) << 8 | data[at]) + 1
+            at += 1
+            if distance > len(out):
+                raise IndexError
+            for _ in range(length + 2):  # byte by byte: a copy may overlap itself
+                out.append(out[-distance])
+    except IndexError:
+        raise InputError(f"LZF data are broken at byte {at} of {len(data)}") from None
+    if len(out) != size:
+        raise InputError(f"LZF data unpack to {len(out)} bytes, expected {size}")
+    return bytes(out)
+
 
 NAME = "pcd"
 EXTENSIONS = (".pcd",)

@@ -1,12 +1,20 @@
-"""How CySkin's application packets lie in CAN messages, and what of it is a setting."""
+"""Packets of CySkin on CAN: checksums, and what is not public of the protocol as settings.
 
-from collections.abc import Iterator
+`cynet_network.h` sets CRC-16 for the bootloader and CRC-8 for the application, and `ihbcmd.h` has
+one octet of checksum behind an application packet. The polynomial is in a library that is not
+public, so it is a setting: take `matching_checksums` with packets of your board.
+"""
+
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.acquisition.can import EXTENDED
 from skinfield.errors import InputError, check_count
-from skinfield.protocols.cyskin.checksum import Checksum, Crc, checksum_of
-from skinfield.protocols.cyskin.numbers import (
+from skinfield.protocols.cyskin.modules import (
     EXTENDED_ID,
     EXTENDED_SHIFT,
     FIRST_COMMAND,
@@ -16,7 +24,195 @@ from skinfield.protocols.cyskin.numbers import (
     Part,
 )
 
+Table = NDArray[np.int64]
+SUM, CRC, UNCHECKED = 0, 1, 2  # how a kernel goes about it
+POLYNOMIALS_8 = (0x07, 0x31, 0x9B, 0xD5, 0x1D, 0x2F, 0x39, 0xA7)
+POLYNOMIALS_16 = (0x1021, 0x8005, 0x3D65, 0x8BB7)
 Message = tuple[int, bytes]  # identifier, data
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crc:
+    """Cyclic sum of all octets before it.
+
+    Parameters
+    ----------
+    octets : int
+        1 or 2; of two the low one stands first, or the high one with `high_first`.
+    polynomial : int
+        Without its highest bit: 0x07 is x⁸ + x² + x + 1.
+    begin, final : int
+        With what it begins, and what is added (exclusive or) at the end.
+    reflected : bool
+        Whether bits enter from the lowest on.
+    """
+
+    octets: int = 1
+    polynomial: int = 0x07
+    begin: int = 0
+    final: int = 0
+    reflected: bool = False
+    high_first: bool = False
+
+    def __post_init__(self) -> None:
+        check_count("octets", self.octets, 1, 2, "of the checksum")
+        for name in ("polynomial", "begin", "final"):
+            check_count(name, getattr(self, name), 0, (1 << 8 * self.octets) - 1, "of its width")
+
+    @property
+    def table(self) -> Table:
+        """What each octet contributes (256,)."""
+        return _crc_table(self.octets, self.polynomial, self.reflected).copy()
+
+    @property
+    def numbers(self) -> Table:
+        """How, octets, begin, final, reflected, high first: for the kernels."""
+        return np.array(
+            [CRC, self.octets, self.begin, self.final, self.reflected, self.high_first], np.int64
+        )
+
+
+@cache
+def _crc_table(octets: int, polynomial: int, reflected: bool) -> Table:
+    width, table = 8 * octets, np.zeros(256, np.int64)
+    mirrored = int(f"{polynomial:0{width}b}"[::-1], 2)
+    for octet in range(256):
+        rest = octet if reflected else octet << (width - 8)
+        for _ in range(8):
+            if reflected:
+                rest = rest >> 1 ^ (mirrored if rest & 1 else 0)
+            else:
+                rest = rest << 1 ^ (polynomial if rest >> (width - 1) & 1 else 0)
+        table[octet] = rest & ((1 << width) - 1)
+    return table
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Octet with which all octets together are 0 modulo 256, or their plain sum.
+
+    Parameters
+    ----------
+    negated : bool
+        True as in Cypress' bootloader, whose packets it is named after.
+    """
+
+    negated: bool = True
+
+    @property
+    def table(self) -> Table:
+        """Not used."""
+        return np.zeros(256, np.int64)
+
+    @property
+    def numbers(self) -> Table:
+        """How, octets, begin, final, reflected, high first: for the kernels."""
+        return np.array([SUM, 1, 0, self.negated, 0, 0], np.int64)
+
+
+@dataclass(frozen=True)
+class Unchecked:
+    """Octets behind the packet that are not looked at; what is written there is 0.
+
+    Parameters
+    ----------
+    octets : int
+        0, 1 or 2.
+    """
+
+    octets: int = 1
+
+    def __post_init__(self) -> None:
+        check_count("octets", self.octets, 0, 2, "of the checksum that is not looked at")
+
+    @property
+    def table(self) -> Table:
+        """Not used."""
+        return np.zeros(256, np.int64)
+
+    @property
+    def numbers(self) -> Table:
+        """How, octets, begin, final, reflected, high first: for the kernels."""
+        return np.array([UNCHECKED, self.octets, 0, 0, 0, 0], np.int64)
+
+
+Checksum = Crc | Sum | Unchecked
+
+
+def checksum_of(data: bytes, checksum: Checksum) -> bytes:
+    """Octets that follow `data`."""
+    how, octets, begin, final, reflected, high_first = checksum.numbers.tolist()
+    if how == UNCHECKED:
+        return bytes(octets)
+    if how == SUM:
+        total = sum(data) & 0xFF
+        return bytes([-total & 0xFF if final else total])
+    table, crc, mask = checksum.table.tolist(), int(begin), (1 << 8 * octets) - 1
+    for octet in data:
+        if reflected:
+            crc = crc >> 8 ^ table[(crc ^ octet) & 0xFF]
+        else:
+            crc = crc << 8 & mask ^ table[crc >> (8 * octets - 8) ^ octet]
+    return int(crc ^ final).to_bytes(octets, "big" if high_first else "little")
+
+
+def usual_checksums() -> Iterator[Checksum]:
+    """Sums and the usual polynomials, the default first."""
+    yield Crc()
+    yield Sum()
+    yield Sum(negated=False)
+    for octets, polynomials in ((1, POLYNOMIALS_8), (2, POLYNOMIALS_16)):
+        mask = (1 << 8 * octets) - 1
+        for polynomial in polynomials:
+            for begin in (0, mask):
+                for final in (0, mask):
+                    for reflected in (False, True):
+                        for high_first in (False, True)[:octets]:
+                            yield Crc(
+                                octets=octets, polynomial=polynomial, begin=begin, final=final,
+                                reflected=reflected, high_first=high_first,
+                            )  # fmt: skip
+
+
+def matching_checksums(packets: Iterable[bytes]) -> tuple[Checksum, ...]:
+    """Checksums that fit all of some packets of a real board.
+
+    Parameters
+    ----------
+    packets : iterable of bytes
+        Whole application packets: command, size, data, checksum. One in 256 fits by chance, so
+        take ten or more that differ.
+
+    Returns
+    -------
+    tuple of Checksum
+        Of `usual_checksums`, those that fit; empty if none does.
+
+    Raises
+    ------
+    InputError
+        If there are no packets, or one is shorter than it says.
+    """
+    packets = [bytes(packet) for packet in packets]
+    for packet in packets:
+        if len(packet) < 3 or len(packet) < 3 + packet[1]:
+            raise InputError(
+                f"packet {packet.hex()} has {len(packet)} octets, expected command, size, as many "
+                "octets of data, and the checksum"
+            )
+    if not packets:
+        raise InputError("there are no packets, expected ten or more that differ")
+    fits, seen = [], set()
+    for checksum in usual_checksums():
+        if checksum not in seen and all(_fits(packet, checksum) for packet in packets):
+            fits.append(checksum)
+        seen.add(checksum)
+    return tuple(fits)
+
+
+def _fits(packet: bytes, checksum: Checksum) -> bool:
+    body, rest = packet[: 2 + packet[1]], packet[2 + packet[1] :]
+    return checksum_of(body, checksum) == rest
 
 
 @dataclass(frozen=True, kw_only=True)

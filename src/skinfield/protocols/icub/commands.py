@@ -1,21 +1,78 @@
-"""What a host tells the boards: commands and their bytes, both ways."""
+"""Commands between a host and skin boards of an iCub, and the state of a board that obeys them.
 
-from dataclasses import dataclass
+From the public sources of robotology (icub-main, icub-firmware, icub-firmware-shared).
+"""
 
-from skinfield.errors import check_count
-from skinfield.protocols.icub.numbers import (
-    BOARDS,
-    POLLING,
-    SET_BOARD,
-    SET_OLD_BOARD,
-    SET_OLD_SKIN,
-    SET_TRANSMISSION,
-    SET_TRIANGLES,
-    TRIANGLES,
-)
+from dataclasses import dataclass, replace
+from enum import IntEnum
 
+from skinfield.errors import InputError, check_count, check_type
+
+BOARDS = 16  # addresses of a bus
+TRIANGLES = 16  # of a board
+TAXELS = 12  # channels of a triangle, thermal pads included
+BOARD_CHANNELS = TRIANGLES * TAXELS
+
+HEAD, TAIL = 0x40, 0xC0  # first octet of the two messages of a triangle
+HEAD_TAXELS, TAIL_TAXELS = 7, 5
+DEBUG_ID = 0x100  # of messages that hosts skip
+
+SET_TRANSMISSION = 0x07
+SET_OLD_BOARD = 0x4C
+SET_BOARD = 0x4D
+SET_OLD_SKIN = 0x4E
+SET_TRIANGLES = 0x50
+POLLING = 2  # class of the host's messages
 CDC_OFFSET = 0x2200  # of the converter, on robots
 Message = tuple[int, bytes]  # identifier, data
+
+
+class MessageClass(IntEnum):
+    """Class of the messages that carry readings."""
+
+    ANALOG = 3  # of firmware that nobody configured, and of old firmware
+    SKIN = 4  # once the board was configured by a 4D or a 50 message
+
+
+class SkinType(IntEnum):
+    """What a board is told that hangs on it: which correction of drift it makes."""
+
+    COMPENSATED = 0  # by pad 6, gains of the first generation
+    PALM = 1  # palm and fingertips: by pad 11, all gains 0
+    UNCOMPENSATED = 2
+    ERGO_HAND = 3  # hand of ergoCub: triangles 0 to 4 as PALM, the others as COMPENSATED_V2
+    RAW_TEST = 7  # the low octet of what the converter reads, nothing else
+    COMPENSATED_V2 = 8  # by pad 6, gains of the second generation
+
+
+class Firmware(IntEnum):
+    """Generation of the board: how it rounds a negative drift."""
+
+    MTB3 = 3  # shifts, then takes the sign
+    MTB4 = 4  # takes the sign, then shifts: 1 lower wherever bits fall away
+
+
+def message_id(message_class: int, board: int, triangle: int) -> int:
+    """Identifier of a triangle's readings, 11 bits."""
+    check_count("message_class", message_class, 0, 7, "bits 10 to 8 of the identifier")
+    check_count("board", board, 0, BOARDS - 1, "address on its bus")
+    check_count("triangle", triangle, 0, TRIANGLES - 1, "of a board")
+    return message_class << 8 | board << 4 | triangle
+
+
+def skin_type(value: int) -> SkinType:
+    """Kind of skin of a number.
+
+    Raises
+    ------
+    InputError
+        If there is none of that number.
+    """
+    try:
+        return SkinType(value)
+    except ValueError:
+        known = ", ".join(f"{int(each)} ({each.name.lower()})" for each in SkinType)
+        raise InputError(f"skin type is {value!r}, expected one of {known}") from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,3 +267,155 @@ def command_from(data: bytes) -> Command | None:
                 mask=data[5] | data[6] << 8,
             )
     return None
+
+
+OLD_PERIOD_MS = 40
+TIMER_STEPS = 312.5  # of the old setup's timer, per millisecond
+
+
+@dataclass(frozen=True)
+class TriangleState:
+    """How a board treats one triangle; see `SetTriangles`."""
+
+    enabled: bool = True
+    shift: int = 2
+    cdc_offset: int = CDC_OFFSET
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoardState:
+    """A board as it is after what it was told; `after` gives the next one.
+
+    A board that boots again is a new `BoardState(firmware=...)`: silent, as nobody configured it.
+    Defaults are those that the robots' software sends where a file says nothing; the firmware's own
+    are 50 ms and 245.
+
+    Parameters
+    ----------
+    firmware : Firmware
+    kind : SkinType
+        Numbers that the firmware does not know switch the correction of drift off.
+    period_ms : int, ms
+    no_load : int
+    triangles : tuple of 16 TriangleState
+    configured : bool
+        Whether a 4D, a 50 or a start came. Boards of the mtb3 send class 3 until then.
+    sending : bool
+    calibrations : int
+        How often it took its base anew. Whoever plays the converters sets base to raw when this
+        has changed.
+    ignored : int
+        Messages that meant nothing to it.
+    """
+
+    firmware: Firmware = Firmware.MTB4
+    kind: SkinType = SkinType.COMPENSATED
+    period_ms: int = 40
+    no_load: int = 240
+    triangles: tuple[TriangleState, ...] = (TriangleState(),) * TRIANGLES
+    configured: bool = False
+    sending: bool = False
+    calibrations: int = 0
+    ignored: int = 0
+
+    def __post_init__(self) -> None:
+        check_type("firmware", self.firmware, Firmware, "MTB3 or MTB4")
+        check_count("period_ms", self.period_ms, 1, 255, "milliseconds between readings")
+        check_count("no_load", self.no_load, 0, 255, "the byte of an unloaded taxel")
+        check_count("triangles", len(self.triangles), TRIANGLES, TRIANGLES, "one state for each")
+
+    @property
+    def message_class(self) -> MessageClass:
+        """Class of its readings."""
+        old = self.firmware == Firmware.MTB3 and not self.configured
+        return MessageClass.ANALOG if old else MessageClass.SKIN
+
+    def after(self, data: bytes) -> "BoardState":
+        """State after a message of the host with such data; unknown ones are counted and ignored.
+
+        ======= ========================================================================
+        message what follows
+        ======= ========================================================================
+        4D      kind, period, rest; mtb4 also switches all triangles off until a 50 comes
+        50      settings of triangles; new calibration; mtb4 stops to send
+        07      sends, or stops
+        4C      new calibration; sends; mtb4 also takes its defaults
+        4E      shift, rest, correction, mask of triangles
+        ======= ========================================================================
+        """
+        command = command_from(data)
+        if command is None:
+            return replace(self, ignored=self.ignored + 1)
+        return self._obeyed(command)
+
+    def _obeyed(self, command: Command) -> "BoardState":
+        match command:
+            case SetBoard():
+                return self._as_board(command)
+            case SetTriangles():
+                return self._as_triangles(command)
+            case Transmit():
+                configured = self.configured or command.on
+                return replace(self, sending=command.on, configured=configured)
+            case SetOldBoard():
+                return self._as_old_board(command)
+            case SetOldSkin():
+                return self._as_old_skin(command)
+
+    def _as_board(self, command: SetBoard) -> "BoardState":
+        triangles = self.triangles
+        if self.firmware == Firmware.MTB4:
+            triangles = tuple(replace(each, enabled=False) for each in triangles)
+        return replace(
+            self,
+            kind=_kind(command.kind),
+            period_ms=command.period_ms,
+            no_load=command.no_load,
+            triangles=triangles,
+            configured=True,
+        )
+
+    def _as_triangles(self, command: SetTriangles) -> "BoardState":
+        new = TriangleState(command.enabled, command.shift, command.cdc_offset)
+        run = range(command.first, command.last + 1)
+        return replace(
+            self,
+            triangles=tuple(new if t in run else old for t, old in enumerate(self.triangles)),
+            configured=True,
+            sending=self.sending and self.firmware == Firmware.MTB3,
+            calibrations=self.calibrations + 1,
+        )
+
+    def _as_old_board(self, command: SetOldBoard) -> "BoardState":
+        period = OLD_PERIOD_MS
+        if command.timer & 15 == 3 and self.firmware == Firmware.MTB3:
+            period = min(max(round(command.time / TIMER_STEPS), 1), 255)
+        start = BoardState() if self.firmware == Firmware.MTB4 else self
+        return replace(
+            self,
+            kind=start.kind,
+            no_load=start.no_load,
+            period_ms=period,
+            triangles=tuple(
+                replace(each, cdc_offset=command.cdc_offset) for each in start.triangles
+            ),
+            sending=True,
+            calibrations=self.calibrations + 1,
+        )
+
+    def _as_old_skin(self, command: SetOldSkin) -> "BoardState":
+        corrected = command.param >> 3 & 1
+        return replace(
+            self,
+            kind=_kind(command.param & 3) if corrected else SkinType.UNCOMPENSATED,
+            no_load=command.no_load,
+            triangles=tuple(
+                TriangleState(bool(command.mask >> t & 1), command.shift, each.cdc_offset)
+                for t, each in enumerate(self.triangles)
+            ),
+        )
+
+
+def _kind(number: int) -> SkinType:
+    known = {int(each): each for each in SkinType}
+    return known.get(number, SkinType.UNCOMPENSATED)

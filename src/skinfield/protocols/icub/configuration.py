@@ -1,30 +1,42 @@
-"""A skin's boards as the robot's own files set them up."""
+"""Configuration of skin boards: from a robot's files, or for patches of a skin."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
+import numpy as np
+
 from skinfield.errors import FileError, InputError, check_count, check_type
-from skinfield.protocols.icub.board import TriangleState
+from skinfield.layout import Patch
 from skinfield.protocols.icub.commands import (
+    BOARD_CHANNELS,
+    BOARDS,
+    TAXELS,
+    TRIANGLES,
     Message,
     SetBoard,
     SetTriangles,
+    SkinType,
     Transmit,
+    TriangleState,
     host_message,
 )
-from skinfield.protocols.icub.numbers import BOARD_CHANNELS, BOARDS, TRIANGLES
 from skinfield.protocols.icub.robot_files import (
+    Node,
+    PortRun,
     SkinDevice,
     SkinSpec,
+    SkinWrapper,
     device_from,
+    read_tree,
     spec_from,
+    wrapper_from,
 )
-from skinfield.protocols.icub.robot_wrapper import PortRun, SkinWrapper, wrapper_from
-from skinfield.protocols.icub.xml_tree import Node, read_tree
 
 USUAL = SetBoard(period_ms=50)  # of robots
+THERMAL = (6, 10)  # channels of a triangle that feel warmth alone
+FIRST_ADDRESS, ADDRESSES = 1, 14  # that the robots' Ethernet boards take for skin
 
 
 @dataclass(frozen=True)
@@ -272,3 +284,66 @@ def _check_board(
         raise FileError(
             f"{path}:{line}: sets board {address} of patch {patch}, expected one of {there}"
         )
+
+
+def kind_for(patch: Patch) -> SkinType:
+    """Kind of skin that boards of a patch are told.
+
+    The correction of drift goes by pad 6 of each triangle, so it is on only where no taxel of the
+    patch is at a thermal pad: with a taxel there, a press would count as warmth.
+    """
+    channel = np.asarray(patch.channel) % TAXELS
+    whole = patch.n_channels % TAXELS == 0
+    return (
+        SkinType.COMPENSATED
+        if whole and not np.isin(channel, THERMAL).any()
+        else SkinType.UNCOMPENSATED
+    )
+
+
+def configuration_for(
+    *patches: Patch, period_ms: int = 50, no_load: int = 240, shift: int = 2
+) -> ICubConfiguration:
+    """Boards for patches, as many as each one's channels need, one patch after the other.
+
+    Channel c of a patch is taxel c % 12 of triangle c // 12 of its boards, 16 triangles to a board,
+    so that the channels of its port are those of the patch. Boards have addresses 1 to 14 of the
+    first bus, then of the next. Triangles without a taxel are switched off.
+
+    Parameters
+    ----------
+    patches : Patch
+        Of distinct names, which become those of the ports.
+    period_ms, no_load, shift : int
+        Of all boards; see `SetBoard` and `SetTriangles`.
+
+    Returns
+    -------
+    ICubConfiguration
+        With a port for each patch.
+    """
+    names = [patch.name for patch in patches]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"patches are named {names}, expected one or more, each name once")
+    boards: list[BoardSettings] = []
+    ports: list[PortRun] = []
+    for patch in patches:
+        used = set((np.asarray(patch.channel) // TAXELS).tolist())
+        count = -(-patch.n_channels // BOARD_CHANNELS)
+        check_count("boards", len(boards) + count, 1, 256 * ADDRESSES, "192 channels each")
+        ports.append(PortRun(patch.name, len(boards) * BOARD_CHANNELS, count * BOARD_CHANNELS, 0))
+        settings = SetBoard(kind=kind_for(patch), period_ms=period_ms, no_load=no_load)
+        for board in range(count):
+            bus, address = divmod(len(boards), ADDRESSES)
+            triangles = tuple(
+                TriangleState(enabled=board * TRIANGLES + t in used, shift=shift)
+                for t in range(TRIANGLES)
+            )
+            boards.append(BoardSettings(bus, FIRST_ADDRESS + address, settings, triangles))
+    buses = tuple(range(1 + boards[-1].bus))
+    return ICubConfiguration(tuple(boards), buses, "+".join(names), tuple(ports))
+
+
+def boards_for(*patches: Patch) -> tuple[tuple[int, int], ...]:
+    """(bus, address) of the boards of `configuration_for`, in the order of the channels."""
+    return configuration_for(*patches).addresses

@@ -1,30 +1,29 @@
-"""YARP: bottles, connections between ports, the name server; nothing of YARP itself is needed."""
+"""YARP: bottles, carriers, ports, questions to a name server; nothing of YARP itself is needed."""
 
-from skinfield.protocols.yarp.binary import bottle_from_bytes as bottle_from_bytes
-from skinfield.protocols.yarp.binary import bytes_from_bottle as bytes_from_bottle
+from skinfield.protocols.yarp.bottle import PARTS as PARTS
+from skinfield.protocols.yarp.bottle import SkinContact as SkinContact
+from skinfield.protocols.yarp.bottle import SkinPart as SkinPart
 from skinfield.protocols.yarp.bottle import Value as Value
 from skinfield.protocols.yarp.bottle import Vocab as Vocab
+from skinfield.protocols.yarp.bottle import bottle_from_bytes as bottle_from_bytes
 from skinfield.protocols.yarp.bottle import bottle_from_text as bottle_from_text
+from skinfield.protocols.yarp.bottle import bytes_from_bottle as bytes_from_bottle
+from skinfield.protocols.yarp.bottle import part_of as part_of
+from skinfield.protocols.yarp.bottle import parts_of as parts_of
+from skinfield.protocols.yarp.bottle import port_of as port_of
 from skinfield.protocols.yarp.bottle import text_from_bottle as text_from_bottle
 from skinfield.protocols.yarp.carriers import Carrier as Carrier
+from skinfield.protocols.yarp.carriers import Message as Message
 from skinfield.protocols.yarp.carriers import carrier_named as carrier_named
 from skinfield.protocols.yarp.carriers import checked_name as checked_name
 from skinfield.protocols.yarp.carriers import envelope as envelope
 from skinfield.protocols.yarp.carriers import greeting as greeting
 from skinfield.protocols.yarp.carriers import message as message
-from skinfield.protocols.yarp.messages import Message as Message
-from skinfield.protocols.yarp.messages import messages_of as messages_of
+from skinfield.protocols.yarp.carriers import messages_of as messages_of
 from skinfield.protocols.yarp.name_server import PORT as PORT
 from skinfield.protocols.yarp.name_server import Answer as Answer
 from skinfield.protocols.yarp.name_server import NameServer as NameServer
-from skinfield.protocols.yarp.name_server import NameTable as NameTable
 from skinfield.protocols.yarp.name_server import Registration as Registration
+from skinfield.protocols.yarp.port import Output as Output
 from skinfield.protocols.yarp.port import Port as Port
-from skinfield.protocols.yarp.session import Output as Output
-from skinfield.protocols.yarp.session import Session as Session
-from skinfield.protocols.yarp.skin_contact import SkinContact as SkinContact
-from skinfield.protocols.yarp.skin_parts import PARTS as PARTS
-from skinfield.protocols.yarp.skin_parts import SkinPart as SkinPart
-from skinfield.protocols.yarp.skin_parts import part_of as part_of
-from skinfield.protocols.yarp.skin_parts import parts_of as parts_of
-from skinfield.protocols.yarp.skin_parts import port_of as port_of
+from skinfield.protocols.yarp.port import Session as Session

@@ -1,4 +1,4 @@
-"""What ports and the name server say to each other about where ports are.
+"""Client of YARP's name server, which knows where ports are.
 
 As in YARP 4.0.0: `doc/020_nameserver_and_protocols/name_server.dox` and, for the bytes of the
 answers, `src/libYARP_name/src/yarp/name/NameServerConnectionHandler.h`. The name server is a port:
@@ -12,17 +12,14 @@ from dataclasses import dataclass
 from time import monotonic
 
 from skinfield.errors import InputError
-from skinfield.protocols.yarp.bottle import Value, word_of
-from skinfield.protocols.yarp.carriers import Carrier, checked_name, greeting, message
-from skinfield.protocols.yarp.messages import Lines
+from skinfield.protocols.yarp.bottle import Value
+from skinfield.protocols.yarp.carriers import Carrier, Lines, checked_name, greeting, message
 
 PORT = 10000
 END = "*** end of message"
 MOST_LINES = 100_000  # of an answer
 ANSWER_BYTES = 65536
 PATIENCE = 2.0  # s for an answer
-KEYS = ["registration", "name", "ip", "port", "type"]  # of a line that tells of a port
-FIRST_PORT = 10002  # that a name server of ours gives away
 
 
 @dataclass(frozen=True)
@@ -44,11 +41,6 @@ class Registration:
     host: str
     port: int
     carrier: str = "tcp"
-
-    @property
-    def line(self) -> str:
-        """As the name server says it."""
-        return f"registration name {self.name} ip {self.host} port {self.port} type {self.carrier}"
 
 
 def query(name: str) -> list[Value]:
@@ -78,7 +70,7 @@ def _checked(name: str) -> str:
     return name
 
 
-def request(command: Sequence[Value], own: str) -> bytes:
+def bytes_of_request(command: Sequence[Value], own: str) -> bytes:
     """All bytes of a connection that asks one thing, from a party of the name `own`."""
     return greeting(Carrier.TEXT, own) + message(Carrier.TEXT, "d", command)
 
@@ -153,8 +145,8 @@ class NameServer:
     port: int = PORT
     patience: float = PATIENCE
 
-    def ask(self, command: Sequence[Value], own: str) -> Answer:
-        """Ask it.
+    def request(self, command: Sequence[Value], own: str) -> Answer:
+        """Send a command, and wait for the answer.
 
         Raises
         ------
@@ -166,7 +158,7 @@ class NameServer:
             self._errors(),
             socket.create_connection((self.host, self.port), self.patience) as link,
         ):
-            link.sendall(request(command, own))
+            link.sendall(bytes_of_request(command, own))
             while not answer.complete:
                 link.settimeout(max(end - monotonic(), 1e-3))
                 data = link.recv(4096)
@@ -184,51 +176,3 @@ class NameServer:
                 f"name server at {self.host}:{self.port} does not answer: {error}, expected a "
                 "running `yarp server`: see `yarp where`"
             ) from None
-
-
-class NameTable:
-    """A small name server's memory: it answers `query`, `register`, `unregister`, `list`, `set`.
-
-    Attributes
-    ----------
-    known : dict of str to Registration
-    """
-
-    def __init__(self) -> None:
-        self.known: dict[str, Registration] = {}
-        self._next = FIRST_PORT
-
-    def answer(self, command: Sequence[Value], host: str) -> list[str]:
-        """Lines of an answer, the last one included.
-
-        Parameters
-        ----------
-        command : sequence of values
-        host : str
-            From where it came.
-        """
-        words = [word_of(value) or str(value) for value in command]
-        lines: list[str] = []
-        if words[:1] == ["list"]:
-            lines = [self.known[name].line for name in sorted(self.known)]
-        elif words[:1] == ["set"] and len(words) > 2:
-            lines = [f"port {words[1]} property {words[2]} = {' '.join(words[3:])}"]
-        elif len(words) > 1 and words[0] == "unregister":
-            self.known.pop(words[1], None)
-        elif len(words) > 1 and words[0] in ("register", "query"):
-            if words[0] == "register":
-                self._register(words[1:], host)
-            there = self.known.get(words[1])
-            lines = [there.line] if there else []
-        return [*lines, END]
-
-    def _register(self, words: list[str], host: str) -> None:
-        name, carrier, machine, port = [*words, "...", "...", "..."][:4]
-        number = int(port) if port.isascii() and port.isdecimal() else 0
-        if not number:
-            number, self._next = self._next, self._next + 1
-        if number < 65536:
-            self.known[name] = Registration(
-                name, host if machine == "..." else machine, number,
-                "tcp" if carrier == "..." else carrier,
-            )  # fmt: skip

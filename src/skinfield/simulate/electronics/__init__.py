@@ -1,23 +1,23 @@
 """Emulated electronics: from the change of each taxel's capacitance to counts in time."""
 
-from skinfield.conditioning.firmware import firmware_drift as firmware_drift
+from skinfield.conditioning.boards import firmware_drift as firmware_drift
+from skinfield.simulate.electronics.array import Defect as Defect
+from skinfield.simulate.electronics.array import Defects as Defects
+from skinfield.simulate.electronics.array import Electronics as Electronics
 from skinfield.simulate.electronics.array import TaxelArray as TaxelArray
+from skinfield.simulate.electronics.array import cyskin_electronics as cyskin_electronics
+from skinfield.simulate.electronics.array import icub_electronics as icub_electronics
+from skinfield.simulate.electronics.array import ideal_electronics as ideal_electronics
 from skinfield.simulate.electronics.board import Board as Board
 from skinfield.simulate.electronics.board import ConverterBoard as ConverterBoard
 from skinfield.simulate.electronics.board import CySkinBoard as CySkinBoard
 from skinfield.simulate.electronics.board import ICubBoard as ICubBoard
 from skinfield.simulate.electronics.board import LinearBoard as LinearBoard
-from skinfield.simulate.electronics.defects import Defect as Defect
-from skinfield.simulate.electronics.defects import Defects as Defects
+from skinfield.simulate.electronics.delivery import CrossTalk as CrossTalk
 from skinfield.simulate.electronics.delivery import Delivery as Delivery
 from skinfield.simulate.electronics.delivery import Sampling as Sampling
-from skinfield.simulate.electronics.electronics import Electronics as Electronics
 from skinfield.simulate.electronics.noise import Noise as Noise
-from skinfield.simulate.electronics.presets import cyskin_electronics as cyskin_electronics
-from skinfield.simulate.electronics.presets import icub_electronics as icub_electronics
-from skinfield.simulate.electronics.presets import ideal_electronics as ideal_electronics
 from skinfield.simulate.electronics.recording import by_channel as by_channel
 from skinfield.simulate.electronics.recording import recording as recording
 from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
-from skinfield.simulate.electronics.thermal_pads import ThermalPads as ThermalPads
-from skinfield.simulate.electronics.wiring import CrossTalk as CrossTalk
+from skinfield.simulate.electronics.thermal import ThermalPads as ThermalPads

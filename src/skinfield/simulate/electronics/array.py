@@ -1,24 +1,109 @@
-"""Taxels as made: each with its gain, baseline, drift, noise and defect."""
+"""Taxel array as made: gain, baseline, drift, noise and defect of each taxel; known electronics."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.conditioning import Calibration
-from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_finite,
+    check_positive,
+    check_range,
+    check_shape,
+)
 from skinfield.layout import Patch
-from skinfield.simulate.electronics.board import ICubBoard
-from skinfield.simulate.electronics.defects import Defect, Kinds
-from skinfield.simulate.electronics.delivery import Sampling
-from skinfield.simulate.electronics.wiring import Wiring, wiring
+from skinfield.simulate.electronics.board import Board, CySkinBoard, ICubBoard, LinearBoard
+from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Sampling, Wiring, wiring
+from skinfield.simulate.electronics.noise import Noise
+from skinfield.simulate.electronics.thermal import ThermalDrift, ThermalPads
 
-if TYPE_CHECKING:
-    from skinfield.simulate.electronics.electronics import Electronics
+
+class Defect(IntEnum):
+    """What a taxel does instead of feeling."""
+
+    NONE = 0
+    ABSENT = 1
+    """Never answers: NaN."""
+    DEAD = 2
+    """Sends its count at rest, for ever."""
+    STUCK = 3
+    """Keeps one count from some moment on."""
+    FLICKERING = 4
+    """A loose joint: loses its capacitance for moments."""
+    SATURATED = 5
+    """A short: at the clamp of full load, for ever."""
+
+
+Kinds = NDArray[np.int8]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Defects:
+    """How likely each defect is, per taxel. 0: none.
+
+    Parameters
+    ----------
+    absent, dead, stuck, flickering, saturated : float
+        Probability that a taxel is so; in sum at most 1.
+    stuck_within : float, s
+        A stuck taxel stops at a moment between the start of a recording and this.
+    open_time, closed_time : float, s
+        Mean time that a loose joint is open, and closed. Assumed.
+    """
+
+    absent: float = 0.0
+    dead: float = 0.0
+    stuck: float = 0.0
+    flickering: float = 0.0
+    saturated: float = 0.0
+    stuck_within: float = 10.0
+    open_time: float = 0.2
+    closed_time: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("absent", "dead", "stuck", "flickering", "saturated"):
+            check_range(name, getattr(self, name), 0.0, 1.0, "a probability; 0 is off")
+        for name in ("stuck_within", "open_time", "closed_time"):
+            check_positive(name, getattr(self, name), "in seconds")
+        if sum(self._likely) > 1.0 + 1e-12:
+            raise InputError(
+                f"probabilities sum to {sum(self._likely):g}, expected at most 1: a taxel has "
+                "one defect or none"
+            )
+
+    @property
+    def _likely(self) -> tuple[float, ...]:
+        return (self.absent, self.dead, self.stuck, self.flickering, self.saturated)
+
+    def draw(self, taxels: int, rng: np.random.Generator) -> Kinds:
+        """Defect of each taxel, (L,) of `Defect`."""
+        kind = np.searchsorted(np.cumsum(self._likely), rng.random(taxels), side="right") + 1
+        return np.where(kind > len(self._likely), Defect.NONE, kind).astype(np.int8)
+
+    def open(self, readings: int, taxels: int, rate: float, rng: np.random.Generator) -> Floats:
+        """Where loose joints are open, (T, L) of 0 and 1: a two-state Markov chain in time.
+
+        With rates a of opening and b of closing, the state after a period is open with the
+        stationary probability a/(a + b), plus what is left of the present one, exp(-(a + b)/r).
+        """
+        opening, closing = 1.0 / self.closed_time, 1.0 / self.open_time
+        share = opening / (opening + closing)
+        keep = np.exp(-(opening + closing) / rate)
+        draws = rng.random((readings, taxels))
+        state = np.empty((readings, taxels))
+        state[0] = draws[0] < share
+        for reading in range(1, readings):
+            state[reading] = draws[reading] < share + (state[reading - 1] - share) * keep
+        return state
+
 
 PER_TAXEL = ("gain", "baseline", "drift", "white_noise", "defect", "stops_after")
 OVERLOAD = 1e9  # counts: beyond the clamp of any board
@@ -208,3 +293,135 @@ class TaxelArray:
             counts[stop:, taxel] = counts[min(stop, len(counts) - 1), taxel]
         counts[:, self.defect == Defect.ABSENT] = np.nan
         return counts
+
+
+@dataclass(frozen=True, kw_only=True)
+class Electronics:
+    """From the change of capacitance to counts in time. Everything but the board is off at first.
+
+    Parameters
+    ----------
+    board : Board
+        What counts mean.
+    quantised : bool
+        Steps and clamps of the board; False leaves levels as they are.
+    gain_spread : float
+        Standard deviation of the logarithm of a taxel's gain over the nominal one.
+    converter_gain_spread : float
+        The same, of a factor that the taxels of one converter share.
+    baseline_spread : float, counts
+        Standard deviation of the baselines around the board's rest.
+    cross_talk : CrossTalk
+    drift : ThermalDrift
+    thermal_pads : ThermalPads, optional
+        Of an `ICubBoard`, for patches of ten-pad triangles.
+    noise : Noise
+    defects : Defects
+    delivery : Delivery
+    """
+
+    board: Board = field(default_factory=ICubBoard)
+    quantised: bool = True
+    gain_spread: float = 0.0
+    converter_gain_spread: float = 0.0
+    baseline_spread: float = 0.0
+    cross_talk: CrossTalk = field(default_factory=CrossTalk)
+    drift: ThermalDrift = field(default_factory=ThermalDrift)
+    thermal_pads: ThermalPads | None = None
+    noise: Noise = field(default_factory=Noise)
+    defects: Defects = field(default_factory=Defects)
+    delivery: Delivery = field(default_factory=Delivery)
+
+    def __post_init__(self) -> None:
+        for name in ("gain_spread", "converter_gain_spread"):
+            check_range(name, getattr(self, name), 0.0, 3.0, "of a logarithm; 0.1 is about 10 %")
+        check_range("baseline_spread", self.baseline_spread, 0.0, 1e9, "in counts; 0 is off")
+        if self.thermal_pads is not None and not isinstance(self.board, ICubBoard):
+            raise InputError(
+                f"thermal_pads is given with {self.board!r}, expected an ICubBoard: the correction "
+                "is that of its firmware"
+            )
+
+    def manufacture(self, patch: Patch, rng: np.random.Generator) -> TaxelArray:
+        """Draw the taxels of a patch.
+
+        Each property has its own stream of random numbers, so that one that is switched off, or
+        set otherwise, leaves the others as they were.
+
+        Raises
+        ------
+        InputError
+            If the patch has not the taxels that the matrix of the cross-talk, or the thermal pads,
+            ask for.
+        """
+        wired, taxels = wiring(patch), len(patch)
+        self.cross_talk.check_patch(patch)
+        pads = self.thermal_pads
+        if pads is not None:
+            pads.check_wiring(wired)
+        gains, bases, drifts, noises, defects, stops, warmth = rng.spawn(7)
+        shared = gains.standard_normal(wired.converters)[wired.converter]
+        own = gains.standard_normal(taxels)
+        spread = self.converter_gain_spread * shared + self.gain_spread * own
+        return TaxelArray(
+            electronics=self,
+            patch=patch,
+            gain=self.board.gain * np.exp(spread),
+            baseline=self.board.rest + self.baseline_spread * bases.standard_normal(taxels),
+            drift=self.drift.draw(wired, drifts),
+            pad_error=np.zeros(wired.converters) if pads is None else pads.draw(wired, warmth),
+            white_noise=self.noise.draw(taxels, noises),
+            defect=self.defects.draw(taxels, defects),
+            stops_after=self.defects.stuck_within * stops.random(taxels),
+        )
+
+
+def icub_electronics() -> Electronics:
+    """Electronics of a board like the iCub's: bytes, 20 readings a second.
+
+    Sources of the figures are in `docs/electronics.md`.
+    """
+    return Electronics(
+        board=ICubBoard(),
+        gain_spread=0.05,
+        converter_gain_spread=0.1,
+        baseline_spread=1.0,
+        cross_talk=CrossTalk(neighbours=0.01),
+        drift=ThermalDrift(
+            per_kelvin=0.3, converter_spread=0.1, taxel_spread=0.1, time_constant=120.0
+        ),
+        noise=Noise(white=3.1, spread=0.5, flicker=0.3, walk=0.02),
+        delivery=Delivery(
+            rate=20.0,
+            conversion_time=0.7e-3,
+            free_running=True,
+            delay=10e-3,
+            jitter=0.03e-3,
+            lost_readings=1e-3,
+        ),
+    )
+
+
+def cyskin_electronics() -> Electronics:
+    """Electronics of a board like CySkin's: 16-bit words clipped at 0, 20 readings a second.
+
+    Sources of the figures are in `docs/electronics.md`.
+    """
+    return Electronics(
+        board=CySkinBoard(),
+        gain_spread=0.05,
+        converter_gain_spread=0.1,
+        cross_talk=CrossTalk(neighbours=0.01),
+        drift=ThermalDrift(
+            per_kelvin=-50.0, converter_spread=17.0, taxel_spread=17.0, time_constant=120.0
+        ),
+        noise=Noise(white=85.0, spread=0.3, flicker=10.0, walk=2.0),
+        delivery=Delivery(
+            rate=20.0, conversion_time=0.7e-3, free_running=True, delay=10e-3, jitter=1e-3
+        ),
+    )
+
+
+def ideal_electronics(rate: float = 20.0) -> Electronics:
+    """No electronics: readings are ΔC/C₀ itself, `rate` times a second."""
+    return Electronics(board=LinearBoard(), quantised=False, delivery=Delivery(rate=rate))

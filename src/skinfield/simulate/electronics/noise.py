@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from skinfield.errors import Floats, check_range
-from skinfield.simulate.electronics.wiring import Wiring
+from skinfield.simulate.electronics.delivery import Wiring
 
 BLOCK = 32
 """Taxels whose spectra are in memory at once."""

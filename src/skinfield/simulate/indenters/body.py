@@ -1,6 +1,8 @@
-"""What all rigid bodies share: where they are, how they lean and how they are pushed."""
+"""Rigid bodies: what the contact solver asks of one, pose and load, sharp and rounded edges."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -10,8 +12,63 @@ from skinfield.errors import (
     as_floats,
     check_finite,
     check_positive,
+    check_range,
     check_shape,
 )
+
+
+class Indenter(Protocol):
+    """A rigid body above the skin, pushed down by a force or to a depth.
+
+    Its pose: the body is tilted about its reference point, then turned about the skin's normal,
+    then carried to its position. As the skin is the same everywhere, position and rotation only
+    move the whole press in the plane.
+    """
+
+    @property
+    def kind(self) -> str:
+        """What it is, in words for tables: "ball"."""
+        ...
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """Its reference point in the plane, m."""
+        ...
+
+    @property
+    def rotation(self) -> float:
+        """Of the tilted body about the skin's outward normal, rad."""
+        ...
+
+    @property
+    def tilt(self) -> tuple[float, float]:
+        """Rotation vector about the body's own x and y, rad: its length is the angle."""
+        ...
+
+    @property
+    def force(self) -> float | None:
+        """Into the skin, N; None where the depth is given. One of the two is given, never both."""
+        ...
+
+    @property
+    def depth(self) -> float | None:
+        """Of its lowest point below the undeformed surface, m; None where the force is given."""
+        ...
+
+    @property
+    def shear(self) -> tuple[float, float]:
+        """Tangential force on the skin along x and y of the plane, N."""
+        ...
+
+    @property
+    def lowest(self) -> tuple[float, float]:
+        """Where its lowest point is in the plane, m; the middle of a face or edge that is level."""
+        ...
+
+    def height(self, x: Floats, y: Floats) -> Floats:
+        """Height of its lower surface above its lowest point, m; infinite where it is not."""
+        ...
+
 
 STEEPEST = np.radians(80.0)
 
@@ -104,3 +161,77 @@ class Body:
         x, y = self.tilt[0] / angle, self.tilt[1] / angle
         cross = np.array([[0.0, 0.0, y], [0.0, 0.0, -x], [-y, x, 0.0]])
         return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)
+
+
+TOUCH = 1e-15
+"""Metres within which a line counts as touching: rounding, and no more."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rounded(Body, ABC):
+    """A rigid body with edges of one radius.
+
+    Parameters
+    ----------
+    edge_radius : float, m
+        Of its edges; 0 for sharp ones.
+    position, rotation, tilt, force, depth, shear
+        See `Body`.
+    """
+
+    edge_radius: float = 0.0
+
+    def check_edge(self, largest: float) -> None:
+        """Raise InputError unless the edges fit a body whose smallest half-width is `largest`."""
+        why = "radius of the edges in metres, at most half of the body's width"
+        check_range("edge_radius", self.edge_radius, 0.0, largest, why)
+
+    @abstractmethod
+    def nearest(self, points: Floats) -> Floats:
+        """Points (K, 3) of the core nearest to (K, 3), in the axes of the body, m."""
+
+    @abstractmethod
+    def core_support(self, up: Floats) -> Floats:
+        """Point (3,) of the core that is lowest along the unit vector `up` (3,), m."""
+
+    @property
+    def lowest(self) -> tuple[float, float]:
+        """See `Indenter.lowest`."""
+        matrix = self.own_from_body()
+        right, ahead, _ = matrix @ self.core_support(matrix[2])
+        return self.place(right, ahead)
+
+    def height(self, x: Floats, y: Floats) -> Floats:
+        """See `Indenter.height`."""
+        right, ahead = self.own_plane(np.asarray(x), np.asarray(y))
+        matrix = self.own_from_body()
+        up = matrix[2]
+        bottom = float(up @ self.core_support(up)) - self.edge_radius
+        plane = np.stack([right.ravel(), ahead.ravel(), np.full(right.size, bottom)], axis=1)
+        # matrix.T @ point for every point: the body's axes from the upright ones
+        return self.climb(plane @ matrix, up).reshape(right.shape)
+
+    def climb(self, starts: Floats, up: Floats) -> Floats:
+        """Way (K,) from points below the body along `up` to its surface, m; infinite past it.
+
+        Newton's steps on the distance to the body, which is convex along a line: from below they
+        never pass the surface, and a line on which the distance grows will not meet it.
+        """
+        way = np.full(len(starts), np.inf)
+        rising = np.zeros(len(starts))
+        todo = np.arange(len(starts))
+        for _ in range(100):
+            points = starts[todo] + rising[todo, None] * up
+            apart = points - self.nearest(points)
+            far = np.sqrt(np.einsum("ki,ki->k", apart, apart))
+            distance = far - self.edge_radius
+            there = distance <= TOUCH
+            way[todo[there]] = rising[todo[there]]
+            slope = apart @ up / np.maximum(far, TOUCH)
+            going = ~there & (slope < -1e-9)
+            todo = todo[going]
+            if not len(todo):
+                break
+            rising[todo] -= distance[going] / slope[going]
+        way[todo] = rising[todo]
+        return way

@@ -1,24 +1,111 @@
-"""A press on the skin with everything known: the truth that reconstructions are judged against."""
+"""Press on the skin with everything known: the truth that reconstructions are judged against."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, InputError, check_choice, check_positive
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_choice,
+    check_positive,
+    check_shape,
+)
 from skinfield.layout import Grid, Patch
-from skinfield.mechanics import BondedLayer, Layer, Mechanics
+from skinfield.mechanics import BondedLayer, LatticeConvolution, Layer, Mechanics
+from skinfield.mechanics.lattice import lattice, mirrored
 from skinfield.observation.electrostatics import capacitance_change
-from skinfield.simulate.indenters import Indenter
-from skinfield.simulate.pressing import deformed, readout
-from skinfield.simulate.pressing.laid import Settled
-from skinfield.simulate.pressing.outline import outlines
-from skinfield.simulate.pressing.plane import Skin
-from skinfield.simulate.pressing.settle import settle
-from skinfield.simulate.pressing.shear import add_shear, bare
-from skinfield.simulate.pressing.touch import Touch, resultants
+from skinfield.simulate.indenters import Cone, Cylinder, Indenter, Ring, Sphere
+from skinfield.simulate.pressing import readout
+from skinfield.simulate.pressing import readout as deformed
+from skinfield.simulate.pressing.contact import Settled, settle
+from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, resultants
+from skinfield.simulate.pressing.windows import Skin
+
+Edge = tuple[int, int, int]  # row and column of its first node, and 0 along x or 1 along y
+
+
+def outlines(share: Floats, y: Floats, x: Floats) -> list[Floats]:
+    """Polygons along which a picture passes through one half.
+
+    Parameters
+    ----------
+    share : (rows, columns) array
+        Between nodes it is taken as linear, and 0 around the picture.
+    y, x : (rows,) and (columns,) arrays, m
+        Places of the nodes, evenly spaced.
+
+    Returns
+    -------
+    list of (N, 2) arrays, m
+        Closed, the first point repeated as the last; what is above one half lies to the left, so
+        holes run the other way round. The largest first.
+    """
+    high = np.pad(share, 1) - 0.5
+    step = float(x[1] - x[0]) if len(x) > 1 else float(y[1] - y[0]) if len(y) > 1 else 1.0
+    origin = np.array([x[0] - step, y[0] - step])
+    follow = _segments(high)
+    polygons = []
+    while follow:
+        start = next(iter(follow))
+        way = [start]
+        while True:
+            ahead = follow[way[-1]].pop()
+            if not follow[way[-1]]:
+                del follow[way[-1]]
+            way.append(ahead)
+            if ahead == start:
+                break
+        polygons.append(origin + step * _crossings(high, way))
+    return sorted(polygons, key=lambda polygon: -abs(enclosed(polygon)))
+
+
+def enclosed(polygon: Floats) -> float:
+    """Area within a closed polygon (N, 2), positive where it runs counter-clockwise."""
+    x, y = polygon.T
+    return float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) / 2)
+
+
+def _crossings(high: Floats, way: list[Edge]) -> Floats:
+    """Where the line crosses edges of the lattice, (N, 2) as column and row."""
+    row, column, upright = np.array(way).T
+    here = high[row, column]
+    there = high[row + upright, column + 1 - upright]
+    part = here / (here - there)
+    return np.column_stack([column + part * (1 - upright), row + part * upright])
+
+
+def _segments(high: Floats) -> dict[Edge, list[Edge]]:
+    """From the edge where the line enters a square of four nodes to that where it leaves."""
+    inside = high > 0
+    corners = _numbered(inside)
+    follow: dict[Edge, list[Edge]] = defaultdict(list)
+    for row, column in zip(*np.nonzero((corners > 0) & (corners < 15)), strict=True):
+        r, c = int(row), int(column)
+        bottom, top, left, right = (r, c, 0), (r + 1, c, 0), (r, c, 1), (r, c + 1, 1)
+        cases: dict[int, list[tuple[Edge, Edge]]] = {
+            1: [(bottom, left)], 2: [(right, bottom)], 3: [(right, left)],
+            4: [(top, right)], 5: [(bottom, left), (top, right)], 6: [(top, bottom)],
+            7: [(top, left)], 8: [(left, top)], 9: [(bottom, top)],
+            10: [(right, bottom), (left, top)], 11: [(right, top)], 12: [(left, right)],
+            13: [(bottom, right)], 14: [(left, bottom)],
+        }  # fmt: skip
+        for enters, leaves in cases[int(corners[row, column])]:
+            follow[enters].append(leaves)
+    return dict(follow)
+
+
+def _numbered(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Which corners of each square are inside: 1 lower left, 2 lower right, 4 upper right, 8."""
+    weights = (inside[:-1, :-1], inside[:-1, 1:], inside[1:, 1:], inside[1:, :-1])
+    return np.asarray(sum(part.astype(np.int64) << bit for bit, part in enumerate(weights)))
+
 
 MOST_CELLS = 4_000_000
 
@@ -290,3 +377,209 @@ def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | N
         0.0 if sheared is None else sheared.residual,
         0.0 if sheared is None else sheared.slipping_share,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One indenter's part of a press.
+
+    Attributes
+    ----------
+    indenter : Indenter
+    force : float, N
+        Into the skin.
+    depth : float, m
+        Of its lowest point below the undeformed surface.
+    centre : (2,) array, m
+        Of its pressure in the plane; NaN where it does not touch.
+    area : float, m²
+        That it touches.
+    peak : float, Pa
+        Largest mean pressure of a cell. Below a sharp edge it grows without bound as cells shrink.
+    """
+
+    indenter: Indenter
+    force: float
+    depth: float
+    centre: Floats
+    area: float
+    peak: float
+
+
+def parts_of(press: Press) -> list[Part]:
+    """Part of each indenter, in order."""
+    pressure = pressure_by_body(press)
+    parts = []
+    for index, indenter in enumerate(press.indenters):
+        force, moment = float(press.forces[index]), press.moments[index]
+        # A force -F along z at (x, y) has the moment (-y F, x F).
+        centre = np.array([moment[1], -moment[0]]) / force if force > 0 else np.full(2, np.nan)
+        area = sum(
+            float(touch.share[touch.body == index].sum())
+            * (press.grid.pitch / touch.window.split) ** 2
+            for touch in press.touches
+        )
+        peak = float(pressure[index].max())
+        depth = float(press.approach[index])
+        parts.append(Part(indenter, force, depth, centre, area, peak))
+    return parts
+
+
+def pressure_by_body(press: Press) -> Floats:
+    """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `press.pressure`."""
+    out = np.zeros((len(press.indenters), *press.grid.shape))
+    for touch in press.touches:
+        for index in range(len(press.indenters)):
+            push = np.where(touch.body == index, -touch.traction[2], 0.0)
+            out[index][touch.window.cells] += touch.window.means(push)
+    return out.reshape(len(press.indenters), -1)
+
+
+def base_stress_below_cells(press: Press) -> Floats:
+    """Normal stress (K,) Pa on the base below the centre of each cell, positive in compression.
+
+    By convolution of the cells' mean tractions: for maps, where `Press.base_stress` at each cell
+    would take long. The two agree where cells are smaller than the layer is thick.
+    """
+    rows, columns = press.grid.shape
+    offsets, pitch = lattice(rows - 1, columns - 1, press.grid.pitch), press.grid.pitch
+    traction = press.traction.reshape(rows, columns, 3)
+    if not traction[..., :2].any():
+        response = press.mechanics.base_stress(press.layer, offsets, pitch, 0.0)
+        kernel = mirrored(response.reshape(rows, columns))
+        return np.asarray(LatticeConvolution(kernel)(-traction[..., 2])).ravel()
+    response = press.mechanics.base_traction(press.layer, offsets, pitch, 0.0)[:, 2]
+    along = response.T.reshape(3, rows, columns)
+    total = np.zeros((rows, columns))
+    for axis, (odd_x, odd_y) in enumerate(((True, False), (False, True), (False, False))):
+        kernel = mirrored(along[axis], odd_x=odd_x, odd_y=odd_y)
+        total -= LatticeConvolution(kernel)(traction[..., axis])
+    return total.ravel()
+
+
+def press_ladder(
+    layer: Layer,
+    indenter: Any,
+    forces: ArrayLike | Sequence[float],
+    extent: float = 60e-3,
+    cell: float = 0.5e-3,
+    mechanics: Mechanics | None = None,
+    friction: float | None = None,
+) -> list[Press]:
+    """Press one body with each of several forces: as `press` for each, in less time.
+
+    Parameters
+    ----------
+    layer : Layer
+    indenter : Indenter
+        A frozen dataclass, such as all of `skinfield.simulate`; its own force or depth is ignored,
+        its shear is kept.
+    forces : (N,) floats, N
+        In any order. They are solved from the smallest, each from the one before.
+    extent, cell, mechanics, friction
+        See `press`.
+
+    Returns
+    -------
+    list of Press
+        In the order of the forces.
+
+    Raises
+    ------
+    InputError
+        For a force that is not above 0, or that pushes the body through the layer.
+    """
+    loads = as_floats("forces", forces)
+    check_shape("forces", loads, (None,), "one press per force, in newtons")
+    if not len(loads):
+        raise InputError("forces is empty, expected at least one force in newtons")
+    for index, load in enumerate(loads):
+        check_positive(f"forces[{index}]", float(load), "into the skin, in newtons")
+    check_positive("extent", extent, "side of the square of skin, in metres")
+    check_positive("cell", cell, "side of a cell, in metres")
+    skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
+    found: dict[int, Press] = {}
+    before: Settled | None = None
+    for index in np.argsort(loads, kind="stable"):
+        body = replace(indenter, force=float(loads[index]), depth=None)
+        before = settle(skin, [body], before)
+        found[int(index)] = pressed(before, [body], friction)
+    return [found[index] for index in range(len(loads))]
+
+
+Readings = Callable[[Floats], Floats]
+SPACING = 0.1e-3  # m: between the distances at which a round press is read
+REACH = 14.0  # thicknesses beyond the press where every reading is below 1e-4 of the highest
+WIDE = 8.0  # thicknesses around any other press that a table covers
+
+
+def is_round(press: Press) -> bool:
+    """Whether a press is the same all around the origin."""
+    body = press.indenters[0]
+    return (
+        len(press.indenters) == 1
+        and isinstance(body, Sphere | Cylinder | Cone | Ring)
+        and tuple(body.position) == (0.0, 0.0)
+        and (isinstance(body, Sphere) or tuple(body.tilt) == (0.0, 0.0))
+        and tuple(body.shear) == (0.0, 0.0)
+    )
+
+
+def readings_anywhere(
+    press: Press, pad_diameter: float, quantity: str, spacing: float | None = None
+) -> Readings:
+    """Function from points (N, 2) m to the readings (N,) of taxels there, without noise.
+
+    Of a round press, a cubic spline over the distance: thousands of taxels cost next to nothing.
+
+    Parameters
+    ----------
+    press : Press
+    pad_diameter : float, m
+    quantity : "capacitance", "gap" or "stress"
+    spacing : float, m, optional
+        Of any other press, a bicubic spline over a table of points so far from each other; it is 0
+        beyond eight thicknesses around the press. Without it, every call computes its readings.
+    """
+    if is_round(press):
+        return _by_distance(press, pad_diameter, quantity)
+    if spacing is not None:
+        check_positive("spacing", spacing, "between the points of the table, in metres")
+        return _by_table(press, pad_diameter, quantity, spacing)
+    return lambda points: press.readings(points, pad_diameter, quantity)
+
+
+def _by_distance(press: Press, pad_diameter: float, quantity: str) -> Readings:
+    from scipy.interpolate import CubicSpline
+
+    distance = np.arange(0.0, _reach(press, pad_diameter, REACH) + SPACING, SPACING)
+    line = np.column_stack([distance, np.zeros_like(distance)])
+    values = press.readings(line, pad_diameter, quantity)
+    spline = CubicSpline(distance, values, bc_type="clamped")  # flat at both ends
+
+    def readings(points: Floats) -> Floats:
+        away = np.hypot(points[:, 0], points[:, 1])
+        return np.where(away <= distance[-1], spline(np.minimum(away, distance[-1])), 0.0)
+
+    return readings
+
+
+def _by_table(press: Press, pad_diameter: float, quantity: str, spacing: float) -> Readings:
+    from scipy.interpolate import RectBivariateSpline
+
+    half = int(np.ceil(_reach(press, pad_diameter, WIDE) / spacing))
+    axis = np.arange(-half, half + 1) * spacing
+    x, y = np.meshgrid(axis, axis, indexing="ij")
+    values = press.readings(np.column_stack([x.ravel(), y.ravel()]), pad_diameter, quantity)
+    spline = RectBivariateSpline(axis, axis, values.reshape(x.shape))
+
+    def readings(points: Floats) -> Floats:
+        inside = (np.abs(points) <= axis[-1]).all(axis=1)
+        return np.where(inside, spline.ev(points[:, 0], points[:, 1]), 0.0)
+
+    return readings
+
+
+def _reach(press: Press, pad_diameter: float, thicknesses: float) -> float:
+    loaded = float(np.abs(press.grid.plane[press.pressure > 0]).max(initial=0.0))
+    return loaded + pad_diameter + thicknesses * press.layer.thickness

@@ -1,7 +1,7 @@
-"""What pads at the base, or above it, see of touches."""
+"""Readings of a press: what pads at the base, or above it, see of it."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from skinfield.errors import (
     Floats,
@@ -11,8 +11,146 @@ from skinfield.errors import (
     check_range,
     check_shape,
 )
-from skinfield.simulate.pressing.plane import Skin
-from skinfield.simulate.pressing.touch import Sources, Touch, sources
+from skinfield.mechanics import LatticeConvolution
+from skinfield.mechanics.lattice import cached_indentation_kernel, cached_surface_kernel
+from skinfield.observation.electrostatics import MARGIN, STEPS, GapStrain
+from skinfield.simulate.pressing.tractions import Sources, Touch, sources
+from skinfield.simulate.pressing.windows import PAD, Skin, Window, coarsened, resplit
+
+NEAR = 4  # cells around a window within which its squares act one by one
+MOST_SAMPLES = 10_000_000  # of the mesh: some 2 GB
+SHEARED = 3  # squares along a cell that are enough for tangential displacement
+
+
+def indentation(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
+    """Of the cells' centres by the normal loads, (rows, columns) m."""
+    total = np.zeros(skin.grid.shape)
+    for touch in touches:
+        far = skin.far(skin.carried(touch.window, -touch.traction[2]))[PAD:-PAD, PAD:-PAD]
+        wide = touch.window.grown(NEAR, skin.grid.shape)
+        near = skin.near(wide)(touch.window.embedded(-touch.traction[2], wide))
+        far[wide.cells] = wide.centres(near)
+        total += far
+    return total
+
+
+def sheared(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
+    """Displacement of the cells' centres, (3, rows, columns) m, less that along z by normal loads.
+
+    That is: the tangential one by all loads, and the normal one by tangential loads.
+    """
+    total = np.zeros((3, *skin.grid.shape))
+    far_kernel = skin.far_surface
+    for touch in touches:
+        split = min(touch.window.split, SHEARED)
+        window = Window(*_corner(touch.window), split)
+        traction = resplit(touch.traction, touch.window.split, split)
+        wide = window.grown(NEAR, skin.grid.shape)
+        near_kernel = skin.near_surface(wide)
+        for along in np.flatnonzero(traction.any(axis=(1, 2))):
+            rows = slice(0, 2) if along == 2 else slice(0, 3)
+            load = traction[along]
+            far = LatticeConvolution(far_kernel[rows, along])(skin.carried(window, load))
+            far = far[..., PAD:-PAD, PAD:-PAD]
+            near = LatticeConvolution(near_kernel[rows, along])(window.embedded(load, wide))
+            far[:, *wide.cells] = wide.centres(near)
+            total[rows] += far
+    return total
+
+
+def _corner(window: Window) -> tuple[int, int, int, int]:
+    return window.row, window.column, window.rows, window.columns
+
+
+def gap_strain(
+    skin: Skin, touches: tuple[Touch, ...], around: Floats, pad_diameter: float = 0.0
+) -> GapStrain:
+    """Indentation over thickness, finely sampled around touches and pads at (L, 2) m."""
+    h, pitch = skin.layer.thickness, skin.grid.pitch
+    split = 1
+    while pitch / split > h / STEPS * (1 + 1e-9):
+        split *= 3
+    step = pitch / split
+    low, high = _extent(skin, touches, around, step, MARGIN * h + pad_diameter / 2)
+    columns, rows = (int(n) for n in high - low)
+    kernel = cached_indentation_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
+    convolve = LatticeConvolution(kernel)
+    total = np.zeros((rows + 1, columns + 1))
+    for touch in touches:
+        window = touch.window
+        load = np.zeros((3, *total.shape))
+        load[:, *_on_mesh(window, split, low)] = resplit(touch.traction, window.split, split)
+        sunk = convolve(-load[2])
+        if window.split > split:  # near its squares the mesh sees each of them
+            wide = _around(window, NEAR + 1)
+            near = skin.near(wide)(window.embedded(-touch.traction[2], wide))
+            inside = slice(split, -split)
+            sampled = _sampled(near, window.split // split)[inside, inside]
+            sunk[_on_mesh(_around(window, NEAR), split, low)] = sampled
+        total += sunk
+        if load[:2].any():
+            surface = cached_surface_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
+            for along in (0, 1):
+                total -= LatticeConvolution(surface[2, along])(load[along])
+    first = skin.grid.origin + ((low + 0.5) / split - 0.5) * pitch
+    return GapStrain(total / h, first, step)
+
+
+def _sampled(values: Floats, ratio: int) -> Floats:
+    """On a mesh so many times as coarse: block means, less what a mean adds to a curved surface.
+
+    Points would do where the surface is smooth, but not where it steps down beside an edge.
+    """
+    from scipy.ndimage import laplace
+
+    means = coarsened(values, ratio)
+    return np.asarray(means - laplace(means, mode="nearest") * (1 - ratio**-2) / 24)
+
+
+def _around(window: Window, cells: int) -> Window:
+    """With so many cells more on every side, beyond the grid, too."""
+    return Window(
+        window.row - cells,
+        window.column - cells,
+        window.rows + 2 * cells,
+        window.columns + 2 * cells,
+        window.split,
+    )
+
+
+def _on_mesh(window: Window, split: int, low: NDArray[np.int64]) -> tuple[slice, slice]:
+    """Where a window lies on a mesh of `split` squares along a cell, from column and row `low`."""
+    row, column = window.row * split - int(low[1]), window.column * split - int(low[0])
+    return (
+        slice(row, row + window.rows * split),
+        slice(column, column + window.columns * split),
+    )
+
+
+def _extent(
+    skin: Skin, touches: tuple[Touch, ...], around: Floats, step: float, margin: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and last column and row of a mesh that covers touches and points, with a margin."""
+    corner = skin.grid.origin - skin.grid.pitch / 2
+    places = [around]
+    for touch in touches:
+        window = touch.window
+        first = np.array([window.column, window.row])
+        size = np.array([window.columns, window.rows])
+        places.append(corner + np.stack([first, first + size]) * skin.grid.pitch)
+    every = np.concatenate(places)
+    lowest, highest = every.min(axis=0) - margin, every.max(axis=0) + margin
+    width, height = highest - lowest
+    if width * height > MOST_SAMPLES * step**2:
+        raise InputError(
+            f"positions lie up to {np.abs(around).max():g} m from the origin, expected pads and "
+            f"touches within a square of some {MOST_SAMPLES**0.5 * step:.2g} m: give positions "
+            "in metres, or read far pads, which feel nothing, apart"
+        )
+    low = np.floor((lowest - corner) / step).astype(np.int64)
+    high = np.ceil((highest - corner) / step).astype(np.int64)
+    return low, high
+
 
 WIDEST = 0.125  # thicknesses: side of the squares that stand for a touch
 

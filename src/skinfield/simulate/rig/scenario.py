@@ -1,21 +1,380 @@
-"""All that a rig needs to know, in SI units."""
+"""Scenario of a rig, in SI units: places, one press in time, load cell."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import InputError, as_floats, check_positive, check_range, check_shape
+from skinfield.errors import (
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_finite,
+    check_positive,
+    check_range,
+    check_shape,
+)
 from skinfield.layout import Patch
 from skinfield.layout.generators import icub_hexagon
 from skinfield.mechanics import BondedLayer, Layer, StandardLinearSolid, Viscoelastic
 from skinfield.simulate.electronics import Electronics, icub_electronics
 from skinfield.simulate.electronics.thermal import ROOM
 from skinfield.simulate.indenters import Indenter, Sphere
-from skinfield.simulate.rig.load_cell import LoadCell
-from skinfield.simulate.rig.places import OverTaxels, Places, Pose
-from skinfield.simulate.rig.profile import Profile
+
+
+@dataclass(frozen=True, eq=False)
+class LoadSeries:
+    """What a load cell has recorded.
+
+    Attributes
+    ----------
+    stamp_ns : (R,) int64 array, ns
+    force : (R,) array, N
+        Into the skin, as measured.
+    saturated : (R,) bool array
+        At the end of the cell's range: the true force is higher.
+    """
+
+    stamp_ns: NDArray[np.int64]
+    force: Floats
+    saturated: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCell:
+    """A cell for compression.
+
+    Parameters
+    ----------
+    full_scale : float, N
+        Beyond it, to either side, the cell says no more.
+    rate : float, 1/s
+    noise : float, N
+        Standard deviation of a sample.
+    offset : float, N
+        What it says of no load.
+    gain_error : float
+        Relative: 0.01 says 1 % too much.
+    resolution : float, N
+        Step of its numbers; 0 for none.
+    delay : float, s
+        By which its stamps are late.
+    """
+
+    full_scale: float = 3.0
+    rate: float = 100.0
+    noise: float = 3e-3
+    offset: float = 0.0
+    gain_error: float = 0.0
+    resolution: float = 0.0
+    delay: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_positive("full_scale", self.full_scale, "in newtons")
+        check_positive("rate", self.rate, "samples per second")
+        check_range("rate", self.rate, 0.0, 1e5, "samples per second")
+        for name in ("noise", "resolution"):
+            check_range(name, getattr(self, name), 0.0, self.full_scale, "in newtons; 0 is off")
+        check_range("offset", self.offset, -self.full_scale, self.full_scale, "in newtons")
+        check_range("gain_error", self.gain_error, -0.5, 0.5, "relative; 0 is off")
+        check_range("delay", self.delay, 0.0, 10.0, "in seconds; 0 is off")
+
+    def measure(
+        self, time: Floats, force: Floats, rng: np.random.Generator, start_ns: int = 0
+    ) -> LoadSeries:
+        """Sample a force.
+
+        Parameters
+        ----------
+        time, force : (T,) arrays, s and N
+            Of the true force into the skin.
+        rng : numpy Generator
+        start_ns : int, ns
+            Stamp of time 0.
+        """
+        own = np.arange(time[0], time[-1], 1.0 / self.rate)
+        level = (1.0 + self.gain_error) * np.interp(own, time, force) + self.offset
+        level = level + self.noise * rng.standard_normal(len(own))
+        if self.resolution:
+            level = self.resolution * np.rint(level / self.resolution)
+        shown = np.clip(level, -self.full_scale, self.full_scale)
+        stamps = start_ns + np.rint((own + self.delay) * 1e9).astype(np.int64)
+        return LoadSeries(stamps, shown, np.abs(level) >= self.full_scale)
+
+
+LONGEST = 3600.0  # s, of one part of a press
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile:
+    """Durations of the parts of a press, and how load rises and falls in it.
+
+    Parameters
+    ----------
+    rest : float, s
+        Nothing touches, before the first press and after the last: baselines are taken there.
+    approach : float, s
+        From the clearance down to the surface.
+    ramp : float, s
+        From touch to full load.
+    hold : float, s
+    release : float, s
+        From full load to none.
+    pause : float, s
+        Up to the clearance again, while the positioners move to the next place.
+    smooth : bool
+        Load follows a quintic without jumps of speed or acceleration; else straight lines, a
+        trapezoid.
+    clearance : float, m
+        Height above the surface between presses.
+    """
+
+    rest: float = 2.5
+    approach: float = 0.5
+    ramp: float = 0.5
+    hold: float = 2.0
+    release: float = 0.5
+    pause: float = 0.5
+    smooth: bool = True
+    clearance: float = 5e-3
+
+    def __post_init__(self) -> None:
+        for name in ("rest", "approach", "hold", "pause"):
+            check_range(name, getattr(self, name), 0.0, LONGEST, "in seconds")
+        for name in ("ramp", "release"):
+            check_positive(name, getattr(self, name), "in seconds; load cannot jump")
+            check_range(name, getattr(self, name), 0.0, LONGEST, "in seconds")
+        check_range("clearance", self.clearance, 0.0, 1.0, "in metres")
+
+    @property
+    def period(self) -> float:
+        """From the start of one press to that of the next, s."""
+        return self.approach + self.ramp + self.hold + self.release + self.pause
+
+    def duration(self, presses: int) -> float:
+        """Of a recording of some presses, s."""
+        return 2 * self.rest + presses * self.period
+
+    def starts(self, presses: int) -> Floats:
+        """When each press begins to come down, (presses,) s."""
+        return np.asarray(self.rest + self.period * np.arange(presses), dtype=np.float64)
+
+    def load(self, time: Floats) -> Floats:
+        """Load at times (T,) s after the start of a press, as a part of the full one."""
+        touch = self.approach
+        full, over = touch + self.ramp, touch + self.ramp + self.hold
+        times = [touch, full, over, over + self.release]
+        return self._shaped(np.interp(time, times, [0.0, 1.0, 1.0, 0.0]))
+
+    def height(self, time: Floats) -> Floats:
+        """Of the indenter above the surface where it does not press, (T,) m; 0 where it does."""
+        touch, off = self.approach, self.period - self.pause
+        times = [0.0, touch, off, self.period]
+        return self.clearance * self._shaped(np.interp(time, times, [1.0, 0.0, 0.0, 1.0]))
+
+    def _shaped(self, part: Floats) -> Floats:
+        return part**3 * (10.0 - 15.0 * part + 6.0 * part**2) if self.smooth else part
+
+
+TRIES = 10_000
+NEXT = 1.1  # pitches between taxels that are next to each other
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Of the indenter on the patch: x and y in the patch's plane, m, and angle about z, rad.
+
+    As the layer is the same everywhere, a press there is one at the origin with the taxels moved
+    the other way.
+    """
+
+    x: float
+    y: float
+    angle: float = 0.0
+
+    def taxels(self, plane: ArrayLike) -> Floats:
+        """Taxels at (L, 2) m of the patch's plane as the indenter sees them, (L, 2) m."""
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        turn = np.array([[cos, -sin], [sin, cos]])
+        return np.asarray((as_floats("plane", plane) - [self.x, self.y]) @ turn)
+
+
+class Places(Protocol):
+    """Anything that chooses poses on a patch."""
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """Where to press, in order."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class At:
+    """Given places.
+
+    Parameters
+    ----------
+    positions : tuple of (x, y), m
+        In the patch's plane.
+    angle : float, rad
+    """
+
+    positions: tuple[tuple[float, float], ...]
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        values = as_floats("positions", self.positions)
+        check_shape("positions", values, (None, 2), "x and y of each place, in metres")
+        check_finite("positions", values, "x and y of each place, in metres")
+        if not len(values):
+            raise InputError("positions is empty, expected at least one place")
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """See `Places.poses`."""
+        return [Pose(x, y, self.angle) for x, y in self.positions]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OverTaxels:
+    """Over the middle of taxels: given rows, or the one nearest to the patch's middle."""
+
+    taxels: tuple[int, ...] = ()
+    angle: float = 0.0
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """See `Places.poses`."""
+        groups = np.array(self.taxels, np.int64)[:, None]
+        return _over_groups(patch, groups, np.arange(len(patch))[:, None], self.angle)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BetweenTwo:
+    """Half-way between two taxels: given pairs, or the neighbours nearest to the middle."""
+
+    pairs: tuple[tuple[int, int], ...] = ()
+    angle: float = 0.0
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """See `Places.poses`."""
+        return _over_groups(
+            patch, np.array(self.pairs, np.int64).reshape(-1, 2), patch.neighbours, self.angle
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BetweenThree:
+    """Amid three taxels: given triples, or the triangle nearest to the patch's middle."""
+
+    triples: tuple[tuple[int, int, int], ...] = ()
+    angle: float = 0.0
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """See `Places.poses`."""
+        groups = np.array(self.triples, np.int64).reshape(-1, 3)
+        return _over_groups(patch, groups, patch.triangles, self.angle)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Random:
+    """Drawn evenly from where taxels are.
+
+    Parameters
+    ----------
+    count : int
+    within : float, m
+        Of the centre of some taxel.
+    turned : bool
+        At random angles too.
+    """
+
+    count: int = 10
+    within: float = 3e-3
+    turned: bool = False
+
+    def __post_init__(self) -> None:
+        _check_count("count", self.count)
+        check_range("within", self.within, 1e-9, 1.0, "of the centre of some taxel, in metres")
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """See `Places.poses`."""
+        plane = patch.plane
+        low, high = plane.min(axis=0) - self.within, plane.max(axis=0) + self.within
+        found: list[Pose] = []
+        for _ in range(TRIES * self.count):
+            place, turn = rng.uniform(low, high), float(rng.uniform(-np.pi, np.pi))
+            if np.hypot(*(plane - place).T).min() <= self.within:
+                found.append(Pose(float(place[0]), float(place[1]), turn if self.turned else 0.0))
+                if len(found) == self.count:
+                    return found
+        raise InputError(
+            f"within is {self.within:g} m, expected a wider distance: {TRIES} draws per place "
+            f"found {len(found)} of {self.count} that near to a taxel"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Raster:
+    """A lattice of `rows` by `columns` over the patch's middle; `step` in m, and an `angle`."""
+
+    rows: int = 3
+    columns: int = 3
+    step: float = 5e-3
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_count("rows", self.rows)
+        _check_count("columns", self.columns)
+        check_range("step", self.step, 1e-9, 1.0, "between places, in metres")
+
+    def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
+        """See `Places.poses`; row by row, to and fro, as a positioner goes."""
+        middle = patch.plane.mean(axis=0)
+        across = (np.arange(self.columns) - (self.columns - 1) / 2) * self.step + middle[0]
+        along = (np.arange(self.rows) - (self.rows - 1) / 2) * self.step + middle[1]
+        return [
+            Pose(float(x), float(y), self.angle)
+            for row, y in enumerate(along)
+            for x in (across if row % 2 == 0 else across[::-1])
+        ]
+
+
+def _check_count(name: str, value: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise InputError(f"{name} is {value!r}, expected a whole number from 1 to 10000")
+    check_range(name, value, 1, 10_000, "a whole number")
+
+
+def _over_groups(patch: Patch, given: Ints, all_: Sequence[int] | Ints, angle: float) -> list[Pose]:
+    """Poses in the middle of groups (N, G) of taxels, or of the most central of all groups."""
+    if not len(given):
+        groups = np.asarray(all_)
+        if not len(groups):
+            raise InputError(
+                f"patch {patch.name!r} has no such taxels next to each other, expected some: "
+                "name them, or choose other places"
+            )
+        groups = _close(patch, groups)
+        middles = patch.plane[groups].mean(axis=1)
+        far = np.hypot(*(middles - patch.plane.mean(axis=0)).T)
+        given = groups[[int(np.argmin(np.round(far, 9)))]]
+    if (given < 0).any() or (given >= len(patch)).any():
+        raise InputError(
+            f"taxels holds {given.tolist()}, expected rows from 0 to {len(patch) - 1} of patch "
+            f"{patch.name!r}"
+        )
+    return [Pose(float(x), float(y), angle) for x, y in patch.plane[given].mean(axis=1)]
+
+
+def _close(patch: Patch, groups: Ints) -> Ints:
+    """Groups (N, G) of which all are a pitch from each other; all groups, where there is none."""
+    corners = patch.plane[groups]
+    wide = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1).max(axis=(1, 2))
+    close = wide <= NEXT * patch.pitch
+    return groups[close] if close.any() else groups
+
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,39}", re.ASCII)
 Words = tuple[tuple[str, object], ...]

@@ -1,21 +1,335 @@
-"""An MCAP file that grows by whole pieces, so that a full disk or a crash cuts no chunk in two.
+"""MCAP container that grows by whole pieces, so that a full disk or a crash cuts no chunk in two.
 
-mcap's own writer would do, but for three things: a write that fails leaves half a chunk behind and
-an index that is wrong; the level of compression is fixed; and channels stand in the first chunk
-alone. Records are mcap's own.
+mcap's own writer closes a chunk by its size alone, leaves half a chunk and a wrong index behind a
+write that fails, and has the channels in the first chunk only; the records are mcap's own.
 """
 
+import os
 import zlib
-from collections import deque
+from array import array
+from collections import defaultdict, deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
+from struct import Struct
+from typing import Any, Literal, NamedTuple, Protocol
 
-from mcap.records import Attachment, Channel, Header, Metadata, Schema
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
 
-from skinfield.sinks.mcap.chunk import OpenChunk, SealedChunk
-from skinfield.sinks.mcap.compression import Bytes, Compression
-from skinfield.sinks.mcap.output import Output
-from skinfield.sinks.mcap.summary import MAGIC, Summary, octets
+from skinfield.errors import FileError, InputError
+
+MAGIC = b"\x89MCAP0\r\n"
+COMPRESSIONS = ("zstd", "lz4", "none")
+LEVEL = 1  # of zstandard: the quickest, a third smaller for 8-bit counts and little for 16-bit ones
+Bytes = bytes | bytearray | memoryview
+Compression = Literal["zstd", "lz4", "none"]
+_FOOTER = Struct("<BQQQ")
+_MESSAGE = Struct("<BQHIQQ")
+_INDEX = Struct("<BQHI")
+
+
+def compressed(data: bytes, by: Compression) -> tuple[str, bytes]:
+    """A chunk's content as it stands in the file, and the name that the file has for how."""
+    if by == "zstd":
+        import zstandard
+
+        return "zstd", zstandard.ZstdCompressor(level=LEVEL).compress(data)
+    if by == "lz4":
+        import lz4.frame
+
+        return "lz4", lz4.frame.compress(data)
+    return "", data
+
+
+def octets(record: Any) -> bytes:
+    """Bytes of one of mcap's records, with its opcode and length."""
+    builder = RecordBuilder()
+    record.write(builder)
+    return bytes(builder.end())  # type: ignore[no-untyped-call]
+
+
+class Output(Protocol):
+    """Where a container's pieces go."""
+
+    @property
+    def end(self) -> int:
+        """Bytes so far."""
+        ...
+
+    def append(self, piece: Bytes) -> None:
+        """Add a piece; on OSError nothing of it is there."""
+        ...
+
+    def sync(self) -> None:
+        """Have the system write everything to the disk."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the file."""
+        ...
+
+
+class FileOutput:
+    """A file, unbuffered: what was appended survives the end of the process.
+
+    Parameters
+    ----------
+    path : Path
+    overwrite : bool
+        Whether a file of this name may be replaced.
+
+    Raises
+    ------
+    InputError
+        If there is one and it may not.
+    FileError
+        If it cannot be made.
+    """
+
+    def __init__(self, path: Path, *, overwrite: bool = False) -> None:
+        self.end = 0
+        flags = os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC | (os.O_TRUNC if overwrite else os.O_EXCL)
+        try:
+            self._file = os.open(path, flags, 0o666)
+        except FileExistsError as error:
+            raise InputError(
+                f"{path} is there already, expected a new name: choose another, or allow to "
+                "overwrite it"
+            ) from error
+        except (OSError, ValueError) as error:  # a zero byte in the name is a ValueError
+            why = getattr(error, "strerror", None) or error
+            raise FileError(
+                f"{path} cannot be made: {why}; expected a folder that can be written to"
+            ) from error
+
+    def append(self, piece: Bytes) -> None:
+        """See `Output`."""
+        left = memoryview(piece)
+        try:
+            while left:
+                left = left[os.pwrite(self._file, left, self.end + len(piece) - len(left)) :]
+        except OSError:
+            os.ftruncate(self._file, self.end)  # what a full disk took of it
+            raise
+        self.end += len(piece)
+
+    def sync(self) -> None:
+        """See `Output`."""
+        os.fdatasync(self._file)
+
+    def close(self) -> None:
+        """See `Output`."""
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+
+
+@dataclass
+class Summary:
+    """Index and statistics of a file that is being written, as bytes of their records.
+
+    Attributes
+    ----------
+    messages : dict of int to int
+        Of each channel.
+    """
+
+    schemas: bytearray = field(default_factory=bytearray)
+    channels: bytearray = field(default_factory=bytearray)
+    chunks: bytearray = field(default_factory=bytearray)
+    attachments: bytearray = field(default_factory=bytearray)
+    metadata: bytearray = field(default_factory=bytearray)
+    messages: dict[int, int] = field(default_factory=lambda: defaultdict(int))
+    first_ns: int = 0
+    last_ns: int = 0
+    counts: dict[str, int] = field(default_factory=lambda: defaultdict(int))
+
+    def add_schema(self, schema: Schema) -> None:
+        """A schema is in the file."""
+        self.schemas += octets(schema)
+        self.counts["schema"] += 1
+
+    def add_channel(self, channel: Channel) -> None:
+        """A channel is in the file."""
+        self.channels += octets(channel)
+        self.counts["channel"] += 1
+
+    def add_attachment(self, attachment: Attachment, start: int, length: int) -> None:
+        """An attachment is in the file, `length` bytes from byte `start`."""
+        index = AttachmentIndex(
+            start,
+            length,
+            attachment.log_time,
+            attachment.create_time,
+            len(attachment.data),
+            attachment.name,
+            attachment.media_type,
+        )
+        self.attachments += octets(index)
+        self.counts["attachment"] += 1
+
+    def add_metadata(self, metadata: Metadata, start: int, length: int) -> None:
+        """A metadata record is in the file."""
+        self.metadata += octets(MetadataIndex(start, length, metadata.name))
+        self.counts["metadata"] += 1
+
+    def add_chunk(self, index: ChunkIndex, messages: dict[int, int]) -> None:
+        """A chunk is in the file, with so many messages of each channel."""
+        self.chunks += octets(index)
+        first = not self.counts["chunk"]
+        self.counts["chunk"] += 1
+        for channel, count in messages.items():
+            self.messages[channel] += count
+        start, end = index.message_start_time, index.message_end_time
+        self.first_ns = start if first else min(start, self.first_ns)
+        self.last_ns = max(end, self.last_ns)
+
+    def ending(self, start: int, crc: int) -> bytes:
+        """Everything after the data, for a file whose data ends at byte `start`.
+
+        Parameters
+        ----------
+        start : int, bytes
+        crc : int
+            CRC-32 of all bytes before; 0 if not known.
+        """
+        data_end = octets(DataEnd(crc))
+        base = start + len(data_end)
+        body, offsets = bytearray(), bytearray()
+        for opcode, group in self._groups():
+            if group:
+                offsets += octets(SummaryOffset(opcode, base + len(body), len(group)))
+            body += group
+        offset_start = base + len(body)
+        body += offsets
+        check = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, base, offset_start), zlib.crc32(body))
+        return data_end + bytes(body) + octets(Footer(base, offset_start, check)) + MAGIC
+
+    def _groups(self) -> list[tuple[Opcode, bytes]]:
+        said = self.counts
+        statistics = Statistics(
+            attachment_count=said["attachment"],
+            channel_count=said["channel"],
+            channel_message_counts=dict(self.messages),
+            chunk_count=said["chunk"],
+            message_count=sum(self.messages.values()),
+            message_end_time=self.last_ns,
+            message_start_time=self.first_ns,
+            metadata_count=said["metadata"],
+            schema_count=said["schema"],
+        )
+        return [
+            (Opcode.SCHEMA, bytes(self.schemas)),
+            (Opcode.CHANNEL, bytes(self.channels)),
+            (Opcode.STATISTICS, octets(statistics)),
+            (Opcode.CHUNK_INDEX, bytes(self.chunks)),
+            (Opcode.ATTACHMENT_INDEX, bytes(self.attachments)),
+            (Opcode.METADATA_INDEX, bytes(self.metadata)),
+        ]
+
+
+class OpenChunk:
+    """Messages that are not compressed yet.
+
+    Attributes
+    ----------
+    data : bytearray
+    """
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self._index: dict[int, array[int]] = defaultdict(lambda: array("Q"))
+        self._first_ns = self._last_ns = 0
+
+    def __len__(self) -> int:
+        return len(self.data)
+
+    def add(self, channel: int, sequence: int, time_ns: int, parts: tuple[Bytes, ...]) -> None:
+        """Append a message that consists of `parts`."""
+        if not self.data:
+            self._first_ns = self._last_ns = time_ns
+        self._first_ns, self._last_ns = min(self._first_ns, time_ns), max(self._last_ns, time_ns)
+        self._index[channel].extend((time_ns, len(self.data)))
+        size = 22 + sum(map(len, parts))
+        self.data += _MESSAGE.pack(
+            Opcode.MESSAGE, size, channel, sequence & 0xFFFFFFFF, time_ns, time_ns
+        )
+        for part in parts:
+            self.data += part
+
+    def sealed(self, compression: Compression) -> "SealedChunk":
+        """The chunk as bytes of the file, with its index behind it."""
+        name, packed = compressed(bytes(self.data), compression)
+        chunk = octets(
+            Chunk(
+                compression=name,
+                data=packed,
+                message_start_time=self._first_ns,
+                message_end_time=self._last_ns,
+                uncompressed_crc=zlib.crc32(self.data),
+                uncompressed_size=len(self.data),
+            )
+        )
+        index = ChunkIndex(
+            chunk_length=len(chunk),
+            chunk_start_offset=0,
+            compression=name,
+            compressed_size=len(packed),
+            message_end_time=self._last_ns,
+            message_index_length=0,
+            message_index_offsets={},
+            message_start_time=self._first_ns,
+            uncompressed_size=len(self.data),
+        )
+        piece = bytearray(chunk)
+        for channel, pairs in self._index.items():
+            index.message_index_offsets[channel] = len(piece)
+            table = pairs.tobytes()  # of this machine, which is little-endian as the file is
+            piece += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(table), channel, len(table)) + table
+        index.message_index_length = len(piece) - len(chunk)
+        counts = {channel: len(pairs) // 2 for channel, pairs in self._index.items()}
+        return SealedChunk(bytes(piece), index, counts)
+
+
+class SealedChunk(NamedTuple):
+    """A chunk with its index, to be written.
+
+    Attributes
+    ----------
+    piece : bytes
+    entry : ChunkIndex
+        Of the file's index, as if the chunk stood at byte 0.
+    messages : dict of int to int
+        How many of each channel.
+    """
+
+    piece: bytes
+    entry: ChunkIndex
+    messages: dict[int, int]
+
+    def entry_at(self, start: int) -> ChunkIndex:
+        """Entry of the file's index, once the chunk stands at byte `start`."""
+        self.entry.chunk_start_offset = start
+        self.entry.message_index_offsets = {
+            channel: offset + start for channel, offset in self.entry.message_index_offsets.items()
+        }
+        return self.entry
 
 
 @dataclass(frozen=True)
@@ -96,11 +410,6 @@ class Container:
         self._seal()
         self._append(piece, lambda start: self.summary.add_metadata(metadata, start, len(piece)))
 
-    def put_chunk(self, sealed: SealedChunk) -> None:
-        """Add a chunk that is compressed already."""
-        self._seal()
-        self._ready_chunk(sealed)
-
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Add a file."""
         attachment = Attachment(time_ns, time_ns, name, media_type, data)
@@ -166,10 +475,8 @@ class Container:
             return
         sealed = self._chunk.sealed(self._compression)
         self._chunk = OpenChunk()
-        self._ready_chunk(sealed)
 
-    def _ready_chunk(self, sealed: SealedChunk) -> None:
         def written(start: int) -> None:
-            self.summary.add_chunk(sealed.index_at(start), sealed.messages)
+            self.summary.add_chunk(sealed.entry_at(start), sealed.messages)
 
         self._ready.append(Piece(sealed.piece, written, sealed.messages))

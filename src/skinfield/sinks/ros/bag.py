@@ -11,7 +11,7 @@ import numpy as np
 
 from skinfield.errors import FileError, Floats, Ints
 from skinfield.layout import Patch, Skin
-from skinfield.sinks.live_tables import LiveExport, Rows
+from skinfield.sinks.live_export import LiveExport, Rows
 from skinfield.sinks.pending import explained, pending
 from skinfield.sinks.ros.kinds import CLOUD, TIME, RosbagKinds
 from skinfield.sinks.ros.messages import Outgoing, SkinMessages, of_contacts

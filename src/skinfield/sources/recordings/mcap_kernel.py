@@ -1,15 +1,15 @@
 """From blocks to rows, one per scan of a patch, compiled."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from skinfield.acquisition.block import UNUSABLE, Octets, Words
 from skinfield.acquisition.kernel import BYTES, FLOATS, HEADER_WORDS, SHORTS, STATUS, payload_words
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
 
-@njit(cache=True, nogil=True)
+@njit
 def scan(
     words: Words,
     octets: Octets,
@@ -85,7 +85,7 @@ def scan(
     return at, rows
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inner(inline="always")
 def count_at(
     octets: Octets,
     shorts: NDArray[np.uint16],
@@ -102,7 +102,7 @@ def count_at(
     return np.float64(singles[2 * payload + i])
 
 
-@njit(cache=True, nogil=True)
+@inner
 def is_again(column: Ints, fresh: Octets, first: int, count: int) -> bool:
     """Whether one of the channels is in the row already."""
     for i in range(count):
@@ -112,7 +112,7 @@ def is_again(column: Ints, fresh: Octets, first: int, count: int) -> bool:
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit
 def put_row(row: Floats, fresh: Octets, status: Octets, out: Floats) -> None:
     """Copy a row, and begin a new one."""
     for k in range(len(row)):

@@ -1,27 +1,167 @@
 """Records of an MCAP file, one by one, from whatever is left of it.
 
 mcap's own readers trust what they read: a cut message comes out short, a chunk is unpacked to
-whatever size its head claims. Here every length is checked against the file before it is believed,
-and every chunk against its checksum.
+whatever size its head claims. Here every length is checked before it is believed, and every chunk
+against its checksum; what stands in a record that is whole, mcap parses.
 """
 
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from enum import IntEnum
+from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from struct import Struct
+from typing import Any, BinaryIO, NamedTuple
 
 from skinfield.errors import FileError
-from skinfield.sources.recordings.mcap_bodies import (
-    CHUNK_HEAD,
-    HEAD,
-    LARGEST,
-    Damaged,
-    Op,
-    parsed,
-    text_at,
-)
 
 MAGIC = b"\x89MCAP0\r\n"
+LARGEST = 1 << 28  # bytes of a record, or of a chunk's content: far more than is ever written
+HEAD = Struct("<BQ")
+CHUNK_HEAD = Struct("<QQQI")
+MESSAGE_HEAD = Struct("<HIQQ")
+
+
+class Op(IntEnum):
+    """Opcodes that are looked at; see MCAP's specification."""
+
+    HEADER = 1
+    FOOTER = 2
+    SCHEMA = 3
+    CHANNEL = 4
+    MESSAGE = 5
+    CHUNK = 6
+    MESSAGE_INDEX = 7
+    CHUNK_INDEX = 8
+    ATTACHMENT = 9
+    METADATA = 12
+    DATA_END = 15
+
+
+class Damaged(ValueError):
+    """A record whose content cannot be: its own checksum or lengths say so."""
+
+
+class Message(NamedTuple):
+    """One message."""
+
+    channel: int
+    sequence: int
+    time_ns: int
+    data: bytes
+
+
+def chunk_content(body: bytes) -> bytes:
+    """Unpacked content of a chunk; raises Damaged."""
+    if len(body) < CHUNK_HEAD.size + 4:
+        raise Damaged(f"a chunk of {len(body)} bytes")
+    _, _, size, crc = CHUNK_HEAD.unpack_from(body)
+    name, at = text_at(body, CHUNK_HEAD.size)
+    if len(body) < at + 8:
+        raise Damaged("a chunk without content")
+    length, at = int.from_bytes(body[at : at + 8], "little"), at + 8
+    if at + length != len(body):
+        raise Damaged(f"a chunk that claims {length} bytes of {len(body) - at}")
+    if size > LARGEST:
+        raise Damaged(f"a chunk that claims {size} bytes unpacked")
+    content = _unpacked(name, body[at:], size)
+    if len(content) != size:
+        raise Damaged(f"a chunk that unpacks to {len(content)} of {size} bytes")
+    if crc and zlib.crc32(content) != crc:
+        raise Damaged("a chunk whose checksum is wrong")
+    return content
+
+
+def _unpacked(name: str, data: bytes, size: int) -> bytes:
+    try:
+        if name == "zstd":
+            import zstandard
+
+            stated = zstandard.frame_content_size(data)
+            if stated > size:
+                raise Damaged(f"a chunk that would unpack to {stated} of {size} bytes")
+            return bytes(zstandard.ZstdDecompressor().decompress(data, max_output_size=size or 1))
+        if name == "lz4":
+            import lz4.frame
+
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1))
+    except Damaged:
+        raise
+    except Exception as error:  # zstandard and lz4 each have errors of their own
+        raise Damaged(f"a chunk that {name} cannot unpack ({str(error)[:80]})") from error
+    if name:
+        raise Damaged(f"a chunk that is compressed by {name[:20]!r}, which is not known")
+    return data
+
+
+def inner_records(content: bytes) -> Iterator[tuple[int, int, int]]:
+    """Opcode, first and last byte of each record within a chunk; raises Damaged at a wrong one."""
+    at = 0
+    while at < len(content):
+        if len(content) - at < HEAD.size:
+            raise Damaged(f"a chunk that ends within a head, at its byte {at}")
+        opcode, length = HEAD.unpack_from(content, at)
+        start, at = at + HEAD.size, at + HEAD.size + length
+        if at > len(content):
+            raise Damaged(f"a chunk that ends within a record, at its byte {start}")
+        yield opcode, start, at
+
+
+def message_of(body: bytes) -> Message:
+    """Message of a record's body; raises Damaged."""
+    if len(body) < MESSAGE_HEAD.size:
+        raise Damaged(f"a message of {len(body)} bytes")
+    channel, sequence, time_ns, _ = MESSAGE_HEAD.unpack_from(body)
+    return Message(channel, sequence, time_ns, body[MESSAGE_HEAD.size :])
+
+
+def parsed(kind: Op, body: bytes) -> Any:
+    """One of mcap's records: header, footer, schema, channel, metadata; raises Damaged."""
+    from mcap import records
+    from mcap.data_stream import ReadDataStream
+
+    name = kind.name.lower()
+    try:
+        return getattr(records, name.capitalize()).read(ReadDataStream(BytesIO(body)))
+    except Exception as error:  # struct's, Unicode's and mcap's own
+        raise Damaged(f"a {name} that cannot be read ({type(error).__name__})") from error
+
+
+class Attached(NamedTuple):
+    """An attachment: name, media type, content, and when it was written, ns since the epoch."""
+
+    name: str
+    media_type: str
+    data: bytes
+    time_ns: int
+
+
+def attachment_of(body: bytes) -> Attached:
+    """Attachment of a record's body; raises Damaged."""
+    name, at = text_at(body, 16)
+    kind, at = text_at(body, at)
+    length = int.from_bytes(body[at : at + 8], "little")
+    end = at + 8 + length
+    if end + 4 != len(body):
+        raise Damaged(f"an attachment that claims {length} bytes of {len(body) - at - 12}")
+    crc = int.from_bytes(body[end:], "little")
+    if crc and zlib.crc32(body[:end]) != crc:
+        raise Damaged(f"an attachment {name[:40]!r} whose checksum is wrong")
+    return Attached(name, kind, body[at + 8 : end], int.from_bytes(body[:8], "little"))
+
+
+def text_at(body: bytes, at: int) -> tuple[str, int]:
+    """Text behind its length, and the byte behind it."""
+    if at + 4 > len(body):
+        raise Damaged("a record that ends within a text")
+    end = at + 4 + int.from_bytes(body[at : at + 4], "little")
+    if end > len(body):
+        raise Damaged("a record that ends within a text")
+    try:
+        return body[at + 4 : end].decode(), end
+    except UnicodeDecodeError as error:
+        raise Damaged("a text that is not UTF-8") from error
 
 
 class Record(NamedTuple):
@@ -156,6 +296,20 @@ def chunk_size(file: BinaryIO, record: Record) -> ChunkSize:
     first, last, unpacked, _ = CHUNK_HEAD.unpack_from(head)
     name, at = text_at(head, CHUNK_HEAD.size)
     return ChunkSize(first, last, name, record.length - at - 8, unpacked)
+
+
+def entries_of(file: BinaryIO, record: Record) -> Iterator[tuple[int, int, bytes]]:
+    """Opcode, first byte and content of what stands in a chunk, or of a record without one.
+
+    Raises Damaged, after what was yielded of the chunk, and OSError.
+    """
+    body = body_of(file, record)
+    if record.opcode != Op.CHUNK:
+        yield record.opcode, 0, body
+        return
+    content = chunk_content(body)
+    for opcode, start, end in inner_records(content):
+        yield opcode, start, content[start:end]
 
 
 def right_end(file: BinaryIO, outline: Outline) -> Damage | None:

@@ -7,13 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.acquisition.recorded import BLOCKS, CYCLES, Cycle, CycleFlag
-from skinfield.acquisition.recorded_fit import FITS
+from skinfield.acquisition.recorded import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
 from skinfield.errors import FileError, InputError
-from skinfield.sources.recordings.mcap_bodies import Damaged, Op
+from skinfield.sources.recordings.mcap import Scan, port_of, ports_of
 from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.sources.recordings.mcap_records import chunk_size, open_file
-from skinfield.sources.recordings.mcap_table import Scan, port_of, ports_of
+from skinfield.sources.recordings.mcap_records import Damaged, Op, chunk_size, open_file
 
 Progress = Callable[[int, int], None]
 SHOWN = 200  # events and places of damage in a summary
@@ -36,7 +34,7 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
     """
     blocks, cycles = _Blocks(recording), _Cycles()
     times: list[int] = []
-    fit = {"answers": 0, "bytes": 0}
+    sizes = {FIELDS: {"messages": 0, "bytes": 0}, FITS: {"answers": 0, "bytes": 0}}
     for topic, at, message in recording.messages():
         times = [min(times[0], message.time_ns), max(times[1], message.time_ns)] if times else (
             [message.time_ns] * 2
@@ -45,9 +43,10 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
             blocks.add(at, message)
         elif topic == CYCLES and (cycle := _cycle_of(recording, at, message)) is not None:
             cycles.add(cycle)
-        elif topic == FITS:
-            fit["answers"] += 1
-            fit["bytes"] += len(message.data)
+        elif topic in sizes:
+            its = sizes[topic]
+            its["answers" if topic == FITS else "messages"] += 1
+            its["bytes"] += len(message.data)
         if progress is not None:
             progress(at, recording.outline.size)
     seconds = (times[1] - times[0]) * 1e-9 if times else 0.0
@@ -62,7 +61,9 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         "patches": blocks.patches(seconds),
         "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
         **cycles.summary(seconds),
-        "fit": fit,
+        "fields": sizes[FIELDS],
+        "fit": sizes[FITS],
+        "settings": [event for event in events if event.get("kind") == "settings"],
         "lost": _lost(events),
         "events": dict(Counter(str(event.get("kind")) for event in events)),
         "last_events": events[-SHOWN:],
@@ -164,6 +165,12 @@ class _Blocks:
             yield {"name": name, "taxels": taxels, "readings": count, "rate": rate}
 
 
+def is_answered(cycle: Cycle) -> bool:
+    """Whether the engine answered any patch by then; True where the rows do not say."""
+    named = "answered_ns" in (cycle.patches.dtype.names or ())
+    return not named or bool(cycle.patches["answered_ns"].any())
+
+
 @dataclass
 class _Cycles:
     """Counts and times of the cycles."""
@@ -184,10 +191,9 @@ class _Cycles:
             self.first = cycle.number
         self.last = cycle.number
         self.count += 1
-        if cycle.flags & CycleFlag.KEY and not self.flags[CycleFlag.KEY]:
-            self.wake, self.ready = [], []  # until then an engine starts: other times than later
-        self.wake.append(cycle.wake_ns - cycle.due_ns)
-        self.ready.append(cycle.done_ns - cycle.wake_ns)
+        if is_answered(cycle):  # an engine that starts has other times than later
+            self.wake.append(cycle.wake_ns - cycle.due_ns)
+            self.ready.append(cycle.done_ns - cycle.wake_ns)
         for flag in CycleFlag:
             self.flags[flag] += bool(cycle.flags & flag)
         if len(cycle.contacts):
@@ -206,7 +212,6 @@ class _Cycles:
             "cycle_rate": count / seconds if seconds > 0 else None,
             "late": self.flags[CycleFlag.LATE],
             "overrun": self.flags[CycleFlag.OVERRUN],
-            "key_cycles": self.flags[CycleFlag.KEY],
             "restarts": self.flags[CycleFlag.RESTARTED],
             "wake_us": _micros(self.wake),
             "ready_us": _micros(self.ready),

@@ -19,7 +19,7 @@ from skinfield.errors import (
     check_shape,
 )
 from skinfield.simulate import Mesh
-from skinfield.simulate.indenters.mesh import corners_of
+from skinfield.simulate.indenters.surfaces import corners_of
 from skinfield.sources.shapes.content import read_shape
 
 ENDINGS = (".stl", ".obj", ".ply")

@@ -1,0 +1,202 @@
+"""Bridge processes: each a process of its own, which may fail alone and is started again."""
+
+import contextlib
+import importlib.util
+import json
+import os
+import selectors
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from skinfield.bridges.ros2.publisher import RosSettings
+from skinfield.bridges.yarp.settings import YarpSettings
+from skinfield.bridges.zenoh.publisher import PublisherSettings
+from skinfield.bridges.zenoh.session import ZenohSettings
+from skinfield.errors import InputError
+from skinfield.live.process_supervisor import POLL, SupervisedProcess, exit_text
+from skinfield.settings import BridgeSettings, ZenohAddresses, json_from_value
+
+BEGINS = 180.0  # s for a bridge to be there
+MOST = 1 << 16  # bytes of the line that says it is there
+
+
+class Bridge(SupervisedProcess):
+    """A bridge that runs.
+
+    Parameters
+    ----------
+    kind : str
+        "zenoh", "ros2" or "yarp".
+    command : list of str
+    settings : dataclass
+        That it is sent.
+
+    Attributes
+    ----------
+    facts : dict
+        What it said when it was there.
+    """
+
+    def __init__(self, kind: str, command: list[str], settings: Any) -> None:
+        super().__init__(f"the bridge to {kind}")
+        self.kind, self._command, self._settings = kind, command, settings
+        self.facts: dict[str, Any] = {}
+
+    def spawn(self) -> "subprocess.Popen[bytes]":
+        """See `SupervisedProcess`."""
+        return subprocess.Popen(
+            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, process_group=0
+        )
+
+    def greet(self, child: "subprocess.Popen[bytes]") -> None:
+        """See `SupervisedProcess`."""
+        assert child.stdin is not None
+        with contextlib.suppress(BrokenPipeError):  # then it has said why
+            child.stdin.write(json_from_value(self._settings).encode())
+            child.stdin.close()
+        told = _first_line(child, BEGINS, self.stopping)
+        if told.get("ready") is not True:
+            self.end()
+            why = told.get("error", f"it ended with {exit_text(child.returncode)}")
+            raise InputError(f"{self.what} did not start: {why}")
+        self.facts = told
+
+
+class Bridges(tuple[Bridge, ...]):
+    """The bridges that run."""
+
+    __slots__ = ()
+
+    def notices(self) -> list[str]:
+        """What happened to any of them since the last time, in sentences."""
+        return [text for bridge in self for text in bridge.notices()]
+
+
+def _first_line(
+    child: "subprocess.Popen[bytes]", seconds: float, stop: threading.Event
+) -> dict[str, Any]:
+    """What a bridge says when it is there; `error` if it does not say so in time, or `stop` is set.
+
+    Of one that ends before it says anything there is nothing.
+    """
+    assert child.stdout is not None
+    end, data = time.monotonic() + seconds, b""
+    with selectors.DefaultSelector() as waiting:
+        waiting.register(child.stdout, selectors.EVENT_READ)
+        while b"\n" not in data and len(data) < MOST:
+            if stop.is_set():
+                return {"error": "all was told to end"}
+            if time.monotonic() > end:
+                return {"error": f"it was not there within {seconds:g} s: is the machine busy?"}
+            if not waiting.select(POLL):
+                continue
+            part = os.read(child.stdout.fileno(), MOST)
+            if not part:
+                break
+            data += part
+    try:
+        told = json.loads(data.partition(b"\n")[0])
+    except ValueError:
+        return {}
+    return told if isinstance(told, dict) else {}
+
+
+def bridge_settings(given: BridgeSettings) -> dict[str, Any]:
+    """Settings of each bridge that is asked for, by its kind.
+
+    Raises
+    ------
+    InputError
+        If one is meaningless, or needs a package that is not there.
+    """
+    wanted: dict[str, Any] = {}
+    if given.zenoh or given.ros2:
+        _need("zenoh", "zenoh")
+        session = zenoh_session(given)
+    if given.zenoh:
+        wanted["zenoh"] = PublisherSettings(robot=given.robot, session=session)
+    if given.ros2:
+        _need("rosbags", "ros")
+        wanted["ros2"] = RosSettings(
+            robot=given.robot,
+            domain=given.ros_domain,
+            rates=given.ros_rates,
+            session=session,
+        )
+    if given.yarp:
+        wanted["yarp"] = YarpSettings(robot=given.robot, name_server=given.yarp_name_server)
+    return wanted
+
+
+def _need(package: str, extra: str) -> None:
+    if importlib.util.find_spec(package) is None:
+        raise InputError(
+            f"package {package} is not installed, expected it: pip install 'skinfield[{extra}]'"
+        )
+
+
+def zenoh_session(given: ZenohAddresses) -> ZenohSettings:
+    """How to meet others over zenoh."""
+    return ZenohSettings(
+        listen=given.zenoh_listen,
+        connect=given.zenoh_connect,
+        config=None if given.zenoh_config is None else Path(given.zenoh_config),
+    )
+
+
+@contextmanager
+def zenoh_sources(given: ZenohAddresses) -> Iterator[Any]:
+    """Engines elsewhere, as long as the block lasts: `sources()` gives those that there are.
+
+    Raises
+    ------
+    InputError
+        If zenoh is not installed, or cannot start with these settings.
+    """
+    _need("zenoh", "zenoh")
+    from skinfield.bridges.zenoh.discovery import connect
+
+    with connect(zenoh_session(given)) as sources:
+        yield sources
+
+
+@contextmanager
+def bridges(given: BridgeSettings, ring_name: str) -> Iterator[Bridges]:
+    """The bridges that the options ask for, as long as the block lasts.
+
+    One that ends is started again.
+
+    Parameters
+    ----------
+    given : BridgeSettings
+    ring_name : str
+
+    Raises
+    ------
+    InputError
+        If one does not start, with the reason that it gave.
+    """
+    made = Bridges(
+        Bridge(
+            kind,
+            [
+                sys.executable, "-m", f"skinfield.bridges.{kind}", ring_name,
+                "--parent", str(os.getpid()),
+            ],
+            settings,
+        )
+        for kind, settings in bridge_settings(given).items()
+    )  # fmt: skip
+    with ExitStack() as ends:
+        for bridge in made:
+            ends.enter_context(bridge)
+            bridge.begin()
+        for bridge in made:
+            bridge.watch()
+        yield made

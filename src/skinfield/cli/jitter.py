@@ -1,0 +1,371 @@
+"""Jitter of a live loop: how late it wakes beside busy processes and a paired cyclictest."""
+
+import subprocess
+import sys
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.shared_memory import SharedMemory
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
+from skinfield.inverse import NonNegative, Solver
+from skinfield.lab.bench.cyclictest import Cyclictest
+from skinfield.lab.bench.machine import Company, Watch
+from skinfield.layout import Skin
+from skinfield.realtime import (
+    PeriodicClock,
+    Quantiles,
+    RealTime,
+    RealTimeStatus,
+    Timing,
+    TimingTable,
+)
+from skinfield.realtime.timing import FIELDS, LAST_NS
+
+if TYPE_CHECKING:
+    from skinfield.live.supervisor import Supervisor
+    from skinfield.ring import RingReader
+
+Words = NDArray[np.uint64]
+PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
+RUNGS = (10, 20, 40)  # nodes on a side
+LOADS = ("skin", "none")
+SETTLE = 1.0  # s of company before times count
+BEFORE = 0.25  # s before a whole second at which cyclictest is started: it begins at the second
+SPIN = "import time\nend = time.monotonic() + {seconds}\nwhile time.monotonic() < end: pass"
+
+
+@dataclass(frozen=True)
+class JitterSettings:
+    """What is measured.
+
+    Parameters
+    ----------
+    duration : float, s
+    rate_hz : float, 1/s
+    busy : int
+        Processes that compute all the time beside it.
+    load : str
+        "skin": the engine reads a virtual skin over UDP; "none": it only wakes.
+    solver : Solver
+        Of the engine.
+    real_time : RealTime
+    """
+
+    duration: float = 20.0
+    rate_hz: float = 1000.0
+    busy: int = 2
+    load: str = "skin"
+    solver: Solver = field(default_factory=NonNegative)
+    real_time: RealTime = field(default_factory=RealTime)
+
+    def __post_init__(self) -> None:
+        check_range("duration", self.duration, 1.0, 86_400.0, "of measuring")
+        check_range("rate_hz", self.rate_hz, 1.0, 20_000.0, "cycles per second")
+        check_count("busy", self.busy, 0, 1024, "processes that compute all the time")
+        check_choice("load", self.load, LOADS, "what a cycle does")
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """What was measured.
+
+    Attributes
+    ----------
+    settings : JitterSettings
+    granted : RealTimeStatus
+    timing : Timing
+        Of the loop.
+    paired : Quantiles or None
+        Of the cyclictest on the same processor in the same seconds.
+    no_pair : str
+        Why there is none.
+    company : Company
+    faults, interruptions : int or None
+        Page faults of the loop's process, and times that it had to give its CPU away; None where
+        the system does not tell.
+    late, paired_late : pairs of arrays (B,)
+        Time (s) and share of wakes that were later: of the loop, and of cyclictest if there is one.
+    """
+
+    settings: JitterSettings
+    granted: RealTimeStatus
+    timing: Timing
+    paired: Quantiles | None
+    no_pair: str
+    company: Company
+    faults: int | None
+    interruptions: int | None
+    late: tuple[Floats, Floats]
+    paired_late: tuple[Floats, Floats] | None
+
+    def ratio(self, name: str) -> float | None:
+        """Of the wakes' quantile to that of the cyclictest."""
+        if self.paired is None or self.timing.wake is None:
+            return None
+        return float(getattr(self.timing.wake, name) / max(getattr(self.paired, name), 1e-9))
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A loop that runs in a process of its own.
+
+    Attributes
+    ----------
+    pid : int
+    granted : RealTimeStatus
+    snapshot : function
+        Returns copies of its histograms and totals.
+    failure : function
+        Returns what went wrong with it, in words; empty where nothing did.
+    """
+
+    pid: int
+    granted: RealTimeStatus
+    snapshot: Callable[[], tuple[Words, Words]]
+    failure: Callable[[], str] = str
+
+
+def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
+    """Measure.
+
+    Parameters
+    ----------
+    tell : function of str
+        Called with what happens.
+
+    Raises
+    ------
+    InputError
+        If the loop does not start, or ends while it is measured.
+    """
+    tell("starting the loop")
+    with _loop(settings) as loop, _busy(settings):
+        time.sleep(SETTLE)
+        tell(f"measuring for {settings.duration:g} s")
+        return measure(settings, loop)
+
+
+def measure(settings: JitterSettings, loop: Loop) -> Jitter:
+    """Both in the same seconds: cyclictest begins at a whole second of the clock."""
+    second = time.monotonic_ns() // 10**9 + 2
+    _sleep_until(second - BEFORE)
+    running, missing = _paired(settings, loop.granted)
+    try:
+        _sleep_until(second)
+        before, watch, usage = loop.snapshot(), Watch(), _usage(loop.pid)
+        _sleep_until(second + settings.duration)
+        after, company, used = loop.snapshot(), watch.company(), _usage(loop.pid)
+        lateness = None if running is None else running.finish()
+    except InputError as error:
+        lateness, missing = None, str(error)
+    finally:
+        if running is not None:
+            running.stop()
+    timing = Timing.of(*after, before=before)
+    if loop.failure() or not timing.cycles:
+        raise InputError(
+            f"the loop ended while it was measured, after {timing.cycles} cycles, expected it to "
+            f"run on: {loop.failure() or 'it did not say why'}"
+        )
+    wakes = (after[0][0] - before[0][0])[: len(LAST_NS)].astype(np.float64)
+    used_bins = np.flatnonzero(wakes)
+    some = slice(used_bins[0], used_bins[-1] + 1)
+    return Jitter(
+        settings,
+        loop.granted,
+        timing,
+        None if lateness is None else lateness.quantiles(),
+        missing,
+        company,
+        None if usage is None or used is None else used[0] - usage[0],
+        None if usage is None or used is None else used[1] - usage[1],
+        (LAST_NS[some] / 1e9, 1.0 - np.cumsum(wakes[some]) / wakes.sum()),
+        None if lateness is None else lateness.later(),
+    )
+
+
+def _usage(pid: int) -> tuple[int, int] | None:
+    """Page faults and involuntary switches of a process so far, by Linux; else unknown."""
+    folder = Path("/proc") / str(pid)
+    try:
+        fields = (folder / "stat").read_text().rpartition(")")[2].split()
+        status = (folder / "status").read_text().splitlines()
+        switches = next(line for line in status if line.startswith("nonvoluntary_ctxt_switches"))
+        return int(fields[7]) + int(fields[9]), int(switches.split()[1])
+    except (OSError, ValueError, IndexError, StopIteration):
+        return None
+
+
+def _paired(settings: JitterSettings, granted: RealTimeStatus) -> tuple[Cyclictest | None, str]:
+    """A cyclictest half a period apart, on the same processor just above in priority.
+
+    It then never waits for the loop's computation, and neither finds the processor taken by the
+    other as long as a cycle lasts less than half a period.
+    """
+    period = int(1e9 / settings.rate_hz)
+    try:
+        running = Cyclictest.start(
+            granted.cpu,
+            min(granted.priority + 1, 99) if granted.real_time else 0,
+            period_ns=period,
+            seconds=settings.duration,
+            offset_ns=period // 2,
+            lock_memory=granted.memory == "locked",
+        )
+    except InputError as error:
+        return None, str(error)
+    return running, ""
+
+
+def _sleep_until(second: float) -> None:
+    time.sleep(max(second - time.monotonic(), 0.0))
+
+
+@contextmanager
+def _busy(settings: JitterSettings) -> Iterator[None]:
+    """Processes that compute all the time; they end by themselves if nobody ends them."""
+    words = [sys.executable, "-c", SPIN.format(seconds=settings.duration + 30.0)]
+    children = [subprocess.Popen(words) for _ in range(settings.busy)]
+    try:
+        yield
+    finally:
+        for child in children:
+            child.kill()
+        for child in children:
+            child.wait()
+
+
+def _loop(settings: JitterSettings) -> AbstractContextManager[Loop]:
+    return bare_loop(settings) if settings.load == "none" else skin_loop(settings)
+
+
+@contextmanager
+def bare_loop(settings: JitterSettings) -> Iterator[Loop]:
+    """A loop that does nothing but wake: what Python costs."""
+    sizes = [int(np.prod(shape)) for _, _, shape in FIELDS]
+    memory = SharedMemory(create=True, size=8 * sum(sizes))
+    context = get_context("spawn")
+    ours, theirs = context.Pipe()
+    arguments = memory.name, int(1e9 / settings.rate_hz), settings.real_time, theirs
+    child = context.Process(target=_run_bare, args=arguments, daemon=True)
+    child.start()
+    theirs.close()
+    arrays = list(_arrays_in(memory))
+    try:
+        if not ours.poll(PATIENCE):
+            raise InputError(f"the loop did not start within {PATIENCE:g} s, expected less")
+        granted = RealTimeStatus.from_dict(ours.recv())
+        yield Loop(int(child.pid or 0), granted, lambda: (arrays[0].copy(), arrays[1].copy()))
+    finally:
+        ours.close()  # which ends it
+        child.join(10)
+        if child.is_alive():
+            child.kill()
+            child.join()
+        arrays.clear()  # nothing refers to the memory any longer
+        memory.close()
+        memory.unlink()
+
+
+def _arrays_in(memory: SharedMemory) -> tuple[Words, Words]:
+    """Times and totals of a `TimingTable` in shared memory."""
+    arrays, offset = [], 0
+    for _, dtype, shape in FIELDS:
+        array: Words = np.ndarray(shape, dtype, memory.buf, offset)
+        arrays.append(array)
+        offset += array.nbytes
+    return arrays[0], arrays[1]
+
+
+def _run_bare(name: str, period_ns: int, real_time: RealTime, parent: Connection) -> None:
+    """In the child: until the parent hangs up."""
+    memory = SharedMemory(name)
+    times, totals = _arrays_in(memory)
+    table = TimingTable(period_ns, times=times, totals=totals)
+    clock = PeriodicClock(period_ns)
+    parent.send(real_time.apply().as_dict())
+    looks = max(200_000_000 // period_ns, 1)  # cycles from one look at the parent to the next
+    while True:
+        for _ in range(looks):
+            due, wake = clock.wait()
+            now = time.monotonic_ns()
+            table.add(due, wake, now, now, now)
+            table.set_skipped(clock.skipped)
+        if parent.poll(0):  # hung up
+            return
+
+
+@contextmanager
+def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
+    """The engine of the paper's hexagon on 40 x 40 nodes, which reads a virtual skin.
+
+    The skin has a process of its own and sends messages of iCub boards over UDP, as often as the
+    engine answers.
+    """
+    from skinfield.conditioning import ICubByte
+    from skinfield.layout.generators import hexagon72
+    from skinfield.live.settings import LiveSettings
+    from skinfield.live.supervisor import Supervisor
+    from skinfield.sources.live.factory import source_from_options
+    from skinfield.virtual.process import start
+    from skinfield.virtual.settings import VirtualSettings
+
+    skin, real_time = Skin((hexagon72(),)), settings.real_time
+    emulated = VirtualSettings(
+        bus="udp",
+        rate=settings.rate_hz,
+        scene="idle",
+        lead_in=0.0,
+        priority=max(real_time.priority - 10, 0),
+    )
+    with ExitStack() as stack:
+        boards = stack.enter_context(start(emulated))
+        live = LiveSettings(
+            skin=skin,
+            sources=(source_from_options("icub", "udp", tuple(boards.channels), skin),),
+            name=f"bench-{uuid.uuid4().hex[:8]}",
+            board=ICubByte(),
+            solver=settings.solver,
+            rungs=RUNGS,
+            rate=settings.rate_hz,
+            tare_seconds=0.5,
+            real_time=real_time,
+        )
+        supervisor = stack.enter_context(Supervisor(live))
+        reader = supervisor.wait(PATIENCE)
+        stack.callback(reader.close)
+        boards.scene("slide")  # once it has its baseline
+        yield _engine(reader, supervisor)
+
+
+def _engine(reader: "RingReader", supervisor: "Supervisor") -> Loop:
+    def snapshot() -> tuple[Words, Words]:
+        status = reader.status
+        return status["times"].copy(), status["totals"].copy()
+
+    return Loop(reader.pid, _granted(reader), snapshot, lambda: supervisor.failure)
+
+
+def _granted(reader: "RingReader") -> RealTimeStatus:
+    """From the engine's notes, which it may be writing just now."""
+    from skinfield.live.status_text import read_notes
+
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        notes = read_notes(reader.status["notes"])
+        if notes is not None and "granted" in notes:
+            return RealTimeStatus.from_dict(notes["granted"])
+        time.sleep(0.02)
+    raise InputError(
+        "the engine runs and does not say what was granted to it, expected that it did"
+    )

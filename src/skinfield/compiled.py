@@ -1,0 +1,266 @@
+"""Compiled kernels: the decorator of every one, and the cache of their machine code on disk.
+
+Numba looks for a function's machine code by the file of that function alone: after a change of a
+function that it calls, or of a constant of another file, it would go on with what they were. So the
+code of a module's kernels lies in a folder named after all sources that the module imports, what
+those import in turn, the versions of the compilers, and their settings.
+"""
+
+import hashlib
+import os
+import platform
+import re
+import shutil
+import stat
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, overload
+
+import llvmlite
+import numba
+from numba.core.event import Listener, install_listener
+
+CONFIG: Any = numba.config
+PACKAGE = Path(__file__).parent
+VERSIONS_PER_MODULE = 3  # two branches of a checkout, and what is being edited
+IMPORT = re.compile(
+    rb"^[ \t]*(?:from (skinfield[\w.]*) import (\([^)]*\)|[^\n]*)|import (skinfield[\w.]*))", re.M
+)
+LOCK = threading.Lock()  # of Numba's setting of the folder
+NO_CODE = ("NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_DEBUG_CACHE")  # what they change
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+@overload
+def njit(function: F, /) -> F: ...
+@overload
+def njit(**options: Any) -> Callable[[F], F]: ...
+def njit(function: Any = None, /, **options: Any) -> Any:
+    """Compile a function when it is first called, without the interpreter's lock, once per machine.
+
+    Parameters
+    ----------
+    function : callable
+    **options
+        Those of `numba.njit`.
+    """
+    if function is None:
+        return lambda function: njit(function, **options)
+    folder = cache_folder(Path(function.__code__.co_filename))
+    with LOCK:
+        before = CONFIG.CACHE_DIR
+        CONFIG.CACHE_DIR = str(folder)
+        try:
+            return numba.njit(**{"cache": True, "nogil": True, **options})(function)
+        finally:
+            CONFIG.CACHE_DIR = before
+
+
+@overload
+def inner(function: F, /) -> F: ...
+@overload
+def inner(**options: Any) -> Callable[[F], F]: ...
+def inner(function: Any = None, /, **options: Any) -> Any:
+    """Compile a function that only compiled ones call: in half the time.
+
+    It is part of what calls it, and of what the cache holds of that. Without the two wrappers by
+    which Python and C would call it there is half as much to compile.
+
+    Parameters
+    ----------
+    function : callable
+    **options
+        Those of `numba.njit`.
+    """
+    if function is None:
+        return lambda function: inner(function, **options)
+    bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return numba.njit(**{"nogil": True, **bare, **options})(function)
+
+
+class Compilations(Listener):
+    """Counter of the functions that are compiled, each of which is reported.
+
+    Parameters
+    ----------
+    report : function
+        Called with the name of each, and its number from 1 on, before it is compiled.
+
+    Attributes
+    ----------
+    count : int
+    """
+
+    def __init__(self, report: Callable[[str, int], None]) -> None:
+        self.count, self._report = 0, report
+
+    def on_start(self, event: Any) -> None:
+        """A function is about to be compiled: there is none such in the cache."""
+        self.count += 1
+        self._report(event.data["dispatcher"].py_func.__name__, self.count)
+
+    def on_end(self, event: Any) -> None:
+        """It is compiled."""
+
+
+@contextmanager
+def reported(report: Callable[[str, int], None]) -> Iterator[Compilations]:
+    """Report each function that any thread compiles while this lasts.
+
+    Parameters
+    ----------
+    report : function
+        See `Compilations`.
+    """
+    listener = Compilations(report)
+    with install_listener("numba:compile", listener):
+        yield listener
+
+
+@cache
+def cache_folder(file: Path) -> Path:
+    """Folder of what the kernels of a source file compile to; older ones of it are deleted.
+
+    Parameters
+    ----------
+    file : Path
+
+    Returns
+    -------
+    Path
+        It exists and can be written to.
+    """
+    module = _relative(str(file)).removesuffix(".py").replace(os.sep, ".")
+    checkout = _checkout_folder()
+    folder = checkout / f"{module}-{fingerprint(file)}"
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        os.utime(folder)  # in use: not the oldest
+        return folder
+    versions = [each for each in checkout.glob(f"{module}-*") if len(each.name) == len(folder.name)]
+    for old in sorted(versions, key=_last_use, reverse=True)[VERSIONS_PER_MODULE:]:
+        shutil.rmtree(old, ignore_errors=True)  # another process may be faster
+    return folder
+
+
+def fingerprint(file: Path) -> str:
+    """Hash of all that the machine code of a source file's kernels is made from.
+
+    Parameters
+    ----------
+    file : Path
+
+    Returns
+    -------
+    str
+        16 hexadecimal digits.
+    """
+    total, seen, waiting = hashlib.sha256(_compilers()), {str(file)}, [str(file)]
+    while waiting:
+        more = _source(waiting.pop())[1] - seen
+        seen |= more
+        waiting += more
+    for each in sorted(seen):
+        total.update(_relative(each).encode() + b"\0" + _source(each)[0])
+    return total.hexdigest()[:16]
+
+
+@cache
+def _source(file: str) -> tuple[bytes, frozenset[str]]:
+    """Hash of a file, and the files of this package that it imports."""
+    text = Path(file).read_bytes()
+    return hashlib.sha256(text).digest(), frozenset(_imports(text))
+
+
+def _imports(text: bytes) -> Iterator[str]:
+    """Files of the modules, and of the names that are modules, of all import statements."""
+    for source, names, module in IMPORT.findall(text):
+        yield from _files(source or module)
+        if names and _files(source)[0].endswith("__init__.py"):
+            for name in re.findall(rb"\w+", names):
+                yield from _files(source + b"." + name)
+
+
+@cache
+def _files(module: bytes) -> tuple[str, ...]:
+    """The file of a module of this package; none of a name that is no module."""
+    place = PACKAGE.joinpath(*module.decode().split(".")[1:])
+    both = place.with_suffix(".py"), place / "__init__.py"
+    return tuple(str(each) for each in both if each.is_file())
+
+
+def _relative(file: str) -> str:
+    """Name within this package, or of elsewhere."""
+    inside = file.removeprefix(f"{PACKAGE}{os.sep}")
+    return Path(file).name if inside == file else inside
+
+
+@cache
+def _compilers() -> bytes:
+    """Versions and settings; processors are told apart by Numba itself, within a folder."""
+    versions = [numba.__version__, llvmlite.__version__, sys.version, platform.machine()]
+    settings = [
+        f"{key}={value}"
+        for key, value in sorted(os.environ.items())
+        if key.startswith("NUMBA_") and key not in NO_CODE
+    ]
+    return "\0".join(versions + settings).encode()
+
+
+@cache
+def _checkout_folder() -> Path:
+    """Folder of this checkout; those of checkouts that are no more are deleted."""
+    root = _root()
+    folder = root / hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:16]
+    if not (folder / "checkout").is_file():
+        folder.mkdir(exist_ok=True)
+        (folder / "checkout").write_text(str(PACKAGE))
+        for other in root.glob("*/checkout"):
+            if not Path(other.read_text()).is_dir():
+                shutil.rmtree(other.parent, ignore_errors=True)
+    return folder
+
+
+def _root() -> Path:
+    """User's cache folder, below `NUMBA_CACHE_DIR` where that is set, or a temporary one."""
+    home = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    wanted = Path(CONFIG.CACHE_DIR or home).expanduser() / "skinfield" / "kernels"
+    try:
+        wanted.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=wanted).close()
+    except (OSError, RuntimeError) as reason:  # RuntimeError: a user without a home
+        temporary = _temporary_root()
+        warnings.warn(
+            f"{wanted} cannot be written to ({reason}): compiled code goes to {temporary}, which "
+            "may be gone after a restart. Set NUMBA_CACHE_DIR to a folder that lasts.",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+        return temporary
+    return wanted
+
+
+def _temporary_root() -> Path:
+    """One for all processes of this user; of this process alone if another user made that one."""
+    folder = Path(tempfile.gettempdir()) / f"skinfield-kernels-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    status = folder.lstat()
+    if stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o077:
+        return folder
+    return Path(tempfile.mkdtemp(prefix="skinfield-kernels-"))
+
+
+def _last_use(folder: Path) -> float:
+    """Time, s; 0 if another process has deleted it."""
+    try:
+        return folder.stat().st_mtime
+    except OSError:
+        return 0.0

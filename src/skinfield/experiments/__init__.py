@@ -1,1 +1,0 @@
-"""What reconstructions are worth: cases with truth, scores, bounds, and the paper's campaign."""

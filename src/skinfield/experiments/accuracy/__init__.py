@@ -1,1 +1,0 @@
-"""The accuracy table: solvers, models and quantities over indenters, places and loads."""

@@ -1,1 +1,0 @@
-"""Cases: readings beside their truth, made, posed, kept in files."""

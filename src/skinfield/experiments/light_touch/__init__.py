@@ -1,1 +1,0 @@
-"""Light touch: what the detector finds beside the paper's method."""

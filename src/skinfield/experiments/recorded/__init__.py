@@ -1,1 +1,0 @@
-"""What recordings and measurements of others say."""

@@ -1,1 +1,0 @@
-"""Contacts you can trust: solvers on random unseen presses, beside the bound."""

@@ -1,0 +1,286 @@
+"""Tiles of 4 x 4 cells times numbers, in the vectors of the machine at hand.
+
+Numba leaves loops over so few numbers scalar, which costs 6 to 20 times what the machine needs. So
+the inner operations are written as instructions on vectors of 16 numbers, of which LLVM makes what
+the machine has: one register of AVX-512, two of AVX2, four of SSE or NEON.
+
+A block is one tile of one taxel, a row of `values` (B, 16). Blocks stand tile by tile: those of
+tile t from `firsts[t]` to `firsts[t + 1]`, of the taxels in `taxels` (B,). The tile's first cell is
+`cells[t]`; its four rows are `pitch` cells apart. Taxel by taxel, `order` (B,) lists the blocks of
+taxel l from `begins[l]` to `begins[l + 1]`, and `corners` (B,) their first cells. Nothing here
+checks that tiles lie on the field; `Tiles` makes them so.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.errors import TypingError
+from numba.extending import intrinsic
+from numpy.typing import NDArray
+
+from skinfield.compiled import njit
+
+Numbers = NDArray[Any]
+Ints32 = NDArray[np.int32]
+INDEX = types.intp
+FAST = ("contract", "nsz", "reassoc")  # sums in any order; NaN stays NaN
+SIDE = 4  # cells
+LANES = SIDE * SIDE
+TOGETHER = 6  # patches for which a block is loaded once
+
+
+def _data(context: Any, builder: Any, signature: Any, arguments: Any, count: int) -> list[Any]:
+    """Where the numbers of the first `count` arguments are, which are arrays."""
+    return [
+        context.make_array(kind)(context, builder, array).data
+        for kind, array in zip(signature.args[:count], arguments[:count], strict=True)
+    ]
+
+
+def _index(builder: Any, array: Any, at: Any) -> Any:
+    """A number of an int32 array, in the machine's own width."""
+    return builder.sext(builder.load(builder.gep(array, [at])), at.type)
+
+
+def _place(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+    vector = ir.VectorType(array.type.pointee, lanes)
+    return builder.bitcast(builder.gep(array, [at]), vector.as_pointer())
+
+
+def _load(builder: Any, array: Any, at: Any, lanes: int) -> Any:
+    """Some numbers from `at` on, which need not stand at a whole multiple of anything."""
+    return builder.load(_place(builder, array, at, lanes), align=_bytes(array))
+
+
+def _bytes(array: Any) -> int:
+    return 4 if isinstance(array.type.pointee, ir.FloatType) else 8
+
+
+def _choose(builder: Any, vector: Any, lanes: Sequence[int], other: Any = None) -> Any:
+    numbers = ir.Constant(ir.VectorType(ir.IntType(32), len(lanes)), list(lanes))
+    return builder.shuffle_vector(vector, vector if other is None else other, numbers)
+
+
+def _repeat(builder: Any, number: Any) -> Any:
+    """Vector of one number."""
+    empty = ir.Constant(ir.VectorType(number.type, LANES), ir.Undefined)
+    return _choose(builder, builder.insert_element(empty, number, ir.IntType(32)(0)), [0] * LANES)
+
+
+def _zeros(builder: Any, array: Any) -> Any:
+    """Place of a sum, which LLVM keeps in a register."""
+    vector = ir.VectorType(array.type.pointee, LANES)
+    place = cgutils.alloca_once(builder, vector)  # type: ignore[no-untyped-call]
+    builder.store(ir.Constant(vector, None), place)
+    return place
+
+
+def _add_product(builder: Any, total: Any, one: Any, other: Any) -> None:
+    product = builder.fmul(one, other, flags=FAST)
+    builder.store(builder.fadd(builder.load(total), product, flags=FAST), total)
+
+
+def _check(values: Any, *others: Any) -> None:
+    kinds = {(getattr(kind, "dtype", kind), getattr(kind, "layout", "")) for kind in others}
+    if kinds != {(values.dtype, "C")} or values.layout != "C":
+        raise TypingError(f"{values} and {others} are not contiguous arrays of one type")
+
+
+def _tile_product(patches: int) -> Any:
+    """Code that adds one tile of the product to the fields of some patches."""
+
+    def add_tile(
+        typing: Any,
+        values: Any,
+        taxels: Any,
+        factors: Any,
+        out: Any,
+        start: Any,
+        cell: Any,
+        begin: Any,
+        end: Any,
+        sizes: Any,
+    ) -> Any:
+        _check(values, factors, out)
+
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            stamp, listed, given, field = _data(context, builder, signature, arguments, 4)
+            start, cell, begin, end, sizes = arguments[4:]
+            pitch, inputs, outputs = (builder.extract_value(sizes, i) for i in range(3))
+            index = begin.type
+            chains = 2 if patches == 1 else 1  # sums that need not wait for each other
+            totals = [_zeros(builder, stamp) for _ in range(patches * chains)]
+
+            def add_block(block: Any, chain: int) -> None:
+                numbers = _load(builder, stamp, builder.mul(block, index(LANES)), LANES)
+                taxel = builder.add(builder.mul(start, inputs), _index(builder, listed, block))
+                for patch in range(patches):
+                    at = builder.add(taxel, builder.mul(index(patch), inputs))
+                    factor = _repeat(builder, builder.load(builder.gep(given, [at])))
+                    _add_product(builder, totals[patch + chain], numbers, factor)
+
+            count = builder.sub(end, begin)
+            with cgutils.for_range(builder, builder.udiv(count, index(chains))) as loop:
+                block = builder.add(begin, builder.mul(loop.index, index(chains)))
+                for chain in range(chains):
+                    add_block(builder.add(block, index(chain)), chain)
+            with cgutils.for_range(builder, builder.urem(count, index(chains))):
+                add_block(builder.sub(end, index(1)), 0)
+            if chains > 1:
+                total = builder.fadd(*(builder.load(total) for total in totals), flags=FAST)
+                builder.store(total, totals[0])
+            for patch in range(patches):
+                at = builder.mul(builder.add(start, index(patch)), outputs)
+                corner = builder.add(at, cell)
+                _add_rows(builder, builder.load(totals[patch]), field, corner, pitch)
+            return context.get_dummy_value()
+
+        sizes_type = types.UniTuple(INDEX, 3)  # type: ignore[no-untyped-call]
+        arrays = values, taxels, factors, out
+        return types.void(*arrays, INDEX, INDEX, INDEX, INDEX, sizes_type), generate
+
+    return intrinsic(add_tile)
+
+
+def _add_rows(builder: Any, tile: Any, field: Any, corner: Any, pitch: Any) -> None:
+    for row in range(SIDE):
+        at = builder.add(corner, builder.mul(pitch, pitch.type(row)))
+        part = _choose(builder, tile, range(SIDE * row, SIDE * (row + 1)))
+        place = _place(builder, field, at, SIDE)
+        align = _bytes(field)
+        builder.store(builder.fadd(builder.load(place, align=align), part), place, align=align)
+
+
+add_tile, add_tiles = _tile_product(1), _tile_product(TOGETHER)
+
+
+def _inlined(function: Callable[..., Any]) -> Any:
+    """Make a function of types and instructions one that compiled code calls, at no cost."""
+    return intrinsic(function)
+
+
+@_inlined
+def dot_tiles(
+    typing: Any,
+    values: Any,
+    order: Any,
+    corners: Any,
+    field: Any,
+    begin: Any,
+    end: Any,
+    pitch: Any,
+) -> Any:
+    """Sum of one taxel's blocks times the field, of the pitch given."""
+    _check(values, field)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        stamp, listed, places, cells = _data(context, builder, signature, arguments, 4)
+        begin, end, pitch = arguments[4:]
+        index = begin.type
+        total = _zeros(builder, stamp)
+        with cgutils.for_range(builder, builder.sub(end, begin)) as loop:
+            at = builder.add(begin, loop.index)
+            block = builder.mul(_index(builder, listed, at), index(LANES))
+            corner = _index(builder, places, at)
+            rows = [
+                _load(builder, cells, builder.add(corner, builder.mul(pitch, index(row))), SIDE)
+                for row in range(SIDE)
+            ]
+            upper = _choose(builder, rows[0], range(2 * SIDE), rows[1])
+            lower = _choose(builder, rows[2], range(2 * SIDE), rows[3])
+            tile = _choose(builder, upper, range(LANES), lower)
+            _add_product(builder, total, _load(builder, stamp, block, LANES), tile)
+        folded, lanes = builder.load(total), LANES
+        while lanes > 1:
+            lanes //= 2
+            high = _choose(builder, folded, range(lanes, 2 * lanes))
+            folded = builder.fadd(_choose(builder, folded, range(lanes)), high, flags=FAST)
+        return builder.extract_element(folded, ir.IntType(32)(0))
+
+    arrays = values, order, corners, field
+    return values.dtype(*arrays, INDEX, INDEX, INDEX), generate
+
+
+@_inlined
+def alike(typing: Any, values: Any, other: Any) -> Any:
+    """Refuse to compile for arrays of two types, or with gaps."""
+    _check(values, other)
+    return types.void(values, other), lambda context, *_: context.get_dummy_value()
+
+
+@njit
+def apply_tiles(
+    values: Numbers,
+    taxels: Ints32,
+    firsts: Ints32,
+    cells: Ints32,
+    pitch: int,
+    factors: Numbers,
+    out: Numbers,
+) -> None:
+    """Sum of all blocks, each times its taxel's factor (L,): `out` (K,)."""
+    out[:] = 0.0
+    for tile in range(len(cells)):
+        begin, end = firsts[tile], firsts[tile + 1]
+        add_tile(values, taxels, factors, out, 0, cells[tile], begin, end, (pitch, 0, 0))
+
+
+@njit
+def apply_tiles_many(
+    values: Numbers,
+    taxels: Ints32,
+    firsts: Ints32,
+    cells: Ints32,
+    pitch: int,
+    factors: Numbers,
+    out: Numbers,
+) -> None:
+    """`apply_tiles` of each row of `factors` (P, L) into the row of `out` (P, K)."""
+    out[:] = 0.0
+    patches, inputs = factors.shape
+    sizes = (pitch, inputs, out.shape[1])
+    whole = patches - patches % TOGETHER
+    for start in range(0, whole, TOGETHER):
+        for tile in range(len(cells)):
+            begin, end = firsts[tile], firsts[tile + 1]
+            add_tiles(values, taxels, factors, out, start, cells[tile], begin, end, sizes)
+    for start in range(whole, patches):
+        for tile in range(len(cells)):
+            begin, end = firsts[tile], firsts[tile + 1]
+            add_tile(values, taxels, factors, out, start, cells[tile], begin, end, sizes)
+
+
+@njit
+def adjoint_tiles(
+    values: Numbers,
+    order: Ints32,
+    corners: Ints32,
+    begins: Ints32,
+    pitch: int,
+    field: Numbers,
+    out: Numbers,
+) -> None:
+    """Each taxel's blocks times what they cover of `field` (K,): `out` (L,)."""
+    alike(values, out)
+    for taxel in range(len(out)):
+        begin, end = begins[taxel], begins[taxel + 1]
+        out[taxel] = dot_tiles(values, order, corners, field, begin, end, pitch)
+
+
+@njit
+def adjoint_tiles_many(
+    values: Numbers,
+    order: Ints32,
+    corners: Ints32,
+    begins: Ints32,
+    pitch: int,
+    fields: Numbers,
+    out: Numbers,
+) -> None:
+    """`adjoint_tiles` of each row of `fields` (P, K) into the row of `out` (P, L)."""
+    for patch in range(len(fields)):
+        adjoint_tiles(values, order, corners, begins, pitch, fields[patch], out[patch])

@@ -1,0 +1,1 @@
+"""Laboratory: cases and scores, the experiments of the paper, reports; nothing of it is core."""

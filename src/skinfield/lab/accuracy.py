@@ -1,0 +1,388 @@
+"""Accuracy benchmark: solvers on random presses at several noises, beside the Cramér-Rao bound.
+
+Presses that no solver was tuned on are read, scored and timed; balls are told apart at several
+distances; readings of noise alone count false contacts.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import InputError, SkinfieldError, check_choice, check_positive
+from skinfield.lab.bound import contact_family, errors_at_bound
+from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
+from skinfield.lab.cases import Case, Pose, Truth, posed, truth_of_press
+from skinfield.lab.report import SIZES, Part, tasks_of
+from skinfield.lab.runner import run
+from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
+from skinfield.lab.validation import (
+    Entrant,
+    Level,
+    known_entrants,
+    noise_seed,
+    once,
+    rows_of_case,
+)
+from skinfield.layout import Patch
+from skinfield.layout.generators import by_name
+from skinfield.mechanics import Layer
+from skinfield.simulate import Sphere, press
+
+NOISES = {  # standard deviations of one reading, Pa and ΔC/C₀; 0 is exact
+    "stress": (0.0, 380.0, 1e3, 3.8e3),
+    "capacitance": (0.0, 0.002, 0.005, 0.02),
+}
+KNOWN, UNKNOWN = "bound, size known", "bound, size unknown"
+PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln radius where it is not known
+DRAWS = 64  # of errors at the bound, per press
+RADIUS, FORCE = 3e-3, 1.0  # m, N: of each of two balls that are told apart
+
+
+@dataclass(frozen=True, kw_only=True)
+class AccuracyPlan:
+    """A campaign of random presses.
+
+    Parameters
+    ----------
+    entrants : tuple of Entrant
+    levels : tuple of Level
+    layout : str
+        Of a generator, see `skinfield.layout.generators`.
+    layer : Layer
+    presses : int
+    share : int
+        Presses in one part of the work.
+    idle : int
+        Readings of the skin at rest per level.
+    distances : tuple of float, m
+        Between two balls of 6 mm with 1 N each.
+    pairs : tuple of Level
+        At which the two are to be told apart.
+    trials : int
+        Per distance.
+    cell : float, m
+        Of the truth's grid.
+    seed : int
+    resamples : int
+        Of the bootstrap.
+    """
+
+    entrants: tuple[Entrant, ...]
+    levels: tuple[Level, ...]
+    layout: str = "icub_hexagon"
+    layer: Layer = SILICONE
+    presses: int = 200
+    share: int = 10
+    idle: int = 5000
+    distances: tuple[float, ...] = ()
+    pairs: tuple[Level, ...] = ()
+    trials: int = 60
+    cell: float = CELL
+    seed: int = 0
+    resamples: int = 999
+
+    def __post_init__(self) -> None:
+        for name in ("presses", "share", "trials", "idle"):
+            check_positive(name, getattr(self, name), "how many")
+        if not self.entrants or not self.levels:
+            raise InputError("entrants or levels are empty, expected at least one of each")
+
+    @property
+    def patch(self) -> Patch:
+        """The skin's layout."""
+        return by_name(self.layout)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What taxels read, each once."""
+        return tuple(dict.fromkeys(level.quantity for level in self.levels))
+
+
+LEVELS = tuple(Level(quantity, noise) for quantity, each in NOISES.items() for noise in each)
+PAIRS = (Level("stress", 400.0), Level("stress", 40.0), Level("capacitance", 0.002))
+DISTANCES = tuple(1e-3 * distance for distance in range(5, 17))
+
+
+def accuracy_plan(size: str, seed: int = 0) -> AccuracyPlan:
+    """The campaign of a size: "smoke", "short" or "full".
+
+    Raises
+    ------
+    InputError
+        For another size.
+    """
+    check_choice("size", size, SIZES, "how much is computed")
+    if size == "smoke":
+        return AccuracyPlan(
+            entrants=known_entrants(nodes=20),
+            levels=(Level("stress", 380.0),),
+            presses=3,
+            idle=200,
+            distances=(7e-3, 14e-3),
+            pairs=(Level("stress", 380.0),),
+            trials=10,
+            cell=0.5e-3,
+            seed=seed,
+            resamples=199,
+        )
+    plan = AccuracyPlan(
+        entrants=known_entrants(), levels=LEVELS, distances=DISTANCES, pairs=PAIRS, seed=seed
+    )
+    if size == "full":
+        return replace(plan, trials=200)
+    return replace(plan, presses=40, idle=2000, distances=DISTANCES[1::2])
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What came out.
+
+    Attributes
+    ----------
+    rows : list of dict
+        One per press, level and entrant, see `rows_of_case`.
+    bound : list of dict
+        Errors of estimates at the Cramér-Rao bound, for presses by balls.
+    idle : list of dict
+        Contacts in noise alone, one row per level and entrant.
+    pairs : list of dict
+        Two balls told apart, one row per distance, level and entrant.
+    """
+
+    rows: list[Row]
+    bound: list[Row]
+    idle: list[Row]
+    pairs: list[Row]
+
+    @classmethod
+    def of(cls, results: Sequence[dict[str, Any] | None]) -> "Findings":
+        """Put the parts' results together; what failed is left out."""
+
+        def rows(key: str) -> list[Row]:
+            return [row for result in results if result for row in result.get(key, ())]
+
+        return cls(rows("rows"), rows("bound"), rows("idle"), rows("pairs"))
+
+
+def rows_of_presses(plan: AccuracyPlan, first: int, last: int) -> dict[str, list[Row]]:
+    """Rows of the presses from `first` up to `last`, and of the bound where balls press."""
+    patch = plan.patch
+    rows: list[Row] = []
+    bound: list[Row] = []
+    for index in range(first, last):
+        pressed = random_press(patch, index, plan.seed, plan.layer, plan.cell)
+        about = {"case": pressed.name, "group": pressed.group}
+        for quantity in plan.quantities:
+            levels = [level for level in plan.levels if level.quantity == quantity]
+            case = pressed.case(patch, quantity)
+            made = rows_of_case(case, levels, plan.entrants, noise_seed(plan.seed, index))
+            rows += [about | row for row in made]
+        balls = [body for body in pressed.press.indenters if isinstance(body, Sphere)]
+        if len(balls) == len(pressed.press.indenters):
+            rng = np.random.default_rng([plan.seed, index, 1])
+            bound += [about | row for row in bound_rows(plan, balls, pressed.truth, rng)]
+    return {"rows": rows, "bound": bound}
+
+
+def bound_rows(
+    plan: AccuracyPlan,
+    balls: Sequence[Sphere],
+    truth: Truth,
+    rng: np.random.Generator,
+    draws: int = DRAWS,
+) -> list[Row]:
+    """Errors at the bound of a press by balls, for each noise above 0, sizes known and unknown.
+
+    Several balls are taken to act each by itself: they are 10 mm or more apart, five thicknesses.
+    """
+    patch, rows = plan.patch, []
+    forces = np.array([contact.force for contact in truth.contacts])
+    white = rng.standard_normal((draws, 3 * len(forces)))
+    for quantity in plan.quantities:
+        each = []
+        for body, contact in zip(balls, truth.contacts, strict=True):
+            ball = Sphere(radius=body.radius, force=contact.force)
+            family = contact_family(
+                plan.layer, ball, quantity, patch.pad_diameter,
+                extent=AROUND, cell=plan.cell, size="radius",
+            )  # fmt: skip
+            each.append(family.jacobian(patch.plane - contact.position))
+        for level in plan.levels:
+            if level.quantity != quantity or level.noise == 0.0:
+                continue
+            for name, prior in PRIORS.items():
+                head = {"quantity": quantity, "noise": level.noise, "method": name}
+                errors = errors_at_bound(each, forces, level.noise, prior, white)
+                rows += [head | row for row in errors]
+    return rows
+
+
+def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
+    """How often each entrant sees contacts in noise alone."""
+    patch = plan.patch
+    quiet = Case(
+        name="idle",
+        patch=patch,
+        layer=plan.layer,
+        quantity=level.quantity,
+        readings=np.zeros(len(patch)),
+        noise_std=np.full(len(patch), level.stated),
+        truth=Truth(
+            cell=plan.cell,
+            plane=np.empty((0, 2)),
+            pressure=np.empty(0),
+            displacement=np.empty((0, 3)),
+            contacts=(),
+        ),
+    )
+    rows = []
+    for entrant in plan.entrants:
+        seen = once(entrant).false_contacts(quiet, plan.idle, plan.seed)
+        rows.append(
+            {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
+            | {"idle": len(seen), "seen": sum(count > 0 for count in seen), "false": sum(seen)}
+        )
+    return {"idle": rows}
+
+
+def two_point_rows(plan: AccuracyPlan, distance: float) -> dict[str, list[Row]]:
+    """How many of two balls at a distance in m are found as two, one row per level and entrant.
+
+    Found as two: exactly two contacts, each nearer than half the distance to its own ball. All
+    see the same presses, at random places and angles of the middle, with the same noise.
+    """
+    balls = [
+        Sphere(radius=RADIUS, force=FORCE, position=(side * distance / 2, 0.0)) for side in (-1, 1)
+    ]
+    solved, patch = press(plan.layer, balls, distance + 2 * AROUND, plan.cell), plan.patch
+    truth, poses = truth_of_press(solved), _poses(plan, distance)
+    pads = np.concatenate([pose.back(patch.plane) for pose in poses])
+    rows = []
+    for level in plan.pairs:
+        exact = solved.readings(pads, patch.pad_diameter, level.quantity).reshape(len(poses), -1)
+        rng = np.random.default_rng([plan.seed, int(distance * 1e6), 1])
+        noisy = exact + level.noise * rng.standard_normal(exact.shape)
+        cases = [
+            Case(
+                name="two balls",
+                patch=patch,
+                layer=plan.layer,
+                quantity=level.quantity,
+                readings=reading,
+                noise_std=np.full(len(patch), level.stated),
+                truth=posed(truth, pose),
+            )
+            for reading, pose in zip(noisy, poses, strict=True)
+        ]
+        rows += [
+            {"distance_mm": 1e3 * distance, "quantity": level.quantity, "noise": level.noise}
+            | {"method": entrant.name, "trials": len(cases)}
+            | {"found": sum(_as_two(entrant, case, distance / 2) for case in cases)}
+            for entrant in plan.entrants
+        ]
+    return {"pairs": rows}
+
+
+def _poses(plan: AccuracyPlan, distance: float) -> list[Pose]:
+    rng = np.random.default_rng([plan.seed, int(distance * 1e6)])
+    plane = plan.patch.plane
+    middle, half = (plane.max(axis=0) + plane.min(axis=0)) / 2, np.ptp(plane, axis=0) / 4 * INSET
+    places = middle + rng.uniform(-half, half, (plan.trials, 2))
+    angles = rng.uniform(0.0, np.pi, plan.trials)
+    return [
+        Pose(float(x), float(y), float(angle)) for (x, y), angle in zip(places, angles, strict=True)
+    ]
+
+
+def _as_two(entrant: Entrant, case: Case, gate: float) -> bool:
+    reconstruct = once(entrant).reconstructor(case)
+    reconstruct.reset()
+    contacts = reconstruct(case.readings).contacts
+    matches, missed, false = matched(case.patch, case.truth.contacts, contacts, gate)
+    return len(matches) == 2 and not missed and not false
+
+
+def parts_of(plan: AccuracyPlan) -> list[Part]:
+    """Independent shares of the work."""
+    firsts = range(0, plan.presses, plan.share)
+    return [
+        *(
+            Part(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + plan.share, plan.presses)))
+            for k in firsts
+        ),
+        *(
+            Part(f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
+            for level in plan.levels
+            if level.noise > 0
+        ),
+        *(Part(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances),
+    ]
+
+
+def computed(
+    plan: AccuracyPlan,
+    folder: Path,
+    workers: int = 1,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Findings:
+    """Run all parts that `folder` does not hold yet.
+
+    Raises
+    ------
+    SkinfieldError
+        Where a part fails: with its last line, and the file that has the rest.
+    """
+    tasks, results = tasks_of(parts_of(plan), "accuracy"), {}
+    progress(0, len(tasks))
+    for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):
+        if outcome.failure:
+            reason = outcome.failure.strip().splitlines()[-1]
+            raise SkinfieldError(f"{outcome.name} fails: {reason} ({outcome.folder}.failed.txt)")
+        results[outcome.name] = outcome.result
+        progress(done, len(tasks))
+    return Findings.of([results[task.name] for task in tasks])
+
+
+def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> list[Row]:
+    """One row per quantity, noise and entrant, with the bounds after the entrants.
+
+    Beside what `summarise` makes, ``place_held`` and ``force_held`` are the shares of the contacts
+    found whose stated 90 % regions hold the truth, and ``idle_false_per_reading`` is the mean of
+    noise alone. The bounds are of presses by balls alone, and lack what they do not say.
+    """
+    out: list[Row] = []
+    rows = findings.rows
+    for quantity, noise in dict.fromkeys((r["quantity"], r["noise"]) for r in rows):
+        for name in (*dict.fromkeys(row["method"] for row in rows), *PRIORS):
+            head: Row = {"quantity": quantity, "noise": noise, "method": name}
+            mine = where(findings.bound if name in PRIORS else rows, **head)
+            if not mine:
+                continue
+            numbers = head | {"presses": len({row["case"] for row in mine})}
+            if name in PRIORS:  # many draws each, so no interval
+                out.append(numbers | quantiles(mine))
+                continue
+            numbers |= summarise(mine, resamples, seed)
+            matches = sum(row["matched"] for row in mine)
+            for key in ("place_held", "force_held"):
+                numbers |= rate_row(key, sum(row[key] for row in mine), matches)
+            idle = where(findings.idle, **head)
+            readings = sum(row["idle"] for row in idle)
+            if readings:
+                alarms = sum(row["false"] for row in idle)
+                numbers |= {"idle_readings": readings, "idle_false_per_reading": alarms / readings}
+            out.append(numbers)
+    return out
+
+
+def group_rows(rows: Sequence[Row], resamples: int = 199, seed: int = 0) -> list[Row]:
+    """The same, without bounds, for each group of presses: single, several, extended."""
+    out = []
+    for group in dict.fromkeys(row.get("group", "all") for row in rows):
+        mine = [row for row in rows if row.get("group", "all") == group]
+        each = accuracy_rows(Findings(mine, [], [], []), resamples, seed)
+        out += [{"group": group} | row for row in each]
+    return out

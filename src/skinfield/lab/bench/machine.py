@@ -1,0 +1,229 @@
+"""Machine that times are measured on, who else was using it, and laps of its clock."""
+
+import gc
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import Floats
+
+PACKAGES = ("skinfield", "numpy", "scipy", "numba")
+CPU_INFO, CPU_TIMES = Path("/proc/cpuinfo"), Path("/proc/stat")
+TOO_MUCH = 0.15  # cores that others may use before it is worth a warning
+CROWDED = 0.5  # load per core when it begins, from which it is
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What timed, by name and version.
+
+    Attributes
+    ----------
+    processor : str
+    cores : int
+        That the system has.
+    system, python : str
+    packages : dict
+        Version by name.
+    blas : str
+        Which NumPy multiplies matrices by.
+    """
+
+    processor: str
+    cores: int
+    system: str
+    python: str
+    packages: dict[str, str]
+    blas: str
+
+
+def this_machine() -> Machine:
+    """Describe the machine and the programs."""
+    return Machine(
+        processor=_processor(),
+        cores=os.cpu_count() or 1,
+        system=f"{platform.system()} {platform.release()} {platform.machine()}",
+        python=f"{platform.python_implementation()} {platform.python_version()}",
+        packages={name: _version(name) for name in PACKAGES},
+        blas=_blas(),
+    )
+
+
+@dataclass(frozen=True)
+class Company:
+    """What else the processor did while times were measured.
+
+    Attributes
+    ----------
+    load : float or None
+        Average number of running processes over the minute before; None where it is not known.
+    others : float or None
+        Cores that other processes used, on average; None where it is not known.
+    stolen : float or None
+        Cores that the host of a virtual machine kept to itself, on average.
+    own : float
+        Cores that this process used: near 1 where nothing held it up.
+    """
+
+    load: float | None
+    others: float | None
+    stolen: float | None
+    own: float
+
+    def warnings(self, cores: int) -> tuple[str, ...]:
+        """What makes the times doubtful, in words."""
+        found = []
+        if self.others is not None and self.others > TOO_MUCH:
+            found.append(
+                f"other processes used {self.others:.1f} of {cores} cores meanwhile: times are "
+                "longer than on a quiet machine, the highest percentiles most of all"
+            )
+        elif self.others is None and self.load is not None and self.load > CROWDED * cores:
+            found.append(f"the load was {self.load:.1f} on {cores} cores: the machine was busy")
+        if self.stolen is not None and self.stolen > TOO_MUCH:
+            found.append(f"the host of this virtual machine kept {self.stolen:.1f} cores away")
+        return tuple(found)
+
+
+class Watch:
+    """Sees who uses the processor, from when it is made until `company` is asked for."""
+
+    def __init__(self) -> None:
+        self._load = _load()
+        self._start = _Usage.now()
+
+    def company(self) -> Company:
+        """Averages since the start."""
+        start, end = self._start, _Usage.now()
+        span = max(end.clock - start.clock, 1e-9)
+        own = (end.own - start.own) / span
+        others = stolen = None
+        if start.busy is not None and end.busy is not None:
+            others = max((end.busy - start.busy) / span - own, 0.0)
+        if start.stolen is not None and end.stolen is not None:
+            stolen = (end.stolen - start.stolen) / span
+        return Company(self._load, others, stolen, own)
+
+
+@dataclass(frozen=True)
+class _Usage:
+    """Seconds so far: of the clock, of this process, of all that is not idle, of the host."""
+
+    clock: float
+    own: float
+    busy: float | None
+    stolen: float | None
+
+    @classmethod
+    def now(cls) -> "_Usage":
+        return cls(time.monotonic(), time.process_time(), *_system_times())
+
+
+def _system_times() -> tuple[float | None, float | None]:
+    """Seconds that all cores were busy, and that the host took; by Linux, elsewhere unknown."""
+    try:
+        words = CPU_TIMES.read_text().splitlines()[0].split()
+        user, nice, system, _, _, irq, soft, steal = map(int, words[1:9])
+    except (OSError, ValueError, IndexError):
+        return None, None
+    tick = os.sysconf("SC_CLK_TCK")
+    return (user + nice + system + irq + soft) / tick, steal / tick
+
+
+def _load() -> float | None:
+    try:
+        return os.getloadavg()[0]
+    except (AttributeError, OSError):  # not on Windows
+        return None
+
+
+def _processor() -> str:
+    try:
+        for line in CPU_INFO.read_text(errors="replace").splitlines():
+            name, _, value = line.partition(":")
+            if name.strip() == "model name":
+                return value.strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _blas() -> str:
+    found = np.show_config(mode="dicts")
+    blas = found.get("Build Dependencies", {}).get("blas", {}) if isinstance(found, dict) else {}
+    return f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip()
+
+
+PERCENTILES = (10, 50, 90, 99)
+Spread = dict[str, float]  # count, mean, std, min, p10, p50, p90, p99, max
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Without garbage collection, which would fall into some lap and not into others."""
+    was = gc.isenabled()
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
+
+
+@contextmanager
+def settled() -> Iterator[None]:
+    """With what is there by now left out of garbage collections: each `undisturbed` needs one."""
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+
+
+def laps(function: Callable[[], object], count: int, idle: int = 0) -> Floats:
+    """Seconds of each of `count` calls, after `idle` ones that do not count."""
+    for _ in range(idle):
+        function()
+    out = np.empty(count)
+    for index in range(count):
+        start = time.perf_counter_ns()
+        function()
+        out[index] = time.perf_counter_ns() - start
+    return out * 1e-9
+
+
+def spread(values: ArrayLike, scale: float = 1.0) -> Spread | None:
+    """Mean, deviation, ends and percentiles of the numbers among `values`, times `scale`.
+
+    None if there is no number among them.
+    """
+    found = np.asarray(values, dtype=np.float64).ravel() * scale
+    found = found[np.isfinite(found)]
+    if not len(found):
+        return None
+    named = zip(PERCENTILES, np.percentile(found, PERCENTILES).tolist(), strict=True)
+    return {
+        "count": len(found),
+        "mean": float(found.mean()),
+        "std": float(found.std()),
+        "min": float(found.min()),
+        **{f"p{percent}": value for percent, value in named},
+        "max": float(found.max()),
+    }

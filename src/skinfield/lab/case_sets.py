@@ -1,0 +1,341 @@
+"""Sets of simulated cases: one of each standard kind, and random presses of a seed."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import Floats, InputError, as_floats, check_choice
+from skinfield.lab.cases import (
+    QUANTITIES,
+    Case,
+    Pose,
+    Truth,
+    posed,
+    quantity_by_name,
+    truth_of_press,
+)
+from skinfield.layout import Patch
+from skinfield.mechanics import BondedLayer, Layer
+from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
+from skinfield.simulate.pressing.press import readings_anywhere
+
+SILICONE = Layer(2e-3, 100e3, 0.5)
+AROUND = 14e-3  # m: from a press's middle to the sides of the square of skin that is solved
+INSET = 0.6  # of the patch's half width: presses stay away from its rim
+SINGLE, SEVERAL, EXTENDED = "single", "several", "extended"
+# 12 : 5 : 3, mixed so that any few presses in a row hold about these shares.
+GROUPS = tuple({"1": SINGLE, "+": SEVERAL, "=": EXTENDED}[sign] for sign in "1+1=1+11+1=11+1=1+11")
+BALLS = (2e-3, 15e-3)  # m: radius, log-uniform
+LOADS = (0.2, 3.0)  # N: of each body, log-uniform up to what the layer bears
+APART = (10e-3, 14e-3)  # m: least distance of several bodies, uniform
+DEEPEST = 0.7  # thicknesses: beyond, linear elasticity is more than 5 % off for balls
+CELL = 0.25e-3  # m: of the truth's grid
+TRIES, LOADINGS = 200, 40  # until places, and loads, are such as asked for
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of press: what it is called, the bodies about the origin, the elastomer."""
+
+    name: str
+    bodies: tuple[Any, ...]
+    layer: Layer = SILICONE
+    cover: bool = False
+
+
+def ball(diameter_mm: float, force: float, x_mm: float = 0.0, y_mm: float = 0.0) -> Sphere:
+    """A ball at a place."""
+    return Sphere(radius=diameter_mm / 2e3, force=force, position=(x_mm / 1e3, y_mm / 1e3))
+
+
+def flat(diameter_mm: float, force: float, x_mm: float = 0.0, y_mm: float = 0.0) -> Cylinder:
+    """A flat cylinder at a place."""
+    return Cylinder(radius=diameter_mm / 2e3, force=force, position=(x_mm / 1e3, y_mm / 1e3))
+
+
+ONE = (ball(12, 1.0),)
+KINDS = (
+    Kind("ball12_1N", ONE),
+    Kind("ball6_1N", (ball(6, 1.0),)),
+    Kind("flat3_0.5N", (flat(3, 0.5),)),
+    Kind("flat12_3N", (flat(12, 3.0),)),
+    Kind("two_balls_12mm_apart", (ball(12, 1.0, -6), ball(12, 1.0, 6))),
+    Kind("bar_16x3_2N", (Bar(length=16e-3, width=3e-3, force=2.0),)),
+    Kind("ring_10_2N", (Ring(inner_radius=4e-3, outer_radius=5e-3, force=2.0),)),
+    Kind("ball12_thick_4mm", ONE, Layer(4e-3, 100e3, 0.5)),
+    Kind("ball12_foam_nu0.3", ONE, Layer(2e-3, 100e3, 0.3)),
+    Kind("ball12_0.5N", (ball(12, 0.5),)),
+    Kind("ball12_3N", (ball(12, 3.0),)),
+    Kind("ball20_2N", (ball(20, 2.0),)),
+    Kind("ball6_0.5N", (ball(6, 0.5),)),
+    Kind("ball6_1.8N", (ball(6, 1.8),)),
+    Kind("flat6_1N", (flat(6, 1.0),)),
+    Kind("two_balls_unequal", (ball(6, 0.5, -8), ball(12, 2.0, 8))),
+    Kind("three_balls", (ball(6, 0.7, -8, -5), ball(6, 0.7, 8, -5), ball(6, 0.7, 0, 8))),
+    Kind("ball_and_flat", (ball(6, 0.8, -8), flat(6, 1.0, 7))),
+    Kind("cone_1N", (Cone(radius=6e-3, half_angle=np.radians(75.0), force=1.0),)),
+    Kind("ball12_thin_1mm", ONE, Layer(1e-3, 100e3, 0.5)),
+    Kind("ball12_nu0.45", ONE, Layer(2e-3, 100e3, 0.45)),
+    Kind("ball12_covered", ONE, cover=True),
+)
+
+
+def standard_cases(
+    patch: Patch,
+    count: int = len(KINDS),
+    seed: int = 0,
+    quantity: str = "capacitance",
+    noise_std: float | None = None,
+    draws: int = 1,
+    cell: float = 0.25e-3,
+) -> Iterator[Case]:
+    """Make cases one after another; the same arguments give the same cases.
+
+    The kinds of `KINDS` come in turn, each at a place and an angle of its own; beyond their number
+    they come again at others.
+
+    Parameters
+    ----------
+    patch : Patch
+        Presses stay in the middle of it, with 0.6 of its width and height.
+    count : int
+    seed : int
+    quantity : "capacitance", "gap" or "stress"
+    noise_std : float, in the quantity's unit, optional
+        Default its `typical_noise`.
+    draws : int
+        Readings per case that differ in their noise; 0 for one exact reading.
+    cell : float, m
+        Of the truth.
+    """
+    check_choice("quantity", quantity, QUANTITIES, "what taxels read")
+    low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
+    solved = {}
+    for index in range(count):
+        kind = KINDS[index % len(KINDS)]
+        if index < len(KINDS) or kind.name not in solved:
+            solved[kind.name] = press(
+                kind.layer,
+                list(kind.bodies),
+                extent=2 * AROUND,
+                cell=cell,
+                mechanics=BondedLayer(inextensible_cover=kind.cover),
+            )
+        rng = np.random.default_rng([seed, index])
+        x, y = (low + high) / 2 + rng.uniform(-INSET / 2, INSET / 2, 2) * (high - low)
+        case = Case.from_press(
+            f"{index:03d}_{kind.name}",
+            solved[kind.name],
+            patch,
+            quantity,
+            (float(x), float(y), float(rng.uniform(0.0, 2 * np.pi))),
+            noise_std,
+        )
+        yield case.with_noise(seed * 1_000_003 + index, draws) if draws else case
+
+
+@dataclass(frozen=True, eq=False)
+class RandomPress:
+    """A press that is solved about the origin, and where it is on the patch.
+
+    Attributes
+    ----------
+    name : str
+    group : "single", "several" or "extended"
+        One ball or cone; two or three bodies; a flat, a bar or a ring.
+    press : Press
+    pose : Pose
+    """
+
+    name: str
+    group: str
+    press: Press
+    pose: Pose
+
+    @cached_property
+    def truth(self) -> Truth:
+        """All that is known of it, where it is on the patch."""
+        return posed(truth_of_press(self.press), self.pose)
+
+    def case(self, patch: Patch, quantity: str, noise_std: ArrayLike | None = None) -> Case:
+        """Exact readings of a patch.
+
+        Parameters
+        ----------
+        patch : Patch
+        quantity : "capacitance", "gap" or "stress"
+        noise_std : float or (L,) array, in the quantity's unit, optional
+            Which a solver may be told. Default the quantity's `typical_noise`.
+        """
+        anywhere = readings_anywhere(self.press, patch.pad_diameter, quantity)
+        typical = quantity_by_name(quantity).typical_noise
+        return Case(
+            name=self.name,
+            patch=patch,
+            layer=self.press.layer,
+            quantity=quantity,
+            readings=anywhere(self.pose.back(patch.plane)),
+            noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
+            truth=self.truth,
+        )
+
+
+def random_press(
+    patch: Patch, index: int, seed: int = 0, layer: Layer = SILICONE, cell: float = CELL
+) -> RandomPress:
+    """Make one press of a campaign; the same arguments give the same press.
+
+    Of twenty, twelve are single balls (some cones), five are two or three bodies 10 to 14 mm apart
+    or more, and three are flats with sharp or rounded edges, bars and rings. Radii of balls (2 to
+    15 mm) and loads (0.2 to 3 N each) are log-uniform; loads are drawn again where a body sinks
+    deeper than 0.7 of the layer.
+
+    Parameters
+    ----------
+    patch : Patch
+        Bodies stay in the middle of it, with 0.6 of its width and height.
+    index : int
+        Of the press in its campaign.
+    seed : int
+    layer : Layer
+    cell : float, m
+        Of the truth's grid.
+    """
+    rng = np.random.default_rng([seed, index])
+    group = GROUPS[index % len(GROUPS)]
+    low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
+    middle, half = (low + high) / 2, INSET / 2 * (high - low)
+    places, apart = _places(rng, group, half)
+    centre = places.mean(axis=0)
+    bodies = [
+        replace(body, position=(float(x), float(y)))
+        for body, (x, y) in zip(
+            _bodies(rng, group, len(places), apart), places - centre, strict=True
+        )
+    ]
+    extent = 2 * (float(np.abs(places - centre).max()) + AROUND)
+    solved = _pressed(rng, layer, bodies, extent, cell)
+    angle = float(rng.uniform(0.0, 2 * np.pi)) if group == EXTENDED else 0.0
+    x, y = (middle + centre).tolist()
+    what = "_".join(sorted({body.kind.replace(" ", "-") for body in bodies}))
+    name = f"{index:04d}_{len(bodies) if len(bodies) > 1 else ''}{what}_{solved.force:.2f}N"
+    return RandomPress(name, group, solved, Pose(x, y, angle))
+
+
+def random_cases(
+    patch: Patch,
+    count: int = 200,
+    seed: int = 0,
+    quantity: str = "capacitance",
+    noise_std: float | None = None,
+    draws: int = 1,
+    layer: Layer = SILICONE,
+    cell: float = CELL,
+) -> Iterator[Case]:
+    """Make cases of random presses one after another; see `random_press`.
+
+    Parameters
+    ----------
+    patch : Patch
+    count, seed : int
+    quantity : "capacitance", "gap" or "stress"
+    noise_std : float, in the quantity's unit, optional
+        Default its `typical_noise`.
+    draws : int
+        Readings per case that differ in their noise; 0 for one exact reading.
+    layer, cell
+        See `random_press`.
+    """
+    check_choice("quantity", quantity, QUANTITIES, "what taxels read")
+    for index in range(count):
+        case = random_press(patch, index, seed, layer, cell).case(patch, quantity, noise_std)
+        yield case.with_noise(seed * 1_000_003 + index, draws) if draws else case
+
+
+def _places(rng: np.random.Generator, group: str, half: Floats) -> tuple[Floats, float]:
+    """Places (N, 2) m of the bodies about the patch's middle, and their least distance."""
+    if group != SEVERAL:
+        return rng.uniform(-half, half)[None], np.inf
+    count, apart = int(rng.choice([2, 3], p=[0.6, 0.4])), float(rng.uniform(*APART))
+    for _ in range(TRIES):
+        places = rng.uniform(-half, half, (count, 2))
+        distance = np.linalg.norm(places[:, None] - places, axis=2)
+        if distance[np.triu_indices(count, 1)].min() >= apart:
+            return places, apart
+    raise InputError(
+        f"the middle of the patch is {2e3 * half[0]:.0f} x {2e3 * half[1]:.0f} mm, expected room "
+        f"for {count} bodies that are {apart * 1e3:.0f} mm apart: take a larger patch"
+    )
+
+
+def _bodies(rng: np.random.Generator, group: str, count: int, apart: float) -> list[Any]:
+    """Bodies at the origin, without a load; several do not overlap."""
+    makers, weights = MAKERS[group]
+    chosen = [makers[int(rng.choice(len(makers), p=weights))] for _ in range(count)]
+    return [make(rng, 0.48 * apart) for make in chosen]
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _ball(rng: np.random.Generator, widest: float) -> Sphere:
+    return Sphere(radius=_log(rng, BALLS[0], min(BALLS[1], widest)))
+
+
+def _cone(rng: np.random.Generator, widest: float) -> Cone:
+    half_angle = float(np.radians(rng.uniform(65.0, 80.0)))
+    return Cone(radius=min(7e-3, widest), half_angle=half_angle)
+
+
+def _flat(rng: np.random.Generator, widest: float) -> Cylinder:
+    radius = _log(rng, 2e-3, min(7e-3, widest))
+    return Cylinder(radius=radius, edge_radius=_edge(rng, radius / 2))
+
+
+def _bar(rng: np.random.Generator, _: float) -> Bar:
+    length, width = float(rng.uniform(8e-3, 20e-3)), float(rng.uniform(2e-3, 4e-3))
+    return Bar(length=length, width=width, edge_radius=_edge(rng, width / 2))
+
+
+def _ring(rng: np.random.Generator, _: float) -> Ring:
+    outer, wall = float(rng.uniform(4e-3, 7e-3)), float(rng.uniform(0.8e-3, 2e-3))
+    return Ring(inner_radius=outer - wall, outer_radius=outer, edge_radius=_edge(rng, wall / 2))
+
+
+def _edge(rng: np.random.Generator, most: float) -> float:
+    """Radius of an edge; every other one is sharp."""
+    rounded = bool(rng.integers(2))
+    return float(rng.uniform(0.2, 1.0) * most) if rounded else 0.0
+
+
+Maker = Callable[[np.random.Generator, float], Any]
+MAKERS: dict[str, tuple[tuple[Maker, ...], tuple[float, ...]]] = {  # with their shares
+    SINGLE: ((_ball, _cone), (0.9, 0.1)),
+    SEVERAL: ((_ball, _flat, _cone), (0.8, 0.15, 0.05)),
+    EXTENDED: ((_flat, _bar, _ring), (0.4, 0.3, 0.3)),
+}
+
+
+def _pressed(
+    rng: np.random.Generator, layer: Layer, bodies: list[Any], extent: float, cell: float
+) -> Press:
+    """Solve with random loads, drawn again where the layer does not bear them."""
+    for _ in range(LOADINGS):
+        loaded = [replace(body, force=_log(rng, *LOADS)) for body in bodies]
+        try:
+            solved = press(layer, loaded, extent, cell)
+        except InputError as error:
+            if "sinks" not in str(error):
+                raise
+            continue
+        if solved.approach.max() <= DEEPEST * layer.thickness:
+            return solved
+    raise InputError(
+        f"layer is {layer}, expected one that bears {LOADS[0]:g} N: bodies sink deeper than "
+        f"{DEEPEST:g} of it"
+    )

@@ -1,0 +1,345 @@
+"""Simulated and measured cases: what the taxels of a patch read, and what truly pressed on it."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_choice,
+    check_finite,
+    check_positive,
+    check_shape,
+)
+from skinfield.layout import Patch
+from skinfield.mechanics import BondedLayer, Layer
+from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+from skinfield.simulate import Press
+
+# As files of cases spell them.
+QUANTITIES: dict[str, Quantity] = {
+    "capacitance": Capacitance(),
+    "gap": Gap(),
+    "stress": BaseStress(),
+}
+
+
+@dataclass(frozen=True)
+class TrueContact:
+    """One body on the skin.
+
+    Parameters
+    ----------
+    position : (x, y), m
+        Centre of pressure in the patch's plane.
+    force : float, N
+        Into the skin.
+    area : float, m²
+        That touches; NaN where it is not known.
+    kind : str
+        What pressed, in words.
+    """
+
+    position: tuple[float, float]
+    force: float
+    area: float = float("nan")
+    kind: str = "body"
+
+    def __post_init__(self) -> None:
+        position = as_floats("position", self.position)
+        check_shape("position", position, (2,), "x and y in the patch's plane, in metres")
+        check_finite("position", position, "x and y in the patch's plane, in metres")
+        object.__setattr__(self, "position", (float(position[0]), float(position[1])))
+        check_positive("force", self.force, "of a contact into the skin, in newtons")
+        if not self.area >= 0.0 and not np.isnan(self.area):
+            raise InputError(f"area is {self.area!r} m², expected 0 or more, or NaN if unknown")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Truth:
+    """Contacts and, where known, the fields on a fine mesh.
+
+    Parameters
+    ----------
+    cell : float, m
+        Each node stands for `cell` x `cell` of skin.
+    plane : (K, 2) array, m
+        Nodes in the patch's plane; none where only the contacts are known.
+    pressure : (K,) array, Pa
+        Positive in compression; 0 away from the nodes.
+    displacement : (K, 3) array, m
+        Of the surface along the plane's x, its y, and the outward normal; NaN where unknown. Away
+        from the nodes it is not known.
+    contacts : tuple of TrueContact
+        None where nothing presses.
+    source : str
+        Where it comes from.
+    """
+
+    cell: float
+    plane: Floats
+    pressure: Floats
+    displacement: Floats
+    contacts: tuple[TrueContact, ...]
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        check_positive("cell", self.cell, "side of a cell of the truth, in metres")
+        object.__setattr__(self, "contacts", tuple(self.contacts))
+        plane = np.array(as_floats("plane", self.plane))
+        check_shape("plane", plane, (None, 2), "x and y of the nodes, in metres")
+        check_finite("plane", plane, "x and y of the nodes, in metres")
+        pressure = np.array(as_floats("pressure", self.pressure))
+        check_shape("pressure", pressure, (len(plane),), "one per node, in Pa")
+        check_finite("pressure", pressure, "one per node, in Pa")
+        displacement = np.array(as_floats("displacement", self.displacement))
+        check_shape("displacement", displacement, (len(plane), 3), "three per node, in metres")
+        if np.isinf(displacement).any():
+            raise InputError("displacement holds an infinity, expected metres, or NaN if unknown")
+        named = (("plane", plane), ("pressure", pressure), ("displacement", displacement))
+        for key, value in named:
+            value.setflags(write=False)
+            object.__setattr__(self, key, value)
+
+    @property
+    def force(self) -> float:
+        """Of all contacts, N."""
+        return float(sum(contact.force for contact in self.contacts))
+
+    @property
+    def field_force(self) -> float:
+        """Sum of the pressure, N; 0 where the fields are not known."""
+        return float(self.pressure.sum() * self.cell**2)
+
+    @property
+    def contact_area(self) -> float:
+        """Of all contacts, m²; NaN where that of one is not known."""
+        return float(sum(contact.area for contact in self.contacts))
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A turn about the plane's origin, then a shift: x and y in m, the angle in rad."""
+
+    x: float
+    y: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_finite("pose", as_floats("pose", [self.x, self.y, self.angle]), "m, m and rad")
+
+    @property
+    def turn(self) -> Floats:
+        """Rotation matrix (2, 2)."""
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[cos, -sin], [sin, cos]])
+
+    def there(self, plane: Floats) -> Floats:
+        """Points (N, 2) m carried with the press."""
+        return np.asarray(plane @ self.turn.T + [self.x, self.y])
+
+    def back(self, plane: Floats) -> Floats:
+        """Points (N, 2) m as the press at the origin sees them."""
+        return np.asarray((plane - [self.x, self.y]) @ self.turn)
+
+
+def posed(truth: Truth, pose: Pose) -> Truth:
+    """Truth of the press carried by a pose."""
+    displacement = truth.displacement.copy()
+    displacement[:, :2] = displacement[:, :2] @ pose.turn.T
+    places = pose.there(np.array([c.position for c in truth.contacts]).reshape(-1, 2))
+    return replace(
+        truth,
+        plane=pose.there(truth.plane),
+        displacement=displacement,
+        contacts=tuple(
+            replace(contact, position=(float(x), float(y)))
+            for contact, (x, y) in zip(truth.contacts, places, strict=True)
+        ),
+    )
+
+
+def quantity_by_name(name: str) -> Quantity:
+    """What taxels read, by the word in a case.
+
+    Raises
+    ------
+    InputError
+        For another word.
+    """
+    check_choice("quantity", name, QUANTITIES, "what taxels read")
+    return QUANTITIES[name]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Case:
+    """Readings of a patch with the truth beside them.
+
+    Parameters
+    ----------
+    name : str
+        Of the case; its file is called so, too.
+    patch : Patch
+    layer : Layer
+        What the elastomer is, which an estimate may be told.
+    quantity : str
+        What a taxel reads: "capacitance" (ΔC/C₀), "gap" (indentation over thickness) or "stress"
+        (Pa).
+    readings : (L,) or (R, L) array, in the quantity's unit
+        Of one instant, or of R that differ in their noise alone. NaN marks a taxel without answer.
+    noise_std : float or (L,) array, in the quantity's unit
+        Standard deviation of one reading, which a solver may be told. Kept as (L,).
+    noisy : bool
+        Whether the readings hold that noise; else they are exact.
+    truth : Truth
+    mechanics : BondedLayer
+        How the elastomer is held: with or without an inextensible cover.
+
+    Notes
+    -----
+    All arrays are copies, and read-only.
+    """
+
+    name: str
+    patch: Patch
+    layer: Layer
+    quantity: str
+    readings: Floats
+    noise_std: Floats
+    truth: Truth
+    noisy: bool = False
+    mechanics: BondedLayer = field(default_factory=BondedLayer)
+
+    def __post_init__(self) -> None:
+        if not self.name.strip() or set(self.name) & set("/\\\0"):
+            raise InputError(f"name is {self.name!r}, expected a word that can name a file")
+        check_choice("quantity", self.quantity, QUANTITIES, "what taxels read")
+        if not isinstance(self.mechanics, BondedLayer):
+            raise InputError(
+                f"mechanics is {self.mechanics!r}, expected BondedLayer(): a case says what the "
+                "skin is; another model is what a solver assumes"
+            )
+        readings = np.array(as_floats("readings", self.readings))
+        wide = readings.ndim in (1, 2) and readings.shape[-1] == len(self.patch)
+        if not wide or not len(readings):
+            raise InputError(
+                f"readings has shape {readings.shape}, expected ({len(self.patch)},) or "
+                f"(draws, {len(self.patch)}): one column per taxel"
+            )
+        if np.isinf(readings).any():
+            raise InputError("readings holds an infinity, expected numbers, or NaN for no answer")
+        noise = np.array(as_floats("noise_std", self.noise_std))
+        noise = np.full(len(self.patch), float(noise)) if noise.ndim == 0 else noise
+        check_shape("noise_std", noise, (len(self.patch),), "one per taxel, or one for all")
+        check_finite("noise_std", noise, "in the unit of the readings")
+        check_positive("noise_std", float(noise.min()), "no reading is exact")
+        for key, value in (("readings", readings), ("noise_std", noise)):
+            value.setflags(write=False)
+            object.__setattr__(self, key, value)
+
+    @classmethod
+    def from_press(
+        cls,
+        name: str,
+        press: Press,
+        patch: Patch,
+        quantity: str = "capacitance",
+        pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        noise_std: ArrayLike | None = None,
+    ) -> "Case":
+        """Case of a simulated press, carried over the patch by a pose; its readings are exact.
+
+        The layer is the same everywhere, so a press that is carried over the skin reads as taxels
+        that are carried the other way: nothing is solved again.
+
+        Parameters
+        ----------
+        press : skinfield.simulate.Press
+        patch : Patch
+        quantity : str
+        pose : (x, y, angle), m, m, rad
+            Of the press in the patch's plane: turned about the origin, then shifted.
+        noise_std : float or (L,) array, optional
+            Default the quantity's `typical_noise`.
+        """
+        if not isinstance(press.mechanics, BondedLayer):
+            raise InputError("press.mechanics is no BondedLayer, expected what the skin truly is")
+        where = Pose(*pose)
+        typical = quantity_by_name(quantity).typical_noise
+        taxels = where.back(patch.plane)
+        return cls(
+            name=name,
+            patch=patch,
+            layer=press.layer,
+            quantity=quantity,
+            readings=press.readings(taxels, patch.pad_diameter, quantity),
+            noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
+            truth=posed(truth_of_press(press), where),
+            mechanics=press.mechanics,
+        )
+
+    @property
+    def draws(self) -> Floats:
+        """Readings with a leading axis, (R, L); R is 1 where there is one reading."""
+        return np.atleast_2d(self.readings)
+
+    def stating(self, noise_std: ArrayLike) -> "Case":
+        """Case of the same readings that states another noise, in the quantity's unit."""
+        return replace(self, noise_std=as_floats("noise_std", noise_std))
+
+    def with_noise(self, seed: int, draws: int = 1, noise_std: ArrayLike | None = None) -> "Case":
+        """Case of readings (draws, L) with Gaussian noise; the truth stays.
+
+        Parameters
+        ----------
+        seed : int
+        draws : int
+        noise_std : float or (L,) array, optional
+            Default the case's own.
+
+        Raises
+        ------
+        InputError
+            If the readings hold noise already.
+        """
+        if self.noisy or self.readings.ndim != 1:
+            raise InputError(f"case {self.name!r} holds noise already, expected exact readings")
+        if draws < 1:
+            raise InputError(f"draws is {draws}, expected 1 or more")
+        noise = self.noise_std if noise_std is None else as_floats("noise_std", noise_std)
+        rng = np.random.default_rng(seed)
+        added = rng.standard_normal((draws, len(self.patch))) * noise
+        return replace(self, readings=self.readings + added, noise_std=noise, noisy=True)
+
+
+def truth_of_press(press: Press) -> Truth:
+    """All that is known of a simulated press, where it was solved."""
+    return Truth(
+        cell=press.grid.pitch,
+        plane=press.grid.plane,
+        pressure=press.pressure,
+        displacement=press.displacement,
+        contacts=_contacts_of_press(press),
+        source="skinfield.simulate.pressing.press",
+    )
+
+
+def _contacts_of_press(press: Press) -> tuple[TrueContact, ...]:
+    """One contact per indenter that touches, at its centre of pressure."""
+    contacts = []
+    for index, body in enumerate(press.indenters):
+        force = float(press.forces[index])
+        if force <= 0.0:
+            continue
+        about_x, about_y, _ = press.moments[index]  # of a push: (-y, x) times the force
+        area = sum(
+            float(touch.share[touch.body == index].sum())
+            * (press.grid.pitch / touch.window.split) ** 2
+            for touch in press.touches
+        )
+        place = (float(about_y / force), float(-about_x / force))
+        contacts.append(TrueContact(place, force, area, body.kind))
+    return tuple(contacts)

@@ -1,0 +1,320 @@
+"""Small multiples: panels of curves under one legend, and fields on several grids side by side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError
+from skinfield.layout import Grid
+from skinfield.plot.maps import MM, draw_cells, extent_of, frame_axes, outline_pads
+from skinfield.plot.style import FAINT, INK, QUIET, add_colour_bar, add_title, new_figure, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe and Ito's palette without its yellow, which is faint on white.
+COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#1b1b1f")
+MARKS = ("o", "s", "^", "D", "v", "P", "X")
+LINE, LIMIT, STEPS, DOTS, BROAD = "line", "limit", "steps", "dots", "broad"
+LIMIT_DASHES = ((0, (6, 2)), ":")
+WIDTH, PANEL, HEAD = 9.6, 2.4, 0.72  # inches
+LEFT, ROOM, FOOT = 0.7, 0.45, 0.55  # inches: of the first axis' numbers, of the others', below
+LABELS = 0.75  # inches: of the others' numbers and labels
+LEGEND_LINE = 0.24  # inches
+FEW = 300.0  # ratio of the ends of an axis of few decades
+FIELD_GAP, FIELD_BAR, FIELD_LEFT, FIELD_HEAD, FIELD_FOOT = 0.16, 0.7, 0.62, 0.42, 0.5  # inches
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A curve with its name; of one name, it has one colour in all panels of a figure.
+
+    Parameters
+    ----------
+    name : str
+    x, y : (N,) arrays
+    low, high : (N,) arrays, optional
+        Ends of the interval of y.
+    look : str
+        LINE; LIMIT, what cannot be surpassed, dashed in ink; STEPS; DOTS; BROAD, faint and wide.
+    tag : str
+        Written where it begins, in place of its name in the legend.
+    """
+
+    name: str
+    x: Floats
+    y: Floats
+    low: Floats | None = None
+    high: Floats | None = None
+    look: str = LINE
+    tag: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scale:
+    """Names of the axes with their units, and how they are divided."""
+
+    x: str
+    y: str
+    log_x: bool = False
+    log_y: bool = False
+    x_limits: tuple[float, float] | None = None
+    y_limits: tuple[float | None, float | None] | None = None
+    x_ticks: tuple[float, ...] | None = None
+    marks: bool = False
+    equal: bool = False  # both axes are lengths, to the same scale
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Curves over one pair of axes; `marked` is an x with a dotted line."""
+
+    title: str
+    note: str
+    curves: tuple[Curve, ...]
+    scale: Scale
+    marked: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class FieldPanel:
+    """One field.
+
+    Parameters
+    ----------
+    title : str
+    grid : Grid
+    values : (K,) array
+        In the unit of the figure.
+    presses : sequence of (x, y, radius), m
+        True contacts in the plane.
+    """
+
+    title: str
+    grid: Grid
+    values: Floats
+    presses: Sequence[tuple[float, float, float]] = ()
+
+
+def _columns(rows: Sequence[Sequence[object]]) -> int:
+    columns = len(rows[0]) if rows else 0
+    if not columns or any(len(row) != columns for row in rows):
+        raise InputError(
+            f"rows of panels have lengths {[len(row) for row in rows]}, expected equal ones "
+            "above 0: panels stand in a rectangle"
+        )
+    return columns
+
+
+def in_rows(panels: Sequence[Panel], columns: int = 3) -> list[Sequence[Panel]]:
+    """Panels in rows of so many, one row where they are fewer."""
+    return [panels[first : first + columns] for first in range(0, len(panels), columns)]
+
+
+def draw_panels(
+    rows: Sequence[Sequence[Panel]], panel_height: float = PANEL, foot: str = ""
+) -> "Figure":
+    """Figure of panels in rows over one legend.
+
+    Parameters
+    ----------
+    rows : sequence of rows of Panel
+        As many in each row.
+    panel_height : float, inches
+    foot : str
+        A line at the bottom.
+
+    Raises
+    ------
+    InputError
+        If there is no panel, or rows differ in length.
+    """
+    columns = _columns(rows)
+    curves = [curve for row in rows for panel in row for curve in panel.curves]
+    names = list(dict.fromkeys(curve.name for curve in curves if not curve.tag))
+    per_line = min(2 if max(map(len, names)) > 30 else 3, len(names))
+    lines = -(-len(names) // per_line) + bool(foot)
+    height = len(rows) * (panel_height + HEAD) + FOOT + LEGEND_LINE * lines
+    width = (WIDTH - LEFT - 0.15) / columns
+    room = ROOM if all(len({panel.scale.y for panel in row}) == 1 for row in rows) else LABELS
+    looks = _looks(curves)
+    with style():
+        figure = new_figure(WIDTH, height)
+        handles: dict[str, Any] = {}
+        for index, panel in enumerate(panel for row in rows for panel in row):
+            row, column = divmod(index, columns)
+            low = height - row * (panel_height + HEAD) - HEAD + 0.2 - panel_height
+            size = ((width - room) / WIDTH, (panel_height - 0.2) / height)
+            axes = figure.add_axes(((LEFT + column * width) / WIDTH, low / height, *size))
+            _draw_panel(axes, panel, looks, handles)
+            if row < len(rows) - 1 and rows[row + 1][column].scale.x == panel.scale.x:
+                axes.set_xlabel("")
+            if column and rows[row][column - 1].scale.y == panel.scale.y:
+                axes.set_ylabel("")
+            letter = "abcdefghijklmnop"[index] if len(rows) * columns > 1 else ""
+            add_title(axes, letter, panel.title, panel.note)
+        figure.legend(
+            handles.values(),
+            handles.keys(),
+            loc="lower center",
+            ncols=per_line,
+            frameon=False,
+            fontsize=8.5,
+            handlelength=2.6,
+            bbox_to_anchor=(0.5, 0.2 / height if foot else 0.0),
+        )
+        figure.text(0.985, 0.06 / height, foot, ha="right", fontsize=6.5, color=QUIET)
+    return figure
+
+
+def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
+    """Colour, dashes and mark of each name."""
+    limits = list(dict.fromkeys(each.name for each in curves if each.look == LIMIT))
+    others = dict.fromkeys(each.name for each in curves if each.look not in (LIMIT, BROAD, DOTS))
+    looks: dict[str, dict[str, Any]] = {
+        name: {"color": INK, "ls": LIMIT_DASHES[turn % 2], "lw": 1.2}
+        for turn, name in enumerate(limits)
+    }
+    for turn, name in enumerate(others):
+        dash = ("-", "--")[turn // len(COLOURS) % 2]
+        colour, mark = COLOURS[turn % len(COLOURS)], MARKS[turn % len(MARKS)]
+        looks[name] = {"color": colour, "ls": dash, "lw": 1.5, "marker": mark}
+    for each in curves:
+        if each.look == BROAD:
+            looks[each.name] = {"color": FAINT, "lw": 5.0, "solid_capstyle": "round", "zorder": 1}
+        elif each.look == DOTS:
+            looks[each.name] = {"color": QUIET, "ls": "", "marker": ".", "ms": 3.5, "mew": 0}
+    return looks
+
+
+def _draw_panel(
+    axes: "Axes", panel: Panel, looks: dict[str, dict[str, Any]], handles: dict[str, Any]
+) -> None:
+    scale = panel.scale
+    axes.set_xscale("log" if scale.log_x else "linear")
+    axes.set_yscale("log" if scale.log_y else "linear")
+    if panel.marked is not None:
+        axes.axvline(panel.marked, color=QUIET, lw=0.8, ls=":")
+    for curve in panel.curves:
+        look = dict(looks[curve.name])
+        if curve.low is not None and curve.high is not None:
+            axes.fill_between(curve.x, curve.low, curve.high, color=look["color"], alpha=0.16, lw=0)
+        if curve.look in (LINE, STEPS):
+            look |= {"markersize": 4.5, "mew": 0} if scale.marks else {"marker": ""}
+        if curve.look == STEPS:
+            look["drawstyle"] = "steps-post"
+        (handle,) = axes.plot(curve.x, curve.y, **look)
+        if not curve.tag:
+            handles.setdefault(curve.name, handle)
+        else:
+            axes.annotate(
+                curve.tag,
+                (curve.x[0], curve.y[0]),
+                xytext=(-6, 6),
+                textcoords="offset points",
+                color=look["color"],
+                fontsize=9,
+                fontweight="bold",
+                ha="right",
+            )
+    _divide(axes, scale)
+
+
+def _divide(axes: "Axes", scale: Scale) -> None:
+    axes.grid(color=FAINT, lw=0.5, alpha=0.7)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.set(xlabel=scale.x, ylabel=scale.y)
+    if scale.x_limits is not None:
+        axes.set_xlim(scale.x_limits)
+    if scale.y_limits is not None:
+        axes.set_ylim(*scale.y_limits)
+    if scale.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.margins(0.08)
+    if scale.x_ticks is not None:
+        axes.set_xticks(scale.x_ticks, [f"{tick:g}" for tick in scale.x_ticks])
+        axes.xaxis.minorticks_off()
+    elif scale.log_x:
+        _plain_decades(axes.xaxis, *axes.get_xlim())
+    if scale.log_y:
+        _plain_decades(axes.yaxis, *axes.get_ylim())
+
+
+def _plain_decades(axis: Any, low: float, high: float) -> None:
+    """Number a logarithmic axis in plain words, at 1, 2 and 5 if it spans few decades."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < FEW * low else (1,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def distribution(name: str, values: Floats, ends: tuple[float, float], look: str = STEPS) -> Curve:
+    """Share of values (N,) below each error, from one end to the other; NaN counts as above all."""
+    known = np.sort(values[np.isfinite(values)])
+    share = np.arange(1, len(known) + 1) / max(len(values), 1)
+    x = np.concatenate([[ends[0] / 10], known, [ends[1] * 10]])
+    y = np.concatenate([[0.0], share, share[-1:] if len(share) else [0.0]])
+    return Curve(name, x, y, look=look)
+
+
+def draw_fields(
+    panels: Sequence[Sequence[FieldPanel]], label: str, *, window: Floats | None = None
+) -> "Figure":
+    """Figure of fields in rows; each panel has its own scale, and a circle at each true contact.
+
+    Parameters
+    ----------
+    panels : sequence of rows of FieldPanel
+        As many in each row.
+    label : str
+        Of the values, with their unit.
+    window : (2, 2) array, m, optional
+        Low and high corner of what is shown. Default all pads and cells.
+
+    Raises
+    ------
+    InputError
+        If there is no panel, or rows differ in length.
+    """
+    columns = _columns(panels)
+    room = (WIDTH - FIELD_LEFT) / columns
+    side = room - FIELD_BAR - FIELD_GAP
+    each = np.array([extent_of(panel.grid) for line in panels for panel in line])
+    whole = np.array([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+    span = whole if window is None else window
+    width, height = np.ptp(span, axis=0)
+    high = side * float(height / width)
+    page = len(panels) * (high + FIELD_HEAD) + FIELD_FOOT + 0.1
+    with style():
+        figure = new_figure(WIDTH, page)
+        for row, line in enumerate(panels):
+            bottom = page - 0.1 - (row + 1) * (high + FIELD_HEAD)
+            for column, panel in enumerate(line):
+                left = FIELD_LEFT + column * room
+                box = (left / WIDTH, bottom / page, side / WIDTH, high / page)
+                axes = figure.add_axes(box)
+                _draw_field(axes, panel, span, label if column == columns - 1 else "")
+                if row < len(panels) - 1:
+                    axes.set(xlabel="", xticklabels=[])
+                if column:
+                    axes.set(ylabel="", yticklabels=[])
+    return figure
+
+
+def _draw_field(axes: "Axes", panel: FieldPanel, span: Floats, label: str) -> None:
+    from matplotlib.patches import Circle
+
+    grid = panel.grid
+    image = draw_cells(axes, grid, panel.values)
+    outline_pads(axes, grid.patch)
+    for x, y, radius in panel.presses:
+        circle = Circle((x * MM, y * MM), radius * MM, fill=False, ec=INK, lw=1.3, zorder=4)
+        axes.add_patch(circle)
+    frame_axes(axes, grid.patch, span)
+    axes.set_title(panel.title, fontsize=9, fontweight="bold", loc="left", pad=4)
+    add_colour_bar(axes, image, label)

@@ -1,0 +1,519 @@
+"""Report of the experiments: settings, sections, and one page that needs nothing else."""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from skinfield.errors import InputError, check_choice
+from skinfield.lab.runner import Task
+from skinfield.mechanics import Layer
+from skinfield.plot.style import METADATA, number
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+import base64
+import csv
+import json
+import platform
+import re
+from importlib.metadata import PackageNotFoundError, version
+
+from skinfield.errors import FileError, SkinfieldError
+
+SIZES = ("smoke", "short", "full")
+PAPER_LAYER = Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Size:
+    """How much is computed.
+
+    Parameters
+    ----------
+    name : str
+    quiet : int
+        Readings of an idle patch that set thresholds.
+    presses : int
+        Noisy readings per indenter, place and load.
+    cell : float, m
+        Of the truth's grid.
+    laps : int
+        Of the paper's algorithm per grid, when it is timed.
+    grids : tuple of int
+        Nodes on a side, where the paper has 10 to 40.
+    """
+
+    name: str
+    quiet: int
+    presses: int
+    cell: float
+    laps: int
+    grids: tuple[int, ...] = (10, 20, 30, 40)
+
+
+SMOKE = Size(name="smoke", quiet=4000, presses=100, cell=0.4e-3, laps=4)
+SHORT = Size(name="short", quiet=100_000, presses=1000, cell=0.2e-3, laps=30)
+FULL = Size(name="full", quiet=400_000, presses=4000, cell=0.125e-3, laps=100)
+
+
+def size_by_name(name: str) -> Size:
+    """Smoke (under a minute), short (minutes) or full.
+
+    Raises
+    ------
+    InputError
+        For another name.
+    """
+    check_choice("size", name, SIZES, "how much is computed")
+    return {size.name: size for size in (SMOKE, SHORT, FULL)}[name]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """The skin, its noise, and how much is computed.
+
+    Parameters
+    ----------
+    size : Size
+    seed : int
+        Of all random numbers.
+    layer : Layer
+        The paper's 2 mm of incompressible silicone; it states no modulus, 100 kPa is assumed.
+    stress_noise : float, Pa
+        Standard deviation of one reading where a taxel reads stress. 3.8 kPa is the noise at which
+        the paper's own method misses 0.2 N and finds 0.5 N over a taxel, as the paper reports.
+    change_noise : float
+        The same where it reads ΔC/C₀.
+    false_alarms : float
+        Share of idle readings in which a contact may be seen.
+    rate : float, 1/s
+        Readings per second, where averages are told as times.
+    data : str
+        Folder of recordings by others; empty where there is none.
+    """
+
+    size: Size = field(default=SHORT)
+    seed: int = 0
+    layer: Layer = PAPER_LAYER
+    stress_noise: float = 3.8e3
+    change_noise: float = 0.02
+    false_alarms: float = 1e-3
+    rate: float = 50.0
+    data: str = ""
+
+
+Cell = str | float | int | None
+DPI = 130.0  # of pictures: sharp on a tablet, and a page of a few megabytes
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under named columns.
+
+    Parameters
+    ----------
+    name : str
+        Of its CSV file, after the section's.
+    caption : str
+    columns : tuple of str
+        With the unit in brackets, such as "force (N)".
+    rows : tuple of tuples
+        Text, numbers, or None where there is nothing to say.
+    on_page : bool
+        Whether it stands in the report; else only in its CSV file.
+    """
+
+    name: str
+    caption: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    on_page: bool = True
+
+    def __post_init__(self) -> None:
+        for index, row in enumerate(self.rows):
+            if len(row) != len(self.columns):
+                raise InputError(
+                    f"row {index} of table {self.name!r} has {len(row)} cells, expected "
+                    f"{len(self.columns)}: one per column {self.columns}"
+                )
+
+    @classmethod
+    def of(
+        cls, name: str, caption: str, rows: Sequence[Mapping[str, Any]], on_page: bool = True
+    ) -> "Table":
+        """Table of rows by column; a row without a column has nothing to say in it."""
+        columns = tuple(dict.fromkeys(key for row in rows for key in row))
+        cells = tuple(tuple(row.get(key) for key in columns) for row in rows)
+        return cls(name, caption, columns, cells, on_page)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure as the bytes of a PNG file, with its caption."""
+
+    name: str
+    caption: str
+    png: bytes
+
+    @classmethod
+    def of(cls, name: str, caption: str, figure: "Figure") -> "Picture":
+        """Picture of a figure; the same figure gives the same bytes."""
+        buffer = BytesIO()
+        figure.savefig(buffer, format="png", dpi=DPI, metadata=METADATA[".png"])
+        return cls(name, caption, buffer.getvalue())
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One line of the headline table: a claim, what came out here, and whether it holds."""
+
+    figure: str
+    claim: str
+    measured: str
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """One part of the report.
+
+    Parameters
+    ----------
+    name : str
+        Of its files and of its place on the page.
+    title : str
+    claim : str
+        What the paper says, in words; empty where it says nothing.
+    sentences : tuple of str
+        What was found; every number in them is computed.
+    pictures, tables, verdicts : tuples
+    seconds : float
+        Wall time that it took.
+    """
+
+    name: str
+    title: str
+    claim: str
+    sentences: tuple[str, ...]
+    pictures: tuple[Picture, ...] = ()
+    tables: tuple[Table, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Why there is no section: what it needs is not at hand."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A share of an experiment that can run beside others and be kept.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and ``._+=,-``.
+    function : function of `arguments`
+        Of the module level; returns what JSON can hold, NaN apart, which becomes None.
+    arguments : tuple
+    """
+
+    name: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A section yet to be made.
+
+    Parameters
+    ----------
+    name : str
+        By which it is chosen, and its files are named.
+    figures : tuple of str
+        Of the paper, such as "fig3": it is chosen by these, too.
+    make : function of Settings
+        The section, or why there is none. Of the module level: it is sent to other processes.
+    parts : function of Settings, optional
+        Shares to be computed before; their results, in this order, are the last argument of
+        `make`, with None for one that failed.
+    alone : bool
+        Whether nothing else may run beside it: it measures time.
+    """
+
+    name: str
+    figures: tuple[str, ...]
+    make: Callable[..., Section | Missing]
+    parts: Callable[[Settings], Sequence[Part]] | None = None
+    alone: bool = False
+
+
+def section_as_json(section: Section) -> dict[str, Any]:
+    """The section without its pictures' bytes, as JSON has it."""
+    entry = asdict(section)
+    for picture in entry["pictures"]:
+        del picture["png"]
+    return entry
+
+
+def section_from_json(entry: dict[str, Any], png: Callable[[str], bytes]) -> Section:
+    """Section of `section_as_json`; `png` finds a picture's bytes by its name."""
+    tables = [
+        table
+        | {"columns": tuple(table["columns"]), "rows": tuple(tuple(row) for row in table["rows"])}
+        for table in entry["tables"]
+    ]
+    parts = {
+        "sentences": tuple(entry["sentences"]),
+        "pictures": tuple(Picture(**one, png=png(one["name"])) for one in entry["pictures"]),
+        "tables": tuple(Table(**table) for table in tables),
+        "verdicts": tuple(Verdict(**one) for one in entry["verdicts"]),
+    }
+    return Section(**(entry | parts))
+
+
+def plain(value: Any) -> Any:
+    """The value as JSON has it: NaN is null, tuples are lists."""
+    if isinstance(value, dict):
+        return {key: plain(entry) for key, entry in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [plain(entry) for entry in value]
+    if isinstance(value, float) and value - value != 0:
+        return None
+    return value
+
+
+def tasks_of(parts: Sequence[Part], prefix: str) -> list[Task]:
+    """One task each, named after the experiment and the part; void once the program is another."""
+    return [Task(f"{prefix}.{part.name}", make_part, (part,), version=program()) for part in parts]
+
+
+def make_part(folder: Path, part: Part) -> Any:
+    """Run one part; what is not a number is None, as in JSON."""
+    return plain(part.function(*part.arguments))
+
+
+@lru_cache(maxsize=1)
+def program() -> str:
+    """Digest of skinfield's own sources."""
+    root = Path(__file__).parents[1]
+    digest = hashlib.sha256()
+    for file in sorted([*root.rglob("*.py"), *root.rglob("*.html")]):
+        digest.update(str(file.relative_to(root)).encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def share_in_words(share: float, interval: tuple[float, float]) -> str:
+    """Such as "10 % [6–17 %]": a rate and its 95 % interval."""
+    low, high = interval
+    return f"{100 * share:.0f} % [{100 * low:.0f}–{100 * high:.0f} %]"
+
+
+def spread_in_words(values: Sequence[float], unit: str, scale: float = 1.0) -> str:
+    """Such as "0.12 to 0.19 mm": the ends of some numbers."""
+    low, high = (number(end * scale, 2) for end in (min(values), max(values)))
+    return f"{low if low == high else f'{low} to {high}'} {unit}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Such as "a, b and c"."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+PAGE, RESULTS, SECTION = "report.html", "results.json", "section.json"
+PACKAGES = ("skinfield", "numpy", "scipy", "numba", "matplotlib", "scikit-fem")
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything that a page tells.
+
+    Parameters
+    ----------
+    settings : Settings
+    sections : tuple of Section
+        In the order of the page.
+    missing : tuple of str
+        Parts that could not be made, each with its reason.
+    seconds : float
+        Wall time of this run.
+    """
+
+    settings: Settings
+    sections: tuple[Section, ...]
+    missing: tuple[str, ...]
+    seconds: float
+
+
+def write_section(section: Section, own: Path) -> None:
+    """Write a section's PNG, CSV and JSON files into its own folder, which is there."""
+    for picture in section.pictures:
+        (own / f"{picture.name}.png").write_bytes(picture.png)
+    for table in section.tables:
+        with (own / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerows([table.columns, *table.rows])
+    _write_json(own / SECTION, section_as_json(section))
+
+
+def read_section(own: Path) -> Section:
+    """Section as `write_section` wrote it.
+
+    Raises
+    ------
+    FileError
+        If files are missing or are something else.
+    """
+    try:
+        entry = json.loads((own / SECTION).read_text(encoding="utf-8"))
+        return section_from_json(entry, lambda picture: (own / f"{picture}.png").read_bytes())
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise FileError(
+            f"{own / SECTION} is no section of a report ({error}), expected one that this program "
+            "wrote: remove its folder, and it is made again"
+        ) from error
+
+
+def write_report(run: Run, folder: Path) -> Path:
+    """Write the page and the JSON file of the whole run; the page's path comes back.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be written.
+    """
+    page = folder / PAGE
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        page.write_text(page_of(run), encoding="utf-8")
+        _write_json(
+            folder / RESULTS,
+            {
+                "settings": asdict(run.settings),
+                "versions": versions(),
+                "seconds": run.seconds,
+                "missing": list(run.missing),
+                "sections": [section_as_json(section) for section in run.sections],
+            },
+        )
+    except OSError as error:
+        raise FileError(f"{page} cannot be written: {error.strerror or error}") from error
+    return page
+
+
+def page_of(run: Run) -> str:
+    """The page: pictures inside, no script, nothing loaded from elsewhere."""
+    try:
+        from jinja2 import Environment, PackageLoader, StrictUndefined
+    except ModuleNotFoundError as error:
+        raise SkinfieldError(
+            "the report is a page made with jinja2, which is not installed: "
+            "pip install 'skinfield[lab]'"
+        ) from error
+
+    environment = Environment(
+        loader=PackageLoader("skinfield.lab"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "cell": cell_in_words,
+        "embedded": embedded,
+        "is_number": is_number,
+        "kind": kind_of_verdict,
+        "time": time_in_words,
+        "tied": tied,
+    }
+    return environment.get_template("report.html").render(
+        run=run,
+        settings=settings_in_words(run.settings),
+        versions=versions(),
+        machine=f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+    )
+
+
+def embedded(png: bytes) -> str:
+    """A picture as an address that holds it."""
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def tied(words: str) -> str:
+    """Words whose numbers stay on the line of their unit."""
+    return re.sub(
+        r"(?<=\d) (?=(?:%|N|mm|cm|kPa|ms|s|×)(?![A-Za-z]))|(?<=×) (?=\d)", "\u00a0", words
+    )
+
+
+def is_number(cell: Cell) -> bool:
+    """Whether a cell stands to the right of its column."""
+    return not isinstance(cell, str)
+
+
+def cell_in_words(cell: Cell) -> str:
+    """Three significant digits, a true minus, and a dash for nothing."""
+    if cell is None or cell != cell:
+        return "–"
+    if isinstance(cell, float):
+        large = abs(cell) >= 100
+        return (f"{cell:.0f}" if large else f"{cell:.3g}").replace("-", "−")
+    return str(cell)
+
+
+def kind_of_verdict(verdict: str) -> str:
+    """Colour of a verdict: yes, partly, no, or none."""
+    starts = {"does not": "no", "holds only": "partly", "holds (": "partly", "holds": "yes"}
+    return next((kind for start, kind in starts.items() if verdict.startswith(start)), "none")
+
+
+def time_in_words(seconds: float) -> str:
+    """Such as "8.2 s" and "3 min 20 s"."""
+    if seconds < 60:
+        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest} s"
+
+
+def settings_in_words(settings: Settings) -> list[tuple[str, str]]:
+    """Names and values for the foot of the page."""
+    layer, size = settings.layer, settings.size
+    return [
+        ("size", size.name),
+        ("seed", str(settings.seed)),
+        (
+            "layer",
+            f"{layer.thickness * 1e3:g} mm, {layer.young_modulus / 1e3:g} kPa, Poisson's ratio "
+            f"{layer.poisson_ratio:g}",
+        ),
+        ("noise of a reading", f"{settings.stress_noise / 1e3:g} kPa; {settings.change_noise:g}"),
+        ("false alarms", f"{settings.false_alarms:g} per idle reading"),
+        ("idle readings", str(size.quiet)),
+        ("presses per case", str(size.presses)),
+        ("cell of the truth", f"{size.cell * 1e3:g} mm"),
+        ("laps of the timing", str(size.laps)),
+    ]
+
+
+def versions() -> dict[str, str]:
+    """Of the packages whose numbers these are."""
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
+
+
+def _write_json(path: Path, entry: dict[str, Any]) -> None:
+    text = json.dumps(plain(entry), indent=1, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,577 @@
+"""Scores of estimates: contacts matched to true ones, fields on one lattice, and summaries."""
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError, check_positive
+from skinfield.fields import Contact, Estimate
+from skinfield.lab.cases import Case, TrueContact, Truth
+from skinfield.layout import Grid, Patch
+from skinfield.sinks import write_summary
+from skinfield.sinks.pending import write_bytes
+
+STEP = 0.5e-3  # m: side of the lattice's cells
+BLUR = 2e-3  # m: standard deviation of the Gaussian, below which taxels see next to nothing
+FINE = 6  # parts of a step: wider ones beat against the lattice, by 6 % where they are halves
+MARGIN = 3  # standard deviations around what is compared
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Regular points of the plane, at whole multiples of `step`.
+
+    Parameters
+    ----------
+    first : (column, row)
+        Of the first point, in steps from the plane's origin.
+    shape : (rows, columns)
+    step : float, m
+    """
+
+    first: tuple[int, int]
+    shape: tuple[int, int]
+    step: float = STEP
+
+    @classmethod
+    def around(cls, low: Floats, high: Floats, step: float = STEP) -> "Lattice":
+        """Lattice over the rectangle from `low` to `high` (2,) m and a margin for the blur."""
+        margin = MARGIN * BLUR + 2 * step
+        start = np.floor((low - margin) / step).astype(int)
+        stop = np.ceil((high + margin) / step).astype(int)
+        columns, rows = (stop - start + 1).tolist()
+        return cls((int(start[0]), int(start[1])), (rows, columns), step)
+
+    def deposit(self, plane: Floats, values: Floats, cell: float) -> Floats:
+        """Pressure (rows, columns) Pa of cells at (K, 2) m with `values` (K,) Pa.
+
+        Each cell is split into squares of a sixth of a step at most; the force of each is shared
+        among the four points around it in bilinear proportion. Force and first moment stay.
+        """
+        parts = _parts(cell, self.step)
+        offsets = (np.arange(parts) - (parts - 1) / 2) * (cell / parts)
+        force = values * (cell / self.step / parts) ** 2
+        total = np.zeros(self.shape)
+        for right in offsets:
+            for up in offsets:
+                total += self._shared(plane + np.array([right, up]), force)
+        return total
+
+    def _shared(self, points: Floats, force: Floats) -> Floats:
+        rows, columns = self.shape
+        place = points / self.step - self.first
+        whole = np.floor(place).astype(np.int64)
+        x, y = (place - whole).T
+        corner = whole[:, 1] * columns + whole[:, 0]
+        total = np.zeros(rows * columns)
+        for shift, weight in (
+            (0, (1 - x) * (1 - y)),
+            (1, x * (1 - y)),
+            (columns, (1 - x) * y),
+            (columns + 1, x * y),
+        ):
+            total += np.bincount(corner + shift, weight * force, rows * columns)
+        return total.reshape(rows, columns)
+
+    def blurred(self, values: Floats) -> Floats:
+        """Values (..., rows, columns) after a Gaussian of standard deviation `BLUR`."""
+        rows, columns = self.shape
+        return np.asarray(_gaussian(rows, self.step) @ values @ _gaussian(columns, self.step))
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The pressure of a grid's cells on a lattice, as `Lattice.deposit` has it, by two matrices."""
+
+    lattice: Lattice
+    shape: tuple[int, int]
+    pitch: float
+    origin: tuple[float, float]
+
+    @classmethod
+    def of(cls, grid: Grid, lattice: Lattice) -> "Spread":
+        """Of a grid of an estimate."""
+        x, y = (float(value) for value in grid.origin)
+        return _shared_spread(cls(lattice, grid.shape, grid.pitch, (x, y)))
+
+    @cached_property
+    def sides(self) -> tuple[Floats, Floats]:
+        """Matrices along y (rows, grid rows) and x (columns, grid columns)."""
+        lattice = self.lattice
+        return (
+            _along(self.origin[1], self.shape[0], self.pitch, lattice, 1),
+            _along(self.origin[0], self.shape[1], self.pitch, lattice, 0),
+        )
+
+    @cached_property
+    def blurred_sides(self) -> tuple[Floats, Floats]:
+        """The same, with the blur in them."""
+        step = self.lattice.step
+        along_y, along_x = self.sides
+        return _gaussian(len(along_y), step) @ along_y, _gaussian(len(along_x), step) @ along_x
+
+    def __call__(self, pressure: Floats, blur: bool = False) -> Floats:
+        """Pressure (K,) Pa of the grid's cells on the lattice, (rows, columns) Pa."""
+        along_y, along_x = self.blurred_sides if blur else self.sides
+        return np.asarray(along_y @ pressure.reshape(self.shape) @ along_x.T)
+
+
+@lru_cache(maxsize=64)
+def _shared_spread(spread: Spread) -> Spread:
+    """One object for equal spreads: its matrices are made once."""
+    return spread
+
+
+def _parts(cell: float, step: float) -> int:
+    return max(int(np.ceil(FINE * cell / step - 1e-9)), 1)
+
+
+def _along(origin: float, count: int, pitch: float, lattice: Lattice, axis: int) -> Floats:
+    """Shares (lattice points, cells) of each cell's pressure along one axis."""
+    parts = _parts(pitch, lattice.step)
+    offsets = (np.arange(parts) - (parts - 1) / 2) * (pitch / parts)
+    place = (origin + np.arange(count)[:, None] * pitch + offsets) / lattice.step
+    points = np.arange(lattice.shape[1 - axis]) + lattice.first[axis]
+    near = np.maximum(1 - np.abs(points[:, None, None] - place[None]), 0.0)
+    return np.asarray(near.sum(axis=2) * (pitch / lattice.step / parts))
+
+
+@lru_cache(maxsize=64)
+def _gaussian(count: int, step: float) -> Floats:
+    """Matrix (count, count) of a Gaussian whose rows sum to 1 away from the ends."""
+    apart = (np.arange(count)[:, None] - np.arange(count)) * step / BLUR
+    near = np.exp(-(apart**2) / 2)
+    near[np.abs(apart) > 2 * MARGIN] = 0.0
+    whole = np.exp(-((np.arange(-50, 51) * step / BLUR) ** 2) / 2).sum()
+    return np.asarray(near / whole)
+
+
+Row = dict[str, Any]  # flat, with the unit in each key's name
+MEASURES = (  # columns of rows that are summarised by their size
+    "force_error",
+    "field_force_error",
+    "place_error_mm",
+    "contact_force_error",
+    "peak_error",
+    "pressure_error",
+    "blurred_pressure_error",
+    "deformation_error",
+    "area_error",
+    "cold_ms",
+    "warm_ms",
+)
+RATES = ("missed", "false_share", "false_per_reading")
+RESAMPLES = 999
+
+
+def where(rows: Sequence[Row], **wanted: object) -> list[Row]:
+    """Rows that hold these values under these keys."""
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def column(rows: Sequence[Row], key: str) -> Floats:
+    """Numbers of a column, NaN where there is none."""
+    values = [row.get(key) for row in rows]
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def wilson(hits: int, trials: int, sigmas: float = 1.96) -> tuple[float, float]:
+    """Interval of a rate from hits in trials (Wilson 1927); 95 % by default."""
+    rate, square = hits / trials, sigmas**2 / trials
+    middle = (rate + square / 2) / (1 + square)
+    half = sigmas / (1 + square) * np.sqrt(rate * (1 - rate) / trials + square / (4 * trials))
+    return max(float(middle - half), 0.0), min(float(middle + half), 1.0)
+
+
+def rate_row(name: str, hits: int, trials: int) -> Row:
+    """Share of hits, and the ends of Wilson's interval; NaN where nothing was tried."""
+    low, high = wilson(hits, trials) if trials else (math.nan, math.nan)
+    return {name: hits / trials if trials else math.nan, f"{name}_low": low, f"{name}_high": high}
+
+
+def quantiles(rows: Sequence[Row]) -> Row:
+    """Median and 90th percentile of the size of each measure in the rows; NaN is left out."""
+    out: Row = {}
+    for name in [name for name in MEASURES if name in rows[0]]:
+        values = np.abs(column(rows, name))
+        values = values[np.isfinite(values)]
+        median, p90 = np.quantile(values, [0.5, 0.9]) if len(values) else (math.nan, math.nan)
+        out |= {f"{name}_median": float(median), f"{name}_p90": float(p90)}
+    return out
+
+
+def median_interval(
+    values: Floats, resamples: int = RESAMPLES, seed: int = 0
+) -> tuple[float, float]:
+    """Percentile bootstrap interval of 95 % of the median of values (N,), NaN left out."""
+    known = values[np.isfinite(values)]
+    if len(known) < 2:
+        return math.nan, math.nan
+    rng = np.random.default_rng(seed)
+    drawn = known[rng.integers(len(known), size=(resamples, len(known)))]
+    low, high = np.quantile(np.median(drawn, axis=1), [0.025, 0.975])
+    return float(low), float(high)
+
+
+def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) -> Row:
+    """Summarise rows of single readings, such as `Score.row` makes.
+
+    Intervals speak for cases like these, not for the model that made them.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        At least one, all with the same keys.
+    resamples : int
+        Of the bootstrap.
+    seed : int
+        Of its random numbers: the same rows give the same intervals.
+
+    Returns
+    -------
+    dict
+        ``_median``, ``_low`` and ``_high`` are the median of a measure's size and its 95 %
+        interval, ``_p90`` the 90th percentile. ``force_bias`` is the median with its sign.
+        ``missed`` is a share of the contacts, ``false_share`` of the readings with at least one
+        contact that is not there, both with Wilson's interval; ``false_per_reading`` is a mean.
+    """
+    if not rows:
+        raise InputError("rows is empty, expected at least one")
+    contacts = sum(row["contacts"] for row in rows)
+    out: Row = {"readings": len(rows), "contacts": contacts} | quantiles(rows)
+    for name in [name for name in MEASURES if name in rows[0]]:
+        low, high = median_interval(np.abs(column(rows, name)), resamples, seed)
+        out |= {f"{name}_low": low, f"{name}_high": high}
+    out["force_bias"] = float(np.nanmedian(column(rows, "force_error")))
+    out |= rate_row("missed", sum(row["missed"] for row in rows), contacts)
+    out |= rate_row("false_share", sum(row["false"] > 0 for row in rows), len(rows))
+    return out | {"false_per_reading": float(np.mean([row["false"] for row in rows]))}
+
+
+def write_csv(rows: Sequence[Row], path: str | Path) -> None:
+    """Write rows under the keys of all of them, whole or not at all; NaN and None stay empty.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, keys, lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({key: _csv_cell(value) for key, value in row.items()})
+    write_bytes(path, buffer.getvalue().encode())
+
+
+def write_json(rows: Sequence[Row], path: str | Path, **about: Any) -> None:
+    """Write rows as a list under "rows", beside what else is stated; NaN becomes null.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
+    write_summary(path, {**about, "rows": list(rows)})
+
+
+def _csv_cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return f"{value:.6g}" if math.isfinite(value) else ""
+    return "" if value is None else value
+
+
+NAN = float("nan")
+GATE = 8e-3  # m: farther apart, two contacts do not belong together
+
+
+@dataclass(frozen=True)
+class Match:
+    """A true contact and the estimated one that belongs to it.
+
+    Attributes
+    ----------
+    true, estimated : int
+        Their places in the two lists.
+    distance : float, m
+    true_force, estimated_force : float, N
+    """
+
+    true: int
+    estimated: int
+    distance: float
+    true_force: float
+    estimated_force: float
+
+    @property
+    def force_error(self) -> float:
+        """Signed, part of the true force."""
+        return self.estimated_force / self.true_force - 1
+
+
+def matched(
+    patch: Patch, true: Sequence[TrueContact], found: Sequence[Contact], gate: float = GATE
+) -> tuple[tuple[Match, ...], int, int]:
+    """Assign found contacts to true ones: as many pairs as the gate allows, then the nearest.
+
+    Parameters
+    ----------
+    patch : Patch
+        On which the true contacts' positions lie.
+    true : sequence of TrueContact
+    found : sequence of Contact
+    gate : float, m
+
+    Returns
+    -------
+    matches : tuple of Match
+        In the order of the true contacts.
+    missed, false : int
+        True contacts and found ones that are left over.
+    """
+    if not true or not found:
+        return (), len(true), len(found)
+    from scipy.optimize import linear_sum_assignment
+
+    plane = np.array([contact.position for contact in true])
+    places = patch.surface.position_from_plane(plane)
+    positions = np.array([contact.position for contact in found])
+    apart = np.linalg.norm(places[:, None] - positions[None], axis=2)
+    # A pair beyond the gate costs more than all pairs within it: it is only made if no other is.
+    beyond = gate * (min(apart.shape) + 1)
+    rows, columns = linear_sum_assignment(np.where(apart <= gate, apart, beyond))
+    matches = tuple(
+        Match(i, j, float(apart[i, j]), true[i].force, float(found[j].normal_force))
+        for i, j in zip(rows.tolist(), columns.tolist(), strict=True)
+        if apart[i, j] <= gate
+    )
+    return matches, len(true) - len(matches), len(found) - len(matches)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """Errors of one estimate. What cannot be said is NaN, as the place of a missed contact.
+
+    Attributes
+    ----------
+    case : str
+    true_force : float, N
+        Of all true contacts.
+    contacts_force, field_force : float, N
+        Of all contacts that were found, and of the whole pressure field.
+    matches : tuple of Match
+        True contacts with the found ones that belong to them.
+    true_contacts, missed, false : int
+        Contacts there are; without a found one within the gate; found without a true one.
+    peak_error : float
+        Of the highest pressure on the lattice, signed, part of the true.
+    pressure_error, blurred_pressure_error : float
+        Norm of the difference over the norm of the truth; as it is on the lattice, and after a
+        Gaussian of 2 mm standard deviation.
+    deformation_error : float
+        The same for the displacement into the skin, at the truth's nodes on the grid.
+    area_error : float
+        Of the area of all contacts, signed, part of the true.
+    """
+
+    case: str
+    true_force: float
+    contacts_force: float
+    field_force: float
+    matches: tuple[Match, ...]
+    true_contacts: int
+    missed: int
+    false: int
+    peak_error: float
+    pressure_error: float
+    blurred_pressure_error: float
+    deformation_error: float
+    area_error: float
+
+    @property
+    def force_error(self) -> float:
+        """Of the force of all contacts, signed, part of the true; -1 where all are missed."""
+        return _relative(self.contacts_force, self.true_force)
+
+    @property
+    def field_force_error(self) -> float:
+        """Of the force of the whole field, signed, part of the true."""
+        return _relative(self.field_force, self.true_force)
+
+    @property
+    def place_error(self) -> float:
+        """Mean distance of matched contacts, m; NaN where none is matched."""
+        return _mean([match.distance for match in self.matches])
+
+    @property
+    def contact_force_error(self) -> float:
+        """Mean of the absolute relative errors of matched contacts; NaN where none is matched."""
+        return _mean([abs(match.force_error) for match in self.matches])
+
+    def row(self) -> Row:
+        """The numbers by their names; lengths in mm."""
+        return {
+            "true_force_N": self.true_force,
+            "contacts": self.true_contacts,
+            "matched": len(self.matches),
+            "missed": self.missed,
+            "false": self.false,
+            "force_error": self.force_error,
+            "field_force_error": self.field_force_error,
+            "place_error_mm": 1e3 * self.place_error,
+            "contact_force_error": self.contact_force_error,
+            "peak_error": self.peak_error,
+            "pressure_error": self.pressure_error,
+            "blurred_pressure_error": self.blurred_pressure_error,
+            "deformation_error": self.deformation_error,
+            "area_error": self.area_error,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """The truth of a case, prepared for estimates on one grid: many solvers, many readings.
+
+    Parameters
+    ----------
+    case : Case
+    grid : Grid
+        Of the estimates, on the case's patch or an equal one.
+    gate : float, m
+        A found contact farther than this from a true one does not belong to it.
+    """
+
+    case: Case
+    grid: Grid
+    gate: float = GATE
+
+    def __post_init__(self) -> None:
+        check_positive("gate", self.gate, "distance up to which contacts may belong together, m")
+        taxels = len(self.grid.patch)
+        if taxels != len(self.case.patch):
+            raise InputError(
+                f"the grid lies on a patch of {taxels} taxels, expected one of "
+                f"{len(self.case.patch)}, as the case {self.case.name!r} has"
+            )
+
+    @cached_property
+    def spread(self) -> Spread:
+        """From the grid to a lattice over grid and truth."""
+        truth, half = self.case.truth, self.grid.pitch / 2
+        low, high = self.grid.plane.min(axis=0) - half, self.grid.plane.max(axis=0) + half
+        loaded = truth.plane[truth.pressure != 0]
+        if len(loaded):
+            low = np.minimum(low, loaded.min(axis=0) - truth.cell / 2)
+            high = np.maximum(high, loaded.max(axis=0) + truth.cell / 2)
+        return Spread.of(self.grid, Lattice.around(low, high))
+
+    @cached_property
+    def pressure(self) -> tuple[Floats, Floats]:
+        """True pressure on the lattice, Pa: as it is, and blurred."""
+        truth, lattice = self.case.truth, self.spread.lattice
+        loaded = truth.pressure != 0
+        raw = lattice.deposit(truth.plane[loaded], truth.pressure[loaded], truth.cell)
+        return raw, lattice.blurred(raw)
+
+    @cached_property
+    def indentation(self) -> tuple[Floats, Floats, Floats]:
+        """Nodes (N, 4) of the grid around each of N true nodes, their weights, the true value m."""
+        return around_truth(self.case.truth, self.grid)
+
+    def __call__(self, estimate: Estimate, contacts: Sequence[Contact] | None = None) -> Score:
+        """Score one estimate; `contacts` stand in for those of the estimate."""
+        if estimate.is_batch:
+            raise InputError("the estimate is of several readings, expected one: index it")
+        found = estimate.contacts if contacts is None else contacts
+        truth = self.case.truth
+        matches, missed, false = matched(self.case.patch, truth.contacts, found, self.gate)
+        sharp = self.spread(estimate.pressure)
+        exact, exact_blurred = self.pressure
+        known = len(truth.plane) > 0
+        return Score(
+            case=self.case.name,
+            true_force=truth.force,
+            contacts_force=float(sum(contact.normal_force for contact in found)),
+            field_force=float(estimate.normal_force),
+            matches=matches,
+            true_contacts=len(truth.contacts),
+            missed=missed,
+            false=false,
+            peak_error=_relative(float(sharp.max()), float(exact.max())) if known else NAN,
+            pressure_error=_distance(sharp, exact),
+            blurred_pressure_error=_distance(self.spread(estimate.pressure, True), exact_blurred),
+            deformation_error=self._deformation_error(estimate.indentation),
+            area_error=_relative(float(sum(c.area for c in found)), truth.contact_area),
+        )
+
+    def _deformation_error(self, indentation: Floats) -> float:
+        nodes, weights, exact = self.indentation
+        return _distance(np.einsum("nk,nk->n", indentation[nodes.astype(np.int64)], weights), exact)
+
+
+def score(
+    case: Case,
+    estimate: Estimate,
+    contacts: Sequence[Contact] | None = None,
+    gate: float = GATE,
+) -> Score:
+    """Score one estimate against the truth of its case.
+
+    Truth and estimate are brought onto one lattice of 0.5 mm: each cell's force is shared among
+    the four nearest points in bilinear proportion, which keeps the force and its place. The
+    indentation is compared at the truth's nodes, where the estimate's is interpolated.
+
+    Parameters
+    ----------
+    case : Case
+    estimate : Estimate
+        Of one reading.
+    contacts : sequence of Contact, optional
+        Default those of the estimate.
+    gate : float, m
+        True and found contacts belong together by the assignment of the smallest sum of distances,
+        each below this.
+
+    See Also
+    --------
+    Judge : the same for many estimates on one grid.
+    """
+    return Judge(case, estimate.grid, gate)(estimate, contacts)
+
+
+def around_truth(truth: Truth, grid: Grid) -> tuple[Floats, Floats, Floats]:
+    """Where the true indentation is known on the grid: nodes (N, 4), weights (N, 4), values m."""
+    place = (truth.plane - grid.origin) / grid.pitch
+    rows, columns = grid.shape
+    last = np.array([columns - 1, rows - 1])
+    known = np.isfinite(truth.displacement[:, 2])
+    known &= ((place >= 0) & (place <= last)).all(axis=1)
+    place = place[known]
+    corner = np.minimum(np.floor(place), np.maximum(last - 1, 0)).astype(np.int64)
+    x, y = (place - corner).T
+    right, up = (min(1, columns - 1), columns * min(1, rows - 1))
+    first = corner[:, 1] * columns + corner[:, 0]
+    nodes = np.stack([first, first + right, first + up, first + right + up], axis=1)
+    weights = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=1)
+    return nodes, weights, -truth.displacement[known, 2]
+
+
+def _relative(found: float, true: float) -> float:
+    return found / true - 1 if true > 0 else NAN
+
+
+def _distance(found: Floats, true: Floats) -> float:
+    norm = float(np.linalg.norm(true))
+    return float(np.linalg.norm(found - true)) / norm if norm > 0 else NAN
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if values else NAN

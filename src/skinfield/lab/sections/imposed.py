@@ -1,0 +1,477 @@
+"""Imposed deformation, Figures 3 to 5: 0.2 mm on three taxels, reconstructed without noise.
+
+The readings are made in two ways: on the bonded layer, and from forces on the very nodes that are
+then reconstructed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.errors import Floats
+from skinfield.fields import Estimate
+from skinfield.lab.paper import FIELD, PAIR, PAPER, PAPER_EXACT, Method, paper_patch
+from skinfield.lab.plots import FieldPanel, draw_fields
+from skinfield.lab.report import (
+    Cell,
+    Picture,
+    Section,
+    Settings,
+    Table,
+    Verdict,
+    listed,
+    spread_in_words,
+)
+from skinfield.layout import Grid, Patch
+from skinfield.mechanics import Layer
+from skinfield.observation import Deformation
+from skinfield.pipeline import Reconstructor
+from skinfield.simulate import Cylinder, press
+
+DEPTH = 0.2e-3  # m
+EXTENT = 46e-3  # m: side of the square that holds all discs
+INNER_TRIO = (0.0, 10.7e-3)  # m: near the middle of the three adjacent taxels
+APART = 15e-3  # m: of the separate taxels from the middle
+ADJACENT, SEPARATE = "three adjacent taxels", "three separate taxels"
+CELL = 0.5e-3  # m; the contact is solved on finer squares
+PARTS = 5  # to a side of a cell, when its force is shared among others
+LAYER, OWN_GRID = "layer", "own grid"
+GRIDS = (20, 30, 40)
+NOISE = 10.0  # Pa: nothing is added; below it the contact finder sees no contact
+METHODS = {LAYER: (PAPER, PAPER_EXACT, FIELD), OWN_GRID: (PAPER,)}
+REACH = {ADJACENT: 11e-3, SEPARATE: 7e-3}  # m: around the middle, or around each disc
+CLOSE = 2.75e-3  # m: half a pitch; a contact this near is the disc's
+WINDOW = {ADJACENT: 15e-3, SEPARATE: 25e-3}  # m, to each side of the middle
+FIGURE = {ADJACENT: "Figure 4", SEPARATE: "Figure 5"}
+RIGHT = 0.15  # of 0.2 mm: a peak within it counts as right
+CLAIM = (
+    "A deformation of 0.2 mm on three adjacent taxels is reconstructed with its peak around 0.2 mm "
+    "on 20 × 20, 30 × 30 and 40 × 40 nodes; the force is smoothed, the more the denser the grid. "
+    "On three separate taxels the three peaks are centred around 0.2 mm and stay distinct."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """What is imposed, and what the taxels read of it without noise.
+
+    Attributes
+    ----------
+    world : str
+        "layer": discs on the bonded layer, pads read their mean stress. "own grid": see
+        `truth_on_own_grid`.
+    case : str
+    places : (3, 2) array, m
+        Of the discs, which are as wide as pads.
+    grid : Grid
+        Fine cells.
+    pressure, indentation : (K,) arrays, Pa and m
+    readings : (L,) array, Pa
+    """
+
+    world: str
+    case: str
+    places: Floats
+    grid: Grid
+    pressure: Floats
+    indentation: Floats
+    readings: Floats
+
+    @property
+    def force(self) -> float:
+        """Total, N."""
+        return float(self.pressure.sum() * self.grid.cell_area)
+
+    def on(self, grid: Grid) -> tuple[Floats, Floats]:
+        """Mean pressure over the cells (K,) Pa of another grid, and indentation at its nodes.
+
+        The discs must lie inside the other grid.
+        """
+        from scipy.ndimage import map_coordinates
+
+        pressed = self.pressure != 0
+        steps = (np.arange(PARTS) - (PARTS - 1) / 2) / PARTS * self.grid.pitch
+        within = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        points = self.grid.plane[pressed][:, None] + within
+        nodes = np.round((points - grid.origin) / grid.pitch).astype(int)
+        index = nodes[..., 1] * grid.shape[1] + nodes[..., 0]
+        part = np.repeat(self.pressure[pressed] * self.grid.cell_area / PARTS**2, PARTS**2)
+        forces = np.bincount(index.ravel(), part, len(grid))
+        where = ((grid.plane - self.grid.origin) / self.grid.pitch).T[::-1]
+        picture = self.indentation.reshape(self.grid.shape)
+        return forces / grid.cell_area, map_coordinates(picture, where, order=1)
+
+
+def discs_of(patch: Patch) -> dict[str, Floats]:
+    """Centres (3, 2) m of the taxels that are pressed."""
+    plane = patch.plane
+    distance = np.linalg.norm(plane[:, None] - plane[None], axis=2)
+    near = (distance < PAIR) & (distance > 0)
+    trios = [
+        (a, b, c)
+        for a in range(len(plane))
+        for b in np.flatnonzero(near[a]).tolist()
+        for c in np.flatnonzero(near[a] & near[b]).tolist()
+        if a < b < c
+    ]
+    spots = np.array([plane[list(trio)].mean(axis=0) for trio in trios])
+    first = trios[int(np.linalg.norm(spots - INNER_TRIO, axis=1).argmin())]
+    bearings = np.radians([90.0, 210.0, 330.0])
+    ideal = APART * np.column_stack([np.cos(bearings), np.sin(bearings)])
+    chosen = np.linalg.norm(plane[None] - ideal[:, None], axis=2).argmin(axis=1)
+    return {ADJACENT: plane[list(first)], SEPARATE: plane[chosen]}
+
+
+def truth_of(case: str, settings: Settings) -> Truth:
+    """Press flat discs as wide as pads 0.2 mm into the layer, all at once, and read the patch."""
+    patch, layer = paper_patch(), settings.layer
+    places = discs_of(patch)[case]
+    discs = [
+        Cylinder(radius=patch.pad_diameter / 2, position=(x, y), depth=DEPTH)
+        for x, y in places.tolist()
+    ]
+    solved = press(layer, discs, EXTENT, CELL)
+    grid = Grid(patch, solved.grid.shape, solved.grid.pitch, solved.grid.origin)
+    inwards = -solved.displacement[:, 2]
+    readings = solved.base_stress(patch.plane, patch.pad_diameter)
+    return Truth(LAYER, case, places, grid, solved.pressure, inwards, readings)
+
+
+def truth_on_own_grid(reconstruct: Reconstructor, case: str, layer: Layer) -> Truth:
+    """Forces on the very nodes that are reconstructed: the paper's formulas in both directions.
+
+    The nodes under the discs are pushed in by 0.2 mm, by (19) and (26), and the taxels read (9).
+    """
+    grid, patch = reconstruct.grid, reconstruct.patch
+    places = discs_of(patch)[case]
+    away = np.linalg.norm(grid.plane[:, None] - places[None], axis=2)
+    pushed = np.flatnonzero((away <= patch.pad_diameter / 2).any(axis=1))
+    deform = Deformation(grid, layer, reconstruct.mechanics)
+    single = np.zeros((len(pushed), len(grid)))
+    single[np.arange(len(pushed)), pushed] = 1.0
+    response = -deform(single)[:, :, 2]  # (pushed, K) m per Pa
+    pressure = np.zeros(len(grid))
+    pressure[pushed] = np.linalg.solve(response[:, pushed].T, np.full(len(pushed), DEPTH))
+    inwards = -deform(pressure)[:, 2]
+    readings = reconstruct.model.matrix @ pressure
+    return Truth(OWN_GRID, case, places, grid, pressure, inwards, readings)
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One reconstruction beside its truth.
+
+    Attributes
+    ----------
+    peaks : (3,) array, m
+        Highest indentation within half a pitch of each disc.
+    widths, true_widths : (2,) array, m
+        Full width at half maximum of pressure and of indentation, on this grid.
+    force : float
+        Sum of the pressure over the true force.
+    deformation_error : float
+        Relative L2, at the nodes among the taxels.
+    contacts, matched : int
+        Found, and how many discs have one of their own.
+    """
+
+    truth: Truth
+    method: Method
+    nodes: int
+    estimate: Estimate
+    peaks: Floats
+    widths: Floats
+    true_widths: Floats
+    force: float
+    deformation_error: float
+    contacts: int
+    matched: int
+
+    @property
+    def separated(self) -> bool:
+        """Whether there are three contacts, one on each disc."""
+        return self.contacts == self.matched == 3
+
+
+def all_findings(settings: Settings) -> list[Finding]:
+    """Every method on every grid, for both cases and all ways of making the readings."""
+    patch, layer = paper_patch(), settings.layer
+    truths = [truth_of(case, settings) for case in (ADJACENT, SEPARATE)]
+    findings = []
+    for method in METHODS[LAYER]:
+        for nodes in GRIDS:
+            reconstruct = method.prepared(patch, layer, nodes, NOISE)
+            mine = list(truths)
+            if method in METHODS[OWN_GRID]:
+                mine += [truth_on_own_grid(reconstruct, t.case, layer) for t in truths]
+            findings += [judged(t, method, nodes, reconstruct(t.readings)) for t in mine]
+    return findings
+
+
+def judged(truth: Truth, method: Method, nodes: int, estimate: Estimate) -> Finding:
+    """Compare an estimate with its truth."""
+    grid = estimate.grid
+    pressure, indentation = truth.on(grid)
+    middle = truth.places.mean(axis=0, keepdims=True)
+    around = middle if truth.case == ADJACENT else truth.places
+    reach = REACH[truth.case]
+
+    def widths(*fields: Floats) -> Floats:
+        each = [[half_width(grid, field, place, reach) for place in around] for field in fields]
+        return np.asarray(np.mean(each, axis=1))
+
+    covered = grid.covered
+    away = np.linalg.norm(grid.plane[:, None] - truth.places[None], axis=2)
+    sunk = estimate.indentation
+    missed = np.linalg.norm((sunk - indentation)[covered]) / np.linalg.norm(indentation[covered])
+    centres = np.array([c.position[:2] for c in estimate.contacts]).reshape(-1, 2)
+    apart = np.linalg.norm(centres[:, None] - truth.places[None], axis=2)
+    return Finding(
+        truth,
+        method,
+        nodes,
+        estimate,
+        np.array([sunk[near].max() for near in (away < CLOSE).T]),
+        widths(estimate.pressure, sunk),
+        widths(pressure, indentation),
+        float(estimate.normal_force) / truth.force,
+        float(missed),
+        len(estimate.contacts),
+        int((apart < CLOSE).any(axis=0).sum()) if len(centres) else 0,
+    )
+
+
+def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float:
+    """Full width at half maximum in m: of the disc as large as the area above half the peak.
+
+    Parameters
+    ----------
+    place : (2,) array, m
+    reach : float, m
+        Around it, in which peak and area are looked for, by bilinear interpolation.
+    """
+    from scipy.ndimage import map_coordinates
+
+    line = np.arange(-reach, reach, 0.1e-3)
+    x, y = np.meshgrid(line, line)
+    inside = np.hypot(x, y) < reach
+    points = place + np.column_stack([x[inside], y[inside]])
+    where = ((points - grid.origin) / grid.pitch).T[::-1]
+    local = map_coordinates(values.reshape(grid.shape), where, order=1)
+    area = np.count_nonzero(local > local.max() / 2) * (line[1] - line[0]) ** 2
+    return float(2 * np.sqrt(area / np.pi))
+
+
+def imposed(settings: Settings) -> Section:
+    """Peaks, widths and number of contacts for each way of making the readings."""
+    findings = all_findings(settings)
+    pictures = [
+        picture_of_fields(findings, case, name)
+        for case in (ADJACENT, SEPARATE)
+        for name in ("deformation", "pressure")
+    ]
+    return Section(
+        name="imposed",
+        title="Figures 3 to 5: a deformation imposed on three taxels",
+        claim=CLAIM,
+        sentences=tuple(_sentences(findings)),
+        pictures=tuple(pictures),
+        tables=_tables(findings),
+        verdicts=tuple(_verdicts(findings)),
+    )
+
+
+def _of(findings: list[Finding], world: str, case: str, method: Method) -> list[Finding]:
+    return [
+        each
+        for each in findings
+        if (each.truth.world, each.truth.case) == (world, case) and each.method is method
+    ]
+
+
+def _claimed(each: Finding) -> list[float]:
+    """The peaks in m that the paper speaks of: of the whole, or of each separate disc."""
+    peaks = [float(peak) for peak in each.peaks]
+    return [max(peaks)] if each.truth.case == ADJACENT else peaks
+
+
+def _peaks(findings: list[Finding]) -> str:
+    return spread_in_words([peak for each in findings for peak in _claimed(each)], "mm", 1e3)
+
+
+def _sentences(findings: list[Finding]) -> list[str]:
+    real = {case: _of(findings, LAYER, case, PAPER) for case in (ADJACENT, SEPARATE)}
+    ours = {case: _of(findings, LAYER, case, FIELD) for case in (ADJACENT, SEPARATE)}
+    own = _of(findings, OWN_GRID, SEPARATE, PAPER)
+    exact = _of(findings, LAYER, SEPARATE, PAPER_EXACT)
+    wide = real[ADJACENT]
+    grids, sides = listed([f"{n} × {n}" for n in GRIDS]), listed([str(n) for n in GRIDS])
+    return [
+        f"Three flat discs as wide as a pad are pushed {DEPTH * 1e3:g} mm deep; nothing is added "
+        "to the readings. They are made in two ways: on the bonded layer, by the contact solver, "
+        "with pads that read their mean stress; and from forces on the very nodes that are then "
+        "reconstructed, with the paper's mechanics in both directions.",
+        f"Peak deformation found by the paper's method on three separate taxels: "
+        f"{_peaks(real[SEPARATE])} on the layer, {_peaks(own)} from its own nodes; ours "
+        f"{_peaks(ours[SEPARATE])} on the layer. From its own nodes the mechanics cancel, so what "
+        "is wrong there is lost between the taxels, where readings are "
+        "interpolated. With the exact Ψ in place of 0.25 the paper's method finds "
+        f"{_peaks(exact)}.",
+        f"Full width at half maximum around the three adjacent taxels, on {grids} nodes (paper, "
+        f"layer): pressure {_widths(wide, 0)} mm where the truth on the same nodes has "
+        f"{_true_widths(wide, 0)} mm, deformation {_widths(wide, 1)} mm for "
+        f"{_true_widths(wide, 1)} mm.",
+        "Of the force on three separate taxels the paper's method finds "
+        f"{_forces(real[SEPARATE])}, ours {_forces(ours[SEPARATE])}, on {sides} nodes a side. The "
+        f"deformation is off by {_errors(real[SEPARATE])} (paper) and {_errors(ours[SEPARATE])} "
+        "(ours), relative L2 among the taxels.",
+    ]
+
+
+def _widths(findings: list[Finding], which: int) -> str:
+    return listed([f"{1e3 * each.widths[which]:.1f}" for each in findings])
+
+
+def _true_widths(findings: list[Finding], which: int) -> str:
+    return listed([f"{1e3 * each.true_widths[which]:.1f}" for each in findings])
+
+
+def _forces(findings: list[Finding]) -> str:
+    return listed([f"{100 * each.force:.0f} %" for each in findings])
+
+
+def _errors(findings: list[Finding]) -> str:
+    return listed([f"{100 * each.deformation_error:.0f} %" for each in findings])
+
+
+def _row(each: Finding) -> dict[str, Cell]:
+    widths, true_widths = 1e3 * each.widths, 1e3 * each.true_widths
+    return {
+        "readings made on": each.truth.world,
+        "imposed on": each.truth.case,
+        "method": each.method.name,
+        "nodes on a side": each.nodes,
+        "peaks (mm)": f"{1e3 * each.peaks.min():.2f} to {1e3 * each.peaks.max():.2f}",
+        "width of pressure (mm)": float(widths[0]),
+        "true": float(true_widths[0]),
+        "width of deformation (mm)": float(widths[1]),
+        "true width": float(true_widths[1]),
+        "force found (%)": 100 * each.force,
+        "deformation, relative L2 (%)": 100 * each.deformation_error,
+        "contacts": each.contacts,
+        "discs with a contact": each.matched,
+    }
+
+
+def _tables(findings: list[Finding]) -> tuple[Table, Table]:
+    """Paper and ours on the layer, and everything for its file."""
+    rows = [_row(each) for each in findings]
+    page = [
+        row
+        for row, each in zip(rows, findings, strict=True)
+        if each.truth.world == LAYER and each.method in (PAPER, FIELD)
+    ]
+    caption = (
+        "On the layer. Widths are full widths at half maximum; the true ones are of the truth "
+        "brought onto the same nodes. all.csv has every method and way of making the readings."
+    )
+    return (
+        Table.of("layer", caption, page),
+        Table.of("all", "All methods and grids.", rows, on_page=False),
+    )
+
+
+def _near(each: Finding) -> bool:
+    """Whether the peaks are right."""
+    return all(abs(peak / DEPTH - 1) < RIGHT for peak in _claimed(each))
+
+
+def _verdicts(findings: list[Finding]) -> list[Verdict]:
+    by_world = {
+        case: {world: _of(findings, world, case, PAPER) for world in (LAYER, OWN_GRID)}
+        for case in (ADJACENT, SEPARATE)
+    }
+    claims = {
+        ADJACENT: ("4", "the peak of the deformation is around 0.2 mm"),
+        SEPARATE: ("5", "the three peaks are around 0.2 mm"),
+    }
+    peaks = [
+        Verdict(*claims[case], _measured(worlds), _holds(worlds))
+        for case, worlds in by_world.items()
+    ]
+    layer = by_world[ADJACENT][LAYER]
+    blur = [float(each.widths[0] / each.true_widths[0]) for each in layer]
+    grows = min(blur) > 1 and blur[-1] > blur[0]
+    separate = by_world[SEPARATE][LAYER]
+    distinct = [each.separated for each in separate]
+    return [
+        peaks[0],
+        Verdict(
+            "4",
+            "the force is smoothed, the more the denser the grid",
+            f"width {_widths(layer, 0)} mm where the same nodes can show "
+            f"{_true_widths(layer, 0)} mm: {listed([f'{b:.1f}' for b in blur])} times",
+            "holds" if grows else "does not hold",
+        ),
+        peaks[1],
+        Verdict(
+            "5",
+            "three contacts stay distinct",
+            f"{listed([str(each.contacts) for each in separate])} contacts found on "
+            f"{listed([str(n) for n in GRIDS])} nodes a side",
+            "holds"
+            if all(distinct)
+            else "holds only in part"
+            if any(distinct)
+            else "does not hold",
+        ),
+    ]
+
+
+def _measured(worlds: dict[str, list[Finding]]) -> str:
+    return f"{_peaks(worlds[LAYER])} on the layer, {_peaks(worlds[OWN_GRID])} from its own nodes"
+
+
+def _holds(worlds: dict[str, list[Finding]]) -> str:
+    """Verdict on the layer, within the tolerance."""
+    right = [each.nodes for each in worlds[LAYER] if _near(each)]
+    if len(right) == len(GRIDS):
+        return "holds"
+    if right:
+        return f"holds only on {listed([f'{n} × {n}' for n in right])} (to {100 * RIGHT:.0f} %)"
+    return f"does not hold (to {100 * RIGHT:.0f} %)"
+
+
+def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Picture:
+    """Deformation or pressure of a case on the layer: truth and three grids, paper and ours."""
+    shown = {
+        (each.method.name, each.nodes): each
+        for each in findings
+        if (each.truth.world, each.truth.case) == (LAYER, case)
+    }
+    truth = next(iter(shown.values())).truth
+    circles = [(x, y, truth.grid.patch.pad_diameter / 2) for x, y in truth.places.tolist()]
+    middle = truth.places.mean(axis=0)
+    window = np.array([middle - WINDOW[case], middle + WINDOW[case]])
+    pressed = name == "pressure"
+    label, scale = ("pressure (kPa)", 1e-3) if pressed else ("indentation (mm)", 1e3)
+    exact = truth.indentation
+    if pressed:  # a flat disc's has no bound at its edge: it is clipped there
+        highest = 3 * float(np.median(truth.pressure[truth.pressure > 0]))
+        exact = np.minimum(truth.pressure, highest)
+    rows = []
+    for method, who in ((PAPER, "paper"), (FIELD, "ours")):
+        panels = [FieldPanel("truth", truth.grid, scale * exact, circles)]
+        for nodes in GRIDS:
+            estimate = shown[method.name, nodes].estimate
+            values = estimate.pressure if pressed else estimate.indentation
+            title = f"{who}, {nodes} × {nodes}"
+            panels.append(FieldPanel(title, estimate.grid, scale * values, circles))
+        rows.append(panels)
+    caption = (
+        f"{FIGURE[case]}: {DEPTH * 1e3:g} mm imposed on {case} (black circles) of the layer, "
+        f"{name}: truth, and what is reconstructed on three grids."
+    )
+    short = "adjacent" if case == ADJACENT else "separate"
+    return Picture.of(f"{short}-{name}", caption, draw_fields(rows, label, window=window))

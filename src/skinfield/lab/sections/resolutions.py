@@ -1,0 +1,198 @@
+"""Grid resolution, Figure 8: one press on coarse and fine grids, and whether smoother is truer."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from skinfield.errors import Floats
+from skinfield.fields import Estimate
+from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, Method, paper_patch, readings, sites
+from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
+from skinfield.lab.report import Picture, Section, Settings, Table, Verdict
+from skinfield.layout import Grid
+
+FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
+AROUND = 8e-3  # m: of the press, in which a field is looked at
+METHODS = (PAPER, FIELD)
+CLAIM = (
+    "Between three taxels, 1.8 N: the surface is smoother the finer the grid; on 40 × 40 nodes "
+    "with 72 taxels it is oversampled, yet mimics the elastomer."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Of one method on one grid, over many noisy presses, (T,) each.
+
+    Attributes
+    ----------
+    roughness : array
+        Root mean square of the second differences from cell to cell around the press, over the
+        highest pressure there: 0 for a plane, about 1 for single cells that stick out.
+    force : array
+        Within 8 mm of the press, over the true force.
+    place : array, m
+        From the strongest contact to the true place; NaN where none is found.
+    """
+
+    method: Method
+    nodes: int
+    roughness: Floats
+    force: Floats
+    place: Floats
+
+
+def resolutions(settings: Settings) -> Section:
+    """Four grids side by side, with smoothness, force and place over many presses."""
+    places, noisy = _pressed(settings)
+    scores = [
+        _scored(method, nodes, settings, places, noisy)
+        for method in METHODS
+        for nodes in settings.size.grids
+    ]
+    return Section(
+        name="resolutions",
+        title="Figure 8: one press on four grids",
+        claim=CLAIM,
+        sentences=tuple(_sentences(scores, settings)),
+        pictures=(_picture_of_fields(settings, places, noisy), _picture_of_scores(scores)),
+        tables=(_table(scores),),
+        verdicts=(_verdict(scores),),
+    )
+
+
+def _pressed(settings: Settings) -> tuple[Floats, Floats]:
+    """Places (T, 2) m, the first in the picture, and noisy readings (T, L)."""
+    patch, count = paper_patch(), min(settings.size.presses, 1000)
+    rng = np.random.default_rng([settings.seed, 8])
+    sited = sites(patch)[PLACE]
+    first = np.linalg.norm(sited - [6e-3, 8e-3], axis=1).argmin()
+    places = sited[np.append(first, rng.integers(len(sited), size=count - 1))]
+    cell = settings.size.cell
+    clean = readings(BALL, patch, settings.layer, FORCE, cell, places, "stress")
+    return places, clean + rng.normal(scale=settings.stress_noise, size=clean.shape)
+
+
+def _scored(method: Method, nodes: int, settings: Settings, places: Floats, noisy: Floats) -> Score:
+    reconstruct = method.prepared(paper_patch(), settings.layer, nodes, settings.stress_noise)
+    estimate = reconstruct(noisy)
+    each = [_of_one(estimate, row, place) for row, place in enumerate(places)]
+    roughness, force, place = np.array(each).T
+    return Score(method, nodes, roughness, force, place)
+
+
+def _of_one(estimate: Estimate, row: int, place: Floats) -> tuple[float, float, float]:
+    grid, pressure = estimate.grid, estimate.pressure[row]
+    near = np.linalg.norm(grid.plane - place, axis=1) < AROUND
+    force = float(pressure[near].sum()) * grid.cell_area / FORCE
+    contacts = estimate.contacts[row]
+    off = np.linalg.norm(contacts[0].position[:2] - place) if contacts else np.nan
+    return roughness(grid, pressure, near), force, float(off)
+
+
+def roughness(grid: Grid, pressure: Floats, near: Floats) -> float:
+    """Root mean square of second differences at the nodes `near` (K,), over the peak there."""
+    picture, inside = pressure.reshape(grid.shape), near.reshape(grid.shape)
+    along = np.diff(picture, 2, axis=1)[inside[:, 1:-1]]
+    across = np.diff(picture, 2, axis=0)[inside[1:-1]]
+    bends = np.concatenate([along, across])
+    return float(np.sqrt(np.mean(bends**2)) / np.abs(pressure[near]).max())
+
+
+def _chosen(scores: list[Score], method: Method) -> list[Score]:
+    return [score for score in scores if score.method is method]
+
+
+def _sentences(scores: list[Score], settings: Settings) -> list[str]:
+    paper, ours = _chosen(scores, PAPER), _chosen(scores, FIELD)
+    return [
+        f"{len(paper[0].force)} presses of {FORCE:g} N with the 1.2 cm half-sphere, each between "
+        f"three taxels, one reading each with {settings.stress_noise / 1e3:g} kPa of noise. "
+        "Roughness is the root mean square of the second differences from cell to cell within "
+        f"{AROUND * 1e3:g} mm of the press, over the highest pressure there.",
+        f"The paper's method: roughness {_row(paper, 'roughness')} on "
+        f"{', '.join(f'{score.nodes} × {score.nodes}' for score in paper)} nodes; ours "
+        f"{_row(ours, 'roughness')}.",
+        f"Smoother need not be truer: within {AROUND * 1e3:g} mm the paper's method finds "
+        f"{_row(paper, 'force', 100)} % of the force (medians), ours "
+        f"{_row(ours, 'force', 100)} %; its strongest contact is off by "
+        f"{_row(paper, 'place', 1e3)} mm, ours by {_row(ours, 'place', 1e3)} mm.",
+    ]
+
+
+def _row(scores: list[Score], name: str, scale: float = 1.0) -> str:
+    digits = {"roughness": ".2f", "force": ".0f", "place": ".1f"}[name]
+    return ", ".join(f"{scale * float(np.nanmedian(getattr(s, name))):{digits}}" for s in scores)
+
+
+def _verdict(scores: list[Score]) -> Verdict:
+    paper = [float(np.median(score.roughness)) for score in _chosen(scores, PAPER)]
+    falls = all(after < before for before, after in pairwise(paper))
+    return Verdict(
+        "8",
+        "the finer the grid, the smoother the surface",
+        f"roughness {_row(_chosen(scores, PAPER), 'roughness')} on grids from coarse to fine",
+        "holds" if falls else "holds only in part" if paper[-1] < paper[0] else "does not hold",
+    )
+
+
+def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Picture:
+    patch, layer = paper_patch(), settings.layer
+    truth = [(*places[0], BALL.contact_radius(layer, FORCE, settings.size.cell))]
+    rows = []
+    for method, who in ((PAPER, "paper"), (FIELD, "ours")):
+        row = []
+        for nodes in settings.size.grids:
+            estimate = method.prepared(patch, layer, nodes, settings.stress_noise)(noisy[0])
+            title = f"{who}, {nodes} × {nodes}"
+            row.append(FieldPanel(title, estimate.grid, estimate.pressure * 1e-3, truth))
+        rows.append(row)
+    caption = (
+        f"The same reading of {FORCE:g} N {PLACE} taxels on four grids; the black circle is the "
+        "true contact."
+    )
+    return Picture.of("fields", caption, draw_fields(rows, "pressure (kPa)"))
+
+
+def _picture_of_scores(scores: list[Score]) -> Picture:
+    ticks = tuple(float(score.nodes) for score in _chosen(scores, PAPER))
+    scale = Scale(x="nodes on a side", y="", y_limits=(0.0, None), x_ticks=ticks, marks=True)
+    panels = []
+    for title, note, name, factor in (
+        ("Roughness", "second differences over peak", "roughness", 1.0),
+        ("Force found (%)", "within 8 mm of the press", "force", 100.0),
+        ("Error of place (mm)", "of the strongest contact", "place", 1e3),
+    ):
+        curves = []
+        for method in METHODS:
+            mine = _chosen(scores, method)
+            low, middle, high = (
+                factor
+                * np.array(
+                    [np.nanpercentile(getattr(score, name), (25, 50, 75)) for score in mine]
+                ).T
+            )
+            curves.append(Curve(method.name, np.array(ticks), middle, low, high))
+        panels.append(Panel(title, note, tuple(curves), scale))
+    caption = "Medians over all presses; bands hold the middle half of them."
+    return Picture.of("scores", caption, draw_panels([panels]))
+
+
+def _table(scores: list[Score]) -> Table:
+    rows = [
+        {
+            "method": score.method.name,
+            "nodes on a side": score.nodes,
+            "roughness, median": float(np.median(score.roughness)),
+            "force found, median (%)": 100 * float(np.median(score.force)),
+            "force found, quartiles (%)": "{:.0f} to {:.0f}".format(
+                *(100 * np.percentile(score.force, (25, 75)))
+            ),
+            "place, median (mm)": 1e3 * float(np.nanmedian(score.place)),
+            "place, 90th percentile (mm)": 1e3 * float(np.nanpercentile(score.place, 90)),
+        }
+        for score in scores
+    ]
+    caption = f"{FORCE:g} N {PLACE} taxels, over {len(scores[0].force)} presses."
+    return Table.of("scores", caption, rows)

@@ -1,0 +1,246 @@
+"""Validation of solvers: any solver on any cases, at noises that are added to exact readings."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError, check_choice, check_positive
+from skinfield.fields import Contact
+from skinfield.inverse import ContactFit, GaussianField, PseudoInverse, Solver
+from skinfield.lab.cases import Case, quantity_by_name
+from skinfield.lab.score import GATE, Judge, Row, Score, column
+from skinfield.layout import Grid
+from skinfield.mechanics import HalfSpace, Mechanics
+from skinfield.pipeline import Reconstructor
+
+CACHED = 8  # reconstructions that stay prepared: cases of one skin share theirs
+PLACE_90, FORCE_90 = 4.605, 2.706  # squared deviations that hold 90 %: of two numbers, and of one
+RUNS = 2  # readings of each press: a cold one, which is scored, and a warm one
+# Of readings without noise a solver is still told one, the truth's own error: about 1e-3 of the
+# stress below a light press, and of the capacitance that the field in the gap is known to.
+FLOORS = {"stress": 10.0, "capacitance": 1e-4, "gap": 1e-4}
+PAPER, GAUSSIAN, CONTACT = "paper", "gaussian", "contact"
+
+
+@dataclass(frozen=True)
+class Level:
+    """A noise of one quantity, in its unit; 0 for exact readings."""
+
+    quantity: str
+    noise: float
+
+    def __post_init__(self) -> None:
+        check_choice("quantity", self.quantity, FLOORS, "what taxels read")
+        if not 0.0 <= self.noise < float("inf"):
+            raise InputError(f"noise is {self.noise!r}, expected 0 for exact readings, or more")
+
+    @property
+    def stated(self) -> float:
+        """What a solver is told: never less than the floor of `FLOORS`."""
+        return max(self.noise, FLOORS[self.quantity])
+
+    def __str__(self) -> str:
+        return f"{self.quantity} {self.noise:g}"
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What a solver made of one reading, and how long that took.
+
+    Attributes
+    ----------
+    score : Score
+    cold, warm : float, s
+        For a reading after nothing; and for another one of the same press right after it.
+    place_held, force_held : int
+        Matched contacts whose stated 90 % region holds the true place, and force.
+    """
+
+    score: Score
+    cold: float
+    warm: float
+    place_held: int
+    force_held: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entrant:
+    """A solver with what it assumes, ready for any case.
+
+    Parameters
+    ----------
+    solver : Solver
+    mechanics : Mechanics, optional
+        Model of the elastomer. Default what the case says that the skin is.
+    nodes : int
+        On a side of the grid.
+    gate : float, m
+        Up to which contacts may belong together.
+    name : str
+        In tables.
+    """
+
+    solver: Solver
+    mechanics: Mechanics | None = None
+    nodes: int = 40
+    gate: float = GATE
+    name: str = ""
+    _prepared: dict[tuple[object, ...], Reconstructor] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
+
+    def __post_init__(self) -> None:
+        check_positive("gate", self.gate, "distance of contacts that are the same, in metres")
+
+    def scores(self, case: Case) -> list[Score]:
+        """Scores of all readings of a case.
+
+        The entrant is told the layer, the quantity and the noise that the case states.
+        """
+        reconstruct = self.reconstructor(case)
+        judge = Judge(case, reconstruct.grid, self.gate)
+        return [judge(estimate) for estimate in reconstruct(case.draws)]
+
+    def attempt(self, case: Case) -> Attempt:
+        """Take up the first two readings of a case, one by one; the first is scored.
+
+        Raises
+        ------
+        InputError
+            For a case of fewer readings.
+        """
+        if len(case.draws) < RUNS:
+            raise InputError(
+                f"case {case.name!r} has one reading, expected two: the second is warm"
+            )
+        reconstruct = self.reconstructor(case)
+        reconstruct.reset()
+        start = time.perf_counter()
+        estimate = reconstruct(case.draws[0])
+        between = time.perf_counter()
+        reconstruct(case.draws[1])
+        end = time.perf_counter()
+        score = Judge(case, reconstruct.grid, self.gate)(estimate)
+        held = [
+            _held(estimate.contacts[match.estimated], case, match.true) for match in score.matches
+        ]
+        return Attempt(
+            score, between - start, end - between, sum(p for p, _ in held), sum(f for _, f in held)
+        )
+
+    def false_contacts(self, case: Case, draws: int, seed: int) -> list[int]:
+        """Contacts found in each of some readings of the case's skin at rest, with its noise."""
+        idle = np.random.default_rng(seed).standard_normal((draws, len(case.patch)))
+        reconstruct = self.reconstructor(case)
+        reconstruct.reset()
+        return [len(found) for found in reconstruct(idle * case.noise_std).contacts]
+
+    def reconstructor(self, case: Case) -> Reconstructor:
+        """Reconstruction of the case's skin, told its noise; kept for the next such case."""
+        mechanics = case.mechanics if self.mechanics is None else self.mechanics
+        patch = case.patch
+        arrays: tuple[Floats, ...] = (patch.positions, patch.normals, case.noise_std)
+        key = (
+            *(array.tobytes() for array in arrays),
+            patch.pad_diameter,
+            case.layer,
+            case.quantity,
+            mechanics,
+        )
+        if key not in self._prepared:
+            if len(self._prepared) >= CACHED:
+                self._prepared.pop(next(iter(self._prepared)))
+            self._prepared[key] = Reconstructor(
+                patch,
+                case.layer,
+                Grid.square(patch, nodes=self.nodes),
+                mechanics=mechanics,
+                quantity=quantity_by_name(case.quantity),
+                solver=self.solver,
+                noise_std=case.noise_std,
+            )
+        return self._prepared[key]
+
+
+def _held(estimated: Contact, case: Case, true: int) -> tuple[bool, bool]:
+    """Whether the regions that hold 90 %, as the contact states them, hold place and force."""
+    contact = case.truth.contacts[true]
+    place = case.patch.surface.position_from_plane(np.array([contact.position]))[0]
+    apart = (estimated.position - place)[:2]  # of a flat patch
+    spread = estimated.covariance[:2, :2]
+    if not np.isfinite(estimated.covariance).all() or np.linalg.det(spread) <= 0.0:
+        return False, False
+    square = float(apart @ np.linalg.solve(spread, apart))
+    force = (estimated.normal_force - contact.force) ** 2 / float(estimated.covariance[2, 2])
+    return square <= PLACE_90, force <= FORCE_90
+
+
+def known_entrants(nodes: int = 40) -> tuple[Entrant, ...]:
+    """The paper's on its 20 x 20 nodes, the Gaussian field, and the fit of contacts on `nodes`."""
+    return (
+        Entrant(name=PAPER, solver=PseudoInverse(resample=True), mechanics=HalfSpace(), nodes=20),
+        Entrant(name=GAUSSIAN, solver=GaussianField(), nodes=nodes),
+        Entrant(name=CONTACT, solver=ContactFit(), nodes=nodes),
+    )
+
+
+@lru_cache(maxsize=32)
+def once(entrant: Entrant) -> Entrant:
+    """One of equal entrants per process, so that what it prepares is prepared once."""
+    return entrant
+
+
+def noise_seed(seed: int, index: int) -> int:
+    """Of the noise of a press of a campaign: another one for each."""
+    return seed * 1_000_003 + index
+
+
+def at_level(case: Case, level: Level, seed: int) -> Case:
+    """Two readings of an exact case at a level; of exact ones the solver is told the floor."""
+    if level.noise > 0:
+        return case.with_noise(seed, RUNS, level.noise)
+    return replace(
+        case.stating(level.stated), readings=np.repeat(case.draws, RUNS, axis=0), noisy=True
+    )
+
+
+def rows_of_case(
+    case: Case, levels: Sequence[Level], entrants: Sequence[Entrant], seed: int
+) -> Iterator[Row]:
+    """Rows of one case of exact readings, level by level and entrant by entrant.
+
+    All see the same noise, which grows from level to level. Errors are parts of the truth where no
+    unit is named.
+    """
+    for level in levels:
+        drawn = at_level(case, level, seed)
+        for entrant in entrants:
+            attempt = once(entrant).attempt(drawn)
+            head = {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
+            yield (
+                head
+                | attempt.score.row()
+                | {
+                    "cold_ms": 1e3 * attempt.cold,
+                    "warm_ms": 1e3 * attempt.warm,
+                    "place_held": attempt.place_held,
+                    "force_held": attempt.force_held,
+                }
+            )
+
+
+def row_of_case(case: Case, scores: Sequence[Score]) -> Row:
+    """One case as a row: medians over its readings, means of the counts."""
+    rows = [score.row() for score in scores]
+    row: Row = {"case": case.name, "quantity": case.quantity, "readings": len(rows)}
+    for key in rows[0]:
+        known = column(rows, key)
+        known = known[np.isfinite(known)]
+        if key in ("missed", "false"):
+            row[key] = float(known.mean())
+        elif key != "matched":
+            row[key] = float(np.median(known)) if len(known) else float("nan")
+    return row

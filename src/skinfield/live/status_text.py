@@ -1,0 +1,60 @@
+"""Text in the ring's status: what an engine has to say beside numbers."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.ring import Field
+
+ROOM = 1 << 16  # bytes
+HEAD = 8  # bytes: length and checksum, each 4
+FIELD = Field("notes", "<u1", (ROOM,))
+
+Octets = NDArray[np.uint8]
+
+
+def write_notes(room: Octets, notes: Mapping[str, Any]) -> None:
+    """Write notes as JSON; lists are cut where they would not fit, and say so."""
+    text = json.dumps(notes).encode()
+    if len(text) > len(room) - HEAD:
+        short = {key: _cut(value) for key, value in notes.items()}
+        text = json.dumps(short | {"cut": "there was more than fits"}).encode()
+        text = text if len(text) <= len(room) - HEAD else b'{"cut": "there was more than fits"}'
+    room[:HEAD].view("<u4")[0] = 0  # so that nobody takes old text for new
+    room[HEAD : HEAD + len(text)] = np.frombuffer(text, np.uint8)
+    room[:HEAD].view("<u4")[1] = crc32(text)
+    room[:HEAD].view("<u4")[0] = len(text)
+
+
+def start_in_words(notes: Mapping[str, Any]) -> str:
+    """What an engine does before it answers, from its notes; empty once it runs."""
+    phase, progress = notes.get("phase", ""), notes.get("progress") or {}
+    if phase == "taring":
+        return "taking its baseline: leave the skin untouched"
+    if phase not in ("loading", "preparing"):
+        return ""
+    if not progress:
+        return "loading its code, which is compiled once for this machine: a minute or two"
+    text = f"preparing patch {int(progress['patches']) + 1} of {int(progress['of'])}"
+    left = progress.get("left_s", 0.0)
+    return f"{text}, about {left:.0f} s more" if left >= 1.0 else text
+
+
+def _cut(value: Any) -> Any:
+    return value[:20] if isinstance(value, list | str) else value
+
+
+def read_notes(room: Octets) -> dict[str, Any] | None:
+    """Notes; None while they are being written, or where there are none."""
+    length, checksum = room[:HEAD].view("<u4").tolist()
+    if not 0 < length <= len(room) - HEAD:
+        return None
+    text = room[HEAD : HEAD + length].tobytes()
+    if crc32(text) != checksum:
+        return None
+    found = json.loads(text)
+    return found if isinstance(found, dict) else None

@@ -1,0 +1,266 @@
+"""Maps of a layout's resolution, judged before it is made, and their change with the thickness."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import Floats
+from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
+from skinfield.plot.style import (
+    ABOVE,
+    BLUE,
+    FAINT,
+    INK,
+    ORANGE,
+    QUIET,
+    TITLE,
+    add_title,
+    new_figure,
+    style,
+)
+from skinfield.resolution import Judgement, Places, ThicknessComparison
+from skinfield.resolution.judgement import part_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANEL = 3.3  # inches: side of the square in which a map is drawn
+GAP, LEFT, HEAD, FOOT, OVER = 1.15, 0.6, 0.9, 0.5, 0.55
+MOST_PADS = 1500  # outlines beyond this are a grey mass
+NOTHING = "#d8d8de"  # no finite value
+LOWEST, HIGHEST = 0.02, 0.98  # shares of the places between which colours differ
+TICKS = np.array([1.0, 2.0, 5.0])
+
+
+def draw_judgement(judgement: Judgement) -> "Figure":
+    """Figure of all maps of a layout; in each, dark is bad, and grey is nowhere near.
+
+    Parameters
+    ----------
+    judgement : Judgement
+    """
+    detectable, accuracy, pairs = judgement.detectable, judgement.accuracy, judgement.two_points
+    places, few = detectable.places, pairs.places
+    force = f"{judgement.touch.force:g} N"
+    false = f"{detectable.false_alarm_rate:g} false alarms a reading"
+    rates = f"{detectable.detection_rate:.0%} found, {false}"
+    error = f"{pairs.error_rate:.0%} errors, two of {force} each; grey: never told"
+    panels = (
+        (places, judgement.blind.response * 100, "response (% of the best place)",
+         "Blind spots", f"a light touch; outlined: below {judgement.blind.threshold:.0%}"),
+        (places, detectable.unknown_place, "force (N)", "Smallest force found", rates),
+        (places, accuracy.place_std * MM, "standard deviation (mm)",
+         f"Place of {force}", "at best, from one reading; size unknown"),
+        (places, accuracy.force_std, "standard deviation (N)",
+         f"Force of {force}", "at best, from one reading; size unknown"),
+        (few, pairs.typical * MM, "distance (mm)", "Two touches: typical direction", error),
+        (few, pairs.worst * MM, "distance (mm)", "Two touches: worst direction", error),
+    )  # fmt: skip
+    with style():
+        extent = _extent(places)
+        figure, boxes = _page(extent)
+        size = figure.get_size_inches()
+        figure.text(0.2 / size[0], 1 - 0.32 / size[1], _title(judgement), **TITLE)
+        figure.text(0.2 / size[0], 1 - 0.56 / size[1], judgement.verdict(), fontsize=8.5)
+        for index, (box, panel) in enumerate(zip(boxes, panels, strict=True)):
+            where, values, label, head, note = panel
+            axes = figure.add_axes(box)
+            _draw_places(axes, where, values, label, extent, falling=index == 0)
+            if index % 3:
+                axes.set_ylabel("")
+            if index < 3:
+                axes.set_xlabel("")
+            add_title(axes, "abcdef"[index], head, note)
+            if index == 0:
+                _outline_blind(axes, judgement)
+    return figure
+
+
+def draw_place_map(
+    places: Places, values: ArrayLike, *, label: str, title: str = "", note: str = ""
+) -> "Figure":
+    """Figure of one map.
+
+    Parameters
+    ----------
+    places : Places
+    values : (P,) array
+        Infinite ones are drawn grey.
+    label : str
+        What they are, with the unit.
+    title, note : str
+        Over the picture: what it shows, and how to read it.
+    """
+    with style():
+        figure = new_figure(6.0, 5.2)
+        axes = figure.add_axes((0.12, 0.11, 0.7, 0.74))
+        values = np.asarray(values, dtype=np.float64)
+        _draw_places(axes, places, values, label, _extent(places), falling=False)
+        add_title(axes, "", title, note)
+    return figure
+
+
+def draw_thickness(comparison: ThicknessComparison) -> "Figure":
+    """Figure of medians and 95th percentiles of the maps against the thickness.
+
+    Parameters
+    ----------
+    comparison : ThicknessComparison
+    """
+    touch = comparison.judgements[0].touch
+    first, radius = comparison.judgements[0], f"{touch.radius * MM:g}"
+    panels = (
+        ("smallest force found, place unknown", "force (N)", "Smallest force found",
+         f"{first.terms.false_alarm_rate:g} false alarms, {first.terms.detection_rate:.0%} found"),
+        ("place deviation, size unknown", "standard deviation (mm)",
+         f"Place of {touch.force:g} N", "at best, from one reading"),
+        ("force deviation, size unknown", "standard deviation (N)",
+         f"Force of {touch.force:g} N", "at best, from one reading"),
+        ("two touches told, typical direction", "distance (mm)", "Two touches told apart",
+         f"{touch.force:g} N each, {first.terms.error_rate:.0%} errors"),
+    )  # fmt: skip
+    patch = first.design.patch
+    head = f"{patch.name} by thickness: {_reads(first)}, contact radius {radius} mm"
+    with style():
+        figure = new_figure(10.4, 3.5)
+        figure.text(0.015, 0.92, head, **TITLE)
+        for index, (name, label, heading, note) in enumerate(panels):
+            axes = figure.add_axes((0.055 + 0.245 * index, 0.15, 0.19, 0.53))
+            if not _draw_curves(axes, comparison, name, label):
+                note += "; none: never"
+            add_title(axes, "abcd"[index], heading, note)
+        lines = figure.axes[0].get_lines()
+        figure.legend(lines, [str(line.get_label()) for line in lines], frameon=False, fontsize=8,
+                      loc="upper right", bbox_to_anchor=(0.995, 0.995))  # fmt: skip
+    return figure
+
+
+def _draw_curves(axes: "Axes", comparison: ThicknessComparison, name: str, label: str) -> bool:
+    """Draw one panel's curves; whether all of their points are finite."""
+    rows = comparison.rows(name)
+    thickness = comparison.thickness * MM
+    for values, colour, word in (
+        ([row.p95 for row in rows], ORANGE, "95th percentile"),
+        ([row.median for row in rows], BLUE, "median"),
+    ):
+        shown = np.array(values, dtype=np.float64)
+        shown[~np.isfinite(shown)] = np.nan  # the line stops where there is nothing to draw
+        axes.plot(thickness, shown, color=colour, marker="o", ms=3.5, label=f"{word} of places")
+    axes.set(xlabel="thickness (mm)", ylabel=label, xlim=(0, float(thickness[-1]) * 1.06))
+    finite = [v for row in rows for v in (row.median, row.p95) if np.isfinite(v)]
+    axes.set_ylim(0, 1.1 * max(finite, default=1.0))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(color=QUIET)
+    axes.grid(axis="y", color=FAINT, lw=0.4)
+    return len(finite) == 2 * len(rows)
+
+
+def _page(extent: Floats) -> tuple["Figure", list[tuple[float, float, float, float]]]:
+    """Empty figure, and boxes of two rows of three panels in the patch's proportions."""
+    sides = extent[1] - extent[0]
+    width, height = np.clip(sides / sides.max(), 0.25, 1) * PANEL
+    width = max(width, 0.75 * PANEL)  # room for a head of words
+    size = np.array([3 * (width + GAP) + LEFT - 0.3, HEAD + 2 * (height + OVER + FOOT) - 0.2])
+    boxes = []
+    for row in (1, 0):
+        for column in range(3):
+            left = LEFT + column * (width + GAP)
+            bottom = FOOT + row * (height + OVER + FOOT)
+            boxes.append((left / size[0], bottom / size[1], width / size[0], height / size[1]))
+    return new_figure(float(size[0]), float(size[1])), boxes
+
+
+def _extent(places: Places) -> Floats:
+    plane, half = places.plane, places.grid.pitch / 2
+    return np.array([plane.min(axis=0) - half, plane.max(axis=0) + half])
+
+
+def _title(judgement: Judgement) -> str:
+    patch = judgement.design.patch
+    thickness = judgement.design.layer.thickness * MM
+    return f"{patch.name}, {len(patch)} taxels: h = {thickness:g} mm, {_reads(judgement)}"
+
+
+def _reads(judgement: Judgement) -> str:
+    """Quantity and noise."""
+    design = judgement.design
+    noise, unit = float(np.median(design.noise)), design.quantity.unit
+    of = "" if unit == "1" else f" {unit}"
+    return f"{design.quantity.symbol} with noise {noise:.3g}{of}"
+
+
+def _draw_places(
+    axes: "Axes", places: Places, values: Floats, label: str, extent: Floats, *, falling: bool
+) -> None:
+    """Map on a logarithmic scale: skins differ by factors. Dark is bad: low, if `falling`."""
+    from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+    ramp = ABOVE[::-1] if falling else ABOVE
+    colours = LinearSegmentedColormap.from_list("skinfield", ramp, N=256)
+    low, high = _limits(values)
+    picture = places.picture(values)
+    grid = places.grid
+    finite = np.where(np.isfinite(picture), picture, np.nan)
+    image = draw_cells(axes, grid, finite, cmap=colours, norm=LogNorm(low, high))
+    if np.isposinf(picture).any():
+        grey = LinearSegmentedColormap.from_list("nothing", [NOTHING, NOTHING])
+        draw_cells(axes, grid, np.where(np.isposinf(picture), 1.0, np.nan), cmap=grey)
+    frame_axes(axes, grid.patch, extent)
+    if len(grid.patch) <= MOST_PADS:
+        outline_pads(axes, grid.patch)
+    _add_log_bar(axes, image, label, values)
+
+
+def _limits(values: Floats) -> tuple[float, float]:
+    """Ends of the colours: all but the extreme places, and never a flat scale."""
+    finite = values[np.isfinite(values) & (values > 0)]
+    if not len(finite):
+        return 1.0, 2.0
+    low, high = part_of(finite, LOWEST), part_of(finite, HIGHEST)
+    middle = np.sqrt(low * high)
+    return min(low, middle / 1.2), max(high, middle * 1.2)
+
+
+def _add_log_bar(axes: "Axes", image: Any, label: str, values: Floats) -> None:
+    """Colour bar with round numbers; its arrows say that some places are beyond its ends."""
+    low, high = image.get_clim()
+    finite = values[np.isfinite(values)]
+    beyond = ((finite < low * 0.999).any(), (finite > high * 1.001).any())
+    extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}
+    figure: Any = axes.figure
+    bar = figure.colorbar(
+        image, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)),
+        extend=extend[(int(beyond[0]), int(beyond[1]))], extendfrac=0.03,
+    )  # fmt: skip
+    ticks = _round_numbers(low, high)
+    bar.set_ticks(list(ticks), labels=[f"{tick:g}" for tick in ticks])
+    bar.ax.minorticks_off()
+    bar.set_label(label)
+    bar.outline.set_linewidth(0.5)
+
+
+def _round_numbers(low: float, high: float) -> Floats:
+    """Numbers to write on a logarithmic scale: 1, 2, 5, and more of them where it is short."""
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    many = np.array([1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, 4, 5, 6, 7, 8, 9])
+    for steps in (TICKS, np.array([1.0, 1.5, 2, 3, 4, 5, 7]), many):
+        ticks = (decades[:, None] * steps).ravel()
+        ticks = ticks[(ticks >= low * 0.999) & (ticks <= high * 1.001)]
+        if len(ticks) >= 4:
+            break
+    return np.asarray(ticks)
+
+
+def _outline_blind(axes: "Axes", judgement: Judgement) -> None:
+    """Draw the rim of the holes."""
+    blind = judgement.blind
+    if not blind.blind.any() or blind.blind.all():
+        return
+    picture = np.nan_to_num(blind.places.picture(blind.blind.astype(np.float64)), nan=0.0)
+    grid = blind.places.grid
+    x = (grid.origin[0] + np.arange(grid.shape[1]) * grid.pitch) * MM
+    y = (grid.origin[1] + np.arange(grid.shape[0]) * grid.pitch) * MM
+    if min(picture.shape) > 1:
+        axes.contour(x, y, picture, levels=[0.5], colors=[INK], linewidths=0.9)

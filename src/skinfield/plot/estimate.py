@@ -1,0 +1,484 @@
+"""Figure of an estimate: readings, pressure, contacts beside the true presses, and the surface."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
+from skinfield.fields import Contact, Estimate
+from skinfield.layout import Grid
+from skinfield.plot.deformation import draw_deformation
+from skinfield.plot.maps import (
+    MM,
+    draw_cells,
+    draw_pads,
+    extent_of,
+    frame_axes,
+    hatch_uncovered,
+    plane_from_position,
+)
+from skinfield.plot.style import (
+    BLUE,
+    FAINT,
+    INK,
+    QUIET,
+    TITLE,
+    add_colour_bar,
+    add_title,
+    new_figure,
+    number,
+    plural,
+    plus_minus,
+    style,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
+
+
+@dataclass(frozen=True, eq=False)
+class Press:
+    """A true press: where (3,) m, how hard N along the skin's normal, and over which radius m."""
+
+    position: Floats
+    force: float
+    radius: float
+
+
+def presses_from_truth(truth: Iterable[tuple[Any, Any, float]] | None, grid: Grid) -> list[Press]:
+    """Presses from (position, force, radius).
+
+    A position is (3,) m, or (2,) m in the patch's plane; a force is in N along the inward normal,
+    or a vector (3,) N in the patch's frame; a radius is in m.
+
+    Raises
+    ------
+    InputError
+        If an entry is anything else.
+    """
+    presses = []
+    for row, entry in enumerate(truth or ()):
+        try:
+            place, load, reach = entry
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"truth[{row}] is {entry!r}, expected (position, force, radius): "
+                "in metres, newtons and metres"
+            ) from error
+        name = f"truth[{row}]"
+        position, force = as_floats(f"{name} position", place), as_floats(f"{name} force", load)
+        if position.shape not in ((2,), (3,)) or force.shape not in ((), (3,)):
+            raise InputError(
+                f"{name} has position of shape {position.shape} and force of shape {force.shape}, "
+                "expected (2,) or (3,) m, and a number or (3,) N"
+            )
+        numbers = np.array([*position, *force.ravel(), float(reach)])
+        check_finite(name, numbers, "a press has a place, a force and a radius")
+        if position.shape == (2,):
+            position = grid.patch.surface.position_from_plane(position[None])[0]
+        if force.shape == (3,):
+            nearest = np.linalg.norm(grid.positions - position, axis=1).argmin()
+            force = -force @ grid.normals[nearest]
+        presses.append(Press(position, float(force), float(reach)))
+    return presses
+
+
+def nearest_contact(press: Press, contacts: Iterable[Contact]) -> tuple[Contact, float] | None:
+    """Find the contact nearest to a press, and its distance in m; None where there is none."""
+    pairs = [(c, float(np.linalg.norm(c.position - press.position))) for c in contacts]
+    return min(pairs, key=lambda pair: pair[1], default=None)
+
+
+DIRECTIONS = [(0, 1), (0, -1), (1, 0), (-1, 0), (0.7, 0.8), (-0.7, 0.8), (0.7, -0.8), (-0.7, -0.8)]
+
+
+def draw_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None:
+    """Draw outline, ellipse, centre and number of each contact; call once the limits are set."""
+    from matplotlib.patches import Ellipse
+    from matplotlib.patheffects import withStroke
+
+    halo = [withStroke(linewidth=2.6, foreground="white")]
+    for contact in contacts:
+        outline = plane_from_position(grid, contact.outline) * MM
+        axes.plot(*outline.T, color=INK, lw=1.2, path_effects=halo, zorder=3)
+        centre = plane_from_position(grid, contact.position[None])[0] * MM
+        width, height = 2 * contact.axes * MM
+        turn = np.degrees(contact.angle)
+        axes.add_patch(
+            Ellipse(centre, width, height, angle=turn, fill=False, ec=QUIET, lw=0.8, zorder=3)
+        )
+        axes.plot(*centre, "+", color=INK, ms=7, mew=1.3, path_effects=halo, zorder=4)
+    _number_contacts(axes, grid, contacts)
+
+
+def draw_presses(axes: "Axes", grid: Grid, presses: Sequence[Press]) -> None:
+    """Draw each true press as a dashed circle of its radius."""
+    from matplotlib.patches import Circle
+
+    for press in presses:
+        centre = plane_from_position(grid, press.position[None])[0] * MM
+        axes.add_patch(
+            Circle(centre, press.radius * MM, fill=False, ec=BLUE, lw=1.4, ls=(0, (3, 2)), zorder=5)
+        )
+
+
+def _number_contacts(axes: "Axes", grid: Grid, contacts: Sequence[Contact]) -> None:
+    """Write each contact's number in the table where there is room beside it."""
+    figure: Any = axes.figure
+    renderer = figure.canvas.get_renderer()
+    axes.apply_aspect()
+    inside = axes.get_window_extent(renderer)
+    bodies = [_body(axes, grid, contact) for contact in contacts]
+    taken = list(bodies)
+    look: dict[str, Any] = {"fontsize": 8, "ha": "center", "va": "center", "zorder": 6}
+    for index, body in enumerate(bodies):
+        text = axes.text(0.0, 0.0, f"{index + 1}", **look)
+        middle = np.array([body.x0 + body.x1, body.y0 + body.y1]) / 2
+        reach = np.array([body.width, body.height]) / 2 + (9.0, 15.0)
+        for far, way in product((1.0, 1.25, 1.6), np.array(DIRECTIONS)):
+            x, y = axes.transData.inverted().transform(middle + far * reach * way)
+            text.set_position((float(x), float(y)))
+            box = text.get_window_extent(renderer).padded(3.0)
+            if _fits(box, inside, taken):
+                taken.append(box)
+                break
+        else:
+            text.remove()
+
+
+def _body(axes: "Axes", grid: Grid, contact: Contact) -> "Bbox":
+    from matplotlib.transforms import Bbox
+
+    points = np.vstack([contact.outline, contact.position[None]])
+    pixels = axes.transData.transform(plane_from_position(grid, points) * MM)
+    return Bbox(np.array([pixels.min(axis=0), pixels.max(axis=0)])).padded(4.0)
+
+
+def _fits(box: "Bbox", inside: "Bbox", taken: "list[Bbox]") -> bool:
+    within = box.x0 > inside.x0 and box.x1 < inside.x1 and box.y0 > inside.y0 and box.y1 < inside.y1
+    return within and not any(box.overlaps(other) for other in taken)
+
+
+Box = tuple[float, float, float, float]  # left, bottom, width, height
+SLENDER = 1.45  # height over width of a patch whose maps stand side by side
+WIDTH, HEAD = 9.6, 0.83  # inches: of the page, and from its top to the upper maps
+
+
+@dataclass(frozen=True)
+class Page:
+    """Size in inches, and the boxes of the panels in parts of it."""
+
+    size: tuple[float, float]
+    readings: Box
+    pressure: Box
+    deformation: Box
+    contacts: Box
+    heading: Box  # over the deformation, whose own box has no fixed edge to stand on
+
+
+def page_of(grid: Grid) -> Page:
+    """Page that suits the shape of what is shown: two rows of two, or the maps side by side."""
+    width, height = np.ptp(extent_of(grid, measured=True), axis=0)
+    ratio = float(height / width)
+    return _side_by_side() if ratio > SLENDER else _two_rows(ratio)
+
+
+def _two_rows(ratio: float) -> Page:
+    high = float(np.clip(3.2 * ratio, 1.05, 2.46))
+    size = (WIDTH, 3.1 + high + HEAD)
+    return Page(
+        size,
+        readings=_parts(size, 0.67, 3.1, 3.2, high),
+        pressure=_parts(size, 5.47, 3.1, 3.2, high),
+        deformation=_parts(size, 0.3, 0.3, 3.8, 1.85),
+        contacts=_parts(size, 5.47, 0.0, 4.05, 2.14),
+        heading=_parts(size, 0.67, 0.0, 3.4, 2.14),
+    )
+
+
+def _side_by_side() -> Page:
+    size = (WIDTH, 6.4)
+    return Page(
+        size,
+        readings=_parts(size, 0.67, 0.61, 1.68, 4.96),
+        pressure=_parts(size, 3.5, 0.61, 1.68, 4.96),
+        deformation=_parts(size, 5.86, 3.27, 2.9, 2.3),
+        contacts=_parts(size, 6.14, 0.0, 3.38, 2.14),
+        heading=_parts(size, 6.14, 3.2, 3.38, 2.37),
+    )
+
+
+def _parts(
+    size: tuple[float, float], left: float, bottom: float, width: float, height: float
+) -> Box:
+    return left / size[0], bottom / size[1], width / size[0], height / size[1]
+
+
+COLUMNS = {"": 0.0, "place (mm)": 0.07, "force (N)": 0.45, "area (mm²)": 0.66, "peak (kPa)": 0.85}
+
+
+class Writer:
+    """Lines of text down a panel, of a height in points."""
+
+    def __init__(self, axes: "Axes", line: float) -> None:
+        box = axes.get_position()
+        width, height = np.array([box.width, box.height]) * axes.figure.bbox.size / axes.figure.dpi
+        self.axes, self.y, self.step = axes, 1.0, line / (height * 72.0)
+        self.lines = int(height * 72.0 // line)
+        self.size = float(np.clip(2.1 * width, 6.5, 8.5))
+
+    def cells(self, words: Sequence[str], **look: Any) -> None:
+        """Write one line across the columns."""
+        for x, word in zip(COLUMNS.values(), words, strict=True):
+            self.axes.text(x, self.y - self.step / 2, word, va="center", fontsize=self.size, **look)
+        self.y -= self.step
+
+    def words(self, words: str, **look: Any) -> None:
+        """Write one line of running text."""
+        self.axes.text(
+            0.0, self.y - self.step / 2, words, va="center", fontsize=self.size - 0.5, **look
+        )
+        self.y -= self.step
+
+    def rule(self, gap: float = 0.0) -> None:
+        """Draw a thin line across the panel and leave `gap` lines of space."""
+        self.axes.plot([0, 1], [self.y, self.y], color=FAINT, lw=0.8, clip_on=False)
+        self.y -= gap * self.step
+
+
+def draw_table(axes: "Axes", estimate: Estimate, presses: Sequence[Press]) -> None:
+    """Write contacts, their sum, the truth where it is known, and how the estimate was made."""
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    axes.axis("off")
+    contacts = list(estimate.contacts)
+    writer = Writer(axes, line=13.5)
+    notes = facts(estimate)
+    room = writer.lines - len(notes) - 3 - bool(presses)
+    truths = len(presses) if len(presses) + min(len(contacts), 2) <= room else 0
+    writer.cells(list(COLUMNS), color=QUIET)
+    writer.rule()
+    _write_contacts(writer, contacts, estimate.grid, max(room - truths, 2))
+    for press in presses[:truths]:
+        writer.cells(row_of_press(press, estimate.grid), color=BLUE)
+    if presses:
+        writer.words(truth_note(presses, contacts), color=BLUE)
+    writer.y -= 0.4 * writer.step
+    for note in notes:
+        writer.words(note, color=QUIET)
+
+
+def _write_contacts(writer: Writer, contacts: list[Contact], grid: Grid, room: int) -> None:
+    """Write one row a contact, as many as there is room for, the others as one, and the sum."""
+    listed = contacts if len(contacts) <= room else contacts[: room - 1]
+    for index, contact in enumerate(listed):
+        writer.cells(row_of(index, contact, grid))
+    if not contacts:
+        writer.words("no contact above the noise", color=QUIET)
+    if len(listed) < len(contacts):
+        rest = contacts[len(listed) :]
+        writer.cells(["", plural(len(rest), "other"), *_sums(rest), ""], color=QUIET)
+    writer.rule()
+    if contacts:
+        writer.cells(["", "all contacts", *_sums(contacts), ""], fontweight="bold")
+
+
+def _sums(contacts: list[Contact]) -> tuple[str, str]:
+    force, area = sum(c.normal_force for c in contacts), sum(c.area for c in contacts)
+    return number(force), number(area * 1e6)
+
+
+def row_of(index: int, contact: Contact, grid: Grid) -> list[str]:
+    """Cells of the table for one contact."""
+    return [
+        f"{index + 1}",
+        place_of(contact.position, grid),
+        plus_minus(contact.normal_force, contact.force_std),
+        number(contact.area * 1e6),
+        number(contact.peak_pressure * 1e-3),
+    ]
+
+
+def row_of_press(press: Press, grid: Grid) -> list[str]:
+    """Cells of the table for one true press."""
+    area = number(np.pi * press.radius**2 * 1e6)
+    return ["true", place_of(press.position, grid), number(press.force), area, ""]
+
+
+def place_of(position: Floats, grid: Grid) -> str:
+    """Coordinates in mm; two where the patch lies in z = 0."""
+    flat = np.allclose(grid.patch.positions[:, 2], 0.0)
+    return ", ".join(f"{x * MM:.1f}".replace("-", "−") for x in position[: 2 if flat else 3])
+
+
+def truth_note(presses: Sequence[Press], contacts: Sequence[Contact]) -> str:
+    """Say how far the contacts nearest to the true presses are from them, at worst."""
+    found = [(press, nearest_contact(press, contacts)) for press in presses]
+    pairs = [(press, *match) for press, match in found if match is not None]
+    if not pairs:
+        return "truth: no contact found"
+    changes = [(c.normal_force / p.force - 1) * 100 for p, c, _ in pairs if p.force]
+    change = max(changes, key=abs, default=float("nan"))
+    distance = max(apart for _, _, apart in pairs) * MM
+    worst = ", at worst" if len(pairs) > 1 else ""
+    sign = "+" if change >= 0 else ""
+    force, place = number(change, 2), number(distance, 2)
+    return f"off the truth by {sign}{force} % of force, {place} mm of place{worst}"
+
+
+def facts(estimate: Estimate) -> list[str]:
+    """Sum over the patch, and how the estimate was made, in short lines."""
+    grid = estimate.grid
+    rows, columns = grid.shape
+    std = estimate.pressure_std[grid.covered] if grid.covered.any() else estimate.pressure_std
+    spread = float(np.nanmedian(std)) if np.isfinite(std).any() else np.nan
+    last = [f"{columns} × {rows} cells of {number(grid.pitch * MM)} mm"]
+    if np.isfinite(spread) and spread > 0.0:  # contacts that are fitted have none beside them
+        last.append(f"σ of pressure {number(spread * 1e-3, 2)} kPa")
+    if np.isfinite(estimate.latency):
+        last.append(duration(estimate.latency))
+    return [
+        f"whole patch {number(float(estimate.normal_force))} N; "
+        f"{int(estimate.valid.sum())} of {plural(len(estimate.valid), 'taxel')} used",
+        "; ".join(last),
+    ]
+
+
+def duration(seconds: float) -> str:
+    """Write a time in s, ms or µs."""
+    scale, unit = next(
+        ((scale, unit) for scale, unit in ((1.0, "s"), (1e3, "ms")) if seconds * scale >= 1.0),
+        (1e6, "µs"),
+    )
+    return f"{number(seconds * scale, 2)} {unit}"
+
+
+FACTOR = {"%": 100.0, "kPa": 1e-3}  # from the unit of the readings to the one shown
+
+
+def draw_estimate(
+    estimate: Estimate,
+    readings: ArrayLike | None = None,
+    *,
+    truth: Iterable[tuple[Any, Any, float]] | None = None,
+    quantity_name: str = "ΔC/C₀",
+    quantity_unit: str = "%",
+    title: str | None = None,
+) -> "Figure":
+    """Figure of one reading: the taxels, the pressure, the deformation and the contacts.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        Of one reading; of a batch, pick one: ``estimate[index]``.
+    readings : (L,) array, optional
+        What the taxels read, in the quantity's SI unit; NaN is drawn as an invalid taxel. Without
+        it the first panel shows the residual of the estimate.
+    truth : sequence of (position, force, radius), optional
+        What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N, or as
+        a vector (3,) N; radius in m.
+    quantity_name, quantity_unit : str
+        What the taxels read, and the unit it is shown in: "%" shows fractions times 100, "kPa"
+        shows pascals over 1000, and any other unit is the readings' own ("1" is left unsaid).
+    title : str, optional
+        Over the figure; by default the patch, its contacts and their force.
+
+    Returns
+    -------
+    matplotlib Figure
+        1536 pixels wide, and as high as the patch asks for, 1024 at most; `save` writes it.
+
+    Raises
+    ------
+    InputError
+        If `estimate` is of many readings, or `readings` is not one number per taxel.
+    """
+    check_single(estimate)
+    values, name = _readings_of_panel(estimate, readings)
+    presses = presses_from_truth(truth, estimate.grid)
+    with style():
+        page = page_of(estimate.grid)
+        figure = new_figure(*page.size)
+        words = title or headline(estimate)
+        figure.text(0.02, 1 - 0.22 / page.size[1], words, va="center", **TITLE)
+        unit = "" if quantity_unit == "1" else f" ({quantity_unit})"
+        _draw_readings(
+            figure.add_axes(page.readings),
+            estimate,
+            values * FACTOR.get(quantity_unit, 1.0),
+            f"{quantity_name}{unit}",
+            name,
+        )
+        _draw_pressure(figure.add_axes(page.pressure), estimate, presses)
+        _draw_surface(figure, page, estimate)
+        panel = figure.add_axes(page.contacts)
+        add_title(
+            panel, "d", "Contacts", "in the frame of the patch; force ± one standard deviation"
+        )
+        draw_table(panel, estimate, presses)
+    return figure
+
+
+def check_single(estimate: Estimate) -> None:
+    """Raise InputError, naming the reading of the highest load, unless it is of one reading."""
+    if estimate.is_batch:
+        load = np.nan_to_num(estimate.normal_force, nan=-np.inf)
+        best = int(load.argmax()) if len(load) else 0
+        raise InputError(
+            f"estimate holds {plural(len(estimate), 'reading')}, expected one: pick it by index, "
+            f"estimate[{best}] has the highest load"
+        )
+
+
+def headline(estimate: Estimate) -> str:
+    """Name of the patch, number of contacts and their force."""
+    name, contacts = estimate.grid.patch.name, estimate.contacts
+    if not contacts:
+        return f"{name}: no contact"
+    force = number(sum(contact.normal_force for contact in contacts))
+    return f"{name}: {plural(len(contacts), 'contact')}, {force} N"
+
+
+def _readings_of_panel(estimate: Estimate, readings: ArrayLike | None) -> tuple[Floats, str]:
+    if readings is None:
+        return np.where(estimate.valid, estimate.residual, np.nan), "Residual"
+    values = as_floats("readings", readings)
+    check_shape("readings", values, (len(estimate.grid.patch),), "one number per taxel")
+    return np.where(estimate.valid & np.isfinite(values), values, np.nan), "Raw reading"
+
+
+def _draw_readings(axes: "Axes", estimate: Estimate, values: Floats, label: str, name: str) -> None:
+    pads = draw_pads(axes, estimate.grid.patch, values)
+    frame_axes(axes, estimate.grid.patch, extent_of(estimate.grid, measured=True))
+    if np.isfinite(values).any():
+        add_colour_bar(axes, pads, label)
+    left_out = int((~np.isfinite(values)).sum())
+    note = "pads to scale" + (f"; crossed: {left_out} left out" if left_out else "")
+    add_title(axes, "a", name, note)
+
+
+def _draw_pressure(axes: "Axes", estimate: Estimate, presses: list[Press]) -> None:
+    grid = estimate.grid
+    add_colour_bar(axes, draw_cells(axes, grid, estimate.pressure * 1e-3), "pressure (kPa)")
+    hatch_uncovered(axes, grid)
+    frame_axes(axes, grid.patch, extent_of(grid, measured=True))
+    draw_presses(axes, grid, presses)
+    draw_contacts(axes, grid, estimate.contacts)
+    notes = ["line: contact"] if estimate.contacts else []
+    notes += ["dashed: truth"] if presses else []
+    notes += [] if grid.covered.all() else ["hatched: outside the taxels"]
+    add_title(axes, "b", "Pressure", "; ".join(notes))
+
+
+def _draw_surface(figure: "Figure", page: Page, estimate: Estimate) -> None:
+    axes: Any = figure.add_axes(page.deformation, projection="3d")
+    factor = draw_deformation(figure, axes, estimate)
+    note = "true to scale" if factor == 1 else f"indentation drawn {factor:g} times larger"
+    heading = figure.add_axes(page.heading)
+    heading.axis("off")
+    add_title(heading, "c", "Deformation", note)

@@ -1,0 +1,168 @@
+"""Figure of a virtual rig's recording: pressing, the load cell, and the taxels over time."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skinfield.errors import Floats, Ints
+from skinfield.plot.maps import circles
+from skinfield.plot.style import (
+    BLUE,
+    FAINT,
+    INK,
+    ORANGE,
+    QUIET,
+    add_title,
+    new_figure,
+    number,
+    plural,
+    style,
+)
+from skinfield.simulate.rig import RigRun
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TAXELS = 4
+COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7")
+LEGEND: dict[str, Any] = {
+    "frameon": False, "fontsize": 7.5, "loc": "lower right", "bbox_to_anchor": (1.0, 0.985),
+    "borderaxespad": 0.1, "columnspacing": 1.0, "handlelength": 1.4,
+}  # fmt: skip
+UNITS = {"count": "counts", "dC/C0": "ΔC/C₀"}
+
+
+def draw_rig_run(run: RigRun) -> "Figure":
+    """Figure of a rig's recording: force, position and counts over time, and places on the patch.
+
+    Parameters
+    ----------
+    run : RigRun
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with style():
+        figure = new_figure(10.8, 7.2)
+        rows = [figure.add_axes((0.075, low, 0.55, 0.215)) for low in (0.715, 0.395, 0.075)]
+        for axes in rows[:2]:
+            axes.sharex(rows[2])
+            axes.tick_params(labelbottom=False)
+        near = _liveliest(run)
+        _draw_force(rows[0], run)
+        _draw_height(rows[1], run)
+        _draw_counts(rows[2], run, near)
+        for axes in rows:
+            axes.grid(color=FAINT, lw=0.5, alpha=0.6)
+            axes.spines[["top", "right"]].set_visible(False)
+            axes.margins(x=0.0)
+        rows[2].set_xlabel("time (s)")
+        _draw_places(figure.add_axes((0.70, 0.30, 0.285, 0.47)), run, near)
+        tool = run.scenario.tools[0]
+        presses = plural(len(run.truth.press_load), "press").replace("presss", "presses")
+        figure.text(0.70, 0.945, f"{run.scenario.name}: {tool.name}", weight="bold", fontsize=12)
+        figure.text(0.70, 0.92, _sentence(run, presses), color=QUIET, fontsize=8, va="top")
+    return figure
+
+
+def _sentence(run: RigRun, presses: str) -> str:
+    truth = run.truth
+    return (
+        f"{presses}, {number(float(truth.time_s[-1]))} s, {len(run.recording)} readings\n"
+        f"up to {number(float(truth.force_N.max()))} N, "
+        f"{number(float(truth.depth_m.max() * 1e3), 2)} mm deep in "
+        f"{number(run.scenario.layer.thickness * 1e3)} mm"
+    )
+
+
+def _liveliest(run: RigRun) -> Ints:
+    """Rows of the taxels whose capacitance changes most, (4,), the most first."""
+    most = np.abs(run.truth.reading_change).max(axis=0)
+    return np.argsort(-most, kind="stable")[:TAXELS].astype(np.int64)
+
+
+def _draw_force(axes: "Axes", run: RigRun) -> None:
+    truth, cell = run.truth, run.load_cell
+    axes.plot(cell.stamp_ns * 1e-9, cell.force, color="#9ecae8", lw=3.2, label="load cell")
+    axes.plot(truth.time_s, truth.force_N, color=INK, lw=0.9, label="true force")
+    axes.plot(
+        truth.time_s,
+        _by_place(run, truth.effective_force_N),
+        color=ORANGE,
+        lw=0.9,
+        ls="--",
+        label="elastic force of that deformation",
+    )
+    full = cell.saturated
+    if full.any():
+        axes.plot(
+            cell.stamp_ns[full] * 1e-9, cell.force[full], ".", ms=2.5, color=BLUE,
+            label="at the cell's end",
+        )  # fmt: skip
+    axes.set_ylabel("force (N)")
+    axes.legend(ncols=4, **LEGEND)
+    add_title(axes, "A", "Force")
+
+
+def _by_place(run: RigRun, series: Floats) -> Floats:
+    """Series with a gap wherever the indenter goes on to another place."""
+    truth, out = run.truth, series.copy()
+    places = np.column_stack([truth.press_x_m, truth.press_y_m, truth.press_angle_rad])
+    moved = np.flatnonzero((places[1:] != places[:-1]).any(axis=1)) + 1
+    out[np.searchsorted(truth.time_s, truth.press_start_s[moved])] = np.nan
+    return out
+
+
+def _draw_height(axes: "Axes", run: RigRun) -> None:
+    truth = run.truth
+    axes.axhline(0.0, color=QUIET, lw=0.7)
+    axes.plot(
+        truth.time_s, truth.height_m * 1e3, color=INK, lw=1.0, label="indenter's lowest point"
+    )
+    skin = _by_place(run, -truth.depth_m * 1e3)
+    axes.plot(truth.time_s, skin, color=BLUE, lw=1.0, label="skin below it")
+    axes.set_yscale("symlog", linthresh=1.0)
+    deepest = float(truth.depth_m.max() * 1e3)
+    top = max(run.scenario.profile.clearance * 1e3, 1.0)
+    axes.set_ylim(-1.25 * deepest, 1.3 * top)
+    ticks = [tick for tick in (-2, -1, -0.5, 0, 0.5, 1, 2, 5, 10) if -1.2 * deepest < tick <= top]
+    axes.set_yticks(ticks, [f"{tick:g}".replace("-", "−") for tick in ticks])
+    axes.minorticks_off()
+    axes.set_ylabel("height (mm)")
+    axes.legend(ncols=2, **LEGEND)
+    add_title(axes, "B", "Position", "linear within 1 mm, logarithmic beyond")
+
+
+def _draw_counts(axes: "Axes", run: RigRun, near: Ints) -> None:
+    time = run.recording.stamp_ns * 1e-9
+    for row, colour in zip(near[::-1], COLOURS[: len(near)][::-1], strict=True):
+        axes.step(
+            time, run.recording.counts[:, row], where="post", color=colour, lw=0.7,
+            label=f"taxel {row}",
+        )  # fmt: skip
+    axes.set_ylabel(UNITS.get(run.recording.unit, run.recording.unit))
+    axes.legend(ncols=4, reverse=True, **LEGEND)
+    add_title(axes, "C", "What the skin sends", "the liveliest taxels")
+
+
+def _draw_places(axes: "Axes", run: RigRun, near: Ints) -> None:
+    truth, patch = run.truth, run.scenario.patch
+    colours = ["none"] * len(patch)
+    for row, colour in zip(near, COLOURS, strict=False):
+        colours[int(row)] = colour
+    everything = np.ones(len(patch), np.bool_)
+    axes.add_collection(
+        circles(axes, patch, everything, facecolors=colours, edgecolors=QUIET, linewidths=0.6)
+    )
+    x, y = truth.press_x_m * 1e3, truth.press_y_m * 1e3
+    axes.plot(x, y, "+", color=INK, ms=8, mew=1.3)
+    wide = np.concatenate([patch.plane * 1e3, np.column_stack([x, y])])
+    low, high = wide.min(axis=0) - 4.0, wide.max(axis=0) + 4.0
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_aspect("equal")
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+    add_title(axes, "D", "Places", f"+ pressed; colours as in C; {patch.name}")

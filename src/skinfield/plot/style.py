@@ -1,0 +1,202 @@
+"""Style of figures: paper, type, colours, words for numbers, and saving as a file."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skinfield.errors import FileError, Floats, InputError, check_positive
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Colormap, Normalize
+    from matplotlib.figure import Figure
+
+
+INK, QUIET, FAINT = "#1b1b1f", "#6b6b75", "#c9c9d1"
+BLUE, ORANGE = "#0072b2", "#d55e00"  # Okabe and Ito: told apart by every kind of colour vision
+# Both ramps fall in OKLab lightness by equal steps from the same white, so equal differences of
+# the value look equal, in grey too; hue alone carries nothing but the sign.
+ABOVE = ["#fcfaf6", "#f0d8b7", "#ebb27c", "#e9844c", "#e24d34"]
+ABOVE += ["#bd2c4d", "#931157", "#5c185c", "#2c1648"]
+BELOW = ["#fcfaf6", "#c9e8ec", "#9dd4df", "#72bed2", "#44a8c8"]
+BELOW += ["#0690bb", "#0677a3", "#015e8b", "#014773"]
+DPI = 160.0
+TITLE: dict[str, Any] = {"fontsize": 12.5, "fontweight": "bold"}
+
+RC: dict[str, Any] = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib: the same picture on every machine
+    "font.size": 9.0,
+    "text.parse_math": False,  # names of patches and files are text, whatever signs they hold
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.7,
+    "axes.unicode_minus": True,
+    "hatch.linewidth": 0.5,
+    "image.interpolation": "nearest",
+    "lines.linewidth": 1.4,
+    "text.color": INK,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+}
+
+
+def style() -> AbstractContextManager[None]:
+    """Context in which a figure is drawn; the settings outside stay the caller's."""
+    import matplotlib
+
+    return matplotlib.rc_context(RC)  # type: ignore[arg-type]
+
+
+def new_figure(width: float = 9.6, height: float = 6.4) -> "Figure":
+    """Empty white figure of the given inches at 160 dpi (1536 x 1024), free of any display."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def signed_colours(values: Floats) -> tuple["Colormap", "Normalize"]:
+    """Colour map and scale for `values`: zero is white, darker is more, blue is below zero.
+
+    One step of colour is the same amount of value on both sides of zero.
+    """
+    from matplotlib.colors import ListedColormap, Normalize, to_rgb
+
+    finite = values[np.isfinite(values)]
+    low, high = min(finite.min(initial=0.0), 0.0), max(finite.max(initial=0.0), 0.0)
+    if not high > low:
+        high = 1.0
+    span = max(high, -low)
+    anchors = np.array([to_rgb(colour) for colour in [*BELOW[:0:-1], *ABOVE]])  # -1 to 1
+    levels = np.linspace(low, high, 512) / span
+    place = np.linspace(-1.0, 1.0, len(anchors))
+    rows = np.column_stack([np.interp(levels, place, channel) for channel in anchors.T])
+    colours = ListedColormap(rows, "skinfield").with_extremes(bad="#e6e6ea")
+    return colours, Normalize(low, high)
+
+
+def add_title(axes: "Axes", letter: str, title: str, note: str = "") -> None:
+    """Head a panel: its letter and title in bold, and under them a quiet line on how to read it."""
+    from matplotlib.transforms import ScaledTranslation
+
+    def raised(points: float) -> Any:
+        lift = ScaledTranslation(0.0, points / 72.0, axes.figure.dpi_scale_trans)
+        return axes.transAxes + lift
+
+    head = f"{letter}   {title}" if letter else title
+    axes.text(0, 1, head, transform=raised(18.0), fontsize=10, fontweight="bold", va="bottom")
+    axes.text(0, 1, note, transform=raised(6.0), fontsize=7.5, color=QUIET, va="bottom")
+
+
+def add_colour_bar(axes: "Axes", mappable: "ScalarMappable", label: str) -> None:
+    """Put a colour bar beside `axes`, as high as its picture."""
+    figure: Any = axes.figure
+    bar = figure.colorbar(mappable, cax=axes.inset_axes((1.03, 0.0, 0.035, 1.0)))
+    bar.ax.ticklabel_format(scilimits=(-3, 4))
+    bar.set_label(label)
+    bar.outline.set_linewidth(0.5)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Write `value` with significant digits, a true minus and no exponent; a dash for NaN."""
+    if not np.isfinite(value):
+        return "–"
+    return f"{value:.{_decimals(value, digits)}f}".replace("-", "−")
+
+
+def plus_minus(value: float, std: float) -> str:
+    """Write `value` ± `std` to the first digit of `std` that is not zero, or two of `value`."""
+    if not (np.isfinite(std) and np.isfinite(value) and std > 0):
+        return number(value)
+    decimals = min(max(_decimals(std, 1), _decimals(value, 2)), _decimals(value, 4))
+    return f"{value:.{decimals}f} ± {std:.{decimals}f}".replace("-", "−")
+
+
+def _decimals(value: float, digits: int) -> int:
+    size = int(np.floor(np.log10(abs(value)))) if value else digits - 1
+    return int(np.clip(digits - 1 - size, 0, 6))
+
+
+def plural(count: int, noun: str) -> str:
+    """Write `1 contact`, `2 contacts`."""
+    return f"{count} {noun}" + ("" if count == 1 else "s")
+
+
+# What would make two runs differ is left out: dates, versions of the program that wrote it.
+METADATA: dict[str, dict[str, Any] | None] = {
+    ".png": {"Software": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    ".svg": {"Date": None, "Creator": "skinfield"},
+    ".jpg": None,
+    ".jpeg": None,
+}
+
+
+def check_name(path: str | Path) -> Path:
+    """Raise InputError unless a figure can be saved under `path`: its extension, and its folder."""
+    path = Path(path)
+    if path.suffix.lower() not in METADATA:
+        raise InputError(
+            f"{str(path)!r} ends in {path.suffix!r}, expected one of {', '.join(METADATA)}: "
+            "the extension chooses the format of a figure"
+        )
+    try:
+        there, taken = path.parent.is_dir(), path.is_dir()
+    except (OSError, ValueError) as error:  # a name that is too long, a zero byte
+        raise FileError(f"{str(path)!r} cannot be written: {error}; expected a path") from error
+    if not there:
+        raise FileError(
+            f"{path} cannot be written: {path.parent} is no folder, expected one that is there"
+        )
+    if taken:
+        raise FileError(f"{path} is a folder, expected the name of a figure")
+    return path
+
+
+def save(figure: "Figure", path: str | Path, *, dpi: float = 160.0) -> Path:
+    """Write `figure` to `path` as PNG, PDF, SVG or JPEG, by extension; twice gives equal bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure
+    path : str or Path
+        Ends in .png, .pdf, .svg, .jpg or .jpeg.
+    dpi : float, 1/inch
+        Resolution of PNG and JPEG, and of the pictures inside PDF and SVG.
+
+    Returns
+    -------
+    Path
+        Of the file.
+
+    Raises
+    ------
+    InputError
+        If the extension is another one.
+    FileError
+        If the file cannot be written.
+    """
+    import matplotlib
+
+    path = check_name(path)
+    check_positive("dpi", dpi, "dots per inch of the picture")
+    ending = path.suffix.lower()
+    settings: Any = {"svg.hashsalt": "skinfield", "pdf.fonttype": 42}
+    try:
+        with matplotlib.rc_context(settings):
+            figure.savefig(path, dpi=dpi, format=ending[1:], metadata=METADATA[ending])
+    except OSError as error:
+        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+    return path

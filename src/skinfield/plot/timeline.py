@@ -1,0 +1,82 @@
+"""Force over time against a reference."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import Floats, as_floats, check_finite, check_shape
+from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, new_figure, number, style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def draw_timeline(
+    time_s: ArrayLike,
+    force_N: ArrayLike,
+    reference: ArrayLike,
+    *,
+    label: str = "skin",
+    reference_label: str = "force/torque sensor",
+    title: str = "Normal force",
+) -> "Figure":
+    """Figure of the reconstructed normal force over time, with a reference and their difference.
+
+    Parameters
+    ----------
+    time_s : (T,) array, s
+        Of the readings.
+    force_N : (T,) array, N
+        Reconstructed; a NaN is a gap in the line.
+    reference : (T,) array, N
+        What another sensor says at these times, NaN where it says nothing.
+    label, reference_label, title : str
+
+    Returns
+    -------
+    matplotlib Figure
+
+    Raises
+    ------
+    InputError
+        If the lengths differ or a time is not finite.
+    """
+    time, force = as_floats("time_s", time_s), as_floats("force_N", force_N)
+    other = as_floats("reference", reference)
+    check_shape("time_s", time, (None,), "one time per reading")
+    check_finite("time_s", time, "every reading has its time")
+    check_shape("force_N", force, time.shape, "one force per time")
+    check_shape("reference", other, time.shape, "one force per time")
+    with style():
+        figure = new_figure(10.0, 5.0)
+        forces = figure.add_axes((0.075, 0.41, 0.9, 0.49))
+        difference = figure.add_axes((0.075, 0.11, 0.9, 0.24))
+        forces.tick_params(labelbottom=False)
+        forces.plot(time, other, color=INK, lw=1.0, label=reference_label)
+        forces.plot(time, force, color=ORANGE, lw=0.9, label=label)
+        forces.set_ylabel("normal force (N)")
+        forces.set_title(title, loc="left", fontsize=11, fontweight="bold")
+        forces.legend(
+            frameon=False, fontsize=8.5, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0),
+            borderaxespad=0.2,
+        )  # fmt: skip
+        difference.plot(time, force - other, color=BLUE, lw=0.9)
+        difference.axhline(0.0, color=QUIET, lw=0.7)
+        difference.set_ylabel("difference (N)")
+        difference.set_xlabel("time (s)")
+        words = _in_words(f"{label} − reference", force - other)
+        difference.set_title(words, loc="left", fontsize=8.5, color=QUIET, pad=4)
+        for axes in (forces, difference):
+            axes.grid(color=FAINT, lw=0.5, alpha=0.6)
+            axes.spines[["top", "right"]].set_visible(False)
+            axes.margins(x=0.0)
+    return figure
+
+
+def _in_words(name: str, difference: Floats) -> str:
+    known = difference[np.isfinite(difference)]
+    if not len(known):
+        return "nothing in common with the reference"
+    mean, rms = float(known.mean()), float(np.sqrt((known**2).mean()))
+    return f"{name}: mean {number(mean)} N, root mean square {number(rms)} N"

@@ -1,0 +1,128 @@
+"""Profiles of real skins: elastomer, gain and rest of whose skin it is, a TOML file each."""
+
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Annotated
+
+from skinfield.errors import FileError, InputError
+from skinfield.settings.text import nearest, text_of_file, value_from_toml
+from skinfield.settings.tree import Elastomer, MechanicsName, Positive, Range, Section
+
+PROFILES = ("generic", "icub", "cyskin", "silicone-2mm")
+OF_HARDWARE = {"icub": "icub", "yarp": "icub", "cyskin": "cyskin", "shm": "cyskin"}
+VALUES = ("thickness_mm", "modulus_kpa", "poisson")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Profile(Section):
+    """What is known of a kind of skin.
+
+    Parameters
+    ----------
+    name : str
+    thickness_mm : float, mm
+    modulus_kpa : float, kPa
+        Young's modulus.
+    poisson : float
+    mechanics : str
+        Model of the elastomer; covered-layer where a cover that does not stretch lies on it.
+    gain : float, optional
+        Counts per unit of ΔC/C₀; by default that of the boards.
+    no_load : int, optional
+        What an iCub byte rests at.
+    assumed : tuple of str
+        Values that nobody has measured.
+    note : str
+        What else is to be known of the values.
+    """
+
+    name: str
+    thickness_mm: Annotated[float, Positive("thickness of the elastomer")]
+    modulus_kpa: Annotated[float, Positive("Young's modulus")]
+    poisson: Annotated[float, Range(0.0, 0.5, "Poisson's ratio")]
+    mechanics: MechanicsName = "layer"
+    gain: float | None = None
+    no_load: Annotated[int | None, Range(1, 255, "what an iCub byte rests at")] = None
+    assumed: tuple[str, ...] = ()
+    note: str = ""
+
+    def sentence(self, given: Elastomer) -> str:
+        """Which profile it is, with the values that count; those that were given come first."""
+        parts = []
+        for name, unit in zip(VALUES, ("{:g} mm", "{:g} kPa", "ν {:g}"), strict=True):
+            own = getattr(given, name)
+            text = unit.format(getattr(self, name) if own is None else own)
+            why = " as given" if own is not None else " (assumed)" if name in self.assumed else ""
+            parts.append(text + why)
+        if self.mechanics == "covered-layer":
+            parts.append("covered")
+        if self.gain is not None:
+            parts.append(f"gain {self.gain:g}")
+        if self.no_load is not None:
+            parts.append(f"rest {self.no_load}")
+        return f"profile {self.name}: {', '.join(parts)}" + (f"; {self.note}" if self.note else "")
+
+
+def load_profile(name: str) -> Profile:
+    """Profile of a name in `PROFILES`, or of a file.
+
+    Raises
+    ------
+    InputError
+        If there is no profile of that name.
+    FileError
+        If the file cannot be read, or holds what is not known or cannot be used.
+    """
+    if name in PROFILES:
+        text = files("skinfield.settings").joinpath("profiles", f"{name}.toml").read_text("utf-8")
+        return value_from_toml(Profile, text, name)
+    if not name.endswith(".toml"):
+        raise InputError(
+            f"profile is {name!r}, expected one of {', '.join(PROFILES)}, or a file (.toml)"
+            f"{nearest(name, PROFILES)}"
+        )
+    return value_from_toml(Profile, text_of_file(name), name)
+
+
+def profile_of(given: Elastomer, hardware: str | None = None, layout: str = "") -> Profile:
+    """Profile that is asked for; with "auto", that of the boards or the layout.
+
+    A layout that is made by a generator is that of a virtual skin.
+
+    Parameters
+    ----------
+    given : Elastomer
+    hardware : str, optional
+        Whose boards, as on the command line.
+    layout : str
+        Layout file, or a generator by name.
+    """
+    if given.profile != "auto":
+        return load_profile(given.profile)
+    if _is_generated(layout):
+        return load_profile("silicone-2mm")
+    return load_profile(OF_HARDWARE.get(hardware or "", "") or _of_layout(layout))
+
+
+def _is_generated(layout: str) -> bool:
+    from pathlib import Path
+
+    from skinfield.layout.generators import GENERATORS
+
+    return layout.partition(":")[0] in GENERATORS and not Path(layout).exists()
+
+
+def _of_layout(layout: str) -> str:
+    """Name of the profile of a layout file, by the format that its makers write."""
+    from pathlib import Path
+
+    from skinfield.layout.formats import format_of
+
+    path = Path(layout)
+    if not path.is_file():
+        return "generic"
+    try:
+        maker = format_of(path).NAME
+    except FileError:  # who reads it says why
+        return "generic"
+    return {"icub-positions": "icub", "skingui": "icub", "cyskin": "cyskin"}.get(maker, "generic")

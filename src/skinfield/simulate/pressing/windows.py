@@ -1,0 +1,390 @@
+"""Windows of finer squares where bodies touch, and the displacements that loads on them cause."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.layout import Grid
+from skinfield.mechanics import LatticeConvolution, Layer, Mechanics
+from skinfield.mechanics.contact import rim
+from skinfield.mechanics.lattice import (
+    cached_indentation_kernel,
+    cached_surface_kernel,
+    interpolation,
+)
+
+ACROSS = 48  # squares across a contact
+FINEST = 81  # squares along a cell
+MOST = 100_000  # squares of all windows
+APART = 4  # cells between windows: nearer ones are one
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of the grid's cells, each cut into split x split squares.
+
+    Attributes
+    ----------
+    row, column : int
+        Its first cell.
+    rows, columns : int
+        Cells along y and x.
+    split : int
+        Odd, so that the middle square of a cell has the cell's centre.
+    """
+
+    row: int
+    column: int
+    rows: int
+    columns: int
+    split: int = 1
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Squares along y and x."""
+        return self.rows * self.split, self.columns * self.split
+
+    @property
+    def size(self) -> int:
+        """Number of squares."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def cells(self) -> tuple[slice, slice]:
+        """Its cells in a picture (rows, columns) of the grid."""
+        return slice(self.row, self.row + self.rows), slice(self.column, self.column + self.columns)
+
+    def steps(self) -> tuple[Floats, Floats]:
+        """Centres of the squares along y and x, in cells from the grid's first node."""
+        inside = [(np.arange(n) + 0.5) / self.split - 0.5 for n in self.shape]
+        return inside[0] + self.row, inside[1] + self.column
+
+    def means(self, values: Floats) -> Floats:
+        """Mean over each cell, (..., rows, columns), of values on the squares."""
+        return coarsened(values, self.split)
+
+    def centres(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Values on the squares in the middle of each cell, (..., rows, columns)."""
+        middle, every = self.split // 2, self.split
+        return values[..., middle::every, middle::every]
+
+    def grown(self, margin: int, shape: tuple[int, int]) -> "Window":
+        """With so many cells more on every side, as far as the grid of `shape` goes."""
+        row, column = max(self.row - margin, 0), max(self.column - margin, 0)
+        last = min(self.row + self.rows + margin, shape[0])
+        right = min(self.column + self.columns + margin, shape[1])
+        return Window(row, column, last - row, right - column, self.split)
+
+    def embedded(self, values: Floats, larger: "Window") -> Floats:
+        """Values on the squares of a larger window of the same split, 0 beyond."""
+        out = np.zeros((*values.shape[:-2], *larger.shape))
+        top = (self.row - larger.row) * self.split
+        left = (self.column - larger.column) * self.split
+        out[..., top : top + self.shape[0], left : left + self.shape[1]] = values
+        return out
+
+
+def coarsened(values: Floats, factor: int) -> Floats:
+    """Mean over blocks of factor x factor of the last two axes."""
+    rows, columns = (n // factor for n in values.shape[-2:])
+    blocks = values.reshape(*values.shape[:-2], rows, factor, columns, factor)
+    return np.asarray(blocks.mean(axis=(-3, -1)))
+
+
+def resplit(values: Floats, split: int, wanted: int) -> Floats:
+    """Loads per area on squares of another split; both are powers of 3."""
+    if split >= wanted:
+        return coarsened(values, split // wanted)
+    factor = wanted // split
+    return np.repeat(np.repeat(values, factor, axis=-2), factor, axis=-1)
+
+
+def touched(windows: list[Window], masks: list[NDArray[np.bool_]]) -> list[Window | None]:
+    """Smallest window of cells around each mask of squares; None around none."""
+    out: list[Window | None] = []
+    for window, mask in zip(windows, masks, strict=True):
+        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+        if not len(rows):
+            out.append(None)
+            continue
+        top, left = rows[0] // window.split, columns[0] // window.split
+        bottom, right = rows[-1] // window.split, columns[-1] // window.split
+        out.append(
+            Window(
+                int(window.row + top),
+                int(window.column + left),
+                int(bottom - top + 1),
+                int(right - left + 1),
+            )
+        )
+    return out
+
+
+def width(mask: NDArray[np.bool_], coverage: Floats) -> float:
+    """What a contact measures across, in squares: less than its extent if it is long or hollow.
+
+    Eight times its area over the length of its border, which is twice the diameter of a disc, four
+    times the width of a bar and of a ring.
+    """
+    extent = max(int(mask.any(axis=axis).sum()) for axis in (0, 1))
+    area, border = float(coverage[mask].sum()), float(rim(mask).sum())
+    return min(float(extent), max(8.0 * area / border, 0.1))
+
+
+def merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
+    """Join windows that are less than `APART` cells from each other; the smaller width counts."""
+    found = list(found)
+    index = 0
+    while index < len(found):
+        one, width = found[index]
+        for other_index in range(index + 1, len(found)):
+            other, narrower = found[other_index]
+            gap = max(
+                max(one.row, other.row) - min(one.row + one.rows, other.row + other.rows),
+                max(one.column, other.column)
+                - min(one.column + one.columns, other.column + other.columns),
+            )
+            if gap < APART:
+                row, column = min(one.row, other.row), min(one.column, other.column)
+                bottom = max(one.row + one.rows, other.row + other.rows)
+                right = max(one.column + one.columns, other.column + other.columns)
+                joined = Window(row, column, bottom - row, right - column)
+                found[index] = (joined, min(width, narrower))
+                del found[other_index]
+                index = -1
+                break
+        index += 1
+    return found
+
+
+def cut(found: list[tuple[Window, float]]) -> list[Window]:
+    """Split windows for `ACROSS` squares over each width, in cells, but `MOST` squares in all."""
+    splits = []
+    for _, width in found:
+        split = 1
+        while split * width < ACROSS and split < FINEST:
+            split *= 3
+        splits.append(split)
+    cells = [window.rows * window.columns for window, _ in found]
+    while True:
+        sizes = [c * s**2 for c, s in zip(cells, splits, strict=True)]
+        largest = int(np.argmax(sizes))
+        if sum(sizes) <= MOST or splits[largest] == 1:
+            break
+        splits[largest] //= 3
+    return [replace(window, split=s) for (window, _), s in zip(found, splits, strict=True)]
+
+
+PAD = 3  # nodes around the grid, so that every cell has a full stencil of interpolation
+POINT = 9  # a load far away is one on a square of a ninth of a cell
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """The grid on a medium, with responses between its cells and between windows.
+
+    Within a window responses are exact for uniform squares. Between windows, and from a window to
+    the grid's cells far from it, loads are carried to the cells' centres with all moments up to
+    the fifth, convolved there, and interpolated likewise (Brandt and Lubrecht 1990).
+    """
+
+    grid: Grid
+    layer: Layer
+    mechanics: Mechanics
+
+    @property
+    def whole(self) -> Window:
+        """All cells, uncut."""
+        return Window(0, 0, *self.grid.shape)
+
+    def axes(self, window: Window) -> tuple[Floats, Floats]:
+        """Centres of a window's squares along y and x, m."""
+        along, across = window.steps()
+        pitch, origin = self.grid.pitch, self.grid.origin
+        return origin[1] + along * pitch, origin[0] + across * pitch
+
+    def side(self, window: Window) -> float:
+        """Of the squares of a window, m."""
+        return self.grid.pitch / window.split
+
+    def near(self, window: Window) -> LatticeConvolution:
+        """Pressure on a window's squares to indentation there."""
+        side = self.side(window)
+        rows, columns = window.shape
+        kernel = cached_indentation_kernel(
+            self.mechanics, self.layer, side, side, rows - 1, columns - 1
+        )
+        return LatticeConvolution(kernel)
+
+    def near_surface(self, window: Window) -> Floats:
+        """Kernel (3, 3, ...) of displacement per traction on a window's squares."""
+        side = self.side(window)
+        rows, columns = window.shape
+        return cached_surface_kernel(self.mechanics, self.layer, side, side, rows - 1, columns - 1)
+
+    @cached_property
+    def far_kernel(self) -> Floats:
+        """Indentation at the padded grid's nodes per force at them, m/N."""
+        point = self.grid.pitch / POINT
+        rows, columns = (n + 2 * PAD for n in self.grid.shape)
+        kernel = cached_indentation_kernel(
+            self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
+        )
+        return np.asarray(kernel / point**2)
+
+    @cached_property
+    def far(self) -> LatticeConvolution:
+        """Force at the padded grid's nodes, N, to indentation at them."""
+        return LatticeConvolution(self.far_kernel)
+
+    @cached_property
+    def far_surface(self) -> Floats:
+        """Kernel (3, 3, ...) of displacement per force at the padded grid's nodes."""
+        point = self.grid.pitch / POINT
+        rows, columns = (n + 2 * PAD for n in self.grid.shape)
+        kernel = cached_surface_kernel(
+            self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
+        )
+        return np.asarray(kernel / point**2)
+
+    def nodes(self, window: Window) -> tuple[slice, slice]:
+        """The padded grid's nodes that a window's stencils use."""
+        return (
+            slice(window.row, window.row + window.rows + 2 * PAD),
+            slice(window.column, window.column + window.columns + 2 * PAD),
+        )
+
+    def stencils(self, window: Window) -> tuple[Floats, Floats]:
+        """Weights of those nodes for a window's squares, along y and x."""
+        along, across = window.steps()
+        return (
+            interpolation(along - window.row + PAD, window.rows + 2 * PAD),
+            interpolation(across - window.column + PAD, window.columns + 2 * PAD),
+        )
+
+    def carried(self, window: Window, loads: Floats) -> Floats:
+        """Forces at the padded grid's nodes, N, that act as loads per area on the squares do."""
+        along, across = self.stencils(window)
+        out = np.zeros([n + 2 * PAD for n in self.grid.shape])
+        out[self.nodes(window)] = along.T @ (loads * self.side(window) ** 2) @ across
+        return out
+
+
+class Others:
+    """What loads in each of several windows do in all others: all at the nodes, less their own.
+
+    Parameters
+    ----------
+    skin : Skin
+    windows : list of Window
+        None for a single one.
+    kernel : (..., 2 n - 1, 2 m - 1) array
+        Response at the padded grid's nodes per force.
+    """
+
+    def __init__(self, skin: Skin, windows: list[Window], kernel: Floats) -> None:
+        self.skin, self.windows = skin, windows
+        self.stencils = [skin.stencils(window) for window in windows]
+        self.shape = [n + 2 * PAD for n in skin.grid.shape]
+        self.whole = LatticeConvolution(kernel)
+        middle = [n // 2 for n in kernel.shape[-2:]]
+        self.own = []
+        for window in windows:
+            rows, columns = window.rows + 2 * PAD, window.columns + 2 * PAD
+            part = kernel[
+                ...,
+                middle[0] - rows + 1 : middle[0] + rows,
+                middle[1] - columns + 1 : middle[1] + columns,
+            ]
+            self.own.append(LatticeConvolution(part))
+
+    def __call__(self, pictures: list[Floats]) -> list[Floats]:
+        """Response (..., rows, columns) in each window to loads per area in the others."""
+        total = np.zeros(self.shape)
+        forces = []
+        for window, picture, (along, across) in zip(
+            self.windows, pictures, self.stencils, strict=True
+        ):
+            force = along.T @ (picture * self.skin.side(window) ** 2) @ across
+            total[self.skin.nodes(window)] += force
+            forces.append(force)
+        every = self.whole(total)
+        return [
+            along @ (every[..., *self.skin.nodes(window)] - own(force)) @ across.T
+            for window, force, own, (along, across) in zip(
+                self.windows, forces, self.own, self.stencils, strict=True
+            )
+        ]
+
+
+class Indenting:
+    """From pressure on the squares of several windows, one after the other, to indentation."""
+
+    def __init__(self, skin: Skin, windows: list[Window]) -> None:
+        self.skin, self.windows = skin, windows
+        self.near = [skin.near(window) for window in windows]
+        self.others = Others(skin, windows, skin.far_kernel) if len(windows) > 1 else None
+        ends = np.cumsum([0, *(window.size for window in windows)])
+        self.parts = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+
+    def __call__(self, pressure: Floats) -> Floats:
+        """Indentation (N,) m of a pressure (N,) Pa."""
+        pictures = self.pictures(pressure)
+        moved = [near(picture) for near, picture in zip(self.near, pictures, strict=True)]
+        if self.others is not None:
+            moved = [a + b for a, b in zip(moved, self.others(pictures), strict=True)]
+        return np.concatenate([part.ravel() for part in moved])
+
+    def pictures(self, values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Of each window, (rows, columns)."""
+        return [
+            values[part].reshape(window.shape)
+            for part, window in zip(self.parts, self.windows, strict=True)
+        ]
+
+    def own(self) -> Floats:
+        """Indentation (N,) m of each square per Pa on itself."""
+        out = np.empty(self.parts[-1].stop)
+        for part, window in zip(self.parts, self.windows, strict=True):
+            side = self.skin.side(window)
+            kernel = cached_indentation_kernel(
+                self.skin.mechanics, self.skin.layer, side, side, 0, 0
+            )
+            out[part] = kernel[0, 0]
+        return out
+
+
+class Sliding:
+    """From tangential traction (2, N) on the squares of windows to displacement (2, N) there."""
+
+    def __init__(self, skin: Skin, windows: list[Window]) -> None:
+        self.skin = skin
+        self.indenting = Indenting(skin, windows)
+        kernels = [skin.near_surface(window) for window in windows]
+        self.near = [LatticeConvolution(kernel[:2, :2]) for kernel in kernels]
+        self.others = (
+            [Others(skin, windows, skin.far_surface[:2, j]) for j in (0, 1)]
+            if len(windows) > 1
+            else []
+        )
+        self.own = np.concatenate(
+            [
+                np.full(window.size, kernel[0, 0, window.shape[0] - 1, window.shape[1] - 1])
+                for window, kernel in zip(windows, kernels, strict=True)
+            ]
+        )
+
+    def __call__(self, traction: Floats) -> Floats:
+        """Displacement (2, N) m of a traction (2, N) Pa."""
+        pictures = [self.indenting.pictures(component) for component in traction]
+        moved = [
+            near.total(np.stack(part)) for near, *part in zip(self.near, *pictures, strict=True)
+        ]
+        for others, part in zip(self.others, pictures, strict=False):
+            moved = [a + b for a, b in zip(moved, others(part), strict=True)]
+        return np.concatenate([part.reshape(2, -1) for part in moved], axis=1)

@@ -1,0 +1,117 @@
+"""The command line as a whole: what help teaches, how errors read, what a file of settings does."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import invoke
+
+from skinfield.cli.main import COMMANDS, LAB, app_for
+from skinfield.cli.report import print_json
+from skinfield.settings import load_settings, settings_from_toml
+
+SNAPSHOT = Path(__file__).with_name("cli_help.txt")  # UPDATE_HELP=1 writes it anew
+GROUPS = ("layout", "calibrate")
+VISIBLE = 12
+
+
+def commands() -> list[tuple[str, ...]]:
+    """All commands, with those within groups."""
+    found: list[tuple[str, ...]] = [(name,) for name in COMMANDS if name not in GROUPS]
+    for name in GROUPS:
+        found += [(name, each) for each in app_for([name])[name] if not each.startswith("-")]
+    return found + [("lab", name) for name in LAB]
+
+
+@pytest.mark.parametrize("words", commands(), ids=" ".join)
+def test_every_command_teaches_by_example(words: tuple[str, ...]) -> None:
+    done = invoke([*words, "--help"])
+    assert done.exit_code == 0
+    named = " ".join(words[1:] if words[0] == "lab" else words)
+    assert f"skinfield {named}" in done.stdout.split("\n", 2)[2]
+
+
+def test_help_is_as_it_was() -> None:
+    texts = []
+    for words in [(), *commands()[: -len(LAB)]]:
+        text = invoke([*words, "--help"]).stdout
+        texts.append("\n".join(line.rstrip() for line in text.splitlines()).rstrip())
+    found = "\n\n\n".join(texts) + "\n"
+    if os.environ.get("UPDATE_HELP"):
+        SNAPSHOT.write_text(found, encoding="utf-8")
+    assert found == SNAPSHOT.read_text(encoding="utf-8")
+
+
+def test_few_commands_are_listed_and_the_rest_is_named() -> None:
+    text = invoke(["--help"]).stdout
+    listed = re.findall(r"^  ([a-z]+)  +[A-Z]", text, re.MULTILINE)
+    assert len(listed) <= VISIBLE
+    for name in COMMANDS:
+        assert re.search(rf"\b{name}\b", text + invoke(["lab", "--help"]).stdout), name
+
+
+def test_help_imports_no_command() -> None:
+    code = (
+        "import sys; from skinfield.cli import main\n"
+        "try: main(['--help'])\nexcept SystemExit: pass\n"
+        "wanted = ('scipy', 'numba', 'matplotlib', 'skinfield.cli.layout')\n"
+        "print([m for m in wanted if m in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["layuot"], "Error: 'layuot' is no command of skinfield (did you mean layout?)"),
+        (["layout", "lnit"], "'lnit' is no command of skinfield layout (did you mean lint?)"),
+        (["lab", "pres"], "'pres' is no command of skinfield lab (did you mean press?)"),
+        (["run", "--rate-hx", "5"], "Unknown option: --rate-hx. Did you mean --rate-hz?"),
+        (["run", "--rate-hz", "fast"], 'Invalid value for --rate-hz: unable to convert "fast"'),
+        (["run", "--rate-hz"], "--rate-hz requires an argument"),
+        (["run", "--rate-hz", "-3"], "--rate-hz is -3.0, expected a finite number above 0"),
+        (["run", "--solver", "best"], 'Invalid value "best" for --solver'),
+        (["layout", "show", "hexagon72"], "--output"),
+        (["run", "nowhere.toml"], "nowhere.toml cannot be read: No such file"),
+        (["tune", "--smoothing", "3"], "--smoothing"),
+    ],
+)
+def test_errors_are_one_paragraph(words: list[str], text: str) -> None:
+    done = invoke(words)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert text in done.stderr
+    assert done.stderr.startswith("Error: ")
+    assert done.stderr.count("\n") <= 2
+    assert "Traceback" not in done.stderr
+
+
+def test_flags_come_before_a_file_and_both_are_written(tmp_path: Path) -> None:
+    before, after = tmp_path / "before.toml", tmp_path / "after.toml"
+    before.write_text(
+        '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 200\nevents = true\nfit = false\n'
+        '[source]\nchannel = ["can0", "can1"]\n'
+    )
+    words = ["--rate-hz", "50", "--no-events", "--channel", "can7", "--save", str(after)]
+    assert invoke(["run", str(before), *words]).exit_code == 0
+    assert load_settings(after) == settings_from_toml(
+        '[skin]\nlayout = "icub_triangle"\n[loop]\nrate_hz = 50\nfit = false\n'
+        '[source]\nchannel = ["can7"]\n'
+    )
+    again = invoke(["run", "--save", str(after)])
+    assert (again.exit_code, "there already" in again.stderr) == (2, True)
+    words = ["--layout", "icub_hexagon", "--save", str(after), "--force"]
+    assert invoke(["run", *words]).exit_code == 0
+    assert after.read_text() == '[skin]\nlayout = "icub_hexagon"\n'
+
+
+def test_json_is_json_even_of_what_is_no_number(capsys: pytest.CaptureFixture[str]) -> None:
+    print_json({"a": float("nan"), "b": [np.float64(0.5), float("inf")], "c": np.int64(3)})
+    text = capsys.readouterr().out
+    assert json.loads(text, parse_constant=pytest.fail) == {"a": None, "b": [0.5, None], "c": 3}

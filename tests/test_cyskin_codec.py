@@ -1,0 +1,389 @@
+"""CySkin's packets: bytes written out by hand, checksums, readings, boards, EtherCAT."""
+
+import numpy as np
+import pytest
+from cyskin_reference import crc8
+from hypothesis import given
+from hypothesis import strategies as st
+
+import skinfield as sf
+from skinfield.acquisition import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.acquisition.can import EXTENDED
+from skinfield.errors import InputError
+from skinfield.layout.generators import hexagon72
+from skinfield.protocols.cyskin import (
+    Assembler,
+    Command,
+    Crc,
+    CySkinBoard,
+    CySkinBoardState,
+    CySkinDecoder,
+    CySkinEncoder,
+    CySkinEtherCat,
+    CySkinModule,
+    CySkinWire,
+    Declaration,
+    ModuleDetails,
+    Refusal,
+    Sum,
+    Unchecked,
+    board_from_init,
+    boards_from_uids,
+    checksum_of,
+    command_messages,
+    matching_checksums,
+    on_boards,
+    port_of,
+    skin_on_boards,
+    start_messages,
+    stop_messages,
+    uids_of,
+)
+from skinfield.protocols.cyskin.codec import PROCESS, data_from_responses, init_from_board
+
+MODULES = (CySkinModule(100), CySkinModule(101, 0b0111_1111_1110), CySkinModule(102))
+BOARDS = (CySkinBoard(5, MODULES[:2]), CySkinBoard(9, MODULES[2:], bus=1))
+
+
+def messages_from(rows: list[tuple[int, str]]) -> tuple[CanMessages, int]:
+    messages = CanMessages(64)
+    for row, (identifier, text) in enumerate(rows):
+        data = bytes.fromhex(text)
+        messages.ids[row], messages.lengths[row] = identifier, len(data)
+        messages.data[row, : len(data)] = list(data)
+        messages.stamp_ns[row] = 1000 + row
+    return messages, len(rows)
+
+
+def test_sensor_data_in_three_messages() -> None:
+    # 43 SENSOR_DATA, 14 octets, module 0, sensor 10, six responses: 2 of module 0, 4 of module 1,
+    # whose sensor 0 is cut; CRC-8 with 0x07 at the end.
+    body = "43 0e 00 0a 0001 0002 0102 ffff 0003 0004"
+    rest = crc8(bytes.fromhex(body)).to_bytes().hex()
+    rows = [(0x105, "43 0e 00 0a 00 01 00 02"), (0x405, "01 02 ff ff 00 03 00 04" + rest)]
+    rows[1:] = [(0x205, "01 02 ff ff 00 03 00 04"), (0x405, rest)]
+    messages, count = messages_from(rows)
+    decoder, blocks, seen = CySkinDecoder(BOARDS), Blocks(1024), counters()
+    assert decoder.decode(messages, count, blocks, 100, seen) == 3
+    assert [(b.stamp_ns, b.channel, b.payload.tolist()) for b in blocks_of(blocks.data)] == [
+        (1002, 110, [1, 2]),
+        (1002, 113, [258, 65535, 3, 4]),
+    ]
+    assert seen[Count.RECEIVED] == 3
+    assert seen[Count.READINGS] == 2
+    assert seen[Count.BYTES] == 17
+    assert not seen[[Count.LOST, Count.MALFORMED, Count.FOREIGN]].any()
+    assert decoder.channels == 36
+
+
+@pytest.mark.parametrize(
+    ("wire", "identifiers", "packet"),
+    [
+        (CySkinWire(), (0x505,), "3b 00 6e"),
+        (CySkinWire(checksum=Sum()), (0x505,), "3b 00 c5"),
+        (CySkinWire(checksum=Sum(negated=False)), (0x505,), "3b 00 3b"),
+        (CySkinWire(checksum=Unchecked(0)), (0x505,), "3b 00"),
+        (CySkinWire(checksum=Unchecked()), (0x505,), "3b 00 00"),
+        (CySkinWire(extended=True), (0x94000005,), "3b 00 6e"),
+    ],
+)
+def test_golden_sync(wire: CySkinWire, identifiers: tuple[int, ...], packet: str) -> None:
+    found = list(command_messages(wire, 5, Command.SYNC))
+    assert found == [(identifiers[0], bytes.fromhex(packet))]
+
+
+def test_golden_start_and_stop() -> None:
+    texts = ["36 02 ff 00", "38 02 00 32", "37 01 01"]
+    expected = []
+    for text in texts:
+        data = bytes.fromhex(text)
+        expected.append((0x505, data + bytes([crc8(data)])))
+    assert start_messages(BOARDS[:1]) == expected
+    little = CySkinWire(big_endian=False, extended=True)
+    assert start_messages(BOARDS[:1], little, period_ms=300)[1][1][:4].hex() == "38022c01"
+    assert [d[:3].hex() for _, d in stop_messages(BOARDS)] == ["370100"] * 2
+
+
+def test_identifiers_of_parts() -> None:
+    packet = bytes(range(20))
+    standard = list(CySkinWire().messages(0xFF, packet))
+    assert [(i, len(d)) for i, d in standard] == [(0x1FF, 8), (0x2FF, 8), (0x4FF, 4)]
+    extended = list(CySkinWire(extended=True).messages(0x3FFFFFF, packet))
+    assert [i ^ EXTENDED for i, _ in extended] == [0x07FFFFFF, 0x0BFFFFFF, 0x13FFFFFF]
+    with pytest.raises(InputError, match="number of a board"):
+        list(CySkinWire().messages(256, packet))
+
+
+@pytest.mark.parametrize(
+    ("checksum", "expected"),
+    [  # the check values of the catalogues of CRCs, of 123456789
+        (Crc(), "f4"),
+        (Crc(polynomial=0x31, reflected=True), "a1"),  # MAXIM-DOW
+        (Crc(polynomial=0x1D, begin=0xFF, final=0xFF), "4b"),  # SAE-J1850
+        (Crc(polynomial=0x9B, begin=0xFF), "da"),  # CDMA2000
+        (Crc(octets=2, polynomial=0x1021, begin=0xFFFF), "b129"),  # IBM-3740
+        (Crc(octets=2, polynomial=0x1021, begin=0xFFFF, high_first=True), "29b1"),
+        (Crc(octets=2, polynomial=0x1021, begin=0xFFFF, final=0xFFFF, reflected=True), "6e90"),
+        (Crc(octets=2, polynomial=0x8005, begin=0xFFFF, reflected=True), "374b"),  # MODBUS
+        (Sum(), "23"),
+        (Sum(negated=False), "dd"),
+        (Unchecked(2), "0000"),
+        (Unchecked(0), ""),
+    ],
+)
+def test_check_values(checksum: Crc, expected: str) -> None:
+    assert checksum_of(b"123456789", checksum).hex() == expected
+
+
+WIRES = st.builds(
+    CySkinWire,
+    extended=st.booleans(),
+    big_endian=st.booleans(),
+    numbered=st.booleans(),
+    checksum=st.one_of(
+        st.builds(
+            Crc, octets=st.just(1), polynomial=st.sampled_from([7, 0x31]),
+            begin=st.sampled_from([0, 255]), reflected=st.booleans(),
+        ),
+        st.builds(
+            Crc, octets=st.just(2), polynomial=st.sampled_from([0x1021, 0x8005]),
+            final=st.sampled_from([0, 0xFFFF]), reflected=st.booleans(), high_first=st.booleans(),
+        ),
+        st.builds(Sum, st.booleans()),
+        st.builds(Unchecked, st.integers(0, 2)),
+    ),
+)  # fmt: skip
+
+
+@given(
+    WIRES, st.lists(st.integers(1, 0xFFF), min_size=2, max_size=40), st.integers(1, 126), st.data()
+)
+def test_readings_come_back(
+    wire: CySkinWire, masks: list[int], per_packet: int, data: st.DataObject
+) -> None:
+    modules = tuple(CySkinModule(7 * i, mask) for i, mask in enumerate(masks))
+    cut = data.draw(st.integers(1, len(modules) - 1))
+    boards = (CySkinBoard(3, modules[:cut]), CySkinBoard(200, modules[cut:]))
+    encoder = CySkinEncoder(boards, wire=wire, per_packet=per_packet)
+    decoder, seen = CySkinDecoder(boards, wire=wire), counters()
+    rng = np.random.default_rng(len(masks))
+    messages, state = CanMessages(2000), Channels(decoder.channels)
+    for _ in range(3):
+        encoder.counts[:] = rng.integers(0, 65536, len(encoder.counts))
+        count = encoder.encode(messages, 5, 77)
+        assert count - 5 == encoder.messages_per_reading
+        blocks = Blocks(1 << 16)
+        assert decoder.decode(messages, count, blocks, 0, seen, 5) == count
+        state.apply(blocks)
+    expected = np.full(decoder.channels, np.nan)
+    there = uids_of(boards)[1]
+    expected[there] = encoder.counts[there]
+    np.testing.assert_array_equal(state.counts, expected)
+    assert not seen[[Count.LOST, Count.MALFORMED, Count.FOREIGN]].any()
+    assembler = Assembler(wire)  # the plain way finds the same packets
+    packets = [
+        assembler.take(int(messages.ids[i]), messages.data[i, : messages.lengths[i]].tobytes())
+        for i in range(5, count)
+    ]
+    found = [wire.unpacked(packet[1]) for packet in packets if packet]
+    assert {command for command, _ in found} == {Command.SENSOR_DATA}
+    assert sum(len(d) // 2 - 1 for _, d in found) == len(there)
+
+
+def test_boards_of_two_buses_share_the_channels() -> None:
+    encoder, messages = CySkinEncoder(BOARDS, bus=1), CanMessages(40)
+    encoder.counts[:] = np.arange(36) * 10
+    count = encoder.encode(messages, 0, 5)
+    for bus, expected in ((0, []), (1, list(range(240, 360, 10)))):
+        blocks, seen = Blocks(1024), counters()
+        CySkinDecoder(BOARDS, bus).decode(messages, count, blocks, 0, seen)
+        assert [v for b in blocks_of(blocks.data) for v in b.payload.tolist()] == expected
+        assert seen[Count.FOREIGN] == (count if bus == 0 else 0)
+
+
+def test_the_checksum_of_a_board_is_found() -> None:
+    truth = Crc(polynomial=0x31, begin=0xFF)
+    wire = CySkinWire(checksum=truth)
+    packets = [wire.packet(Command.SENSOR_DATA, bytes([0, n, n * 7 % 256, n])) for n in range(12)]
+    assert matching_checksums(packets) == (truth,)
+    assert Crc() in matching_checksums([CySkinWire().packet(0x3B)])
+    assert matching_checksums([b"\x43\x01\x00\x11\x22\x33"]) == ()
+    with pytest.raises(InputError, match="expected ten or more"):
+        matching_checksums([])
+    with pytest.raises(InputError, match="has 2 octets"):
+        matching_checksums([b"12"])
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: CySkinModule(1, 0), "at least one"),
+        (lambda: CySkinModule(2**32), "number of a module"),
+        (lambda: CySkinBoard(1, ()), "of one board"),
+        (lambda: CySkinDecoder([]), "each .bus, number. once"),
+        (lambda: CySkinDecoder([BOARDS[0], CySkinBoard(6, MODULES[:1])]), r"\[100\] stand there"),
+        (lambda: CySkinEncoder(BOARDS, per_packet=127), "responses in a packet"),
+        (lambda: CySkinEncoder(BOARDS).encode(CanMessages(2), 0, 0), "2 rows, expected 7"),
+        (lambda: CySkinWire().packet(5), "below are numbers"),
+        (lambda: CySkinWire().packet(0x3B, bytes(256)), "split"),
+        (lambda: CySkinWire().unpacked(b"\x3b\x01\x00"), "3 octets, expected"),
+        (lambda: CySkinWire().unpacked(b"\x3b\x00\x00"), "expected 6e"),
+        (lambda: start_messages(BOARDS, period_ms=0), "between two readings"),
+        (lambda: ModuleDetails.from_data(b"123", "big"), "expected 11"),
+        (lambda: Declaration.from_data(b"1"), "too short"),
+    ],
+)
+def test_mistakes_are_named(make: object, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        make()  # type: ignore[operator]
+
+
+def test_answers_are_kept_for_whoever_asks() -> None:
+    wire, rows = CySkinWire(), []
+    for command, data in ((Command.UID, b"\0\0\0\x05"), (Command.DECLARE, bytes(range(20)))):
+        rows += [(i, d.hex()) for i, d in wire.messages(5, wire.packet(command, data))]
+    messages, count = messages_from(rows)
+    decoder, seen = CySkinDecoder(BOARDS), counters()
+    decoder.decode(messages, count, Blocks(1024), 0, seen)
+    first, second = decoder.replies()
+    assert (first.board, first.command, first.data) == (5, Command.UID, b"\0\0\0\x05")
+    assert second.data == bytes(range(20))
+    assert decoder.replies() == []
+    assert seen[Count.RECEIVED] == count
+    assert seen[Count.READINGS] == 0
+
+
+def test_uids_channels_and_skins() -> None:
+    uids, channels = uids_of(BOARDS)
+    assert uids[:2].tolist() == [1600, 1601]
+    assert channels.tolist() == [*range(12), *range(13, 23), *range(24, 36)]
+    positions = np.array([[0.01 * i, 0.0] for i in range(4)] + [[0.0, 0.01]])
+    patch = sf.Patch(positions, uid=[1619, 1601, 1632, 1611, 1643], name="p")
+    skin = skin_on_boards(sf.Skin((patch,), "arm"), BOARDS)
+    assert skin[0].channel.tolist() == [15, 1, 24, 11, 35]
+    assert (skin[0].n_channels, skin.name, port_of("p", BOARDS).channels) == (36, "arm", 36)
+    with pytest.raises(InputError, match=r"\[1616\].*1 have no sensor"):
+        skin_on_boards(sf.Skin(sf.Patch(positions[:3], uid=[1616, 1601, 1602])), BOARDS)
+
+
+def test_boards_of_a_layout() -> None:
+    boards = boards_from_uids([0x101, 0x10B, 0x203, 0x305], numbers=(4, 8))
+    assert [board.number for board in boards] == [4, 8]
+    assert [m.sui for board in boards for m in board.modules] == [0x10, 0x20, 0x30]
+    assert boards[0].modules[0].sensors == (0, 1, 11)
+    assert boards_from_uids([0x101], temperature=False)[0].modules[0].sensors == (1,)
+    with pytest.raises(InputError, match="no more"):
+        boards_from_uids([0x10C])
+    with pytest.raises(InputError, match="1 modules for 2 boards"):
+        boards_from_uids([0x101], numbers=(1, 2))
+
+
+def test_any_skin_gets_boards() -> None:
+    skin, boards = on_boards(sf.Skin(hexagon72()))
+    sensors = sum(len(m.sensors) for board in boards for m in board.modules)
+    assert sensors == sum(map(len, skin)) == 72
+    assert sorted(skin[0].channel.tolist()) == list(range(72))
+    again, same = on_boards(skin)
+    assert same == boards
+    np.testing.assert_array_equal(again[0].channel, skin[0].channel)
+
+
+def test_a_board_in_software_obeys_and_answers() -> None:
+    wire = CySkinWire()
+    state = CySkinBoardState(board=BOARDS[0], wire=wire)
+    assembler = Assembler(wire)
+    for identifier, data in start_messages(BOARDS[:1], wire, period_ms=20):
+        packet = assembler.take(identifier, data)
+        assert packet is not None
+        state, answers = state.after(*wire.unpacked(packet[1]))
+    assert (state.sending, state.period_ms, answers) == (True, 20, [])
+    state, answers = state.after(Command.DECLARE, b"")
+    assert Declaration.from_data(answers[0][1]) == Declaration(2, 0, (12, 10))
+    state, answers = state.after(Command.MODULE_DETAILS, b"\xff")
+    found = [ModuleDetails.from_data(data, "big").module for _, data in answers]
+    assert tuple(found) == BOARDS[0].modules
+    assert answers[0][1].hex(" ") == "00 00 00 00 64 0c 00 0f ff 00 00"
+    state, answers = state.after(Command.MODULE_DETAILS, b"\x02")
+    assert answers == [(Command.ERROR, bytes([Command.MODULE_DETAILS, Refusal.INVALID]))]
+    state, answers = state.after(Command.COLD_REBOOT, b"")
+    assert answers == [(Command.ERROR, bytes([0x32, 0xE2]))]
+    state, answers = state.after(Command.UID, b"")
+    assert answers == [(Command.UID, b"\0\0\0\x05")]
+    state = state.after(Command.SYNC, b"")[0].after(Command.SET_AUTO_SYNC, b"\0")[0]
+    assert (state.sending, state.syncs, state.ignored) == (False, 1, 2)
+
+
+ETHERCAT_MODULES = (CySkinModule(0x5678), CySkinModule(7, 0x7FE), CySkinModule(9))
+BOARD = CySkinBoard(300, ETHERCAT_MODULES)
+
+
+def process(message: bytes) -> np.ndarray:
+    return np.frombuffer(message.ljust(PROCESS, b"\xee"), np.uint8)
+
+
+def test_golden_process_data() -> None:
+    init = "01 aa 00 1f 2c010000 02 00 78560000 0c 00 ff0f 00 00 01 07000000 0a 00 fe07 00 00"
+    assert init_from_board(CySkinBoard(300, ETHERCAT_MODULES[:2])) == bytes.fromhex(init)
+    assert board_from_init(process(bytes.fromhex(init)).tobytes()) == CySkinBoard(
+        300, ETHERCAT_MODULES[:2]
+    )
+    data = "02 00 00 0c 00 0b 0102 0003 ffff"
+    assert data_from_responses(0, 11, [258, 3, 65535]) == bytes.fromhex(data)
+    slaves = CySkinEtherCat([CySkinBoard(1, (CySkinModule(1),)), BOARD])
+    blocks, seen = Blocks(), counters()
+    assert slaves.channels == 48
+    long = init.replace("78560000", "78563412")  # a sui of 32 bits, of which uids have 16
+    assert board_from_init(bytes.fromhex(long)) == CySkinBoard(300, ETHERCAT_MODULES[:2])
+    assert slaves.decode(process(bytes.fromhex(data)), 1, blocks, 100, seen, 55)
+    assert [(b.stamp_ns, b.channel, b.payload.tolist()) for b in blocks_of(blocks.data)] == [
+        (55, 123, [258]),
+        (55, 125, [3, 65535]),
+    ]
+    assert seen[Count.RECEIVED] == 1
+    assert seen[Count.BYTES] == 12
+
+
+@given(st.integers(0, 3), st.integers(0, 13), st.integers(0, 40))
+def test_process_data_land_where_they_should(module: int, sensor: int, count: int) -> None:
+    sensors = [12 * m + s for m, each in enumerate(ETHERCAT_MODULES) for s in each.sensors]
+    begins = [0, 12, 22, 34]
+    values = np.arange(count) * 7
+    slaves, blocks, seen = CySkinEtherCat([BOARD]), Blocks(), counters()
+    slaves.decode(process(data_from_responses(module, sensor, values)), 0, blocks, 0, seen, 5)
+    there = module < 3 and sensor < begins[module + 1] - begins[module]
+    if there and begins[module] + sensor + count <= 34:
+        state, start = Channels(36), begins[module] + sensor
+        state.apply(blocks)
+        np.testing.assert_array_equal(state.counts[sensors[start : start + count]], values)
+        assert np.isfinite(state.counts).sum() == count
+    else:
+        assert seen[Count.FOREIGN] == 1
+        assert len(blocks.data) == 0
+
+
+@given(st.binary(max_size=80))
+def test_any_process_data_are_decoded_or_counted(data: bytes) -> None:
+    slaves, blocks, seen = CySkinEtherCat([BOARD]), Blocks(4096), counters()
+    for message in (data, b"\x02\0" + data, b"\x02\0\0" + data):
+        slaves.decode(process(message), 0, blocks, 0, seen, 5)
+    Channels(36).apply(blocks)
+    for message in (data, b"\x01\xaa" + data):
+        try:
+            board_from_init(message)
+        except InputError:
+            continue
+
+
+def test_mistakes_in_process_data_are_named() -> None:
+    with pytest.raises(InputError, match="expected 01 aa"):
+        board_from_init(bytes(40))
+    with pytest.raises(InputError, match="say that 200 modules"):
+        board_from_init(b"\x01\xaa" + bytes(6) + b"\xc8" + bytes(40))
+    with pytest.raises(InputError, match="at most 1917"):
+        data_from_responses(0, 0, np.zeros(1918))
+    with pytest.raises(InputError, match="three segments"):
+        CySkinEtherCat([BOARD]).decode(np.zeros(7, np.uint8), 0, Blocks(), 0, counters(), 5)
+    slaves, seen = CySkinEtherCat([BOARD]), counters()
+    full = Blocks(24)
+    assert not slaves.decode(process(data_from_responses(0, 0, [1] * 9)), 0, full, 0, seen, 5)
+    assert not seen.any()

@@ -1,0 +1,257 @@
+"""The shared memory of CySkin's tool, also written by a C program."""
+
+import shutil
+import subprocess
+import threading
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from skinfield.acquisition import Blocks, Channels, Count, blocks_of, counters
+from skinfield.errors import InputError
+from skinfield.protocols.cyskin import (
+    CySkinBoard,
+    CySkinModule,
+    SharedMemoryReader,
+    SharedMemoryWriter,
+    uids_of,
+)
+from skinfield.protocols.cyskin.shared_memory import Area, SensorOrder, snapshot_of
+
+MODULES = (CySkinModule(0x5678), CySkinModule(7, 0x7FE), CySkinModule(9))
+BOARD = CySkinBoard(300, MODULES)
+UIDS, CHANNELS = uids_of([BOARD])
+ORDER = np.random.default_rng(1).permutation(len(UIDS))
+
+
+@pytest.fixture
+def keys() -> tuple[int, int]:
+    key = uuid.uuid4().int % (2**30) * 2 + 1000
+    return key % (2**31 - 2), key % (2**31 - 2) + 1
+
+
+@pytest.fixture
+def writer(keys: tuple[int, int]) -> Iterator[SharedMemoryWriter]:
+    try:
+        writer = SharedMemoryWriter(UIDS[ORDER], *keys)
+    except OSError as error:
+        pytest.skip(f"no System V shared memory here: {error}")
+    yield writer
+    writer.close()
+
+
+def test_golden_words(writer: SharedMemoryWriter, keys: tuple[int, int]) -> None:
+    writer.write(np.arange(34), 1234)
+    header, data = Area(keys[0], 10), Area(keys[1], 71)
+    assert header.words[:3].tolist() == [34, 0, keys[1]]
+    assert data.words.tolist() == [0, 1234, 34, *UIDS[ORDER].tolist(), *range(34)]
+    assert snapshot_of(data.words).responses.tolist() == list(range(34))
+    with pytest.raises(ValueError, match="read-only"):
+        data.words[0] = 1
+    for area in (header, data):
+        area.close()
+
+
+def test_samples_become_blocks(writer: SharedMemoryWriter, keys: tuple[int, int]) -> None:
+    reader, blocks, seen, state = SharedMemoryReader([BOARD], keys[0]), Blocks(), counters(), None
+    assert not reader.up
+    assert reader.read(blocks, 0, seen, 5) == 0
+    assert reader.open()
+    assert reader.read(blocks, 0, seen, 5) == 0  # nothing was written yet
+    rng = np.random.default_rng(0)
+    for turn in range(4):
+        values = rng.integers(0, 65536, len(UIDS))
+        writer.write(values, turn)
+        blocks.clear()
+        assert reader.read(blocks, 10, seen, 77) == 1
+        assert reader.read(blocks, 10, seen, 78) == 0
+        state = Channels(46)
+        state.apply(blocks)
+        np.testing.assert_array_equal(state.counts[10 + CHANNELS[ORDER]], values)
+        assert {b.stamp_ns for b in blocks_of(blocks.data)} == {77}
+    for turn in range(3):
+        writer.write(values, turn)
+    assert reader.read(blocks, 10, seen, 5) == 1
+    assert (seen[Count.RECEIVED], seen[Count.LOST]) == (5, 2)
+    writer.write(np.full(34, 70_000), 5)
+    assert reader.read(blocks, 10, seen, 5) == 0
+    assert seen[Count.MALFORMED] == 1
+    reader.close()
+
+
+def test_a_writer_that_ends_and_begins_again(keys: tuple[int, int]) -> None:
+    reader, blocks, seen = SharedMemoryReader([BOARD], keys[0]), Blocks(), counters()
+    assert not reader.open()
+    for turn in range(2):
+        writer = SharedMemoryWriter(UIDS, *keys)
+        try:
+            assert reader.open()
+            writer.write(np.full(34, turn), 0)
+            assert reader.read(blocks, 0, seen, 5) == 1
+        finally:
+            writer.close()
+        assert reader.read(blocks, 0, seen, 5) == 0
+        assert not reader.up
+    assert seen[Count.LOST] == 0
+
+
+def test_without_room_the_sample_comes_later(
+    writer: SharedMemoryWriter, keys: tuple[int, int]
+) -> None:
+    reader, seen = SharedMemoryReader([BOARD], keys[0]), counters()
+    reader.open()
+    writer.write(np.zeros(34), 0)
+    assert reader.read(Blocks(24), 0, seen, 5) == 0
+    assert not seen.any()
+    assert reader.read(Blocks(), 0, seen, 5) == 1
+    reader.close()
+
+
+def test_no_torn_sample_is_believed(writer: SharedMemoryWriter, keys: tuple[int, int]) -> None:
+    reader, seen = SharedMemoryReader([BOARD], keys[0]), counters()
+    reader.open()
+    stop = threading.Event()
+
+    def write() -> None:
+        value = 0
+        while not stop.is_set():
+            value = (value + 1) % 65536
+            writer.write(np.full(34, value), 0)
+
+    thread = threading.Thread(target=write)
+    thread.start()
+    try:
+        state, blocks, found = Channels(36), Blocks(), 0
+        for _ in range(200_000):
+            blocks.clear()
+            if reader.read(blocks, 0, seen, 5):
+                state.apply(blocks)
+                assert len(np.unique(state.counts[CHANNELS])) == 1
+                found += 1
+            if found >= 200:
+                break
+        assert found
+    finally:
+        stop.set()
+        thread.join()
+        reader.close()
+
+
+def test_unknown_uids_are_left_out_and_counted(keys: tuple[int, int]) -> None:
+    writer = SharedMemoryWriter([*UIDS.tolist(), 5, int(UIDS[0])], *keys)
+    reader, blocks, seen = SharedMemoryReader([BOARD], keys[0]), Blocks(), counters()
+    try:
+        reader.open()
+        writer.write(np.arange(36), 0)
+        assert reader.read(blocks, 0, seen, 5) == 1
+        assert seen[Count.FOREIGN] == 1
+        assert reader.order.unknown == 2
+        assert [int(b.payload[0]) for b in blocks_of(blocks.data)] == [0, 12, 22]
+    finally:
+        reader.close()
+        writer.close()
+
+
+def test_areas_of_others_are_refused(keys: tuple[int, int]) -> None:
+    with pytest.raises(OSError, match="is not there"):
+        Area(keys[0], 10)
+    area = Area(keys[0], 10, create=True)
+    try:
+        reader = SharedMemoryReader([BOARD], keys[0])
+        for sensors, key in ((0, keys[1]), (2**31, keys[1]), (4, keys[1]), (4, keys[0])):
+            area.words[:3] = (sensors, 0, key)
+            assert not reader.open()
+        with pytest.raises(InputError, match="has 40 bytes, expected 44"):
+            Area(keys[0], 11)
+    finally:
+        area.remove()
+        area.close()
+    with pytest.raises(InputError, match="more than 32 bits"):
+        SharedMemoryReader([CySkinBoard(1, (CySkinModule(2**28),))])
+    with pytest.raises(InputError, match="one for each sensor"):
+        SharedMemoryWriter([], *keys)
+    with pytest.raises(InputError, match=r"2 N \+ 3"):
+        snapshot_of(np.zeros(4, np.uint32))
+
+
+@given(st.lists(st.integers(0, 2**32 - 1), min_size=1, max_size=60), st.booleans())
+def test_any_uids_find_their_channels(uids: list[int], known: bool) -> None:
+    if known:
+        uids = [int(UIDS[uid % len(UIDS)]) for uid in uids]
+    order, blocks, seen = SensorOrder([BOARD]), Blocks(1 << 14), counters()
+    order.follow(np.array(uids, np.uint32))
+    values = np.arange(len(uids), dtype=np.uint32)
+    assert order.put(values, blocks, 0, seen, 5)
+    state, expected = Channels(36), np.full(36, np.nan)
+    state.apply(blocks)
+    for uid, value in reversed(list(zip(uids, values.tolist(), strict=True))):
+        if uid in UIDS.tolist():
+            expected[CHANNELS[UIDS.tolist().index(uid)]] = value
+    np.testing.assert_array_equal(state.counts, expected)
+
+
+TOOL = r"""
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/ipc.h>
+#include <sys/shm.h>
+
+int main(int argc, char **argv) { /* keys, then uids; a sample whenever a line comes */
+  int n = argc - 3, key = atoi(argv[1]), data_key = atoi(argv[2]), i, c;
+  uint32_t sample = 0;
+  int head_id = shmget(key, 10, 0600 | IPC_CREAT); /* the maker's tool asks for bytes, not words */
+  int data_id = shmget(data_key, (size_t)(2 * n + 3) * 4, 0600 | IPC_CREAT);
+  uint32_t *head = (uint32_t *)shmat(head_id, 0, 0), *data = (uint32_t *)shmat(data_id, 0, 0);
+  if (head_id < 0 || data_id < 0) return 1;
+  head[2] = (uint32_t)data_key;
+  head[0] = (uint32_t)n;
+  head[1] = 0;
+  while ((c = getchar()) != EOF) {
+    for (i = 0; i < n; i++) {
+      data[3 + i] = (uint32_t)strtoul(argv[3 + i], 0, 10);
+      data[3 + n + i] = 1000 * sample + (uint32_t)i;
+    }
+    data[2] = (uint32_t)n;
+    data[1] = 100 * sample;
+    data[0] = sample++;
+    puts("written");
+    fflush(stdout);
+  }
+  shmctl(head_id, IPC_RMID, 0);
+  shmctl(data_id, IPC_RMID, 0);
+  return 0;
+}
+"""
+
+
+def test_what_a_c_program_writes_is_read(keys: tuple[int, int], tmp_path: Path) -> None:
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler here: install one to test the layout of the memory")
+    (tmp_path / "tool.c").write_text(TOOL)
+    program = str(tmp_path / "tool")
+    subprocess.run([compiler, str(tmp_path / "tool.c"), "-o", program], check=True, timeout=120)
+    words = [program, *map(str, keys), *map(str, UIDS.tolist())]
+    reader, blocks, seen, state = SharedMemoryReader([BOARD], keys[0]), Blocks(), counters(), None
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as tool:
+        assert tool.stdin is not None
+        assert tool.stdout is not None
+        for sample in range(3):
+            tool.stdin.write(b"x")
+            tool.stdin.flush()
+            tool.stdout.readline()
+            assert reader.open()
+            assert reader.read(blocks, 0, seen, 5) == 1
+            state = Channels(36)
+            state.apply(blocks)
+            assert state.counts[CHANNELS].tolist() == [1000 * sample + i for i in range(34)]
+        tool.stdin.close()
+        assert tool.wait(60) == 0
+    assert reader.read(blocks, 0, seen, 5) == 0
+    assert not reader.up

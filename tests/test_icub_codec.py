@@ -1,0 +1,566 @@
+"""iCub's messages: golden bytes, the firmware's formulas, a host's commands, blocks."""
+
+import struct
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from icub_streams import BOARDS, MS, decoded, filled, head, regular
+
+from skinfield.acquisition import Blocks, CanMessages, Channels, Count, Kind, blocks_of, counters
+from skinfield.acquisition.can import ERROR, EXTENDED, REMOTE
+from skinfield.conditioning import ICubByte
+from skinfield.conditioning.boards import firmware_drift
+from skinfield.errors import InputError
+from skinfield.protocols.icub import (
+    BoardState,
+    Firmware,
+    ICubDecoder,
+    ICubEncoder,
+    MessageClass,
+    SetBoard,
+    SetOldBoard,
+    SetOldSkin,
+    SetTriangles,
+    SkinType,
+    Transmit,
+    addressed_board,
+    array_of_messages,
+    command_from,
+    gains_of,
+    host_message,
+    message_id,
+    messages_of_array,
+    port_of,
+    triangle_payloads,
+)
+
+REST = np.full(12, 0x8000)
+SHORT = st.integers(0, 0xFFFF)
+COUNTS = st.one_of(  # any at all, and such as stay near the base
+    st.lists(SHORT, min_size=12, max_size=12),
+    st.lists(st.integers(0x7800, 0x8800), min_size=12, max_size=12),
+    st.lists(st.sampled_from([0, 0xFFFF, 0x8000]), min_size=12, max_size=12),
+)
+
+
+def moved(**by):
+    raw = REST.copy()
+    for pad, difference in by.items():
+        raw[int(pad[1:])] += difference
+    return raw
+
+
+def zeroed(pad):
+    raw = REST.copy()
+    raw[pad] = 0
+    return raw
+
+
+GOLDEN = {
+    "rest": (REST, Firmware.MTB3, "40 f0f0f0f0f0f0f0", "c0 f0f0f0f0f0 0000"),
+    "taxel 3": (moved(p3=400), Firmware.MTB3, "40 f0f0f08cf0f0f0", "c0 f0f0f0f0f0 0000"),
+    "taxel 9": (moved(p9=2000), Firmware.MTB3, "40 f0f0f0f0f0f0f0", "c0 f0f000f0f0 2000"),
+    "colder": (moved(p6=-200), Firmware.MTB3, "40 d5cbd0e2e2d5ff", "c0 dfd2b0f0d2 0400"),
+    "no ack": (zeroed(0), Firmware.MTB3, "40 fff0f0f0f0f0f0", "c0 f0f0f0f0f0 0011"),
+    "unplugged": (np.full(12, 0xFFFF), Firmware.MTB3, "40 00000000000000", "c0 0000ff0000 fff2"),
+    # the other generation rounds the negative drift of pads 3 and 4 across a step of the byte
+    "colder, mtb4": (moved(p6=-200), Firmware.MTB4, "40 d5cbd0e1e1d5ff", "c0 dfd2b0f0d2 0400"),
+}
+
+
+@pytest.mark.parametrize("case", GOLDEN)
+def test_golden_messages(case):
+    raw, firmware, head, tail = GOLDEN[case]
+    made = triangle_payloads(raw, REST, firmware=firmware)
+    assert made == (bytes.fromhex(head), bytes.fromhex(tail))
+
+
+def test_the_identifier_holds_class_board_and_triangle():
+    assert message_id(4, 13, 5) == 0x4D5
+    assert message_id(MessageClass.ANALOG, 0, 15) == 0x30F
+    with pytest.raises(InputError, match="board is 16, expected a whole number from 0 to 15"):
+        message_id(4, 16, 0)
+
+
+GAINS = {
+    0: [70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77],
+    8: [58, 91, 39, 23, 35, 90, 0, 38, 68, 115, 0, 86],
+}
+
+
+def plain(raw, base, no_load, shift, kind, firmware):
+    """Both payloads by the formulas, one taxel after the other."""
+    if kind == 7:
+        return bytes([0x40, *(r & 255 for r in raw[:7])]), bytes(
+            [0xC0, *(r & 255 for r in raw[7:]), 0, 0]
+        )
+    up, bottom = (255 - no_load) << shift, no_load << shift
+    pad = 11 if kind == 1 else 6
+    away = raw[pad] - base[pad]
+    taxels, beyond, flags = [], 0, 0
+    for i in range(12):
+        drift = 0
+        if kind in GAINS:
+            product = (abs(away) >> 2) * GAINS[kind][i]
+            if away > 0:
+                drift = product >> 5
+            elif firmware == 3:
+                drift = -(product >> 5)
+            else:
+                drift = -product >> 5
+        v = raw[i] - base[i] - drift
+        if v <= -up:
+            taxels.append(255)
+        elif v >= bottom:
+            taxels.append(0)
+        else:
+            taxels.append(no_load - (v >> shift))
+        if v <= -2 * up or v >= 2 * bottom:
+            beyond |= 1 << i
+        if raw[i] == 0 and base[i] != 0:
+            flags |= 1
+    if all(r == 0xFFFF for r in raw):
+        flags = 2
+    e0, e1 = beyond >> 4, (beyond & 0xF) << 4 | flags
+    return bytes([0x40, *taxels[:7]]), bytes([0xC0, *taxels[7:], e0, e1])
+
+
+@given(
+    COUNTS,
+    COUNTS,
+    st.integers(0, 255),
+    st.integers(0, 15),
+    st.sampled_from([0, 1, 2, 7, 8]),
+    st.sampled_from(list(Firmware)),
+)
+def test_the_boards_arithmetic(raw, base, no_load, shift, kind, firmware):
+    made = triangle_payloads(
+        raw, base, firmware=firmware, no_load=no_load, shift=shift, kind=SkinType(kind)
+    )
+    assert made == plain(raw, base, no_load, shift, kind, firmware)
+
+
+@given(COUNTS, st.sampled_from(list(Firmware)), st.sampled_from([0, 2, 8]), st.integers(0, 6))
+def test_agrees_with_the_conditioning_of_bytes(raw, firmware, kind, shift):
+    head, tail = triangle_payloads(
+        raw, REST, firmware=firmware, kind=SkinType(kind), shift=shift, no_load=245
+    )
+    away = np.array(raw) - REST
+    drift = firmware_drift(
+        away[6], gains_of(SkinType(kind)), negated_first=firmware == Firmware.MTB4
+    )
+    byte = ICubByte(no_load=245, shift=shift).counts_from_difference(away - drift)
+    assert [*head[1:], *tail[1:6]] == byte.tolist()
+
+
+def test_an_ergo_hand_has_fingertips_and_triangles():
+    assert gains_of(SkinType.ERGO_HAND, 4) == (0,) * 12
+    assert list(gains_of(SkinType.ERGO_HAND, 5)) == GAINS[8]
+    encoder = ICubEncoder([(2, 4), (2, 5)], kind=SkinType.ERGO_HAND)
+    encoder.raw[:, 6] += 200
+    messages = CanMessages(4)
+    assert encoder.encode(messages, 0, 7) == 4
+    raw = moved(p6=200)
+    assert messages.data[0].tobytes() == plain(raw.tolist(), REST.tolist(), 240, 2, 2, 4)[0]
+    assert messages.data[2].tobytes() == plain(raw.tolist(), REST.tolist(), 240, 2, 8, 4)[0]
+
+
+def test_many_triangles_in_one_call():
+    encoder = ICubEncoder([(3, t) for t in range(16)] + [(4, 0)], firmware=Firmware.MTB3)
+    rng = np.random.default_rng(1)
+    encoder.raw[:] = rng.integers(0, 1 << 16, encoder.raw.shape)
+    encoder.sends[5] = False
+    settings = {"message_class": MessageClass.ANALOG, "kind": SkinType.PALM}
+    encoder.configure(16, no_load=200, shift=3, **settings)
+    messages = CanMessages(40)
+    assert encoder.encode(messages, 2, 99) == 2 + 2 * 16
+    row = 2
+    for t in range(17):
+        if t == 5:
+            continue
+        raw, base = encoder.raw[t].tolist(), encoder.base[t].tolist()
+        numbers = (200, 3, 1) if t == 16 else (240, 2, 0)
+        payloads = plain(raw, base, *numbers, 3)
+        assert [messages.data[row + k].tobytes() for k in range(2)] == list(payloads)
+        assert messages.ids[row] == messages.ids[row + 1] == (0x340 if t == 16 else 0x430 + t)
+        assert messages.lengths[row] == 8
+        assert messages.stamp_ns[row + 1] == 99
+        row += 2
+    assert not messages.data[:2].any()
+
+
+def test_the_encoder_follows_a_board():
+    encoder = ICubEncoder([(1, 0), (1, 7), (2, 0)])
+    state = BoardState(firmware=Firmware.MTB3).after(bytes.fromhex("50 00 03 01 01 0022"))
+    state = state.after(bytes.fromhex("50 04 0f 02 00 0022"))
+    encoder.follow(1, state)
+    assert encoder.sends.tolist() == [False, False, True]  # nobody started it
+    encoder.follow(1, state.after(bytes.fromhex("07 00")))
+    assert encoder.sends.tolist() == [True, False, True]
+    encoder.raw[:, 0] += 100
+    messages = CanMessages(6)
+    assert encoder.encode(messages, 0, 0) == 4
+    assert messages.data[0, 1] == 240 - 50  # shift 1
+    assert messages.data[2, 1] == 240 - 25
+
+
+def test_what_cannot_be_encoded_is_said():
+    with pytest.raises(InputError, match="triangles are"):
+        ICubEncoder([(0, 1), (0, 1)])
+    with pytest.raises(InputError, match="messages have 3 rows, expected 4"):
+        ICubEncoder([(0, 1), (0, 2)]).encode(CanMessages(3), 0, 0)
+    with pytest.raises(InputError, match="skin type is 5, expected one of 0 \\(compensated\\)"):
+        triangle_payloads(REST, REST, kind=5)
+    with pytest.raises(InputError, match="shift is 16"):
+        triangle_payloads(REST, REST, shift=16)
+    with pytest.raises(InputError, match=r"raw is .*, expected whole numbers from 0 to 65535"):
+        triangle_payloads(REST + 40000, REST)
+
+
+COMMANDS = {
+    "4d 00 28 f0": SetBoard(),
+    "4d 08 32 f5": SetBoard(kind=SkinType.COMPENSATED_V2, period_ms=50, no_load=245),
+    "50 00 0f 02 01 00 22": SetTriangles(),
+    "50 03 06 01 00 34 12": SetTriangles(
+        first=3, last=6, shift=1, enabled=False, cdc_offset=0x1234
+    ),
+    "07 00": Transmit(True),
+    "07 01": Transmit(False),
+    "4c 01 01 03 00 20 00 35": SetOldBoard(timer=3, cdc_offset=0x2000, time=0x3500),
+    "4e 02 22 f0 00 ff ff 0a": SetOldSkin(),
+}
+
+
+@pytest.mark.parametrize("data", COMMANDS)
+def test_commands_and_their_bytes(data):
+    command, data = COMMANDS[data], bytes.fromhex(data)
+    assert command.data == data
+    assert command_from(data) == command
+    assert host_message(13, command) == (0x20D, data)
+
+
+def test_the_address_is_in_the_identifier():
+    assert addressed_board(0x20D) == 13
+    assert addressed_board(0x21D) is None  # of another sender
+    assert addressed_board(0x4D5) is None
+    assert addressed_board(0x8000020D) is None
+
+
+@pytest.mark.parametrize(
+    "data", ["", "07", "4d 00 28", "4d 00 00 f0", "50 04 03 02 01 00 22", "50 00 10 02 01 00 22"]
+)
+def test_what_makes_no_sense_is_no_command(data):
+    assert command_from(bytes.fromhex(data)) is None
+
+
+@given(st.binary(max_size=8), st.sampled_from(list(Firmware)))
+def test_any_bytes_are_a_command_or_none(data, firmware):
+    command, before = command_from(data), BoardState(firmware=firmware)
+    after = before.after(data)
+    assert after.ignored == (command is None)
+    if command is not None:
+        assert command_from(command.data) == command
+
+
+def test_a_board_is_configured_and_started_as_a_robot_does():
+    board = BoardState()
+    assert (board.kind, board.period_ms, board.no_load, board.sending) == (0, 40, 240, False)
+    board = board.after(SetBoard(kind=8, period_ms=50, no_load=245).data)
+    assert (board.kind, board.period_ms, board.no_load) == (SkinType.COMPENSATED_V2, 50, 245)
+    assert not any(each.enabled for each in board.triangles)
+    board = board.after(SetTriangles(first=2, last=3, shift=1, cdc_offset=5).data)
+    assert [t for t, each in enumerate(board.triangles) if each.enabled] == [2, 3]
+    assert board.triangles[2].shift == 1
+    assert board.triangles[3].cdc_offset == 5
+    assert (board.sending, board.calibrations) == (False, 1)
+    board = board.after(Transmit(True).data)
+    assert board.sending
+    assert not board.after(Transmit(False).data).sending
+    stopped = board.after(SetTriangles().data)
+    assert (stopped.sending, stopped.calibrations) == (False, 2)
+    assert board.after(bytes([0x99])).ignored == 1
+
+
+def test_the_older_generation_goes_on_sending():
+    board = BoardState(firmware=Firmware.MTB3)
+    assert board.message_class == MessageClass.ANALOG
+    assert BoardState().message_class == MessageClass.SKIN
+    board = board.after(SetBoard().data)
+    assert all(each.enabled for each in board.triangles)
+    assert board.message_class == MessageClass.SKIN
+    board = board.after(Transmit(True).data).after(SetTriangles(first=0, last=0).data)
+    assert board.sending
+
+
+def test_the_old_setup_starts_a_board():
+    board = BoardState(firmware=Firmware.MTB3, no_load=200)
+    board = board.after(SetOldBoard(timer=3, cdc_offset=7, time=3125).data)
+    assert (board.sending, board.calibrations, board.period_ms) == (True, 1, 10)
+    assert (board.no_load, board.triangles[9].cdc_offset) == (200, 7)
+    assert board.message_class == MessageClass.ANALOG
+    board = board.after(SetOldSkin(shift=3, no_load=235, param=0x08, mask=0x8001).data)
+    assert (board.kind, board.no_load) == (SkinType.COMPENSATED, 235)
+    assert [t for t, each in enumerate(board.triangles) if each.enabled] == [0, 15]
+    assert board.after(SetOldSkin().data).kind == SkinType.UNCOMPENSATED
+    assert BoardState(no_load=200).after(SetOldBoard().data).no_load == 240  # its default
+
+
+def test_what_a_board_does_not_know_switches_the_correction_off():
+    assert BoardState().after(bytes.fromhex("4d 63 32 f0")).kind == SkinType.UNCOMPENSATED
+
+
+def test_wrong_settings_are_said():
+    with pytest.raises(InputError, match="period_ms is 0, expected a whole number from 1 to 255"):
+        SetBoard(period_ms=0)
+    with pytest.raises(InputError, match="first is 5, expected a whole number from 0 to 4"):
+        SetTriangles(first=5, last=4)
+    with pytest.raises(InputError, match="board is 16"):
+        host_message(16, Transmit(True))
+    with pytest.raises(InputError, match="triangles is 3"):
+        BoardState(triangles=BoardState().triangles[:3])
+
+
+ITEM = st.tuples(st.integers(0, 0x7FF), st.binary(max_size=8))
+
+
+def of_items(items):
+    messages = CanMessages(max(len(items), 1))
+    for row, (identifier, data) in enumerate(items):
+        messages.ids[row], messages.lengths[row] = identifier, len(data)
+        messages.data[row, : len(data)] = list(data)
+    return messages
+
+
+@given(st.lists(ITEM, max_size=24))
+def test_arrays_hold_messages(items):
+    array = array_of_messages(of_items(items), 0, len(items))
+    assert array[:4] == bytes([24, 10, len(items), 0])
+    assert len(array) == 244
+    for k, (identifier, data) in enumerate(items):
+        info, payload = struct.unpack_from("<H8s", array, 4 + 10 * k)
+        assert (info & 0xFFF, info >> 12, payload) == (identifier, len(data), data.ljust(8, b"\0"))
+    into, counts = CanMessages(30), counters()
+    octets = np.frombuffer(array, np.uint8)
+    assert messages_of_array(octets, len(array), into, 3, 77, counts) == 3 + len(items)
+    for row, (identifier, data) in enumerate(items, 3):
+        assert (into.ids[row], into.lengths[row], into.stamp_ns[row]) == (identifier, len(data), 77)
+        assert into.data[row].tobytes() == data.ljust(8, b"\0")
+    assert not counts.any()
+
+
+@given(
+    st.one_of(
+        st.binary(max_size=300),
+        st.builds(
+            lambda size, rest: bytes([24, 10, size, 0]) + rest,
+            st.integers(0, 24),
+            st.binary(max_size=260),
+        ),
+    ),
+    st.integers(0, 40),
+)
+def test_any_bytes_are_an_array_or_none(data, first):
+    octets = np.frombuffer(data + b"\0", np.uint8)
+    into, counts = CanMessages(40), counters()
+    try:
+        end = messages_of_array(octets, len(data), into, first, 0, counts)
+    except InputError:
+        assert data[2] > 40 - first
+        return
+    size = data[2] if len(data) > 3 else 0
+    good = len(data) > 3 and data[1] == 10 and size <= data[0] and 4 + 10 * size <= len(data)
+    good = good and all(data[5 + 10 * k] >> 4 <= 8 for k in range(size))
+    assert end == first + (size if good else 0)
+    assert counts[Count.MALFORMED] == (not good)
+    assert not into.ids[end:].any()
+
+
+def test_what_no_array_can_hold_is_said():
+    with pytest.raises(InputError, match="count is 25"):
+        array_of_messages(CanMessages(30), 0, 25)
+    with pytest.raises(InputError, match="identifier 0x800 and 0 octets"):
+        array_of_messages(of_items([(0x800, b"")]), 0, 1)
+
+
+def test_a_triangle_becomes_counts_and_status():
+    rows = [
+        (0x4D5, bytes.fromhex("40 f0f0f08cf0f1f2"), 1.0),
+        (0x4D5, bytes.fromhex("c0 f3f400f5f6 fff2"), 1.1),
+    ]
+    (first, second, status), counts = decoded(rows, channel=1000)
+    assert (first.channel, first.count, first.kind, first.stamp_ns) == (1060, 7, Kind.BYTES, MS)
+    assert first.payload.tolist() == [0xF0, 0xF0, 0xF0, 0x8C, 0xF0, 0xF1, 0xF2]
+    assert (second.channel, second.count, second.stamp_ns) == (1067, 5, 1_100_000)
+    assert second.payload.tolist() == [0xF3, 0xF4, 0x00, 0xF5, 0xF6]
+    assert (status.channel, status.count, status.kind) == (1060, 12, Kind.STATUS)
+    assert status.status == 2
+    assert status.payload.tolist() == [0xFF, 0x0F]
+    assert counts == Counter(RECEIVED=2, READINGS=2, BYTES=16)
+
+
+def test_channels_are_those_of_the_board_s_place():
+    rows = [(*head(1, 2, 15), 0.0), (*head(1, 3, 1), 0.1)]
+    blocks, counts = decoded(rows)
+    assert [block.channel for block in blocks] == [2 * 192 + 15 * 12]
+    assert counts["FOREIGN"] == 1  # board 3 hangs on the other bus
+    blocks, counts = decoded(rows, bus=1)
+    assert [block.channel for block in blocks] == [192 + 12]
+    assert port_of("arm", BOARDS).channels == 576 == ICubDecoder(BOARDS).channels
+
+
+def test_encoded_triangles_come_back():
+    encoder = ICubEncoder([(13, t) for t in range(16)] + [(2, t) for t in range(16)])
+    rng = np.random.default_rng(0)
+    encoder.raw[:] = rng.integers(0x7F00, 0x8200, encoder.raw.shape)
+    encoder.raw[3] = 0xFFFF
+    messages = CanMessages(64)
+    count = encoder.encode(messages, 0, 5 * MS)
+    blocks, channels = Blocks(1 << 14), Channels(600)
+    ICubDecoder(BOARDS).decode(messages, count, blocks, 24, counters())
+    channels.apply(blocks)
+    places = 24 + 12 * np.concatenate([np.arange(16), 32 + np.arange(16)])
+    data = messages.data.reshape(-1, 2, 8)
+    for row, first in enumerate(places):
+        expected = [*data[row, 0, 1:], *data[row, 1, 1:6]]
+        assert channels.counts[first : first + 12].tolist() == expected
+        assert (channels.stamp_ns[first : first + 12] == 5 * MS).all()
+    assert (channels.status[places[3] : places[3] + 12] & 2 == 2).all()
+    assert not (channels.status[places[4] : places[4] + 12] & 2).any()
+    assert np.isnan(channels.counts[24 + 192 : 24 + 384]).all()  # the board of the other bus
+
+
+@pytest.mark.parametrize(
+    ("identifier", "data", "name"),
+    [
+        (0x4D0, "40 01020304050607", "RECEIVED"),
+        (0x3D0, "40 01020304050607", "RECEIVED"),
+        (0x4D0, "c0 0102030405", "RECEIVED"),  # without diagnostics
+        (0x4D0, "c0 0102030405 00", "RECEIVED"),
+        (0x4D0, "40 010203040506", "MALFORMED"),
+        (0x4D0, "c0 01020304", "MALFORMED"),
+        (0x4D0, "00 01020304050607", "MALFORMED"),
+        (0x4D0, "", "MALFORMED"),
+        (0x4D0 | REMOTE, "40 01020304050607", "MALFORMED"),
+        (0x4D0 | ERROR, "40 01020304050607", "MALFORMED"),
+        (0x1000, "40 01020304050607", "MALFORMED"),
+        (0x4D0 | EXTENDED, "40 01020304050607", "FOREIGN"),
+        (0x4C0, "40 01020304050607", "FOREIGN"),
+        (0x4C0, "40", "FOREIGN"),
+        (0x5D0, "40 01020304050607", "FOREIGN"),
+        (0x20D, "07 00", "FOREIGN"),
+        (0x100, "0102030405060708", "FOREIGN"),
+    ],
+)
+def test_each_message_counts_once(identifier, data, name):
+    blocks, counts = decoded([(identifier, bytes.fromhex(data), 0.0)])
+    assert counts[name] == 1
+    assert sum(counts[each] for each in ("RECEIVED", "MALFORMED", "FOREIGN")) == 1
+    assert counts["BYTES"] == len(bytes.fromhex(data))
+    assert bool(blocks) == (name == "RECEIVED")
+    kinds = [block.kind for block in blocks]
+    assert (Kind.STATUS in kinds) == (len(bytes.fromhex(data)) == 8 and data.startswith("c0"))
+
+
+def test_classes_are_those_asked_for():
+    rows = [(0x3D0, bytes([0x40] * 8), 0.0), (0x4D0, bytes([0x40] * 8), 9.0)]
+    assert decoded(rows, classes=[MessageClass.SKIN])[1]["FOREIGN"] == 1
+    assert decoded(rows)[1]["FOREIGN"] == 0
+
+
+def test_what_does_not_fit_stays_for_the_next_call():
+    rows = regular(40, 4)
+    messages, count = filled(rows)
+    whole, small = Blocks(1 << 16), Blocks(56)
+    ICubDecoder(BOARDS).decode(messages, count, whole, 0, counters())
+    decoder, counts = ICubDecoder(BOARDS), counters()
+    parts, at, calls = b"", 0, 0
+    while at < count:
+        small.clear()
+        then = decoder.decode(messages, count, small, 0, counts, at)
+        assert at < then <= count
+        parts += small.data.tobytes()
+        at, calls = then, calls + 1
+    assert parts == whole.data.tobytes()
+    assert calls > 100
+    assert counts[Count.RECEIVED] == count
+    tiny = Blocks(40)
+    assert decoder.decode(messages, count, tiny, 0, counts) == 0
+    assert not len(tiny.data)
+
+
+def test_a_reset_forgets_the_order():
+    decoder, blocks, counts = ICubDecoder(BOARDS), Blocks(1 << 12), counters()
+    messages, count = filled([(*head(1), 0.0)])
+    for _ in range(3):
+        decoder.decode(messages, count, blocks, 0, counts)
+        decoder.reset()
+    assert counts[Count.READINGS] == 3
+    assert counts[Count.LOST] == counts[Count.DUPLICATED] == 0
+
+
+def test_what_cannot_be_a_decoder_is_said():
+    with pytest.raises(InputError, match="each \\(bus, address\\) once"):
+        ICubDecoder([(0, 1), (0, 1)])
+    with pytest.raises(InputError, match="boards are \\[\\]"):
+        ICubDecoder([])
+    with pytest.raises(InputError, match="address is 16"):
+        ICubDecoder([(0, 16)])
+    with pytest.raises(InputError, match="period is 0"):
+        ICubDecoder([(0, 1)], period=0.0)
+    decoder = ICubDecoder([(0, 1)])
+    for first, count in ((0, 5), (3, 2), (-1, 0)):
+        with pytest.raises(InputError, match="expected rows of the messages"):
+            decoder.decode(CanMessages(4), count, Blocks(64), 0, counters(), first)
+
+
+ANY_MESSAGE = st.tuples(
+    st.one_of(
+        st.integers(0, 0xFFFFFFFF),
+        st.builds(lambda c, b: c << 8 | b, st.integers(3, 4), st.integers(0, 255)),
+    ),
+    st.one_of(
+        st.binary(max_size=8),
+        st.builds(
+            lambda k, d: bytes([k]) + d, st.sampled_from([0x40, 0xC0]), st.binary(max_size=7)
+        ),
+    ),
+    st.integers(-(1 << 62) // MS, (1 << 62) // MS),
+)
+
+
+@given(st.lists(ANY_MESSAGE, max_size=40), st.integers(0, 3), st.integers(1, 60))
+def test_any_messages_at_all(rows, bus, room):
+    """Against a reader in plain Python; and nothing is written behind the end of the blocks."""
+    messages, count = filled(rows)
+    messages.lengths[::3] += np.uint8(247) * (messages.lengths[::3] == 8)  # no such length
+    blocks, counts = Blocks(8 * room + 16), counters()
+    blocks.words[-2:] = 0x0123456789ABCDEF
+    blocks.words = blocks.words[:-2]
+    decoder = ICubDecoder(BOARDS, bus=bus)
+    done = decoder.decode(messages, count, blocks, 0, counts)
+    assert (blocks.words.base[-2:] == 0x0123456789ABCDEF).all()
+    assert counts[Count.RECEIVED] + counts[Count.MALFORMED] + counts[Count.FOREIGN] == done
+    places = {b: place for place, (its, b) in enumerate(BOARDS) if its == bus}
+    expected = []
+    for row in range(done):
+        identifier, length = int(messages.ids[row]), int(messages.lengths[row])
+        data = messages.data[row].tobytes()
+        place = places.get(identifier >> 4 & 15)
+        if identifier > 0x7FF or identifier >> 8 not in (3, 4) or place is None or length > 8:
+            continue
+        first = 192 * place + 12 * (identifier & 15)
+        if data[0] == 0x40 and length == 8:
+            expected.append((first, data[1:8]))
+        if data[0] == 0xC0 and length >= 6:
+            expected.append((first + 7, data[1:6]))
+    found = [
+        (block.channel, block.payload.tobytes())
+        for block in blocks_of(blocks.data)
+        if block.kind == Kind.BYTES
+    ]
+    if not counts[Count.DUPLICATED]:
+        assert found == expected
+    assert len(found) == counts[Count.READINGS] == len(expected) - counts[Count.DUPLICATED]

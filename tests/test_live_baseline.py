@@ -1,0 +1,156 @@
+"""Baselines of virtual skins whose truth is known, and forces that come of them."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from live_skins import LAYER, settings
+
+import skinfield as sf
+from skinfield.acquisition import Blocks, Channels, Kind, Port
+from skinfield.conditioning import CySkinCount, ICubByte, PlainCount
+from skinfield.live.baseline import Baseline, BaselineCollector
+from skinfield.live.binding import bind
+from skinfield.live.model_config import ModelConfig
+from skinfield.live.slots import Slot
+from skinfield.live.update import Updater, lowest_change
+from skinfield.simulate import Sphere, press
+from skinfield.virtual import VirtualSettings
+from skinfield.virtual.electronics import Converters, converters_from
+from skinfield.virtual.packet import REST, packet_converters
+
+PATCH = sf.layouts.hexagon72()
+STEP_NS = 10_000_000  # a hundred readings a second
+ON, BETWEEN = (0.0, 7.5e-3), (4.5e-3, 14.3e-3)  # m: on a taxel, and 2.7 mm from the nearest
+UNTOUCHED = np.zeros(len(PATCH))
+PATIENCE = 1050  # readings, of a tare of a second
+
+
+@cache
+def pressed(x: float, y: float) -> np.ndarray:
+    """ΔC/C₀ of a newton of a finger."""
+    body = Sphere(radius=10e-3, force=1.0, position=(x, y))
+    return press(LAYER, [body], 40e-3, 0.5e-3).readings(
+        PATCH.plane, PATCH.pad_diameter, "capacitance"
+    )
+
+
+class Skin:
+    """Electronics of the virtual skin, and the engine's own code behind them."""
+
+    def __init__(self, hardware: str, noise: float, seed: int = 0) -> None:
+        made = VirtualSettings(hardware=hardware, noise=noise, seed=seed)
+        skin = sf.Skin((PATCH,))
+        bytewise = hardware == "icub"
+        board = ICubByte() if bytewise else None
+        self.settings = settings(skin=PATCH, board=board, tare_seconds=1.0)
+        self.kind = Kind.BYTES if bytewise else Kind.SHORTS
+        self.converters: Converters = (
+            converters_from(skin, made, 240.0, 255.0) if bytewise else packet_converters(skin, made)
+        )
+        self.model_config = ModelConfig.of(self.settings, (Port("port", len(PATCH)),))
+        self.binding = bind(self.settings.skin, self.model_config.ports)
+        self.channels, self.now = Channels(len(PATCH)), 10**18
+        self._updater: Updater | None = None
+
+    def feed(self, change: np.ndarray) -> None:
+        self.now += STEP_NS
+        self.converters.change[:] = change
+        self.converters.convert(0.0)
+        blocks = Blocks(1 << 12)
+        blocks.put(self.now, 0, self.converters.counts, self.kind)
+        self.channels.apply(blocks)
+
+    def tare(self, touches: np.ndarray, readings: int) -> tuple[Baseline, int]:
+        """Touched for so many readings, then let go; and how many it took."""
+        tare = BaselineCollector(self.settings, self.binding)
+        for number in range(1, 5000):
+            self.feed(touches if number <= readings else UNTOUCHED)
+            if tare.take(self.channels, self.now):
+                return tare.finish(), number
+        raise AssertionError("the baseline does not end")
+
+    def forces(self, baseline: Baseline, change: np.ndarray, count: int = 10) -> np.ndarray:
+        """Of all contacts, N, in each of some readings."""
+        if self._updater is None:
+            self._updater = Updater(
+                self.model_config,
+                self.binding,
+                baseline.calibration,
+                baseline.noise_std,
+                baseline.stale_ns,
+            )
+        updater = self._updater
+        slot, found = Slot.empty(updater.sizes), []
+        for number in range(count):
+            self.feed(change)
+            updater.answer(self.channels, self.now, slot, reset=number == 0, budget=1.0)
+            found.append(slot.used_contacts()["normal_force"].sum())
+        return np.array(found)
+
+
+@pytest.mark.parametrize(
+    ("hardware", "noise"),
+    [("icub", 0.0), ("icub", 0.1), ("icub", 0.3), ("packet", 0.1), ("packet", 0.3)],
+)
+def test_a_newton_is_about_one_whatever_the_noise(hardware: str, noise: float) -> None:
+    skin = Skin(hardware, noise)
+    baseline, taken = skin.tare(UNTOUCHED, 0)
+    assert taken <= 110
+    rest = 240.0 if hardware == "icub" else REST
+    off = np.abs(baseline.calibration[:, 0] - rest)
+    assert (off < 0.05 + 0.5 * skin.converters.white).all()
+    assert (baseline.calibration[:, 3] == 1.0).all()  # quiet taxels are no dead ones
+    assert (baseline.calibration[:, 2] >= 0.999 * 12**-0.5).all()  # what rounding gives
+    assert np.median(skin.forces(baseline, UNTOUCHED)) == 0.0
+    assert np.median(skin.forces(baseline, pressed(*ON))) == pytest.approx(1.0, rel=0.5)
+    assert np.median(skin.forces(baseline, pressed(*BETWEEN))) < 1.5
+
+
+@pytest.mark.parametrize(("readings", "noise"), [(60, 0.3), (97, 0.1), (400, 0.1)])
+def test_a_baseline_waits_until_the_skin_is_let_go(readings: int, noise: float) -> None:
+    skin = Skin("icub", noise, seed=readings)
+    baseline, taken = skin.tare(pressed(*ON), readings)
+    assert taken < max(2 * readings, 100) + 150
+    assert np.abs(baseline.calibration[:, 0] - 240.0).max() < 2.0
+    assert skin.forces(baseline, UNTOUCHED).max() < 0.3
+    assert np.median(skin.forces(baseline, pressed(*ON))) == pytest.approx(1.0, rel=0.5)
+
+
+def test_a_touch_that_outlasts_it_leaves_no_phantom() -> None:
+    skin = Skin("icub", 0.1)
+    baseline, taken = skin.tare(pressed(*ON), 5000)
+    assert 1000 <= taken <= PATIENCE
+    assert any("something lies on the skin" in note for note in baseline.notes)
+    assert baseline.calibration[:, 0].min() < 225.0
+    check_no_phantom(skin, baseline)
+
+
+def test_nor_does_one_that_a_board_without_a_rest_cannot_tell() -> None:
+    skin = Skin("packet", 0.1)
+    baseline, taken = skin.tare(pressed(*ON), 5000)
+    assert taken <= 110
+    assert baseline.calibration[:, 0].max() > REST + 2000.0
+    check_no_phantom(skin, baseline)
+
+
+def check_no_phantom(skin: Skin, baseline: Baseline) -> None:
+    assert np.median(skin.forces(baseline, pressed(*ON))) == 0.0  # it counts as nothing, as asked
+    assert skin.forces(baseline, UNTOUCHED).max() < 0.5  # where the taxel below it would make 15 N
+    assert 0.2 < np.median(skin.forces(baseline, pressed(-7.1e-3, -8e-3))) < 1.5  # elsewhere
+
+
+@pytest.mark.parametrize(
+    ("board", "gain", "noise", "expected"),
+    [
+        (ICubByte(), -171.0, 0.6, -15.0 / 171.0),
+        (ICubByte(no_load=235), -171.0, 0.6, -20.0 / 171.0),
+        (CySkinCount(), 20e3, 20.0, -np.inf),
+        (None, 20e3, 20.0, -0.1),
+        (PlainCount(), 20e3, 1000.0, -0.3),
+    ],
+)
+def test_what_no_taxel_reads(board: object, gain: float, noise: float, expected: float) -> None:
+    known = np.tile([0.0, gain, noise, 1.0], (5, 1))
+    assert lowest_change(board, known) == pytest.approx(expected)  # type: ignore[arg-type]
+    assert lowest_change(board, known[:0]) == -np.inf  # type: ignore[arg-type]

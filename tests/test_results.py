@@ -1,0 +1,260 @@
+"""Folders of results: what comes back, lazily, and what becomes of damaged ones."""
+
+import json
+import pickle
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import skinfield as sf
+from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.pipeline.serialisation import ReconstructorConfig, attributes_from_results, checksum
+from skinfield.sinks import ResultsWriter, save_results
+from skinfield.sinks.pending import pending
+from skinfield.sources import load_contacts, open_results
+from skinfield.sources import results as results_module
+from skinfield.sources.results import read_results
+
+for package in ("dask", "xarray", "zarr", "pyarrow"):
+    pytest.importorskip(package, reason="of the extra batch")
+
+PATCH = sf.layouts.hexagon72()
+GRID = sf.Grid.square(PATCH, nodes=8)
+RNG = np.random.default_rng(8)
+SOLVERS = {
+    "gaussian": sf.GaussianField(), "tikhonov": sf.Tikhonov(), "pseudo": sf.PseudoInverse(),
+    "inverse": sf.Inverse(), "nonnegative": sf.NonNegative(),
+}  # fmt: skip
+COUNT = 200
+READINGS = RNG.normal(0.01, 0.01, (COUNT, 72))
+READINGS[60:140, 30] += 0.1
+READINGS[7, 3] = np.nan
+STAMPS = 1_700_000_000_123_456_789 + 20_000_000 * np.arange(COUNT)
+
+
+@pytest.fixture(autouse=True)
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Chunks of 64 readings, so that there are several."""
+    monkeypatch.setattr(results_module, "CHUNK_BYTES", 1)
+
+
+@pytest.mark.parametrize(
+    ("solver", "quantity"),
+    [(name, sf.Capacitance()) for name in SOLVERS]
+    + [("gaussian", sf.BaseStress()), ("gaussian", sf.Gap())],
+    ids=str,
+)
+def test_results_are_those_of_the_reconstructor(solver, quantity, tmp_path: Path) -> None:
+    made = sf.Reconstructor(PATCH, grid=GRID, solver=SOLVERS[solver], quantity=quantity)
+    readings = READINGS * (1e5 if isinstance(quantity, sf.BaseStress) else 1.0)
+    path = tmp_path / "run.skinfield"
+    save_results(path, made, readings, STAMPS, notes=("one", "two"), source="here")
+    results = sf.open_results(path, precision=np.float64)
+    assert dict(results.sizes) == {"reading": COUNT, "row": 8, "column": 8, "axis": 3, "taxel": 72}
+    assert len(results.pressure.chunks[0]) == 4
+    np.testing.assert_array_equal(results.readings, readings)
+    np.testing.assert_array_equal(results.stamp, STAMPS)
+    assert (results.attrs["notes"], results.attrs["source"]) == (["one", "two"], "here")
+    units = {name: results[name].attrs["units"] for name in results.data_vars}
+    assert units == {
+        "pressure": "Pa", "indentation": "m", "displacement": "m", "normal_force": "N",
+        "readings": quantity.unit,
+    }  # fmt: skip
+    estimates = []
+    for first in range(0, COUNT, 64):  # a run of an iterative solver each
+        made.reset()
+        estimates.append(made(readings[first : first + 64]))
+    for name in ("pressure", "indentation", "displacement"):
+        expected = np.concatenate([getattr(each, name) for each in estimates])
+        found = results[name].to_numpy().reshape(expected.shape)
+        assert np.abs(found - expected).max() <= 1e-9 * np.abs(expected).max()
+    force = np.concatenate([each.normal_force for each in estimates])
+    np.testing.assert_allclose(results.normal_force, force, rtol=1e-9, atol=1e-9)
+    table = load_contacts(path, slice(100, 131)).to_pylist()
+    contacts = [c for each in estimates for c in each.contacts][100:131]
+    assert [row["reading"] for row in table] == [
+        100 + k for k, each in enumerate(contacts) for _ in range(max(len(each), 1))
+    ]
+    loads = [
+        sum(r["normal_force_N"] or 0 for r in table if r["reading"] == 100 + k) for k in (0, 30)
+    ]
+    for load, each in zip(loads, (contacts[0], contacts[30]), strict=True):
+        assert load == pytest.approx(sum(c.normal_force for c in each), rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("results") / "run.skinfield"
+    save_results(path, sf.Reconstructor(PATCH, grid=GRID), READINGS, STAMPS)
+    return path
+
+
+def test_a_slice_computes_its_chunks_alone(good: Path, monkeypatch) -> None:
+    spans = []
+    original = results_module.Results.fields
+
+    def fields(self, first, last, *rest):
+        spans.append((first, last))
+        return original(self, first, last, *rest)
+
+    monkeypatch.setattr(results_module.Results, "fields", fields)
+    results = open_results(good)
+    assert not spans
+    whole = results.pressure.to_numpy()
+    assert sorted(spans) == [(0, 64), (64, 128), (128, 192), (192, 200)]
+    spans.clear()
+    np.testing.assert_array_equal(results.pressure[70], whole[70])
+    np.testing.assert_array_equal(
+        results.pressure[100:66:-7, 2, [1, 5]], whole[100:66:-7, 2, [1, 5]]
+    )
+    assert set(spans) == {(64, 128)}
+    after = results.isel(reading=results.stamp > STAMPS[150])
+    np.testing.assert_array_equal(after.pressure, whole[151:])
+    force = (results.pressure.sum(("row", "column")) * results.attrs["cell_area_m2"]).to_numpy()
+    np.testing.assert_allclose(force, results.normal_force, rtol=1e-4, atol=1e-4)
+
+
+def test_results_can_be_sent_to_another_process(good: Path) -> None:
+    results = open_results(good)
+    other = pickle.loads(pickle.dumps(results))
+    np.testing.assert_array_equal(other.displacement[5:9], results.displacement[5:9])
+
+
+def test_the_same_readings_by_another_solver_on_another_grid(good: Path) -> None:
+    grid = sf.Grid.square(PATCH, nodes=5)
+    other = open_results(good, solver=sf.NonNegative(), grid=grid)
+    expected = sf.Reconstructor(PATCH, grid=grid, solver=sf.NonNegative())(READINGS[:64])
+    found = other.pressure[:64].to_numpy().reshape(64, -1)
+    assert np.abs(found - expected.pressure).max() < 1e-5 * expected.pressure.max()
+
+
+def test_a_failure_leaves_what_was_there(tmp_path: Path) -> None:
+    made = sf.Reconstructor(PATCH, grid=GRID)
+    path = tmp_path / "run.skinfield"
+    save_results(path, made, READINGS)
+    np.testing.assert_array_equal(open_results(path).stamp, np.arange(COUNT))
+    writer = ResultsWriter(pending(path), ReconstructorConfig.of(made))
+    writer.write(STAMPS, READINGS)
+    writer.discard()
+    writer = ResultsWriter(pending(path), ReconstructorConfig.of(made))
+    with pytest.raises(InputError, match="no reading was written"), writer:
+        pass
+    writer.discard()
+    assert [p.name for p in tmp_path.iterdir()] == ["run.skinfield"]
+    save_results(path, made, READINGS[:9])  # replaces what was there
+    assert open_results(path).sizes["reading"] == 9
+    other = tmp_path / "other.skinfield"
+    other.mkdir()
+    (other / "mine.txt").write_text("my own")
+    with pytest.raises(FileError, match="expected a new name"):
+        save_results(other, made, READINGS)
+    beyond = np.array([0, 2**63], dtype=np.uint64)
+    for words, said in [
+        ((tmp_path / "run.npz", made, READINGS), "expected a name that ends in"),
+        ((path, made, READINGS, STAMPS[:3]), "stamp_ns has shape"),
+        ((path, made, READINGS[:2], beyond), "stamp_ns reaches 9223372036854775808, expected"),
+        ((path, sf.Reconstructor(PATCH, grid=GRID, solver=Own()), READINGS), "solver is a Own"),
+    ]:
+        with pytest.raises(InputError, match=said):
+            save_results(*words)
+    assert open_results(path).sizes["reading"] == 9
+
+
+class Own:
+    def prepare(self, model):
+        return sf.Tikhonov().prepare(model)
+
+
+def read_all(path: Path) -> None:
+    results = read_results(path)
+    results.readings.stamps(0, COUNT)
+    results.readings.values(0, COUNT)
+
+
+def files_of(path: Path) -> list[Path]:
+    return sorted(file for file in path.rglob("*") if file.is_file())
+
+
+@pytest.mark.parametrize("kind", ["flip", "cut", "gone", "garbage"])
+def test_no_damage_goes_unnoticed(good: Path, tmp_path: Path, kind: str) -> None:
+    rng = np.random.default_rng(0)
+    for number, file in enumerate(files_of(good)):
+        if file.parent.name != "results.zarr" and file.name == "zarr.json" and kind == "flip":
+            continue  # a letter in a unit's name: nothing that is read
+        path = tmp_path / f"{number}.skinfield"
+        shutil.copytree(good, path)
+        place = path / file.relative_to(good)
+        content = bytearray(place.read_bytes())
+        if kind == "flip":
+            content[rng.integers(len(content))] ^= 1
+        elif kind == "cut":
+            del content[len(content) // 2 :]
+        elif kind == "garbage":
+            content = bytearray(rng.bytes(300))
+        place.write_bytes(content)
+        if kind == "gone":
+            place.unlink()
+        with pytest.raises(FileError):
+            read_all(path)
+
+
+def resealed(good: Path, path: Path, change) -> Path:
+    """A folder whose settings are changed on purpose, checksum and all."""
+    shutil.copytree(good, path)
+    whole = json.loads((path / "results.zarr" / "zarr.json").read_text())
+    attributes = whole["attributes"]
+    change(attributes)
+    content = {name: attributes.get(name) for name in ("reconstructor", "notes", "source")}
+    attributes["check"] = checksum(content)
+    (path / "results.zarr" / "zarr.json").write_text(json.dumps(whole))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda a: a.update(format="other"), "does not say 'skinfield results'"),
+        (lambda a: a.update(version=99), "is of version 99, expected 2"),
+        (lambda a: a.pop("reconstructor"), "holds no reconstructor"),
+        (lambda a: a["reconstructor"].pop("solver"), "settings lack solver"),
+        (lambda a: a["reconstructor"].update(grid=[[0, 1]]), "grid is"),
+        (lambda a: a["reconstructor"].update(patch=None), "patch is a"),
+        (lambda a: a.update(notes=3), "and notes"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(good: Path, tmp_path: Path, change, said) -> None:
+    with pytest.raises(FileError, match=said):
+        open_results(resealed(good, tmp_path / "odd.skinfield", change))
+
+
+def test_settings_that_were_edited_and_other_readings_are_refused(
+    good: Path, tmp_path: Path
+) -> None:
+    path = resealed(good, tmp_path / "edited.skinfield", lambda a: None)
+    text = (path / "results.zarr" / "zarr.json").read_text()
+    (path / "results.zarr" / "zarr.json").write_text(text.replace('"snr": 10.0', '"snr": 11.0'))
+    with pytest.raises(FileError, match="its checksum differs"):
+        open_results(path)
+    small = sf.Reconstructor(sf.layouts.icub_triangle())
+    other = attributes_from_results(ReconstructorConfig.of(small), (), "")
+    path = resealed(good, tmp_path / "other.skinfield", lambda a: a.update(other))
+    with pytest.raises(FileError, match="expected one or more of 12 taxels"):
+        open_results(path)
+
+
+@pytest.mark.parametrize("name", ["gone", "file", "empty", "a\0b"])
+def test_what_is_no_result_is_refused(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("hello")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(FileError):
+        open_results(tmp_path / name)
+
+
+@pytest.mark.parametrize("package", ["xarray", "zarr", "dask.array"])
+def test_a_missing_package_names_its_extra(good: Path, package: str, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[batch\]'"):
+        open_results(good)

@@ -1,0 +1,83 @@
+"""What a skin that starts says it waits for, and how a start that fails ends."""
+
+import io
+from types import SimpleNamespace
+
+import pytest
+from rich.console import Console
+
+import skinfield as sf
+from skinfield.cli import run as command
+from skinfield.live.status_text import start_in_words
+from skinfield.live.supervisor import EngineFailed
+
+PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41.2}}
+
+
+@pytest.mark.parametrize(
+    ("notes", "words"),
+    [
+        ({"phase": "loading", "progress": {}}, "compiled once for this machine"),
+        (PATCHES, "preparing patch 7 of 60, about 41 s more"),
+        ({"phase": "preparing", "progress": {"patches": 0, "of": 2}}, "preparing patch 1 of 2"),
+        ({"phase": "taring"}, "leave the skin untouched"),
+    ],
+)
+def test_a_start_in_words(notes: dict, words: str) -> None:
+    assert words in start_in_words(notes)
+
+
+def test_nothing_is_said_of_a_skin_that_runs() -> None:
+    assert start_in_words({"phase": "running", "progress": {}}) == ""
+    assert start_in_words({}) == ""
+
+
+def test_each_kind_of_patch_is_counted_while_an_engine_is_prepared() -> None:
+    one, other = sf.layouts.hexagon72(), sf.layouts.rectangular(3, 3)
+    skin = sf.Skin((one, other))
+    calls: list[tuple[int, int]] = []
+    layer = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.3)
+    sf.Engine(skin, layer, rungs=(8,), progress=lambda *each: calls.append(each))
+    assert calls == [(0, 2), (1, 2)]
+
+
+class Starting:
+    """A supervisor whose engine says one thing after the other, an hour apart."""
+
+    hopeless, failure = False, ""
+
+    def __init__(self, words: list[str], clock: list[float], ends: bool) -> None:
+        self.words, self.clock, self.ends = words, clock, ends
+
+    def wait(self, timeout: float) -> io.StringIO:
+        if self.ends and len(self.words) == 1:
+            return io.StringIO()
+        self.clock[0] += 0.9 * command.STARTS
+        raise EngineFailed("not yet")
+
+    def start_in_words(self) -> str:
+        return self.words.pop(0) if len(self.words) > 1 else self.words[0]
+
+
+def wait(monkeypatch: pytest.MonkeyPatch, words: list[str], ends: bool) -> str:
+    clock, text = [0.0], io.StringIO()
+    monkeypatch.setattr(command, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    observer = SimpleNamespace(look=lambda: SimpleNamespace(sources={}))
+    command._wait_running(
+        Starting(words, clock, ends), observer, None, Console(file=text, width=200)
+    )
+    return text.getvalue()
+
+
+def test_a_start_that_goes_on_is_waited_for_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    patches = [f"preparing patch {number} of 60" for number in range(1, 61)]
+    text = wait(monkeypatch, patches, ends=True)
+    assert "s: preparing patch 7 of 60" in text
+
+
+def test_a_start_without_progress_ends_and_says_what_it_did(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    words = ["loading", "preparing patch 7 of 60"]
+    with pytest.raises(EngineFailed, match=r"without progress: preparing patch 7 of 60"):
+        wait(monkeypatch, words, ends=False)

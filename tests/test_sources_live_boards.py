@@ -1,0 +1,502 @@
+"""Boards of an iCub as a source: supervision, ports; whole readings for scripts."""
+
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bus_peers import wait_for
+from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, ICubBoard
+
+from skinfield.acquisition import Blocks, Channels, Count, Kind, Port, Status, counters
+from skinfield.errors import InputError
+from skinfield.layout import Skin
+from skinfield.layout.generators import by_name
+from skinfield.protocols.cyskin import CySkinWire, start_messages, stop_messages
+from skinfield.protocols.icub import (
+    BoardSettings,
+    ICubConfiguration,
+    PortRun,
+    configuration_for,
+    load_configuration,
+)
+from skinfield.sources.buses import BusSettings
+from skinfield.sources.live import (
+    CySkinCan,
+    ICubCan,
+    NoReadingError,
+    SimulationSource,
+    StreamReader,
+    matched,
+    read,
+    read_latest,
+)
+from skinfield.sources.live.boards import ports_of
+from skinfield.sources.live.factory import source_from_options
+from skinfield.sources.live.managed_stream import AT_ONCE, CySkinSupervision, ICubSupervision
+from skinfield.virtual import VirtualSettings
+from skinfield.virtual.process import start
+
+SECOND = 1_000_000_000
+NOW = 1_700_000_000 * SECOND
+
+
+class Wire:
+    """A bus that notes what is sent, and takes as much as it is allowed to."""
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[int, bytes]] = []
+        self.room, self.up = 10**6, True
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        if self.room <= 0:
+            return False
+        self.room -= 1
+        self.sent.append((identifier, data))
+        return True
+
+
+def heard(care: ICubSupervision, now_ns: int, message_class: int = 4) -> None:
+    from skinfield.acquisition import CanMessages
+
+    rows = CanMessages(1)
+    rows.ids[0], rows.stamp_ns[0] = message_class << 8 | 1 << 4, now_ns
+    care.heard(rows, 1)
+
+
+def attend(
+    care: ICubSupervision, wire: Wire, start: int, seconds: float, *, sends: int = 0
+) -> list[float]:
+    """Attend every 10 ms; the seconds at which a board was told its settings (a 4D)."""
+    told = []
+    for step in range(round(100 * seconds)):
+        now = start + step * SECOND // 100
+        if sends:
+            heard(care, now, sends)
+        before = len(wire.sent)
+        care.attend(wire, now)
+        told += [step / 100 for _, data in wire.sent[before:] if data[0] == 0x4D]
+    return told
+
+
+@pytest.fixture
+def care() -> ICubSupervision:
+    return ICubSupervision(configuration_for(*HEXAGON), 0)
+
+
+def test_first_everything_is_told_in_small_parts(care: ICubSupervision) -> None:
+    wire, expected = Wire(), list(configuration_for(*HEXAGON).messages())
+    care.begin(NOW)
+    wire.room = 3
+    care.attend(wire, NOW)
+    assert wire.sent == expected[:3]
+    wire.room = 10**6
+    care.attend(wire, NOW)
+    assert wire.sent == expected[: 3 + AT_ONCE]
+    assert expected[-1] == (0x201, b"\x07\x00")
+
+
+def test_a_board_that_sends_is_left_alone(care: ICubSupervision) -> None:
+    wire = Wire()
+    care.begin(NOW)
+    assert attend(care, wire, NOW, 60.0, sends=4) == [0.0]
+    assert care.reconfigured == 0
+
+
+def test_boards_of_an_engine_before_are_told_only_if_they_are_silent(care: ICubSupervision) -> None:
+    wire = Wire()
+    care.begin(NOW)
+    care.resume(NOW)
+    assert attend(care, wire, NOW, 10.0, sends=4) == []
+    care.resume(NOW + 10 * SECOND)
+    assert 2.0 <= attend(care, wire, NOW + 10 * SECOND, 2.5)[0] <= 2.2
+
+
+def test_a_silent_board_is_told_again_ever_more_rarely(care: ICubSupervision) -> None:
+    wire = Wire()
+    care.begin(NOW)
+    told = attend(care, wire, NOW, 60.0)
+    steps = np.diff(told)
+    assert told[0] == 0.0
+    assert 2.0 <= told[1] <= 2.2
+    np.testing.assert_allclose(steps[1:], [1, 2, 4, 8, 10, 10, 10, 10], atol=0.11)
+    assert attend(care, wire, NOW + 60 * SECOND, 5.0, sends=4) == []
+    told = attend(care, wire, NOW + 65 * SECOND, 3.0)  # silent anew: soon again
+    assert 2.0 <= told[0] <= 2.2
+
+
+def test_a_board_that_nobody_configured_is_told(care: ICubSupervision) -> None:
+    wire = Wire()
+    care.begin(NOW)
+    assert attend(care, wire, NOW, 2.0, sends=3) == [0.0]  # old firmware sends class 3 always
+    assert attend(care, wire, NOW + 2 * SECOND, 2.0, sends=4) == []
+    told = attend(care, wire, NOW + 4 * SECOND, 3.0, sends=3)  # it booted
+    assert told[0] <= 0.1
+    assert 0.9 <= told[1] - told[0] <= 1.1
+
+
+def test_a_clock_that_is_set_back_does_not_silence_the_care(care: ICubSupervision) -> None:
+    wire = Wire()
+    care.begin(NOW)
+    attend(care, wire, NOW, 0.3)
+    assert attend(care, wire, NOW - 3600 * SECOND, 0.1) == []
+    heard(care, NOW - 3600 * SECOND)
+    assert attend(care, wire, NOW - 3600 * SECOND, 3.0)
+
+
+def test_each_board_of_cyskin_is_started_again() -> None:
+    wire, settings = Wire(), CySkinWire()
+    care = CySkinSupervision(CYSKIN_BOARDS, settings, 20)
+    care.begin(NOW)
+    start = start_messages(CYSKIN_BOARDS, settings, period_ms=20)
+    for step in range(20):
+        care.attend(wire, NOW + step)
+    assert wire.sent == start
+    care.attend(wire, NOW + 3 * SECOND)
+    care.attend(wire, NOW + 3 * SECOND + 1)
+    assert wire.sent == start * 2
+    care.stop(wire)
+    assert wire.sent[2 * len(start) :] == stop_messages(CYSKIN_BOARDS, settings)
+
+
+@pytest.fixture
+def board() -> Iterator[ICubBoard]:
+    device = ICubBoard()
+    yield device
+    device.close()
+
+
+def poll_until(stream: object, condition: object, blocks: Blocks | None = None) -> None:
+    blocks = blocks or Blocks()
+
+    def polled() -> object:
+        blocks.clear()
+        stream.poll(blocks, 0, time.time_ns())  # type: ignore[attr-defined]
+        return condition()  # type: ignore[operator]
+
+    wait_for(polled)
+
+
+def test_messages_over_a_bus_start_the_boards_and_stop_them(board: ICubBoard) -> None:
+    stream = ICubCan(board.configuration, (board.settings,)).open()
+    expected = list(board.configuration.messages())
+    poll_until(stream, lambda: len(board.listen()) >= len(expected))
+    assert board.told == expected
+    board.send(3)
+    poll_until(stream, lambda: stream.counters[Count.RECEIVED] == 12)
+    stream.close()
+    wait_for(lambda: len(board.listen()) > len(expected))
+    assert board.told[len(expected) :] == [(0x201, b"\x07\x01")]
+
+
+def test_boards_are_configured_anew_when_the_bus_comes_back(board: ICubBoard) -> None:
+    stream = ICubCan(board.configuration, (board.settings,)).open()
+    count = len(board.configuration.messages())
+    poll_until(stream, lambda: len(board.listen()) >= count)
+    board.unplug(stream)
+    poll_until(stream, lambda: not stream.up)
+    assert "closed" in stream.fault or "descriptor" in stream.fault
+    board.plug()
+    poll_until(stream, lambda: len(board.listen()) >= 2 * count)
+    assert board.told[count : 2 * count] == board.told[:count]
+    stream.close()
+
+
+def test_who_only_listens_tells_nothing(board: ICubBoard) -> None:
+    stream = ICubCan(board.configuration, (board.settings,), configure=False).open()
+    poll_until(stream, lambda: stream.up)
+    board.send()
+    channels, blocks = Channels(192), Blocks()
+
+    def came() -> bool:
+        channels.apply(blocks)
+        return bool(np.isfinite(channels.counts[:72]).all())
+
+    poll_until(stream, came, blocks)
+    assert (channels.counts[:72] == 1).all()
+    assert np.isnan(channels.counts[72:]).all()
+    stream.close()
+    assert board.listen() == []
+
+
+def test_two_buses_bring_one_port_each_its_boards() -> None:
+    devices = ICubBoard(), ICubBoard()
+    configuration = ICubConfiguration((BoardSettings(0, 1), BoardSettings(1, 1)), (0, 1), "arm")
+    stream = ICubCan(configuration, tuple(each.settings for each in devices)).open()
+    devices[0].send()
+    devices[1].send()
+    devices[1].send()
+    channels, blocks = Channels(384), Blocks()
+
+    def came() -> bool:
+        channels.apply(blocks)
+        return bool(np.isfinite(channels.counts[[0, 192]]).all())
+
+    poll_until(stream, came, blocks)
+    poll_until(stream, lambda: stream.counters[Count.RECEIVED] == 36)
+    assert channels.counts[0] == 1
+    assert stream.ports[0].channels == 384
+    assert len(stream.filenos()) == 2
+    stream.close()
+    for each in devices:
+        each.close()
+
+
+def test_the_robots_own_files(shared_data: object) -> None:
+    folder = shared_data / "robots-configuration-skin" / "ergoCubSN001"  # type: ignore[operator]
+    spec = folder / "hardware" / "skin" / "torso-eb22-skinSpec.xml"
+    with pytest.raises(InputError, match="no addresses of boards"):
+        load_configuration(spec)
+
+
+def test_the_number_of_buses_must_fit() -> None:
+    with pytest.raises(InputError, match="expected 1"):
+        ICubCan(configuration_for(*HEXAGON), (BusSettings(), BusSettings(port=43114)))
+    with pytest.raises(InputError, match="expected 1"):
+        CySkinCan(CYSKIN_BOARDS, ())
+
+
+def test_a_cyskin_board_over_a_bus() -> None:
+    device = CySkinBoard()
+    stream = CySkinCan(CYSKIN_BOARDS, (device.settings,), period_ms=20).open()
+    start = start_messages(CYSKIN_BOARDS, CySkinWire(), period_ms=20)
+    poll_until(stream, lambda: len(device.listen()) >= len(start))
+    assert device.told == start
+    device.send()
+    channels, blocks = Channels(72), Blocks()
+
+    def came() -> bool:
+        channels.apply(blocks)
+        return bool(np.isfinite(channels.counts).all())
+
+    poll_until(stream, came, blocks)
+    np.testing.assert_array_equal(channels.counts, np.arange(72) + 1)
+    stream.close()
+    device.close()
+
+
+def test_ports_follow_the_robots_wrapper() -> None:
+    boards = tuple(BoardSettings(0, address) for address in range(1, 8))
+    runs = (
+        PortRun("hand", 192, 192, 0),
+        PortRun("arm", 384, 384, 0),
+        PortRun("forearm", 0, 192, 192),  # channels 0 to 191 are another device's
+        PortRun("arm", 960, 192, 384),
+    )
+    found, ports = ports_of(ICubConfiguration(boards, (0,), "left_arm", runs))
+    assert [(port.name, port.channels) for port in ports] == [
+        ("hand", 192),
+        ("arm", 576),
+        ("forearm", 384),
+        ("left_arm without a port", 384),
+    ]
+    assert found[:4] == ((0, 2), (0, 3), (0, 4), (0, 6))
+    assert found[4:] == ((255, 0), (0, 1), (0, 5), (0, 7))
+
+
+FOREARM = """
+<device name="left_forearm-wrapper" type="skinWrapper">
+    <param name="total_taxels"> 576 </param>
+    <paramlist name="ports">
+        <elem name="left_hand"> 0 {hand_last} 0 {hand_last} </elem>
+        <elem name="left_forearm"> 192 575 0 383 </elem>
+    </paramlist>
+</device>
+"""
+BOARDS_OF_ARM = """
+<device name="left_arm-skin" type="embObjSkin">
+    <group name="patches"> <param name="skinCanAddrsPatch1"> 14 2 3 </param> </group>
+</device>
+"""
+
+
+@pytest.mark.parametrize("hand_last", [191, 155, 119, 60])  # of boards that are not full, too
+def test_runs_of_a_wrapper_take_whole_boards(tmp_path: Path, hand_last: int) -> None:
+    skin, wrapper = tmp_path / "arm-skin.xml", tmp_path / "arm-skin_wrapper.xml"
+    skin.write_text(BOARDS_OF_ARM)
+    wrapper.write_text(FOREARM.format(hand_last=hand_last))
+    found, ports = ports_of(load_configuration(skin, wrapper))
+    assert [(port.name, port.channels) for port in ports] == [
+        ("left_hand", 192),
+        ("left_forearm", 384),
+    ]
+    assert found == ((0, 14), (0, 2), (0, 3))
+
+
+@pytest.mark.parametrize(
+    ("first", "count", "port_first"), [(0, 192, 192), (192, 384, 0), (384, 576, 192), (0, 960, 384)]
+)
+def test_runs_of_any_whole_boards_are_taken(first: int, count: int, port_first: int) -> None:
+    boards = tuple(BoardSettings(0, address) for address in range(8))
+    run = PortRun("left_leg", first, count, port_first)
+    found, ports = ports_of(ICubConfiguration(boards, (0,), "x", (run,)))
+    assert (ports[0].name, ports[0].channels) == ("left_leg", port_first + count)
+    begin = port_first // 192
+    whole = range(first // 192, (first + count) // 192)
+    assert found[begin : begin + count // 192] == tuple((0, address) for address in whole)
+
+
+@pytest.mark.parametrize("run", [PortRun("p", 96, 192, 0), PortRun("p", 0, 192, 156)])
+def test_a_run_that_begins_within_a_board_is_refused(run: PortRun) -> None:
+    boards = (BoardSettings(0, 1), BoardSettings(0, 2))
+    with pytest.raises(InputError, match="where boards begin"):
+        ICubCan(ICubConfiguration(boards, (0,), "x", (run,))).open()
+
+
+WRAPPER = """
+<device name="left_arm-wrapper" type="skinWrapper">
+    <param name="total_taxels"> 384 </param>
+    <paramlist name="ports"> <elem name="rectangular"> 0 {last} 0 {last} </elem> </paramlist>
+</device>
+"""
+SPEC = """
+<params robot="mine" build="1">
+    <group name="defaultCfgBoard">
+        <param name="period"> 20 </param> <param name="skinType"> 2 </param>
+        <param name="noLoad"> 0xeb </param> <param name="diagnostic"> true </param>
+    </group>
+    <group name="defaultCfgTriangle">
+        <param name="enabled"> true </param> <param name="shift"> 2 </param>
+        <param name="cdcOffset"> 0x2200 </param>
+    </group>
+    <group name="specialCfgTriangles">
+        <param name="numOfSets"> 1 </param>
+        <param name="triangleSetCfg1"> 1 2 3 3 0 2 0x2200 </param>
+    </group>
+</params>
+"""
+
+
+def test_a_virtual_skin_obeys_the_robots_files(tmp_path: Path) -> None:
+    """Two boards, of which the second has four triangles; the last of them is switched off."""
+    files = {
+        "arm-skin.xml": BOARDS_OF_ARM.replace("14 2 3", "1 2"),
+        "arm-skinSpec.xml": SPEC,
+        "arm-skin_wrapper.xml": WRAPPER.replace("{last}", "239"),
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    text = "rectangular:rows=12,columns=20"
+    config = ",".join(str(tmp_path / name) for name in files)
+    with start(VirtualSettings(skin=text, bus="udp", scene="idle", noise=0.0)) as boards:
+        skin = Skin((by_name(text),))
+        stream = source_from_options(
+            "icub", "udp", boards.channels, skin, {"config": config}
+        ).open()
+        assert [(port.name, port.channels) for port in stream.ports] == [("rectangular", 384)]
+        channels, blocks = Channels(384), Blocks()
+
+        def came() -> bool:
+            blocks.clear()
+            stream.poll(blocks, 0, time.time_ns())
+            channels.apply(blocks)
+            return stream.counters[Count.RECEIVED] > 600
+
+        wait_for(came)
+        stream.close()
+    assert (channels.counts[:228] == 0xEB).all()
+    assert np.isnan(channels.counts[240:]).all()
+    assert (channels.stamp_ns[228:240] < channels.stamp_ns[:228].min()).all()
+    lost = [stream.counters[each] for each in (Count.LOST, Count.DUPLICATED, Count.SWAPPED)]
+    assert lost == [0, 0, 0]
+
+
+class Script:
+    """A stream that appends what the next step of a script says."""
+
+    def __init__(self, *steps: list[tuple[int, list[float], Status]]) -> None:
+        self.ports, self.counters, self.up = (Port("a", 4),), counters(), True
+        self.steps, self.fault = list(steps), "unplugged"
+
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        step = self.steps.pop(0) if self.steps else []
+        for first, values, status in step:
+            blocks.put(now_ns, channel + first, values, Kind.FLOATS, status)
+        return len(step)
+
+    def filenos(self) -> list[int]:
+        return []
+
+
+OK = Status.OK
+LEFT, RIGHT = (0, [1.0, 2.0], OK), (2, [3.0, 4.0], OK)
+
+
+def test_a_reading_is_complete_when_a_channel_comes_again_or_all_came() -> None:
+    reader = StreamReader(Script([LEFT], [], [RIGHT], [LEFT], [], [RIGHT], [LEFT]))
+    first = reader.read()
+    assert first.counts.tolist() == [1, 2, 3, 4]
+    assert len(reader.stream.steps) == 3  # known now: all that answer
+    second = reader.read()
+    assert len(reader.stream.steps) == 1
+    assert second.stamp_ns > first.stamp_ns
+    assert second.valid.all()
+
+
+def test_what_does_not_answer_is_not_valid() -> None:
+    step = [(0, [1.0, np.nan], OK), (2, [3.0], Status.NOT_CONNECTED)]
+    reading = read(Script(step, step))
+    assert reading.valid.tolist() == [True, False, False, False]
+
+
+def test_a_reading_that_does_not_come() -> None:
+    script = Script([LEFT])
+    script.up = False
+    with pytest.raises(NoReadingError, match=r"2 of 4 channels.*down \(unplugged\)"):
+        read(script, 0.01)
+    with pytest.raises(TimeoutError, match="newest reading is none"):
+        read_latest(Script())
+
+
+def test_the_newest_reading_is_young_enough_or_refused() -> None:
+    reader = StreamReader(Script([LEFT, RIGHT], []))
+    assert reader.read_latest(10.0).valid.all()
+    reader.channels.stamp_ns[:2] -= 30 * 10**9
+    assert reader.read_latest(10.0).valid.tolist() == [False, False, True, True]
+    reader.channels.stamp_ns[:] -= 30 * 10**9
+    with pytest.raises(NoReadingError, match="s old, expected at most 10 s"):
+        reader.read_latest(10.0)
+
+
+def test_readings_of_a_source() -> None:
+    stream = SimulationSource(np.arange(12.0).reshape(3, 4), rate=200.0).open()
+    reader = StreamReader(stream)
+    values = [reader.read(10.0).counts[0] for _ in range(5)]
+    assert set(values) <= {0.0, 4.0, 8.0}
+    assert len(set(values)) > 1
+    assert reader.read_latest(10.0).counts.shape == (4,)
+    stream.close()
+
+
+def test_reading_waits_for_a_file_descriptor() -> None:
+    import socket
+
+    from live_devices import packet
+
+    from skinfield.sources.live import PacketUdp
+
+    stream = PacketUdp(72, port=0).open()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
+
+        def send() -> None:
+            for number in range(3):
+                time.sleep(0.02)
+                device.sendto(packet(number), stream.address)
+
+        thread = threading.Thread(target=send)
+        thread.start()
+        assert read(stream, 30.0).counts.shape == (72,)
+        thread.join()
+    stream.close()
+
+
+def test_ports_are_matched_by_name_or_being_the_only_one() -> None:
+    assert matched(HEXAGON, [Port("skin", 192)]) == (0,)
+    assert matched(HEXAGON, [Port("skin", 9), Port("hexagon72", 72)]) == (1,)
+    assert matched(HEXAGON[0], [Port("hexagon72", 72)]) == (0,)
+    with pytest.raises(InputError, match="has no port, expected one of its name among a, b"):
+        matched(HEXAGON, [Port("a", 192), Port("b", 192)])
+    with pytest.raises(InputError, match="reads channel 71, expected channels below 12"):
+        matched(HEXAGON, [Port("a", 12)])

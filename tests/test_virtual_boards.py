@@ -1,0 +1,491 @@
+"""Virtual skin without a process: its parts, their times, its control socket."""
+
+import gc
+import json
+import math
+import tomllib
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from virtual_host import QUIET, Stepped
+
+from skinfield.errors import FileError, InputError
+from skinfield.layout import Skin
+from skinfield.layout.generators import by_name
+from skinfield.mechanics import Layer
+from skinfield.protocols.packet import PacketKind, encode_command
+from skinfield.settings import json_from_value, value_from_json
+from skinfield.simulate import press
+from skinfield.virtual import (
+    Fault,
+    Temperature,
+    VirtualSettings,
+    VirtualSkin,
+    Wires,
+    fault_from_text,
+    temperature_from_text,
+)
+from skinfield.virtual import world as press_tables
+from skinfield.virtual import world as truth_module
+from skinfield.virtual.can_boards import NEVER, Fates, Schedule
+from skinfield.virtual.kernels import add_press
+from skinfield.virtual.packet import Ear
+from skinfield.virtual.scenes import (
+    SCENES,
+    Point,
+    Tool,
+    Touch,
+    Track,
+    load_scene,
+    scene_by_name,
+    scene_from_text,
+)
+from skinfield.virtual.settings import numbers_of
+from skinfield.virtual.skin import commands_of
+from skinfield.virtual.transports import ANSWER, answer_to, encoded
+from skinfield.virtual.world import FORCES, SPACING, PressTable, Truth, World, cache_path, table_for
+
+SKIN = Skin((by_name("hexagon72"),))
+
+
+@pytest.mark.parametrize(("tool", "share"), [(Tool(), 0.1), (Tool(3e-3, "flat"), 0.02)])
+def test_tables_hold_what_a_press_reads(tool, share):
+    table = table_for(tool, Layer(), 4e-3)
+    force = share * table.highest_force
+    made = press(Layer(), [tool.body(force=force)], extent=30e-3, cell=0.5e-3)
+    away = np.random.default_rng(0).uniform(-12e-3, 12e-3, (40, 2))
+    exact = made.capacitance(away, 4e-3)
+    change = np.zeros(40)
+    row = math.sqrt(share) * (FORCES - 1)
+    add_press(change, away, 0, 40, table.change, SPACING, row, 0.0, 0.0)
+    assert np.abs(change - exact).max() < 0.004 * exact.max()
+    assert table.radius_at(force) == pytest.approx(math.sqrt(made.contact_area / math.pi), rel=0.02)
+
+
+def test_tables_are_kept_between_runs(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    tool = Tool(30e-3)
+    solved = []
+
+    def solve(*given):
+        solved.append(given)
+        return table
+
+    table = small_table()
+    monkeypatch.setattr("skinfield.virtual.world.solve_table", solve)
+    for _ in range(2):
+        found = table_for(tool, Layer(), 4e-3)
+        assert np.array_equal(found.change, table.change)
+    assert len(solved) == 1
+    cache_path(tool, Layer(), 4e-3).write_bytes(b"cut")
+    table_for(tool, Layer(), 4e-3)
+    assert len(solved) == 2
+    table_for(tool, Layer(thickness=3e-3), 4e-3)
+    assert len(solved) == 3
+
+
+def small_table():
+    return PressTable(1.0, np.linspace(0.0, 1e-3, FORCES), np.ones((FORCES, 5)))
+
+
+def test_a_table_says_what_it_holds():
+    with pytest.raises(InputError, match=r"force is 2 N, expected above 0 and at most 1 N"):
+        small_table().check_force(2.0, Tool())
+    assert small_table().radius_at(0.25) == pytest.approx(0.5e-3)
+
+
+def test_a_track_goes_straight_from_point_to_point():
+    points = (Point(1.0, 0.0, 0.0, 0.0), Point(2.0, 4e-3, 2e-3, 1.0), Point(3.0, 4e-3, 2e-3, 0.0))
+    track = Track(0, Tool(), points)
+    assert track.at(0.9) is None
+    assert track.at(1.0) is None  # no force: no touch
+    assert track.at(1.25) == pytest.approx((1e-3, 0.5e-3, 0.25))
+    assert track.at(2.5) == pytest.approx((4e-3, 2e-3, 0.5))
+    assert track.at(3.1) is None
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_press_within_the_skin(name):
+    scene = scene_from_text(name, SKIN, 3)
+    low, high = SKIN.patches[0].plane.min(axis=0), SKIN.patches[0].plane.max(axis=0)
+    forces = []
+    for track in scene.tracks:
+        for point in track.points:
+            assert (low - 5e-3 <= [point.x, point.y]).all()
+            assert ([point.x, point.y] <= high + 5e-3).all()
+            assert 0.0 <= point.time <= scene.period
+            forces.append(point.force)
+    assert (name == "idle") == (not forces)
+    if name == "random":
+        assert min(f for f in forces if f) >= 0.2
+        assert max(forces) <= 3.0
+        assert scene.tracks == scene_from_text(name, SKIN, 3).tracks
+        assert scene.tracks != scene_from_text(name, SKIN, 4).tracks
+
+
+TOML = """
+repeat_s = 10
+[[press]]
+taxel = 5
+force_n = 0.5
+start_s = 1
+seconds = 2
+[[press]]
+patch = "hexagon72"
+shape = "flat"
+radius_mm = 3
+path = [
+  { time_s = 0, x_mm = -10, y_mm = 2, force_n = 0 },
+  { time_s = 1, force_n = 1 },
+  { time_s = 4, x_mm = 10 },
+]
+"""
+
+
+def test_scenes_come_from_toml_and_json(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(TOML)
+    scene = load_scene(path, SKIN)
+    assert (scene.name, scene.period) == ("mine", 10.0)
+    held, moved = scene.tracks
+    x, y = SKIN.patches[0].plane[5]
+    assert held.at(2.0) == pytest.approx((x, y, 0.5))
+    assert moved.tool == Tool(3e-3, "flat")
+    assert moved.at(2.5) == pytest.approx((0.0, 2e-3, 1.0))
+    again = tmp_path / "mine.json"
+    again.write_text(json.dumps(tomllib.loads(TOML)))
+    assert scene_from_text(str(again), SKIN, 0).tracks == scene.tracks
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("press = 3", "no list"),
+        ("[[press]]\nforce = 1", "has 'force', expected only"),
+        ("[[press]]\ntaxel = 99", "press[0]: taxel is 99"),
+        ("[[press]]\ntaxel = 1\npatch = 'palm'", "patch 'palm' is not in"),
+        ("[[press]]\npath = [{time_s = 0, x_mm = 1, y_mm = 1}]", "points has 1"),
+        ("[[press]", "cannot be read"),
+    ],
+)
+def test_what_is_wrong_with_a_scene_is_said(tmp_path, text, said):
+    path = tmp_path / "bad.toml"
+    path.write_text(text)
+    with pytest.raises(FileError) as caught:
+        load_scene(path, SKIN)
+    assert said in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("unplug 3", Fault("unplug", "3")),
+        ("unplug 1.3@10s+5s", Fault("unplug", "1.3", 10.0, 5.0)),
+        ("stuck palm/3-7@2min", Fault("stuck", "palm/3-7", 120.0)),
+        ("dead *+250ms", Fault("dead", "*", 0.0, 0.25)),
+        ("reboot 0@20s", Fault("reboot", "0", 20.0, 2.0)),
+        ("bus-off @1.5s+3s", Fault("bus-off", "0", 1.5, 3.0)),
+    ],
+)
+def test_faults_are_read_as_they_are_written(text, fault):
+    assert fault_from_text(text) == fault
+
+
+@pytest.mark.parametrize("text", ["", "explode 3", "unplug 3@10", "unplug 3@s", "dead 1+-2s"])
+def test_faults_that_make_no_sense_are_refused(text):
+    with pytest.raises(InputError):
+        fault_from_text(text)
+
+
+def test_numbers_and_runs():
+    assert numbers_of("3", 6, "it") == [3]
+    assert numbers_of("2-4", 6, "it") == [2, 3, 4]
+    assert numbers_of("*", 3, "it") == [0, 1, 2]
+    for bad in ("6", "-1", "4-2", "2-6", "x", "1-", "9" * 30):
+        with pytest.raises(InputError, match="it is"):
+            numbers_of(bad, 6, "it")
+
+
+def test_temperatures():
+    assert temperature_from_text("25") == Temperature(25.0)
+    rise = temperature_from_text("20..30@100s")
+    assert [rise.warmth(t) for t in (0.0, 50.0, 100.0, 900.0)] == pytest.approx([-5, 0, 5, 5])
+    wave = temperature_from_text("25~3@40s")
+    assert [wave.warmth(t) for t in (0.0, 10.0, 30.0)] == pytest.approx([0, 3, -3])
+    with pytest.raises(InputError, match="temperature is 'warm'"):
+        temperature_from_text("warm")
+
+
+def test_settings_go_through_json():
+    settings = VirtualSettings(
+        hardware="cyskin",
+        bus="udp",
+        channels=("127.0.0.1:0",),
+        layer=Layer(thickness=3e-3),
+        wires=Wires(lose=0.1),
+        faults=("unplug 3@1s", Fault("dead", "4")),
+        temperature=Temperature(20.0, 5.0, 60.0),
+    )
+    assert value_from_json(VirtualSettings, json_from_value(settings)) == settings
+    for bad in ("{", "[]", '{"skim": "hexagon72"}', '{"wires": 3}', '{"rate": "fast"}'):
+        with pytest.raises(InputError):
+            value_from_json(VirtualSettings, bad)
+
+
+class Solved:
+    """Stands for a process that solves a table."""
+
+    def __init__(self, words: list[str], **_: object) -> None:
+        self.radius, self.done = float(words[3]), False
+
+    def poll(self) -> int | None:
+        return 0 if self.done else None
+
+
+def test_tools_wait_for_their_turn_the_newest_first(monkeypatch) -> None:
+    begun: list[Solved] = []
+    monkeypatch.setattr(
+        press_tables.subprocess, "Popen", lambda *a, **k: begun.append(Solved(*a, **k)) or begun[-1]
+    )
+    monkeypatch.setattr(press_tables, "is_stored", lambda *_: False)
+    monkeypatch.setattr(press_tables, "table_for", lambda tool, *_: tool)
+    mine = press_tables.Solving(Layer())
+    tools = [
+        Tool(1e-3 * radius) for radius in range(1, 2 + press_tables.QUEUED + press_tables.AT_ONCE)
+    ]
+    for tool in tools[:-1]:
+        mine.start(tool, 4e-3)
+    assert [each.radius for each in begun] == [tools[0].radius, tools[1].radius]
+    with pytest.raises(InputError, match="others wait to be prepared"):
+        mine.start(tools[-1], 4e-3)
+    begun[0].done = True
+    assert mine.poll()
+    assert mine.get(tools[0], 4e-3) == tools[0]
+    assert begun[-1].radius == tools[-2].radius
+
+
+def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
+    world = World(SKIN, Layer(), scene_by_name("idle", SKIN, 0))
+    hard = table_for(Tool(), Layer(), 4e-3)  # what is stored for any tool
+    monkeypatch.setattr(press_tables, "is_stored", lambda *_: True)
+    monkeypatch.setattr(press_tables, "table_for", lambda *_: hard)
+    with pytest.raises(InputError, match="press lighter"):
+        world.press({"x": 0.0, "y": 0.0, "radius": 2e-3, "force": 1e3})
+    assert world.waits == []
+
+
+MS = 1_000_000
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_fates_of_messages_can_be_counted_from_what_arrives(seed):
+    """Numbers that are missing, doubled, or behind a later one: a second count, in plain Python."""
+    rng = np.random.default_rng(seed)
+    fates = Fates(50, Wires(lose=0.1, duplicate=0.1, swap=0.1), rng)
+    out, first, kept = [], 0, None
+    for burst in rng.integers(0, 50, 200):
+        going = fates.draw(int(burst))
+        for index in fates.order[:going]:
+            out.append(kept if index == -1 else first + int(index))
+        if fates.waiting[0] >= 0:
+            kept, fates.waiting[0] = first + int(fates.waiting[0]), -1
+        first += int(burst)
+    numbers = np.array(out)
+    missing = first - len(set(out)) - int(fates.waiting[0] == -1)
+    behind = (numbers < np.maximum.accumulate(numbers)).sum()
+    lost, doubled, swapped = fates.counts.tolist()
+    assert (lost, doubled, swapped) == (missing, len(out) - len(set(out)), behind)
+    assert min(lost, doubled, swapped) > 0.05 * first
+
+
+def test_a_schedule_keeps_to_absolute_times():
+    schedule = Schedule(False, 0.0, np.random.default_rng(0))
+    assert schedule.next_ns == NEVER
+    schedule.set({0: MS, 1: MS}, 2, 10 * MS + 5)
+    assert schedule.next_ns == 11 * MS
+    assert schedule.due(11 * MS - 1) == []
+    (group,) = schedule.due(11 * MS + 400_000)  # late, but the next one is not
+    assert group.members == (0, 1)
+    assert schedule.next_ns == 12 * MS
+    schedule.due(16 * MS + 1)
+    assert schedule.skipped == 2 * 3  # 12 is sent late; 13, 14, 15 are not, of two boards
+    assert schedule.next_ns == 16 * MS  # which is late by less than a period
+    schedule.due(16 * MS + 2)
+    assert schedule.skipped == 2 * 3
+    assert schedule.next_ns == 17 * MS
+    schedule.begin(40 * MS - 1)  # nothing was due before
+    assert (schedule.next_ns, schedule.skipped) == (40 * MS, 2 * 3)
+
+
+def test_jitter_never_moves_a_reading_behind_the_next():
+    schedule = Schedule(False, 10e-3, np.random.default_rng(0))
+    schedule.set({0: MS}, 1, 0)
+    times = []
+    for _ in range(1000):
+        times.append(schedule.next_ns)
+        schedule.due(schedule.next_ns)
+    assert (np.diff(times) > 0).all()
+    late = np.array(times) % MS
+    assert late.max() > 0.8 * MS
+    assert schedule.skipped == 0
+
+
+def test_commands_are_found_in_a_stream_cut_anywhere():
+    whole = b"SFx" + b"".join(
+        encode_command(kind, sequence=n)
+        for n, kind in enumerate([PacketKind.START, PacketKind.STOP, PacketKind.ASK])
+    )
+    for cut in range(len(whole)):
+        ear = Ear()
+        found = [*ear.packets(whole[:cut]), *ear.packets(whole[cut:]), *ear.packets(b"")]
+        assert [packet.sequence for packet in found] == [0, 1, 2]
+
+
+def test_the_truth_has_the_end_of_every_movement(tmp_path):
+    truth = Truth(SKIN, str(tmp_path / "truth.jsonl"))
+    at = lambda x: [(Touch("a", 0, Tool(), x, 0.0, 1.0), 2e-3)]
+    truth.note([], 0)
+    truth.note(at(1e-3), 1 * MS)
+    for step in range(2, 30):  # every millisecond: a line each 10 ms
+        truth.note(at(step * 1e-3), step * MS)
+    truth.settle(30 * MS)
+    assert truth.made == 4
+    truth.settle(31 * MS)
+    truth.settle(90 * MS)
+    truth.note([], 100 * MS)
+    truth.close()
+    lines = [json.loads(line) for line in (tmp_path / "truth.jsonl").read_text().splitlines()]
+    found = [(line["stamp_ns"] // MS, [p["x"] for p in line["presses"]]) for line in lines]
+    assert found == [(0, []), (1, [1e-3]), (11, [11e-3]), (21, [21e-3]), (29, [29e-3]), (100, [])]
+    assert truth.after(2, 2) == lines[2:4]
+
+
+def test_memory_does_not_grow_while_something_moves(monkeypatch):
+    monkeypatch.setattr(truth_module, "LINES", 100)
+    monkeypatch.setattr(truth_module, "PRESSES", 150)
+    with Stepped(scene="slide", at_once=True) as stepped:
+        stepped.step()
+
+        def go_on(steps):
+            for _ in range(steps):
+                stepped.now_ns += 10 * MS
+                stepped.skin.step(stepped.now_ns)
+                stepped.host.messages()
+            gc.collect()
+            return tracemalloc.get_traced_memory()[0]
+
+        go_on(300)  # rings are full, and what is made once is there
+        tracemalloc.start()
+        try:
+            before = go_on(300)
+            assert go_on(800) - before < 10_000  # bytes; half a million with a dict for each line
+        finally:
+            tracemalloc.stop()
+        made = stepped.skin.truth.made
+        assert made > 900
+        lines = stepped.skin.truth.after(0, 1000)
+        assert [line["number"] for line in lines] == list(range(made - 100, made))
+
+
+def test_lines_whose_presses_are_overwritten_are_left_out(monkeypatch):
+    monkeypatch.setattr(truth_module, "PRESSES", 10)
+    truth = Truth(SKIN)
+    touches = [(Touch(str(i), 0, Tool(), 0.0, 0.0, 1.0), 2e-3) for i in range(4)]
+    for step in range(6):
+        truth.note(touches[: 1 + step % 4], step * MS)
+    lines = truth.after(0, 100)
+    assert [line["number"] for line in lines] == [2, 3, 4, 5]
+    assert [press["id"] for press in lines[1]["presses"]] == ["0", "1", "2", "3"]
+
+
+PLAIN = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=12)
+VALUE = (
+    PLAIN | st.lists(PLAIN, max_size=4) | st.dictionaries(st.text(max_size=4), PLAIN, max_size=2)
+)
+KEYS = (
+    "id patch x y taxel face weights force radius shape fault kind what after seconds lose swap "
+    "duplicate scene tag"
+)
+WORDS = ["press", "move", "release", "fault", "clear", "wires", "scene", "truth", "nothing"]
+COMMAND = st.dictionaries(st.sampled_from(KEYS.split()), VALUE, max_size=7)
+
+
+@pytest.fixture(scope="module")
+def skin():
+    made = VirtualSkin(VirtualSettings(**QUIET, control="", at_once=True))
+    made.world._solving.start = lambda *_: None  # nothing is solved beside
+    yield made
+    made.close()
+
+
+@settings(max_examples=300)
+@given(what=st.sampled_from(WORDS), command=COMMAND)
+def test_any_command_is_answered_and_the_skin_goes_on(skin, what, command):
+    data = json.dumps({"do": what, **command}).encode()
+    answer = answer_to(data, commands_of(skin))
+    said = json.loads(encoded(answer))
+    assert said["ok"] or "expected" in said["error"] or len(said["error"]) == 2000
+    skin.step(skin.started_ns + 10**9 * (1 + len(data)))
+    counts = skin.hardware.converters.counts
+    assert ((counts >= 0) & (counts <= 65535)).all()
+
+
+@settings(max_examples=200)
+@given(data=st.binary(max_size=200) | st.text(max_size=100).map(str.encode))
+def test_any_bytes_are_answered(skin, data):
+    assert answer_to(data, commands_of(skin))["ok"] is False
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"x" * 5000, "command has 5000 bytes, expected at most 4096"),
+        (b"[" * 4000, "command is no"),
+        (b"[1]", "command is no plain object"),
+        (b'{"do": 1}', "do is 1, expected one of clear, counts"),
+        (b'{"do": "press"}', "x is None, expected a number"),
+        (b'{"do": "press", "x": 0, "y": 1e999}', "y is inf"),
+        (b'{"do": "press", "taxel": 0, "shape": "star"}', "shape is 'star'"),
+        (b'{"do": "press", "taxel": 0, "radius": 4}', "radius is 4"),
+        (b'{"do": "press", "face": 0, "weights": [0, 0, 0]}', "weights is [0, 0, 0]"),
+        (b'{"do": "press", "taxel": 0, "patch": "palm"}', "patch 'palm' is not in"),
+        (b'{"do": "wires", "lose": 2}', "lose is 2"),
+    ],
+)
+def test_what_is_wrong_is_said(skin, data, said):
+    answer = answer_to(data, commands_of(skin))
+    assert answer["ok"] is False
+    assert said in answer["error"]
+
+
+def test_a_face_is_a_place(skin):
+    commands = commands_of(skin)
+    patch = skin.skin.patches[0]
+    said = answer_to(b'{"do": "press", "face": 5, "weights": [1, 1, 2], "tag": 9}', commands)
+    corners = patch.plane[patch.triangles[5]]
+    assert said["ok"]
+    assert said["tag"] == 9
+    assert (said["x"], said["y"]) == pytest.approx(tuple([0.25, 0.25, 0.5] @ corners))
+    answer_to(b'{"do": "release"}', commands)
+
+
+def test_an_answer_is_one_datagram(skin):
+    long = encoded({"ok": True, "lines": "x" * 70_000, "tag": 3})
+    assert len(long) < ANSWER
+    assert json.loads(long) == {
+        "ok": False, "error": "the answer has 70035 bytes: ask for less at once", "tag": 3,
+    }  # fmt: skip
+    for number in range(64):
+        skin.world.press({"taxel": number, "id": f"{number:064d}"})
+    for step in range(300):
+        for number in range(64):
+            skin.world.move({"id": f"{number:064d}", "x": 1e-4 * step, "y": 0.0})
+        skin.truth.note([(t, 1e-3) for t in skin.world.touches(-1.0)], 10**9 * step)
+    said = answer_to(b'{"do": "truth", "after": 0}', commands_of(skin))
+    assert len(encoded(said)) < ANSWER
+    assert said["lines"][0]["number"] == 0
+    skin.world.release({})
