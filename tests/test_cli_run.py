@@ -29,7 +29,7 @@ CODE = (
     "from skinfield.cli.main import main; main()\n"
 )
 COMMAND = (sys.executable, "-c", CODE)
-QUICK = ("--grid", "10", "--tare-s", "0.2", "--rate-hz", "100", "--priority", "0", "--headless")
+QUICK = ("--grid", "10", "--rate-hz", "100", "--priority", "0", "--headless")
 
 
 def left_of(name: str) -> list[str]:
@@ -127,7 +127,8 @@ class Running:
 
     def __init__(self, name: str, *options: str) -> None:
         self.name = name
-        words = [*COMMAND, "run", "--name", name, *QUICK, *options]
+        tare = () if "--tare-s" in options else ("--tare-s", "0.2")
+        words = [*COMMAND, "run", "--name", name, *QUICK, *tare, *options]
         self.process = subprocess.Popen(
             words,
             stdout=subprocess.PIPE,

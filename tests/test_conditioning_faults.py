@@ -101,7 +101,7 @@ def test_a_dead_taxel_is_found_as_soon_as_noise_outweighs_the_rounding():
 
 def test_noise_is_measured_against_the_calibration_where_there_is_one():
     counts = healthy()
-    patch = Patch(np.arange(180.0).reshape(60, 3))
+    patch = Patch(1e-3 * np.arange(180.0).reshape(60, 3))
     calm = np.full(60, 3.0)
     calm[11] = 0.4
     calibration = Calibration.from_convention(patch, ICubByte(), gain=-171, noise_std=calm)

@@ -89,7 +89,7 @@ def test_guide_runs_from_top_to_bottom(capsys: pytest.CaptureFixture[str]) -> No
         ("contact-fit", 1),
         ("tracks", 1),
         ("design-a-skin", 1),
-        ("engine", 5),
+        ("engine", 4),
         ("batch", 2),
         ("icub", 4),
         ("packet", 2),
