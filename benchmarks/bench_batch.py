@@ -27,7 +27,7 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 
 import skinfield as sf
-from skinfield.pipeline.bulk import BulkFields
+from skinfield.reconstruct.bulk import BulkFields
 
 PATCH = sf.layouts.hexagon72()
 OUTPUTS = {

@@ -29,8 +29,7 @@ from bench_apply import add_up
 from numba import njit
 
 import skinfield as sf
-from skinfield.contacts import ContactTable
-from skinfield.fields import Contact
+from skinfield.estimate import Contact, ContactTable
 from skinfield.lab.bench.machine import laps as lap
 
 reference.flooded = njit(reference.flooded)

@@ -24,12 +24,12 @@ import numpy as np
 from bench_apply import add_up
 
 import skinfield as sf
-from skinfield.inverse.atoms.fit_kernel import PARAMETERS, predict, tables_of
-from skinfield.inverse.atoms.table import atom_table
 from skinfield.lab.bench.machine import laps as lap
 from skinfield.lab.paper import reconstruct_as_paper
-from skinfield.layout.generators import icub_hexagon
 from skinfield.simulate import Sphere, press
+from skinfield.skin.generators import icub_hexagon
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict, tables_of
+from skinfield.solve.atoms.table import atom_table
 
 LAYER = sf.Layer(2e-3, 100e3, 0.5)
 PATCH = icub_hexagon()

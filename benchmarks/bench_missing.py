@@ -20,7 +20,7 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 
 import skinfield as sf
-from skinfield.observation import ObservationModel
+from skinfield.elastic import ObservationModel
 
 
 class Anew:

@@ -35,8 +35,8 @@ from pressed_readings import LAYER, PATCH, SHAPES, chains, model_of, staying, un
 from scipy.optimize import nnls
 
 import skinfield as sf
-from skinfield.inverse.non_negative import bump_of, seen_through
-from skinfield.observation import ObservationModel
+from skinfield.elastic import ObservationModel
+from skinfield.solve.non_negative import bump_of, seen_through
 
 PRIORS = {"smooth": sf.NonNegative(), "white": sf.NonNegative(length_scale=0.0)}
 GAPS = (1e-2, 1e-3, 1e-4)

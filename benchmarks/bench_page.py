@@ -20,7 +20,7 @@ from statistics import median
 from playwright.sync_api import sync_playwright
 from websockets.sync.client import connect
 
-from skinfield.viewer.wire import unpacked
+from skinfield.page.wire import unpacked
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 STARTS = 600.0  # s

@@ -108,8 +108,8 @@ def by_fft(sheet: sf.Sheet) -> Callable[[], object]:
 
 
 def force_alone(sheet: sf.Sheet, out: np.ndarray) -> Callable[[], object]:
-    from skinfield.inverse.sheet.kernels import add_stamps
-    from skinfield.inverse.sheet.plan import parts_of
+    from skinfield.solve.sheet.kernels import add_stamps
+    from skinfield.solve.sheet.plan import parts_of
 
     values = np.ones(len(sheet), dtype=np.float32)
     parts = parts_of(sheet.plan.stamps.spread, np.float32)

@@ -23,16 +23,16 @@ from typing import Any
 from rich.console import Console
 
 import skinfield as sf
-from skinfield.conditioning import ICubByte
-from skinfield.live.client import Live
-from skinfield.live.settings import LiveSettings
-from skinfield.live.status import Observer, Status
-from skinfield.live.supervisor import Supervisor
+from skinfield.emulator.process import VirtualProcess, start
+from skinfield.emulator.settings import VirtualSettings
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.loop.client import Live
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.status import Observer, Status
+from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import State
-from skinfield.sources.live.factory import source_from_options
-from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.virtual.process import VirtualProcess, start
-from skinfield.virtual.settings import VirtualSettings
+from skinfield.signal import ICubByte
+from skinfield.wire.sources.factory import source_from_options
 
 RATE = 100.0
 WATCH = 3.0  # s
@@ -60,7 +60,7 @@ class Bench:
         self.supervisor = parts.enter_context(Supervisor(made))
         self.supervisor.wait(120.0, State.STARTING).close()
         self.file = folder / "faults.mcap"
-        words = [sys.executable, "-m", "skinfield.live.recorder", made.name, str(self.file)]
+        words = [sys.executable, "-m", "skinfield.record.recorder", made.name, str(self.file)]
         self.recorder = subprocess.Popen(words)
         parts.callback(self.recorder.kill)
         self.supervisor.wait(120.0).close()

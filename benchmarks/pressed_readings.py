@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 import skinfield as sf
+from skinfield.elastic import ObservationModel
 from skinfield.lab.bench.scene import RADIUS, paths
-from skinfield.observation import ObservationModel
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press
 from skinfield.simulate.pressing.press import readings_anywhere
 

@@ -15,8 +15,8 @@ import time
 import uuid
 from pathlib import Path
 
-from skinfield.live.recorder import forget_state, read_state
-from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.record.recorder import forget_state, read_state
 
 HERE = Path(__file__).resolve().parent
 ENGINE = HERE.parent / "tests" / "recorder_ring.py"
@@ -40,7 +40,7 @@ def main() -> None:
         assert engine.stdout is not None
         engine.stdout.readline()
         recorder = subprocess.Popen(
-            [sys.executable, "-m", "skinfield.live.recorder", name, str(path)]
+            [sys.executable, "-m", "skinfield.record.recorder", name, str(path)]
         )
         while read_state(name) is None:
             time.sleep(0.01)

@@ -11,9 +11,9 @@ sys.path.insert(0, str(ROOT / "tests"))
 from ros2_ring import TwoPatches, contact
 
 from skinfield.bridges.ros2.messages import SAID, Speaker
-from skinfield.live.client import Live
-from skinfield.live.status import Observer
-from skinfield.sinks.ros import RosbagKinds
+from skinfield.files.ros import RosbagKinds
+from skinfield.loop.client import Live
+from skinfield.loop.status import Observer
 
 TIMES = 400
 STAMP = 1_700_000_000_000_000_000

@@ -25,18 +25,18 @@ from rich.console import Console
 from rich.table import Table
 
 import skinfield as sf
-from skinfield.conditioning import ICubByte
+from skinfield.emulator.process import start
+from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
+from skinfield.files.mcap.live import LiveRecording
 from skinfield.lab.bench.cyclictest import Cyclictest
-from skinfield.live.client import Live
-from skinfield.live.settings import LiveSettings
-from skinfield.live.status import Observer, Status
-from skinfield.live.supervisor import Supervisor
+from skinfield.loop.client import Live
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.status import Observer, Status
+from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import State
-from skinfield.sources.live.factory import source_from_options
-from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.virtual.process import start
-from skinfield.virtual.settings import VirtualSettings
+from skinfield.signal import ICubByte
+from skinfield.wire.sources.factory import source_from_options
 
 BOARDS = 30  # of SCHED_FIFO: boards keep their time, whatever the computer does
 
@@ -116,7 +116,7 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
         supervisor = parts.enter_context(Supervisor(settings))
         supervisor.wait(600.0, State.STARTING).close()
         recorder = parts.enter_context(
-            child("-m", "skinfield.live.recorder", settings.name, str(file))
+            child("-m", "skinfield.record.recorder", settings.name, str(file))
         )
         supervisor.wait(600.0).close()
         live = parts.enter_context(Live(settings.name))

@@ -9,10 +9,10 @@ from typing import Any
 import click
 import numpy as np
 
-from skinfield.mechanics import Layer
-from skinfield.mechanics.axisymmetric import Paraboloid, Taper, indent_to_radius, kappa
-from skinfield.mechanics.hertz import HertzSphere, SneddonCone, effective_modulus
-from skinfield.mechanics.thin_layer import (
+from skinfield.elastic import Layer
+from skinfield.elastic.axisymmetric import Paraboloid, Taper, indent_to_radius, kappa
+from skinfield.elastic.hertz import HertzSphere, SneddonCone, effective_modulus
+from skinfield.elastic.thin_layer import (
     CORRECTIONS,
     DIMITRIADIS,
     GARCIA_PARABOLOID,

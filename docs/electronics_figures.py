@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import skinfield as sf
+from skinfield.elastic import StandardLinearSolid
 from skinfield.errors import Floats
-from skinfield.mechanics import StandardLinearSolid
 from skinfield.plot import save
 from skinfield.plot.style import (
     BLUE,

@@ -16,11 +16,11 @@ import click
 import numpy as np
 
 import skinfield as sf
-from skinfield.engine import CycleReport
-from skinfield.engine.state import Step
 from skinfield.errors import Floats
 from skinfield.plot import save
 from skinfield.plot.style import ABOVE, BELOW, FAINT, INK, QUIET, add_title, new_figure, style
+from skinfield.reconstruct.engine import CycleReport
+from skinfield.reconstruct.engine.state import Step
 
 IMAGES = Path(__file__).parent / "images"
 PATCH = sf.layouts.hexagon72()

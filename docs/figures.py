@@ -37,7 +37,7 @@ from presses import (
 import skinfield as sf
 from skinfield.cli import main as skinfield
 from skinfield.errors import Floats
-from skinfield.layout.geometry import inside_hull
+from skinfield.files import open_recording
 from skinfield.plot import draw_timeline
 from skinfield.plot.maps import draw_cells, extent_of, frame_axes, outline_pads
 from skinfield.plot.style import (
@@ -54,7 +54,7 @@ from skinfield.plot.style import (
     style,
 )
 from skinfield.simulate import Cylinder, Sphere
-from skinfield.sources import open_recording
+from skinfield.skin.geometry import inside_hull
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

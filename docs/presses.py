@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 import skinfield as sf
+from skinfield.elastic import Quantity
 from skinfield.errors import Floats
-from skinfield.layout.geometry import inside_hull
-from skinfield.observation import Quantity
 from skinfield.simulate import Cylinder, Sphere, press
+from skinfield.skin.geometry import inside_hull
 
 Indenter = Sphere | Cylinder
 PATCH = sf.layouts.hexagon72()

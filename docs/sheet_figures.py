@@ -14,7 +14,6 @@ import numpy as np
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.inverse import SheetEstimate
 from skinfield.plot import save
 from skinfield.plot.style import (
     INK,
@@ -26,6 +25,7 @@ from skinfield.plot.style import (
     style,
 )
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press
+from skinfield.solve import SheetEstimate
 
 IMAGES = Path(__file__).parent / "images"
 LAYER = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)

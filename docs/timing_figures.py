@@ -23,7 +23,6 @@ from skinfield.cli.bench_tables import in_words
 from skinfield.cli.jitter import Jitter, JitterSettings, run_jitter
 from skinfield.cli.report import say_notes
 from skinfield.errors import Floats
-from skinfield.inverse import GaussianField
 from skinfield.lab.bench.costs import PAPER, PREPARED
 from skinfield.lab.bench.machine import this_machine
 from skinfield.lab.bench.picture import (
@@ -35,9 +34,10 @@ from skinfield.lab.bench.picture import (
 )
 from skinfield.lab.bench.run import Bench, bench_as_json, run_bench
 from skinfield.lab.bench.scene import BenchSettings, bench_size
+from skinfield.loop.realtime import Quantiles, RealTime
 from skinfield.plot import save
 from skinfield.plot.style import BLUE, FAINT, ORANGE, QUIET, add_title, new_figure, style
-from skinfield.realtime import Quantiles, RealTime
+from skinfield.solve import GaussianField
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

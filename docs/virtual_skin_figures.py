@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.acquisition import CanMessages
+from skinfield.emulator import VirtualSettings
+from skinfield.emulator.process import start
 from skinfield.plot.style import BLUE, FAINT, INK, ORANGE, QUIET, add_title, new_figure, save, style
-from skinfield.sources.buses import BusSettings, open_bus
-from skinfield.virtual import VirtualSettings
-from skinfield.virtual.process import start
+from skinfield.signal import CanMessages
+from skinfield.wire.can import BusSettings, open_bus
 
 SECONDS, RATE = 12.0, 100.0
 FAULTS = ("unplug 2@5s+1.5s", "reboot 0@8s+1s")

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 import skinfield as sf
+from skinfield.design import Places, SkinDesign, Touch, blind_spots, place_accuracy
 from skinfield.plot import save
 from skinfield.plot.design import draw_place_map
-from skinfield.resolution import Places, SkinDesign, Touch, blind_spots, place_accuracy
 
 layer = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
 thin = SkinDesign(

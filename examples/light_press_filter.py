@@ -3,7 +3,7 @@
 import numpy as np
 
 import skinfield as sf
-from skinfield.conditioning import Exponential, NoFilter, filtered
+from skinfield.signal import Exponential, NoFilter, filtered
 
 RATE = 50.0  # readings per second
 NOISE = 0.002  # ΔC/C₀ of one reading

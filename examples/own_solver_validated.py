@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 import skinfield as sf
-from skinfield.inverse import InverseOperator
+from skinfield.elastic import ObservationModel
 from skinfield.lab.case_sets import standard_cases
 from skinfield.lab.score import summarise
 from skinfield.lab.validation import Entrant
-from skinfield.observation import ObservationModel
+from skinfield.solve import InverseOperator
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 import skinfield as sf
-from skinfield.mechanics import axisymmetric, hertz
+from skinfield.elastic import axisymmetric, hertz
 
 layer = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
 ball = sf.simulate.Sphere(radius=6e-3, force=1.0)  # m, N

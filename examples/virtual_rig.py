@@ -3,8 +3,8 @@
 import numpy as np
 
 import skinfield as sf
+from skinfield.files import readings_for
 from skinfield.simulate import rig
-from skinfield.sources import readings_for
 
 scenario = rig.Scenario(
     seed=4,

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Kind, blocks_of
 from skinfield.errors import InputError
-from skinfield.sources.live.replay import BlockReplayStream
+from skinfield.signal import Blocks, Kind, blocks_of
+from skinfield.wire.sources.replay import BlockReplayStream
 
 INTERPRETED = True
 NOW = 1_700_000_000_000_000_000

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skinfield.acquisition import CanMessages
-from skinfield.acquisition.can import ERROR, EXTENDED, REMOTE
-from skinfield.sources.buses.kernel import messages_of_structs, structs_of_messages, take_headers
+from skinfield.signal import CanMessages
+from skinfield.signal.can import ERROR, EXTENDED, REMOTE
+from skinfield.wire.can.kernel import messages_of_structs, structs_of_messages, take_headers
 
 INTERPRETED = True
 DATAGRAMS, ROOM = 3, 16

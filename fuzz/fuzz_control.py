@@ -3,9 +3,9 @@
 import json
 from typing import Any
 
-from skinfield.virtual import VirtualSettings, VirtualSkin
-from skinfield.virtual.skin import commands_of
-from skinfield.virtual.transports import answer_to, encoded
+from skinfield.emulator import VirtualSettings, VirtualSkin
+from skinfield.emulator.skin import commands_of
+from skinfield.emulator.transports import answer_to, encoded
 
 SEEDS = [
     b'{"do": "press", "x": 0.01, "y": 0, "force": 1, "radius": 0.004, "shape": "ball", "id": "a"}',

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, CanMessages, Channels, Count, blocks_of, counters
 from skinfield.errors import InputError
-from skinfield.protocols.cyskin import (
+from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.wire.cyskin import (
     Assembler,
     Crc,
     CySkinBoard,
@@ -20,8 +20,8 @@ from skinfield.protocols.cyskin import (
     board_from_init,
     matching_checksums,
 )
-from skinfield.protocols.cyskin.codec import PROCESS, data_from_responses, init_from_board
-from skinfield.protocols.cyskin.shared_memory import SensorOrder, snapshot_of
+from skinfield.wire.cyskin.codec import PROCESS, data_from_responses, init_from_board
+from skinfield.wire.cyskin.shared_memory import SensorOrder, snapshot_of
 
 INTERPRETED = True
 FENCE = 0x0123456789ABCDEF

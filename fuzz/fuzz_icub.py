@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, CanMessages, Channels, Count, blocks_of, counters
 from skinfield.errors import InputError
-from skinfield.protocols.icub import (
+from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.wire.icub import (
     BoardState,
     Firmware,
     ICubDecoder,

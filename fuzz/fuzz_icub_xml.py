@@ -4,7 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from skinfield.errors import FileError
-from skinfield.protocols.icub import command_from, load_configuration
+from skinfield.wire.icub import command_from, load_configuration
 
 FOLDER = TemporaryDirectory()
 PATH = Path(FOLDER.name) / "some-skin.xml"

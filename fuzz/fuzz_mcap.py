@@ -9,7 +9,12 @@ from pathlib import Path
 import numpy as np
 from mcap.reader import make_reader
 
-from skinfield.acquisition.recorded import (
+from skinfield.errors import FileError, InputError
+from skinfield.files.mcap.container import COMPRESSIONS, Compression, Container
+from skinfield.files.mcap.live import LiveRecording, Newest
+from skinfield.files.mcap.reader import collected_live, live_stream
+from skinfield.files.mcap.records import MAGIC
+from skinfield.files.mcap.schema import (
     CYCLE_HEAD,
     FIELD_HEAD,
     FIELDS,
@@ -18,15 +23,10 @@ from skinfield.acquisition.recorded import (
     CycleLayout,
     FieldRecord,
 )
-from skinfield.errors import FileError, InputError
-from skinfield.live.fit_ring import LAYOUT as FIT
-from skinfield.live.recover import recover
-from skinfield.live.replay import is_sound, slot_of
-from skinfield.sinks.mcap.container import COMPRESSIONS, Compression, Container
-from skinfield.sources.recordings.mcap import collected_live, live_stream
-from skinfield.sources.recordings.mcap_live import LiveRecording, Newest
-from skinfield.sources.recordings.mcap_records import MAGIC
-from skinfield.sources.recordings.mcap_summary import summary_of
+from skinfield.files.mcap.summary import summary_of
+from skinfield.loop.fit_ring import LAYOUT as FIT
+from skinfield.record.recover import recover
+from skinfield.record.replay import is_sound, slot_of
 
 ROWS = CycleLayout(np.dtype([("track", "<i8")]), np.dtype([("force", "<f8")]))
 ROWS_OF_FIT = (FIT.patch.itemsize, 1, FIT.contact.itemsize, FIT.form.itemsize)

@@ -4,9 +4,9 @@ from binascii import crc_hqx
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Channels, Count, blocks_of, counters
 from skinfield.errors import InputError
-from skinfield.protocols.packet import (
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
+from skinfield.wire.packet import (
     Answer,
     Hello,
     Packet,

@@ -10,12 +10,12 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request
 
 from skinfield.errors import InputError
-from skinfield.viewer.controller import Controller
-from skinfield.viewer.http import HttpApi, PageSettings
-from skinfield.viewer.page_state import PageState
-from skinfield.viewer.scene_layout import SceneLayout
-from skinfield.viewer.session import flag, number, press_of, text
-from skinfield.viewer.wire import unpacked
+from skinfield.page.controller import Controller
+from skinfield.page.http import HttpApi, PageSettings
+from skinfield.page.page_state import PageState
+from skinfield.page.scene_layout import SceneLayout
+from skinfield.page.session import flag, number, press_of, text
+from skinfield.page.wire import unpacked
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 

@@ -6,8 +6,8 @@ from contextlib import suppress
 from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.bridges.ros2.rmw_zenoh import Attachment
 from skinfield.errors import FileError, InputError
+from skinfield.files.ros.names import LONGEST, is_topic, token_of, tokens_of
 from skinfield.settings import from_plain
-from skinfield.sinks.ros.names import LONGEST, is_topic, token_of, tokens_of
 
 SEEDS = [
     Attachment(7, 1_700_000_000_000_000_000, bytes(range(16))).encode(),

@@ -2,11 +2,11 @@
 
 import math
 
+from skinfield.emulator import fault_from_text, temperature_from_text
+from skinfield.emulator.scenes import scene_from_bytes
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Skin
-from skinfield.layout.generators import by_name
-from skinfield.virtual import fault_from_text, temperature_from_text
-from skinfield.virtual.scenes import scene_from_bytes
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
 
 SKIN = Skin((by_name("icub_triangle"),))
 SEEDS = [

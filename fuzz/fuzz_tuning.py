@@ -5,9 +5,9 @@ import json
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.live.control import order_of
-from skinfield.live.model_config import Configuration
-from skinfield.live.runtime_parameters import Limits, Tuning
+from skinfield.loop.control import order_of
+from skinfield.loop.model_config import Configuration
+from skinfield.loop.runtime_parameters import Limits, Tuning
 
 NAMES = ("palm", "thumb")
 LIMITS = Limits(rungs=(10, 20), longest=9e-4, patches=NAMES)

@@ -1,6 +1,6 @@
 """What hosts say to virtual boards: any messages are obeyed or passed over, and they go on."""
 
-from skinfield.virtual import VirtualSettings, VirtualSkin
+from skinfield.emulator import VirtualSettings, VirtualSkin
 
 SEEDS = [
     bytes.fromhex("0102044d0005f0 01020750000f02010022 0102020700"),

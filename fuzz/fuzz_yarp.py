@@ -4,9 +4,10 @@ from contextlib import suppress
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Channels, Count, Port, blocks_of, counters
 from skinfield.errors import InputError
-from skinfield.protocols.yarp import (
+from skinfield.signal import Blocks, Channels, Count, Port, blocks_of, counters
+from skinfield.wire.sources.yarp import VectorReader
+from skinfield.wire.yarp import (
     Answer,
     Carrier,
     Session,
@@ -17,9 +18,8 @@ from skinfield.protocols.yarp import (
     message,
     text_from_bottle,
 )
-from skinfield.protocols.yarp.bottle import from_octets, known_name, part_of, port_of, to_octets
-from skinfield.protocols.yarp.carriers import Acknowledgements, Lines
-from skinfield.sources.live.yarp import VectorReader
+from skinfield.wire.yarp.bottle import from_octets, known_name, part_of, port_of, to_octets
+from skinfield.wire.yarp.carriers import Acknowledgements, Lines
 
 VALUES = [[1, 2], [1.0, -0.5], "a b\n", True]
 CHANNELS = 5

@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 import skinfield as sf
-from skinfield.acquisition import Port
 from skinfield.bridges.zenoh.messages import (
     Calibration,
     EstimateHead,
@@ -19,17 +18,16 @@ from skinfield.bridges.zenoh.messages import (
 )
 from skinfield.bridges.zenoh.session import Part
 from skinfield.bridges.zenoh.status_messages import blank_status, checked_status, contact_plain
-from skinfield.conditioning import ICubByte
-from skinfield.contacts.live import CONTACT
+from skinfield.elastic import BondedLayer, Capacitance
 from skinfield.errors import InputError
-from skinfield.inverse import Tikhonov
-from skinfield.live.model_config import ModelConfig, Models
-from skinfield.live.ring_fields import describe
-from skinfield.live.slots import Sizes
-from skinfield.live.snapshot import Snapshot
-from skinfield.live.status import contacts_of
-from skinfield.mechanics import BondedLayer
-from skinfield.observation import Capacitance
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.ring_fields import describe
+from skinfield.loop.slots import Sizes
+from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status import contacts_of
+from skinfield.signal import ICubByte, Port
+from skinfield.solve import Tikhonov
 
 MODEL_CONFIG = ModelConfig(
     skin=sf.Skin((sf.layouts.icub_triangle(),), name="one"),

@@ -1,4 +1,4 @@
-// Builds what the package ships: src/skinfield/viewer/page/{index.html, app.js, app.css, licences.txt}.
+// Builds what the package ships: src/skinfield/page/static/{index.html, app.js, app.css, licences.txt}.
 // `node build.mjs` writes them, `--check` tells whether they are what the sources give, `--watch` builds
 // at every change. The same sources and lock file give the same bytes: no times, no paths, no hashes.
 import { mkdir, readFile, readdir, writeFile } from "node:fs/promises";
@@ -7,7 +7,7 @@ import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const target = join(here, "..", "src", "skinfield", "viewer", "page");
+const target = join(here, "..", "src", "skinfield", "page", "static");
 const options = {
   absWorkingDir: here,
   entryPoints: { app: "src/main.js" },

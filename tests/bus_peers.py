@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from skinfield.acquisition import CanMessages
-from skinfield.acquisition.can import EXTENDED, REMOTE
-from skinfield.sources.buses import Bus, BusSettings, open_bus
+from skinfield.signal import CanMessages
+from skinfield.signal.can import EXTENDED, REMOTE
+from skinfield.wire.can import Bus, BusSettings, open_bus
 
 PATIENCE = 30.0  # s, after which something is broken, however busy the machine
 

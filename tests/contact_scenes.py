@@ -6,11 +6,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from skinfield.contacts import ContactFinder
-from skinfield.contacts import regions_kernel as kernel
-from skinfield.fields import ModelError, PressureError, PressureNoise, PressurePosterior
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import cylinder, hexagon72, sphere_cap
+from skinfield.estimate import (
+    ContactFinder,
+    ModelError,
+    PressureError,
+    PressureNoise,
+    PressurePosterior,
+)
+from skinfield.estimate import regions_kernel as kernel
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import cylinder, hexagon72, sphere_cap
 
 KNOWN = ModelError(force=0.2, place=1e-4, area=0.05)
 FINDERS = (

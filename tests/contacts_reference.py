@@ -2,10 +2,16 @@
 
 import numpy as np
 
-from skinfield.contacts import ContactFinder
-from skinfield.contacts.finder import _significance
-from skinfield.fields import Contact, ModelError, PressureError, PressureNoise, PressurePosterior
-from skinfield.layout import Grid
+from skinfield.estimate import (
+    Contact,
+    ContactFinder,
+    ModelError,
+    PressureError,
+    PressureNoise,
+    PressurePosterior,
+)
+from skinfield.estimate.finder import _significance
+from skinfield.skin import Grid
 
 ROUNDING = 0.0572  # cells of variance per side of a border
 

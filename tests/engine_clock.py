@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import skinfield as sf
-from skinfield.layout import generators
+from skinfield.skin import generators
 
 NOISE = 0.002
 PATCH = generators.icub_triangle()

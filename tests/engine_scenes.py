@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 import skinfield as sf
-from skinfield.engine import Engine
 from skinfield.errors import Floats
-from skinfield.layout import generators
+from skinfield.reconstruct.engine import Engine
+from skinfield.skin import generators
 
 NOISE = 0.002
 ENOUGH = 10.0  # s

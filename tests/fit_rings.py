@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.contacts.live import CONTACT
-from skinfield.live.fit_ring import (
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.fit_ring import (
     LOG_BYTES,
     SLOTS,
     FitSlot,

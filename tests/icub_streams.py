@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, CanMessages, Count, blocks_of, counters
-from skinfield.protocols.icub import ICubDecoder
+from skinfield.signal import Blocks, CanMessages, Count, blocks_of, counters
+from skinfield.wire.icub import ICubDecoder
 
 MS = 1_000_000
 BOARDS = ((0, 13), (1, 3), (0, 2))

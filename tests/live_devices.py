@@ -10,14 +10,14 @@ from tempfile import gettempdir
 import numpy as np
 from bus_peers import free_port, wait_for
 
-from skinfield.acquisition import CanMessages, Stream
-from skinfield.layout import Skin
-from skinfield.layout.generators import by_name
-from skinfield.protocols.cyskin import CySkinEncoder, SharedMemoryWriter, on_boards
-from skinfield.protocols.icub import ICubConfiguration, configuration_for
-from skinfield.protocols.packet import encode_command, packets_of
-from skinfield.protocols.packet.packets import Packet, PacketKind, encode_counts
-from skinfield.sources.buses import BusSettings, open_bus
+from skinfield.signal import CanMessages, Stream
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
+from skinfield.wire.can import BusSettings, open_bus
+from skinfield.wire.cyskin import CySkinEncoder, SharedMemoryWriter, on_boards
+from skinfield.wire.icub import ICubConfiguration, configuration_for
+from skinfield.wire.packet import encode_command, packets_of
+from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
 
 COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
 HEXAGON = Skin((by_name("hexagon72"),))

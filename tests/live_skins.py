@@ -9,12 +9,12 @@ from uuid import uuid4
 import numpy as np
 
 import skinfield as sf
-from skinfield.acquisition import Blocks, Kind, Port, counters
-from skinfield.live.binding import bind
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.settings import LiveSettings
-from skinfield.live.update import Updater
-from skinfield.realtime import RealTime
+from skinfield.loop.binding import bind
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.realtime import RealTime
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.update import Updater
+from skinfield.signal import Blocks, Kind, Port, counters
 from skinfield.simulate import Sphere, press
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
@@ -100,7 +100,7 @@ def settings(**changes: object) -> LiveSettings:
 
 def sf_board() -> object:
     """iCub's bytes."""
-    from skinfield.conditioning import ICubByte
+    from skinfield.signal import ICubByte
 
     return ICubByte()
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.acquisition.recorded import Cycle, CycleFlag, CycleLayout, Enclosed, FieldRecord
-from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap.schema import Cycle, CycleFlag, CycleLayout, Enclosed, FieldRecord
 
 CONTACT = np.dtype([("track", "<i8"), ("force", "<f8", (3,))])
 PATCH = np.dtype([("answer", "<i4"), ("rung", "<i4"), ("force", "<f8")])

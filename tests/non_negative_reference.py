@@ -9,13 +9,12 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 from scipy.stats import norm
 
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, ObservationModel
 from skinfield.errors import Floats
-from skinfield.inverse import NonNegative
-from skinfield.inverse.linear import taxel_distance
-from skinfield.inverse.non_negative import NonNegativeOperator, bump_of
-from skinfield.layout import Grid
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.observation import BaseStress, Capacitance, ObservationModel
+from skinfield.skin import Grid
+from skinfield.solve import NonNegative
+from skinfield.solve.linear import taxel_distance
+from skinfield.solve.non_negative import NonNegativeOperator, bump_of
 from skinfield.testing.solver import square_patch
 
 Either = BaseStress | Capacitance

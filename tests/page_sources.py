@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from live_skins import REST, cycle_of, pressed_counts, settings
 
-from skinfield.acquisition import Blocks, Channels, Kind
 from skinfield.errors import InputError
-from skinfield.layout import Skin
-from skinfield.live.model_config import ModelConfig, Models
-from skinfield.live.slots import Slot
-from skinfield.live.snapshot import Snapshot
-from skinfield.viewer.controller import Controller, Press
+from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.slots import Slot
+from skinfield.loop.snapshot import Snapshot
+from skinfield.page.controller import Controller, Press
+from skinfield.signal import Blocks, Channels, Kind
+from skinfield.skin import Skin
 
 
 class StillSource:

@@ -5,15 +5,15 @@ import time
 
 import numpy as np
 
-from skinfield.acquisition import Blocks, Kind, Port
-from skinfield.acquisition.recorded import CycleFlag
-from skinfield.contacts.live import CONTACT as ROW
-from skinfield.layout import Patch, Skin
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import description_of, status_fields
-from skinfield.live.settings import LiveSettings
-from skinfield.live.slots import PATCH, Head, Sizes, Slot
+from skinfield.estimate.live_contacts import CONTACT as ROW
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.ring_fields import description_of, status_fields
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.slots import PATCH, Head, Sizes, Slot
 from skinfield.ring import Ring, State
+from skinfield.signal import Blocks, Kind, Port
+from skinfield.skin import Patch, Skin
 
 
 class NoSource:

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from live_skins import GAIN, REST, cycle_of, pressed_counts, settings
 
-from skinfield.acquisition import Blocks, Channels, Kind
-from skinfield.acquisition.recorded import CycleLayout, Enclosed, FieldRecord
-from skinfield.contacts.live import CONTACT
-from skinfield.live.fit_ring import LAYOUT as FIT
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.slots import PATCH, Head, Slot
-from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap.schema import CycleLayout, Enclosed, FieldRecord
+from skinfield.loop.fit_ring import LAYOUT as FIT
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.slots import PATCH, Head, Slot
+from skinfield.signal import Blocks, Channels, Kind
 
 START = 1_700_000_000_000_000_000
 PERIOD = 10_000_000  # ns

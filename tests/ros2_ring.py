@@ -5,15 +5,15 @@ import time
 import numpy as np
 from recorder_ring import NoSource
 
-from skinfield.acquisition import Blocks, Kind, Port
-from skinfield.contacts.live import CONTACT
-from skinfield.layout import Patch, Skin
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import description_of, status_fields
-from skinfield.live.runtime_parameters import Tuning
-from skinfield.live.settings import LiveSettings
-from skinfield.live.slots import PATCH, Head, Sizes, Slot
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.ring_fields import description_of, status_fields
+from skinfield.loop.runtime_parameters import Tuning
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.slots import PATCH, Head, Sizes, Slot
 from skinfield.ring import Ring, State
+from skinfield.signal import Blocks, Kind, Port
+from skinfield.skin import Patch, Skin
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])  # x to y
 MOVE = np.array([0.1, 0.2, 0.3])

@@ -7,7 +7,7 @@ from types import ModuleType, SimpleNamespace
 
 from rosbags.interfaces import Nodetype
 
-from skinfield.sinks.ros import RosbagKinds
+from skinfield.files.ros import RosbagKinds
 
 NUMBERS = {"float32": float, "float64": float, "bool": bool, "string": str}
 PACKAGES = ("builtin_interfaces", "std_msgs", "geometry_msgs", "sensor_msgs", "tf2_msgs",

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
-from skinfield.inverse import InverseOperator
 from skinfield.lab.accuracy import (
     KNOWN,
     UNKNOWN,
@@ -49,9 +49,9 @@ from skinfield.lab.validation import (
     known_entrants,
     rows_of_case,
 )
-from skinfield.layout.generators import icub_hexagon, icub_triangle
-from skinfield.observation import ObservationModel
 from skinfield.simulate import Sphere
+from skinfield.skin.generators import icub_hexagon, icub_triangle
+from skinfield.solve import InverseOperator
 
 PATCH = icub_hexagon()
 FEW = 10

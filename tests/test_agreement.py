@@ -2,10 +2,10 @@
 
 import pytest
 
+from skinfield.elastic import Layer
 from skinfield.errors import InputError
 from skinfield.lab.paper import TIPS
 from skinfield.lab.sections.agreement import BODIES, agree, agreement_table, half_space_error
-from skinfield.mechanics import Layer
 from skinfield.simulate import Cylinder, Sphere
 
 SOFT = Layer(2e-3, 100e3, 0.5)

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from skinfield.fields import Contact
-from skinfield.inverse.atoms.contacts import bodies, body_of
-from skinfield.inverse.atoms.render import AtomRenderer
-from skinfield.inverse.atoms.table import BALL, FLAT, unit_pressure
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import cylinder
-from skinfield.mechanics import BondedLayer, Layer
+from skinfield.elastic import BondedLayer, Layer
+from skinfield.estimate import Contact
 from skinfield.simulate.pressing.press import enclosed
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import cylinder
+from skinfield.solve.atoms.contacts import bodies, body_of
+from skinfield.solve.atoms.render import AtomRenderer
+from skinfield.solve.atoms.table import BALL, FLAT, unit_pressure
 
 LAYER = Layer(2e-3, 210e3, 0.5)
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))

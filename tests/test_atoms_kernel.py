@@ -9,10 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from skinfield.inverse.atoms.fit_kernel import PARAMETERS, Tables, predict, tables_of
-from skinfield.inverse.atoms.table import BALL, FAMILIES, FLAT, RING, atom_table
-from skinfield.mechanics import BondedLayer
-from skinfield.observation import BaseStress, Capacitance, Physics, Quantity
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Physics, Quantity
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Tables, predict, tables_of
+from skinfield.solve.atoms.table import BALL, FAMILIES, FLAT, RING, atom_table
 
 Floats = NDArray[np.float64]
 THICKNESS = LAYER.thickness

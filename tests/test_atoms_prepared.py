@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from test_atoms_search import fitter_of, noisy
 
-from skinfield.inverse.atoms.fit_kernel import refine
-from skinfield.inverse.atoms.fitter import ContactFitter
-from skinfield.inverse.atoms.posterior import inverses
-from skinfield.inverse.atoms.table import Point, ring_sums
-from skinfield.observation.ring_layer import _far, _pull_with, _ring_with
-from skinfield.observation.round_gap import ANGLES, RADII, RoundGap
+from skinfield.elastic.ring_layer import _far, _pull_with, _ring_with
+from skinfield.elastic.round_gap import ANGLES, RADII, RoundGap
+from skinfield.solve.atoms.fit_kernel import refine
+from skinfield.solve.atoms.fitter import ContactFitter
+from skinfield.solve.atoms.posterior import inverses
+from skinfield.solve.atoms.table import Point, ring_sums
 
 Floats = NDArray[np.float64]
 

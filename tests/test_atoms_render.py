@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.elastic import BondedLayer, Deformation, HalfSpace, Layer, Mechanics
+from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force, indent_to_radius, punch
 from skinfield.errors import InputError
-from skinfield.inverse.atoms.render import AtomRenderer
-from skinfield.inverse.atoms.table import BALL, FLAT, unit_pressure
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import cylinder
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
-from skinfield.mechanics.axisymmetric import Paraboloid, indent_by_force, indent_to_radius, punch
-from skinfield.observation import Deformation
 from skinfield.simulate import Sphere, press
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import cylinder
+from skinfield.solve.atoms.render import AtomRenderer
+from skinfield.solve.atoms.table import BALL, FLAT, unit_pressure
 
 LAYER = Layer(2e-3, 210e3, 0.5)
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))

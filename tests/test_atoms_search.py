@@ -8,12 +8,11 @@ from contact_truth import LAYER, PATCH, truth
 from numpy.typing import NDArray
 
 import skinfield as sf
-from skinfield.inverse.atoms.fitter import CURVATURE_STD, ContactFitter
-from skinfield.inverse.atoms.posterior import Effort, belief_of, laplace
-from skinfield.inverse.atoms.search import LOG_FORCES, AtomSet, Problem, search
-from skinfield.inverse.atoms.table import BALL, curvature_force
-from skinfield.mechanics import BondedLayer
-from skinfield.observation import BaseStress, Capacitance, ObservationModel, Quantity
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
+from skinfield.solve.atoms.fitter import CURVATURE_STD, ContactFitter
+from skinfield.solve.atoms.posterior import Effort, belief_of, laplace
+from skinfield.solve.atoms.search import LOG_FORCES, AtomSet, Problem, search
+from skinfield.solve.atoms.table import BALL, curvature_force
 
 Floats = NDArray[np.float64]
 H = LAYER.thickness

@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 from test_atoms_kernel import read, tables
 
 import skinfield as sf
-from skinfield.inverse.atoms.table import (
+from skinfield.elastic import (
+    BondedLayer,
+    Capacitance,
+    HalfSpace,
+    Layer,
+    Mechanics,
+    Physics,
+    Quantity,
+)
+from skinfield.elastic.axisymmetric import Ball, indent_by_force
+from skinfield.solve.atoms.table import (
     BALL,
     FAMILIES,
     FLAT,
@@ -22,9 +32,6 @@ from skinfield.inverse.atoms.table import (
     unit_indentation,
     unit_pressure,
 )
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
-from skinfield.mechanics.axisymmetric import Ball, indent_by_force
-from skinfield.observation import Capacitance, Physics, Quantity
 
 Floats = NDArray[np.float64]
 H = LAYER.thickness
@@ -114,7 +121,7 @@ def first_order() -> AtomTable:
 @pytest.mark.parametrize("radius", [0.5, 2.0])
 def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> None:
     """The field in a gap that hardly changes is that of its linear kernel, on a grid."""
-    from skinfield.inverse.atoms.fit_kernel import PARAMETERS, predict, tables_of
+    from skinfield.solve.atoms.fit_kernel import PARAMETERS, predict, tables_of
 
     table = first_order()
     assert table.linear

@@ -10,9 +10,8 @@ import pytest
 from disc_rules import disc_rule, graded
 from scipy.special import ellipkm1, j0
 
-from skinfield.errors import InputError
-from skinfield.mechanics import Layer
-from skinfield.mechanics.axisymmetric import (
+from skinfield.elastic import Layer
+from skinfield.elastic.axisymmetric import (
     Ball,
     Paraboloid,
     PowerLaw,
@@ -24,9 +23,9 @@ from skinfield.mechanics.axisymmetric import (
     kappa,
     punch,
 )
-from skinfield.mechanics.hankel import LayerTransfer, gauss_legendre
-from skinfield.mechanics.hertz import FlatPunch, HertzSphere, SneddonCone, SneddonSphere
-from skinfield.mechanics.thin_layer import (
+from skinfield.elastic.hankel import LayerTransfer, gauss_legendre
+from skinfield.elastic.hertz import FlatPunch, HertzSphere, SneddonCone, SneddonSphere
+from skinfield.elastic.thin_layer import (
     CORRECTIONS,
     DIMITRIADIS,
     DIMITRIADIS_PRINTED,
@@ -42,6 +41,7 @@ from skinfield.mechanics.thin_layer import (
     edge_length,
     paraboloid_reach,
 )
+from skinfield.errors import InputError
 from skinfield.simulate import Cylinder, Sphere, press
 
 A = 10e-3  # radius of most contacts, m
@@ -178,7 +178,7 @@ def test_flat_end_is_linear() -> None:
 
 def test_more_nodes_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Doubling every quadrature moves force and pressure by less than 1e-9."""
-    from skinfield.mechanics import axisymmetric
+    from skinfield.elastic import axisymmetric
 
     cases = [(body, nu, h) for body in BODIES for nu in (0.3, 0.5) for h in (0.1, 1.0)]
     before = [indent_to_radius(Layer(h * A, 1.0, nu), body, A) for body, nu, h in cases]

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.inverse import NonNegative
 from skinfield.lab.bench import costs, machine, run, scene
 from skinfield.lab.bench.costs import Answer, Call, Chain, run_chain
 from skinfield.lab.bench.machine import laps, spread, undisturbed
@@ -18,8 +17,9 @@ from skinfield.lab.bench.picture import FLOOR, picture, written
 from skinfield.lab.bench.run import miss
 from skinfield.lab.bench.scene import LADDER, SMOKE, BenchSettings, bench_size
 from skinfield.lab.paper import reconstruct_as_paper
-from skinfield.layout import Grid
-from skinfield.pipeline import Reconstructor
+from skinfield.reconstruct import Reconstructor
+from skinfield.skin import Grid
+from skinfield.solve import NonNegative
 
 TINY = BenchSettings(size=replace(SMOKE, readings=3, nodes=10, grids=(10,)))
 

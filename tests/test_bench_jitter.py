@@ -23,7 +23,7 @@ from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
 from skinfield.lab.bench.cyclictest import Cyclictest, lateness_from_json
 from skinfield.lab.bench.machine import Company
-from skinfield.realtime import Quantiles, RealTimeStatus, TimingTable
+from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
 
 ROOT = Path(__file__).resolve().parents[1]
 

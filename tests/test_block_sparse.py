@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from skinfield.engine.block_sparse import SCORES, Atlas
 from skinfield.errors import Floats
-from skinfield.inverse import tiles_kernel
-from skinfield.inverse.tiles import Tiles
-from skinfield.layout import Grid
+from skinfield.reconstruct.engine.block_sparse import SCORES, Atlas
+from skinfield.skin import Grid
+from skinfield.solve import tiles_kernel
+from skinfield.solve.tiles import Tiles
 from skinfield.testing.solver import square_patch
 
 KINDS = [((8, 8), 5, 1), ((12, 20), 9, 13), ((5, 6), 3, 4), ((4, 4), 1, 6)]  # shape, taxels, count

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.acquisition import Blocks, Channels, Kind, Status, blocks_of
-from skinfield.acquisition.kernel import put_status
 from skinfield.errors import InputError
+from skinfield.signal import Blocks, Channels, Kind, Status, blocks_of
+from skinfield.signal.blocks_kernel import put_status
 
 BLOCK = st.tuples(
     st.one_of(st.integers(0, 2**62), st.integers(0, 3 * 10**9)),

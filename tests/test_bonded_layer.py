@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import FourierSum
 
+from skinfield.elastic import BondedLayer, HalfSpace, Layer
+from skinfield.elastic.cell_integrals import rectangle_displacement
 from skinfield.errors import InputError
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer
-from skinfield.mechanics.cell_integrals import rectangle_displacement
 
 FREE, COVERED = BondedLayer(), BondedLayer(inextensible_cover=True)
 H, E = 2e-3, 150e3

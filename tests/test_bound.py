@@ -5,17 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError
-from skinfield.lab.bound import (
-    Family,
-    bound_of,
-    contact_bounds,
-    contact_family,
-)
-from skinfield.layout.generators import hexagon72, icub_hexagon
-from skinfield.mechanics import Layer
+from skinfield.lab.bound import Family, bound_of, contact_bounds, contact_family
 from skinfield.simulate import Bar, Sphere, press
 from skinfield.simulate.pressing.press import is_round, readings_anywhere
+from skinfield.skin.generators import hexagon72, icub_hexagon
 
 LAYER = Layer(2e-3, 100e3, 0.5)
 DEPTH, FORCE = 2e-3, 1.5

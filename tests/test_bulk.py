@@ -5,8 +5,8 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.pipeline import bulk as bulk_module
-from skinfield.pipeline.bulk import BulkFields
+from skinfield.reconstruct import bulk as bulk_module
+from skinfield.reconstruct.bulk import BulkFields
 
 PATCH = sf.layouts.hexagon72()
 GRID = sf.Grid.square(PATCH, nodes=8)

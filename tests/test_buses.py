@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from bus_peers import drawn_messages, free_port, group, opened, pair, receive, wait_for
 
-from skinfield.acquisition import CanMessages
-from skinfield.acquisition.can import ERROR, EXTENDED, REMOTE
 from skinfield.errors import InputError
-from skinfield.sources.buses import BusSettings, datagrams, open_bus
-from skinfield.sources.buses.adapters import BATCH, PER_DATAGRAM, SocketCanBus
-from skinfield.sources.buses.kernel import TOO_LONG, take_headers
+from skinfield.signal import CanMessages
+from skinfield.signal.can import ERROR, EXTENDED, REMOTE
+from skinfield.wire.can import BusSettings, datagrams, open_bus
+from skinfield.wire.can.adapters import BATCH, PER_DATAGRAM, SocketCanBus
+from skinfield.wire.can.kernel import TOO_LONG, take_headers
 
 STRUCT = struct.Struct("=IB3x8s")  # struct can_frame of linux/can.h
 

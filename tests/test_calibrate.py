@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.calibrate import column_of, fit_scale
 from skinfield.errors import InputError
-from skinfield.reading import Recording
+from skinfield.signal import column_of, fit_scale
+from skinfield.skin.reading import Recording
 
 STAMPS = np.arange(0, 10_000_000_000, 20_000_000)  # 10 s at 50 Hz
 FORCE = 5 + 3 * np.sin(STAMPS * 1e-9)

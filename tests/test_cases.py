@@ -9,14 +9,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from skinfield.elastic import BondedLayer, HalfSpace, Layer
 from skinfield.errors import FileError, InputError
 from skinfield.lab.case_files import case_paths, load_case, save_case
 from skinfield.lab.case_sets import KINDS, standard_cases
 from skinfield.lab.cases import Case, TrueContact, Truth
-from skinfield.layout import Patch
-from skinfield.layout.generators import hexagon72
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer
 from skinfield.simulate import Cylinder, Press, Sphere, press
+from skinfield.skin import Patch
+from skinfield.skin.generators import hexagon72
 
 LAYER = Layer(2e-3, 100e3, 0.5)
 BODIES = (

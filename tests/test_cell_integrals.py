@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import mean_inverse_distance as by_rings
 
-from skinfield.errors import InputError
-from skinfield.mechanics.cell_integrals import (
+from skinfield.elastic.cell_integrals import (
     RectangleIntegrals,
     disc_potential,
     inverse_distance_integrals,
@@ -19,7 +18,8 @@ from skinfield.mechanics.cell_integrals import (
     rectangle_normal_displacement,
     rectangle_stress,
 )
-from skinfield.mechanics.half_space import displacement
+from skinfield.elastic.half_space import displacement
+from skinfield.errors import InputError
 
 KERNELS = {
     "inverse": lambda x, y, r: 1 / r,

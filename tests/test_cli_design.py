@@ -8,9 +8,9 @@ import pytest
 from command_line import invoke
 
 import skinfield as sf
-from skinfield.layout.generators import icub_triangle
-from skinfield.observation import BaseStress
-from skinfield.resolution import Places, SkinDesign, Touch, detectable_force
+from skinfield.design import Places, SkinDesign, Touch, detectable_force
+from skinfield.elastic import BaseStress
+from skinfield.skin.generators import icub_triangle
 
 STRESS = ("--quantity", "stress", "--noise", 400)
 

@@ -9,7 +9,8 @@ from command_line import Done, invoke
 
 from skinfield.cli.options import skin_from_text
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch, Skin, generators, load_layout, save_layout
+from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.skin import Patch, Skin, generators
 
 DOME = generators.sphere_cap()
 

@@ -139,7 +139,7 @@ def test_the_command_says_what_is_wrong_before_it_works(tmp_path: Path) -> None:
 
 
 def test_help_shows_every_shape() -> None:
-    from skinfield.config.indenters import SHAPES
+    from skinfield.lab.scenarios.indenters import SHAPES
 
     code, said = run("--help")
     assert code == 0

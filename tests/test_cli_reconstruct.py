@@ -9,8 +9,8 @@ import pytest
 from command_line import invoke
 
 import skinfield as sf
-from skinfield.reading import Recording
-from skinfield.sinks import save_recording
+from skinfield.files import save_recording
+from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.hexagon72()
 

@@ -10,11 +10,11 @@ import pytest
 from command_line import Done, invoke
 from test_readme import ROOT, blocks, follow
 
-from skinfield.conditioning import load_calibration
-from skinfield.config import load_scenario
-from skinfield.layout import load_layout
+from skinfield.files import open_recording
+from skinfield.files.layouts.load import load_layout
+from skinfield.lab.scenarios import load_scenario
+from skinfield.signal import load_calibration
 from skinfield.simulate.rig import run_rig
-from skinfield.sources import open_recording
 
 FOAM = Path(__file__).resolve().parents[1] / "examples" / "scenarios" / "foam.toml"
 SCENARIO = FOAM.read_text(encoding="utf-8")

@@ -17,7 +17,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from skinfield.cli.report import end_undisturbed, signals_end
 from skinfield.errors import InputError
-from skinfield.live.slots import Head
+from skinfield.loop.slots import Head
 from skinfield.ring import Ring, RingReader, State
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
@@ -93,8 +93,8 @@ def test_wrong_options_are_refused_before_anything_starts(
     def start(*_: object, **__: object) -> None:
         raise AssertionError("a process was started")
 
-    monkeypatch.setattr("skinfield.virtual.process.start", start)
-    monkeypatch.setattr("skinfield.live.supervisor.Supervisor.__enter__", start)
+    monkeypatch.setattr("skinfield.emulator.process.start", start)
+    monkeypatch.setattr("skinfield.loop.supervisor.Supervisor.__enter__", start)
     name = () if "--name" in options else ("--name", unique_name())
     result = invoke(["run", "--headless", *name, *options])
     assert result.exit_code not in (0, None)

@@ -13,7 +13,7 @@ from skinfield.lab.case_files import load_case
 
 OWN = """
 import numpy as np
-from skinfield.inverse import InverseOperator
+from skinfield.solve import InverseOperator
 
 class Mine:
     def __init__(self, *, gain=1.0):

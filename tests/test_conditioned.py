@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.conditioning import Calibration, CySkinCount, Exponential, ICubByte
 from skinfield.errors import InputError
-from skinfield.pipeline.conditioned import condition, without_empty
-from skinfield.pipeline.diagnostics import Conditioning
-from skinfield.reading import Recording
+from skinfield.reconstruct.conditioned import condition, without_empty
+from skinfield.reconstruct.diagnostics import Conditioning
+from skinfield.signal import Calibration, CySkinCount, Exponential, ICubByte
+from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.icub_triangle()
 LAYER = sf.Layer()

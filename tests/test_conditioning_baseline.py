@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from skinfield.conditioning import CySkinCount, ICubByte, estimate_baseline, quiet_stretch
 from skinfield.errors import InputError
+from skinfield.signal import CySkinCount, ICubByte, estimate_baseline, quiet_stretch
 
 RATE = 50.0
 

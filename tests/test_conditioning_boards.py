@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.conditioning import CySkinCount, ICubByte
 from skinfield.errors import InputError
+from skinfield.signal import CySkinCount, ICubByte
 
 boards = st.builds(ICubByte, no_load=st.sampled_from([235, 240, 244, 245]), shift=st.integers(0, 5))
 

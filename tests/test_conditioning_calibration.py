@@ -5,15 +5,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from skinfield.conditioning import (
+from skinfield.errors import FileError, InputError
+from skinfield.signal import (
     Calibration,
     ICubByte,
     estimate_baseline,
     load_calibration,
     save_calibration,
 )
-from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch
+from skinfield.skin import Patch
 
 finite = st.floats(-1e6, 1e6)
 positive = st.floats(1e-6, 1e6)

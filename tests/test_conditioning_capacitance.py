@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.conditioning import (
+from skinfield.elastic import Layer
+from skinfield.errors import InputError
+from skinfield.signal import (
     CapacitanceConverter,
     capacitance_change_from_gap,
     capacitance_from_gap,
@@ -16,8 +18,6 @@ from skinfield.conditioning import (
     rest_capacitance,
     strain_from_relative_capacitance,
 )
-from skinfield.errors import InputError
-from skinfield.mechanics import Layer
 
 PAD = {"area": pad_area(4e-3), "relative_permittivity": 3.0}
 gaps = st.floats(1e-5, 1e-1)

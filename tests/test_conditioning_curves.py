@@ -5,14 +5,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from skinfield.conditioning import (
+from skinfield.errors import FileError, InputError
+from skinfield.signal import (
     LinearCurve,
     TableCurve,
     curve_from_tension,
     initial_modulus,
     load_tensile_test,
 )
-from skinfield.errors import FileError, InputError
 
 
 def rubber(strain, modulus=50e3):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from skinfield.conditioning import (
+from skinfield.errors import InputError
+from skinfield.signal import (
     Calibration,
     CySkinCount,
     ICubByte,
@@ -11,8 +12,7 @@ from skinfield.conditioning import (
     find_faults,
     valid_from_counts,
 )
-from skinfield.errors import InputError
-from skinfield.layout import Patch
+from skinfield.skin import Patch
 
 
 def healthy(readings=500, taxels=60, seed=0):

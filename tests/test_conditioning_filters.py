@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.conditioning import (
+from skinfield.errors import InputError
+from skinfield.signal import (
     Chain,
     ConstantVelocity,
     Exponential,
@@ -19,7 +20,6 @@ from skinfield.conditioning import (
     rise_time,
     step_response,
 )
-from skinfield.errors import InputError
 
 RATE = 50.0
 FILTERS = {

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skinfield.conditioning import (
+from skinfield.signal import (
     Calibration,
     ICubByte,
     Verdict,
@@ -11,7 +11,7 @@ from skinfield.conditioning import (
     find_faults,
     valid_from_counts,
 )
-from skinfield.layout import Patch
+from skinfield.skin import Patch
 
 RATE = 49.84
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skinfield.config import indenter_from_mapping
 from skinfield.errors import InputError
+from skinfield.lab.scenarios import indenter_from_mapping
 from skinfield.simulate import Mesh
 
 MM = 1e-3

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
-from skinfield.config import load_scenario, scenario_from_toml, template, toml_from_scenario
-from skinfield.config.scenario import PARTS, PROFILE, in_folder
-from skinfield.config.table import number_from_si, si_from_number
+from skinfield.elastic import HalfSpace, Layer, PronySeries, StandardLinearSolid
 from skinfield.errors import FileError, InputError
-from skinfield.layout import save_layout
-from skinfield.mechanics import HalfSpace, Layer, PronySeries, StandardLinearSolid
+from skinfield.files.layouts.load import save_layout
+from skinfield.lab.scenarios import load_scenario, scenario_from_toml, template, toml_from_scenario
+from skinfield.lab.scenarios.scenario import PARTS, PROFILE, in_folder
+from skinfield.lab.scenarios.table import number_from_si, si_from_number
 from skinfield.simulate.electronics import (
     CrossTalk,
     CySkinBoard,

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.errors import InputError, SkinfieldError
-from skinfield.mechanics import LatticeConvolution
-from skinfield.mechanics.cell_integrals import inverse_distance_integrals, rectangle_displacement
-from skinfield.mechanics.contact import (
+from skinfield.elastic import LatticeConvolution
+from skinfield.elastic.cell_integrals import inverse_distance_integrals, rectangle_displacement
+from skinfield.elastic.contact import (
     ContactProblem,
     ShearProblem,
     edge_softness,
@@ -19,7 +18,8 @@ from skinfield.mechanics.contact import (
     solve_slip,
     solve_stick,
 )
-from skinfield.mechanics.lattice import interpolation, lattice, mirrored
+from skinfield.elastic.lattice import interpolation, lattice, mirrored
+from skinfield.errors import InputError, SkinfieldError
 from skinfield.simulate import Cylinder, Sphere, press
 
 MODULUS = 130e3  # E / (1 - nu²), Pa

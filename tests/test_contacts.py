@@ -7,11 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from skinfield.contacts import ContactFinder
-from skinfield.contacts.finder import border
-from skinfield.fields import PressureNoise
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import cylinder
+from skinfield.estimate import ContactFinder, PressureNoise
+from skinfield.estimate.finder import border
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import cylinder
 
 SQUARE = Patch(np.array([(-0.02, -0.02), (0.02, -0.02), (0.02, 0.02), (-0.02, 0.02)]))
 GRID = Grid.square(SQUARE, nodes=41)

@@ -13,11 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from skinfield.contacts import ContactFinder
-from skinfield.contacts.regions_kernel import sort_falling
 from skinfield.errors import InputError
-from skinfield.fields import Contact, ModelError, PressureNoise
-from skinfield.layout import Grid, Patch, quadrics
+from skinfield.estimate import Contact, ContactFinder, ModelError, PressureNoise
+from skinfield.estimate.regions_kernel import sort_falling
+from skinfield.skin import Grid, Patch, quadrics
 
 NAMES = [field.name for field in fields(Contact)]
 LATE = {"covariance", "area_std", "outline"}
@@ -180,7 +179,7 @@ def test_what_is_dear_is_worked_out_once_and_when_asked_for() -> None:
 
 
 def test_copies_and_pickles_hold_all_and_nothing_else() -> None:
-    import skinfield.contacts.finder as resultant
+    import skinfield.estimate.finder as resultant
 
     for made in (
         copy.copy(one_contact()),

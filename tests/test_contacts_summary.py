@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from contact_scenes import FINDERS, bumps, errors_on, grids, scenes
 
-from skinfield.contacts import ContactFinder, ContactTable, summarise
 from skinfield.errors import InputError
-from skinfield.fields import Contact, PressureNoise
-from skinfield.layout import Grid
+from skinfield.estimate import Contact, ContactFinder, ContactTable, PressureNoise, summarise
+from skinfield.skin import Grid
 
 FLAT = {name: grid for name, grid in grids().items() if grid.patch.surface.is_flat}
 

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import skinfield as sf
-from skinfield.acquisition import Blocks, CanMessages, Channels, Count, blocks_of, counters
-from skinfield.acquisition.can import EXTENDED
 from skinfield.errors import InputError
-from skinfield.layout.generators import hexagon72
-from skinfield.protocols.cyskin import (
+from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.signal.can import EXTENDED
+from skinfield.skin.generators import hexagon72
+from skinfield.wire.cyskin import (
     Assembler,
     Command,
     Crc,
@@ -39,7 +39,7 @@ from skinfield.protocols.cyskin import (
     stop_messages,
     uids_of,
 )
-from skinfield.protocols.cyskin.codec import PROCESS, data_from_responses, init_from_board
+from skinfield.wire.cyskin.codec import PROCESS, data_from_responses, init_from_board
 
 MODULES = (CySkinModule(100), CySkinModule(101, 0b0111_1111_1110), CySkinModule(102))
 BOARDS = (CySkinBoard(5, MODULES[:2]), CySkinBoard(9, MODULES[2:], bus=1))

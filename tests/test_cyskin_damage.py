@@ -5,8 +5,8 @@ from cyskin_reference import Reference, crc8
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.acquisition import Blocks, CanMessages, Channels, Count, blocks_of, counters
-from skinfield.protocols.cyskin import (
+from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
+from skinfield.wire.cyskin import (
     CySkinBoard,
     CySkinDecoder,
     CySkinEncoder,

@@ -12,16 +12,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.acquisition import Blocks, Channels, Count, blocks_of, counters
 from skinfield.errors import InputError
-from skinfield.protocols.cyskin import (
+from skinfield.signal import Blocks, Channels, Count, blocks_of, counters
+from skinfield.wire.cyskin import (
     CySkinBoard,
     CySkinModule,
     SharedMemoryReader,
     SharedMemoryWriter,
     uids_of,
 )
-from skinfield.protocols.cyskin.shared_memory import Area, SensorOrder, snapshot_of
+from skinfield.wire.cyskin.shared_memory import Area, SensorOrder, snapshot_of
 
 MODULES = (CySkinModule(0x5678), CySkinModule(7, 0x7FE), CySkinModule(9))
 BOARD = CySkinBoard(300, MODULES)

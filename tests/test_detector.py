@@ -12,14 +12,14 @@ from scipy.special import log_ndtr, ndtr, ndtri
 from scipy.stats import poisson
 
 import skinfield as sf
-from skinfield.detection import Detector, LargestMatch, MarginalLikelihood
-from skinfield.detection.detection import FORCE_ERROR
-from skinfield.detection.detector import halved
-from skinfield.detection.dictionary import round_touches
-from skinfield.detection.statistics import Matches, log_evidence
 from skinfield.errors import InputError
 from skinfield.lab.report import SMOKE, Settings
 from skinfield.lab.sections.light_touch import light_touch
+from skinfield.solve.detection import Detector, LargestMatch, MarginalLikelihood
+from skinfield.solve.detection.detection import FORCE_ERROR
+from skinfield.solve.detection.detector import halved
+from skinfield.solve.detection.dictionary import round_touches
+from skinfield.solve.detection.statistics import Matches, log_evidence
 
 LAYER = sf.Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
 NOISE = 3.8e3  # Pa, at which the paper's method misses 0.2 N

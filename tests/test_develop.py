@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.layout.flattening import FlatSurface, Surface
-from skinfield.layout.geometry import arc_length, facing_from_positions, links_between, parts_of
+from skinfield.skin.flattening import FlatSurface, Surface
+from skinfield.skin.geometry import arc_length, facing_from_positions, links_between, parts_of
 
 RADIUS, PITCH = 30e-3, 5e-3
 

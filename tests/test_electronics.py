@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.conditioning import CapacitanceConverter, CySkinCount, ICubByte
 from skinfield.errors import InputError
-from skinfield.layout import Patch, generators
+from skinfield.signal import CapacitanceConverter, CySkinCount, ICubByte
 from skinfield.simulate.electronics import (
     ConverterBoard,
     CrossTalk,
@@ -29,6 +28,7 @@ from skinfield.simulate.electronics import (
     ideal_electronics,
 )
 from skinfield.simulate.electronics.delivery import wiring
+from skinfield.skin import Patch, generators
 
 HEXAGON = generators.icub_hexagon()
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skinfield.conditioning import (
+from skinfield.errors import InputError
+from skinfield.files import open_recording, readings_for
+from skinfield.signal import (
     Calibration,
     ICubByte,
     Verdict,
@@ -14,9 +16,6 @@ from skinfield.conditioning import (
     quiet_stretch,
     valid_from_counts,
 )
-from skinfield.errors import InputError
-from skinfield.layout import generators
-from skinfield.layout.generators import TEN_PAD_TRIANGLE
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Defect,
@@ -31,7 +30,8 @@ from skinfield.simulate.electronics import (
     ideal_electronics,
     recording,
 )
-from skinfield.sources import open_recording, readings_for
+from skinfield.skin import generators
+from skinfield.skin.generators import TEN_PAD_TRIANGLE
 
 HEXAGON = generators.icub_hexagon()
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from skinfield.layout import Patch, generators
 from skinfield.simulate.electronics import Delivery, Electronics, Noise
 from skinfield.simulate.electronics.delivery import wiring
+from skinfield.skin import Patch, generators
 
 HEXAGON = generators.icub_hexagon()
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))

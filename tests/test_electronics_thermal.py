@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skinfield.conditioning import ICubByte
 from skinfield.errors import InputError
-from skinfield.layout import Patch, generators
-from skinfield.layout.generators import TEN_PAD_TRIANGLE
+from skinfield.signal import ICubByte
+from skinfield.signal.boards import firmware_drift
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Delivery,
@@ -17,8 +16,9 @@ from skinfield.simulate.electronics import (
     Noise,
     ThermalDrift,
     ThermalPads,
-    firmware_drift,
 )
+from skinfield.skin import Patch, generators
+from skinfield.skin.generators import TEN_PAD_TRIANGLE
 
 HEXAGON = generators.icub_hexagon()
 TEN_PADS = generators.triangle_lattice(6, template=TEN_PAD_TRIANGLE)

@@ -21,9 +21,9 @@ from engine_scenes import (
 )
 
 import skinfield as sf
-from skinfield.engine import Engine, MissingPatch
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.observation import ObservationModel
+from skinfield.reconstruct.engine import Engine, MissingPatch
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from engine_clock import PATCH, engine_of, readings_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.engine.cycle_kernel import plan
-from skinfield.engine.state import Step
+from skinfield.reconstruct.engine.cycle_kernel import plan
+from skinfield.reconstruct.engine.state import Step
 
 
 @given(

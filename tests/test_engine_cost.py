@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from skinfield.engine.cycle_kernel import take_in
-from skinfield.engine.state import FEASIBLE, LINEAR, WARM, State
-from skinfield.engine.timing_model import CostModel
 from skinfield.errors import InputError
+from skinfield.reconstruct.engine.cycle_kernel import take_in
+from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR, WARM, State
+from skinfield.reconstruct.engine.timing_model import CostModel
 
 
 def test_the_cost_model_follows_a_high_quantile() -> None:

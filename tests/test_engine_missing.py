@@ -18,9 +18,9 @@ from engine_scenes import (
 )
 
 import skinfield as sf
-from skinfield.engine import Engine
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
-from skinfield.observation import ObservationModel
+from skinfield.reconstruct.engine import Engine
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from scipy.integrate import quad
 from scipy.interpolate import LinearNDInterpolator
 from scipy.special import j0, j1
 
+from skinfield.elastic import Layer
 from skinfield.errors import InputError
 from skinfield.lab.fem import (
     ConeProfile,
@@ -23,7 +24,6 @@ from skinfield.lab.fem import (
 from skinfield.lab.fem.elasticity import Elasticity, jacobian, law_of
 from skinfield.lab.fem.mesh import Trace, graded, mesh_section, towards
 from skinfield.lab.fem.profiles import Shape, SmoothShape
-from skinfield.mechanics import Layer
 from skinfield.simulate import Cylinder, Sphere, press
 
 SOFT = Layer(2e-3, 100e3, 0.5)

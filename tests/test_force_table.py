@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from skinfield.errors import FileError
-from skinfield.sources import open_recording
+from skinfield.files import open_recording
 
 
 @pytest.mark.parametrize("names", ["fx,fy,fz", "Fx,Fy,Fz", "fx,fy,fz,mx,my,mz"])

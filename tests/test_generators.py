@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.layout import generators as names
-from skinfield.layout.patch import Patch
+from skinfield.skin import generators as names
+from skinfield.skin.patch import Patch
 
 TABLE72 = 1e-3 * np.array(  # one module about its centroid, rounded to a micrometre
     [

@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import j0, j1
 
-from skinfield.errors import InputError
-from skinfield.mechanics import HalfSpace, Layer
-from skinfield.mechanics.half_space import (
+from skinfield.elastic import HalfSpace, Layer
+from skinfield.elastic.half_space import (
     base_traction,
     coincident_displacement,
     displacement,
@@ -20,6 +19,7 @@ from skinfield.mechanics.half_space import (
     traction_kernel,
     virtual_depth,
 )
+from skinfield.errors import InputError
 
 ratios = pytest.mark.parametrize("nu", [0.0, 0.3, 0.49, 0.5])
 OFFSETS = np.array([[0, 0], [0.5, 0.2], [2, 0], [1.9, 1], [6, 2], [-20, 9]]) * 1e-3

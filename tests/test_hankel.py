@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import collocate, propagate, ratios
 
-from skinfield.mechanics.cell_integrals import integrate_over_cell, squares
-from skinfield.mechanics.hankel import (
+from skinfield.elastic.cell_integrals import integrate_over_cell, squares
+from skinfield.elastic.hankel import (
     CoveredTransfer,
     LayerTransfer,
     RadialKernel,

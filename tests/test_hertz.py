@@ -9,8 +9,7 @@ from disc_rules import disc_rule, graded
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from skinfield.errors import InputError
-from skinfield.mechanics.hertz import (
+from skinfield.elastic.hertz import (
     FlatPunch,
     FullStick,
     HertzLine,
@@ -21,6 +20,7 @@ from skinfield.mechanics.hertz import (
     effective_modulus,
     tangential_stiffness,
 )
+from skinfield.errors import InputError
 
 E, NU = 2e5, 0.4
 STAR = effective_modulus(E, NU)

@@ -9,12 +9,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from icub_streams import BOARDS, MS, decoded, filled, head, regular
 
-from skinfield.acquisition import Blocks, CanMessages, Channels, Count, Kind, blocks_of, counters
-from skinfield.acquisition.can import ERROR, EXTENDED, REMOTE
-from skinfield.conditioning import ICubByte
-from skinfield.conditioning.boards import firmware_drift
 from skinfield.errors import InputError
-from skinfield.protocols.icub import (
+from skinfield.signal import (
+    Blocks,
+    CanMessages,
+    Channels,
+    Count,
+    ICubByte,
+    Kind,
+    blocks_of,
+    counters,
+)
+from skinfield.signal.boards import firmware_drift
+from skinfield.signal.can import ERROR, EXTENDED, REMOTE
+from skinfield.wire.icub import (
     BoardState,
     Firmware,
     ICubDecoder,

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 from icub_files import OLD_SKIN, SKIN, SPEC, WRAPPER
 
 from skinfield.errors import FileError, InputError
-from skinfield.layout import generators
-from skinfield.layout.generators import TEN_PAD_TRIANGLE
-from skinfield.protocols.icub import (
+from skinfield.skin import generators
+from skinfield.skin.generators import TEN_PAD_TRIANGLE
+from skinfield.wire.icub import (
     BoardSettings,
     ICubConfiguration,
     ICubDecoder,
@@ -23,7 +23,7 @@ from skinfield.protocols.icub import (
     kind_for,
     load_configuration,
 )
-from skinfield.protocols.icub.robot_files import LARGEST, tree_of, without_comments
+from skinfield.wire.icub.robot_files import LARGEST, tree_of, without_comments
 
 
 @pytest.fixture

@@ -18,8 +18,8 @@ from icub_streams import (
     wired,
 )
 
-from skinfield.acquisition import Blocks, Kind, counters
-from skinfield.protocols.icub import ICubDecoder
+from skinfield.signal import Blocks, Kind, counters
+from skinfield.wire.icub import ICubDecoder
 
 PERIODS = (20.0, 1.0)  # ms; the boards were told 50
 TOLD = 0.05  # s

@@ -15,12 +15,11 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.fields import Contact, Estimate
+from skinfield.estimate import Contact, Estimate
 from skinfield.lab.report import SMOKE, Missing, Section, Settings
 from skinfield.lab.sections.coverage import coverage, coverage_parts, panels
-from skinfield.layout import Grid
-from skinfield.pipeline import Intervals, load_intervals, save_intervals
-from skinfield.pipeline.interval_training import (
+from skinfield.reconstruct import Intervals, load_intervals, save_intervals
+from skinfield.reconstruct.interval_training import (
     Rehearsal,
     _carried,
     _solved,
@@ -29,6 +28,7 @@ from skinfield.pipeline.interval_training import (
     rehearse,
 )
 from skinfield.simulate import Bar, Cylinder, Sphere, press
+from skinfield.skin import Grid
 from skinfield.testing.solver import square_patch
 
 PATCH = square_patch(side=8, pitch=5e-3)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.layout import generators
-from skinfield.observation import ObservationModel
-from skinfield.pipeline.multigrid_levels import RestrictedPosterior, Restriction
+from skinfield.reconstruct.multigrid_levels import RestrictedPosterior, Restriction
+from skinfield.skin import generators
 
 NOISE = 0.002
 PATCH = generators.icub_triangle()

@@ -7,8 +7,8 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import Floats, InputError
-from skinfield.layout import generators
-from skinfield.pipeline.multigrid_levels import Restriction
+from skinfield.reconstruct.multigrid_levels import Restriction
+from skinfield.skin import generators
 
 NOISE = 0.002
 PATCH = generators.hexagon72()

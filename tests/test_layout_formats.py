@@ -9,8 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch, Skin, generators, load_layout, save_layout
-from skinfield.layout.formats import FORMATS, cyskin, fingertip, format_of, skingui
+from skinfield.files.layouts import FORMATS, cyskin, fingertip, format_of, skingui
+from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.skin import Patch, Skin, generators
 
 QUICK = settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

@@ -8,9 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Skin, generators, load_layout, save_layout
-from skinfield.layout.formats import FORMATS
-from skinfield.layout.formats.pcd import decompress
+from skinfield.files.layouts import FORMATS
+from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.files.layouts.pcd import decompress
+from skinfield.skin import Skin, generators
 
 FUZZ = settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

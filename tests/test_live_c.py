@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from live_skins import settings
 
-from skinfield.acquisition import Port
-from skinfield.acquisition.recorded import CycleFlag
-from skinfield.contacts.live import CONTACT
-from skinfield.engine.state import Answer
-from skinfield.live import include_folder
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import VERSION, open_ring
-from skinfield.live.slots import PATCH, Head, Slot
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop import include_folder
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.ring_fields import VERSION, open_ring
+from skinfield.loop.slots import PATCH, Head, Slot
+from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field, Ring, State
+from skinfield.signal import Port
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 EXAMPLE = Path(__file__).resolve().parent.parent / "examples" / "c" / "contacts.c"

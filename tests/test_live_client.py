@@ -11,18 +11,18 @@ import pytest
 from live_skins import settings
 from numpy.testing import assert_array_equal
 
-from skinfield.acquisition import Port
-from skinfield.acquisition.recorded import CycleFlag
 from skinfield.errors import InputError
-from skinfield.live.baseline import Baseline
-from skinfield.live.client import Live
-from skinfield.live.engine_process import EngineProcess
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import open_ring
-from skinfield.live.slots import Head, Slot
-from skinfield.live.supervisor import Supervisor
-from skinfield.realtime import TimingTable
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop.baseline import Baseline
+from skinfield.loop.client import Live
+from skinfield.loop.engine_process import EngineProcess
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.realtime import TimingTable
+from skinfield.loop.ring_fields import open_ring
+from skinfield.loop.slots import Head, Slot
+from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import Ring
+from skinfield.signal import Port
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
@@ -130,7 +130,7 @@ def test_cycles_say_that_they_were_late(
     slot = SimpleNamespace(head=np.zeros(len(Head), np.int64))
     slot.head[Head.DUE_NS] = (100 - due) * SECOND
     clock = SimpleNamespace(monotonic_ns=lambda: 100 * SECOND)
-    monkeypatch.setattr("skinfield.live.engine_process.time", clock)
+    monkeypatch.setattr("skinfield.loop.engine_process.time", clock)
     engine = SimpleNamespace(
         reset=True,
         parameters=SimpleNamespace(budget_ns=400_000),
@@ -158,7 +158,7 @@ def test_an_engine_that_cannot_be_started_now_is_started_later(
         supervisor._stopping.set()
 
     monkeypatch.setattr(supervisor, "_start", start)
-    monkeypatch.setattr("skinfield.live.supervisor.PAUSES", (0.01,))
+    monkeypatch.setattr("skinfield.loop.supervisor.PAUSES", (0.01,))
     supervisor._watch()
     assert len(tries) == 3
     assert [each.what for each in supervisor.events] == ["failed", "failed"]
@@ -185,7 +185,7 @@ def test_the_watch_goes_on_where_its_events_cannot_be_written(
 ) -> None:
     supervisor = Supervisor(settings())
     monkeypatch.setattr(
-        "skinfield.live.supervisor.sidecar", lambda name, what: tmp_path / "not there" / name
+        "skinfield.loop.supervisor.sidecar", lambda name, what: tmp_path / "not there" / name
     )
     supervisor._tell("failed", "text")
     assert supervisor.events[-1].text == "text"

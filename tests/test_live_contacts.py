@@ -9,12 +9,11 @@ from contact_scenes import bumps, grids, scenes
 from engine_scenes import SKIN, engine_of, readings_of
 
 import skinfield as sf
-from skinfield.contacts import Habits, LiveContacts, level_of
-from skinfield.contacts.live import CONTACT, KNOWN
-from skinfield.engine import SkinContacts
 from skinfield.errors import InputError
-from skinfield.fields import Contact, PressureNoise
-from skinfield.layout import Grid
+from skinfield.estimate import Contact, Habits, LiveContacts, PressureNoise, level_of
+from skinfield.estimate.live_contacts import CONTACT, KNOWN
+from skinfield.reconstruct.engine import SkinContacts
+from skinfield.skin import Grid
 
 THINNED = 96  # cells of a region beyond which deviations are those of a sample
 

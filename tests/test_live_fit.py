@@ -16,12 +16,10 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 import skinfield as sf
-from skinfield.acquisition import Port
-from skinfield.conditioning import Convention, CySkinCount, ICubByte, PlainCount
-from skinfield.contacts.live import CONTACT
-from skinfield.live.client import Live, chosen
-from skinfield.live.fit_process import SkinFit, clips_at_rest
-from skinfield.live.fit_ring import (
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.client import Live, chosen
+from skinfield.loop.fit_process import SkinFit, clips_at_rest
+from skinfield.loop.fit_ring import (
     FitReader,
     FitSlot,
     Fitted,
@@ -30,14 +28,15 @@ from skinfield.live.fit_ring import (
     is_fit,
     write_engine,
 )
-from skinfield.live.fit_worker import FIRST, Accuracy, FitTracks, Numbers, rounding_of
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import open_ring
-from skinfield.live.slots import PATCH, Head, Slot
-from skinfield.live.stationary_mean import GAP_NS, Mean, StationaryMean
+from skinfield.loop.fit_worker import FIRST, Accuracy, FitTracks, Numbers, rounding_of
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.ring_fields import open_ring
+from skinfield.loop.slots import PATCH, Head, Slot
+from skinfield.loop.stationary_mean import GAP_NS, Mean, StationaryMean
+from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, RingReader
+from skinfield.signal import Convention, CySkinCount, ICubByte, PlainCount, Port
 from skinfield.simulate import Sphere, press
-from skinfield.viewer.source import LiveSource
 
 TAXELS, PERIOD_NS = 20, 10_000_000
 NOISES = np.full(TAXELS, 0.002)
@@ -466,7 +465,7 @@ def test_a_skin_is_told_from_its_fit(ring: Ring, fit: SkinFit) -> None:
 def test_the_process_ends_when_it_is_told_to_and_takes_its_ring_away() -> None:
     made = settings()
     ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", len(HEXAGON)),)))
-    command = [sys.executable, "-m", "skinfield.live.fit_process", made.name]
+    command = [sys.executable, "-m", "skinfield.loop.fit_process", made.name]
     try:
         with ring:
             child = subprocess.Popen([*command, "--parent", str(os.getpid())])

@@ -8,8 +8,8 @@ import pytest
 from live_skins import Ticking
 from numpy.testing import assert_array_equal
 
-from skinfield.acquisition import Blocks, Count, Kind, Port, blocks_of, counters
-from skinfield.live.intake import Intake
+from skinfield.loop.intake import Intake
+from skinfield.signal import Blocks, Count, Kind, Port, blocks_of, counters
 
 SECOND = 10**9
 

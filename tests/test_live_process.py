@@ -14,17 +14,17 @@ from live_skins import LAYER, Ticking, settings, sf_board, unique_name, wait_for
 from numpy.testing import assert_array_equal
 
 import skinfield as sf
-from skinfield.acquisition import Count
 from skinfield.errors import InputError
-from skinfield.live.client import Live, NotRunning, Stale, connect
-from skinfield.live.control import order
-from skinfield.live.status import Observer
-from skinfield.live.supervisor import EngineFailed, Supervisor
+from skinfield.loop.client import Live, NotRunning, Stale, connect
+from skinfield.loop.control import order
+from skinfield.loop.status import Observer
+from skinfield.loop.supervisor import EngineFailed, Supervisor
+from skinfield.page import serve_page
+from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, State
 from skinfield.ring.files import sidecar
 from skinfield.settings import PageSettings
-from skinfield.viewer import serve_page
-from skinfield.viewer.source import LiveSource
+from skinfield.signal import Count
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
@@ -194,7 +194,7 @@ def test_it_ends_with_its_parent() -> None:
     code = (
         "import sys, time; sys.path.insert(0, sys.argv[1])\n"
         "from live_skins import settings\n"
-        "from skinfield.live.supervisor import Supervisor\n"
+        "from skinfield.loop.supervisor import Supervisor\n"
         f"supervisor = Supervisor(settings(name={name!r})).__enter__()\n"
         "supervisor.wait(120.0); print(supervisor._child.pid, flush=True); time.sleep(600)\n"
     )

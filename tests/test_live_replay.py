@@ -10,10 +10,10 @@ import pytest
 from live_skins import settings, wait_for
 from numpy.testing import assert_array_equal
 
-from skinfield.live.client import Live, connect
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
-from skinfield.live.replay import Replay
-from skinfield.live.supervisor import Supervisor
+from skinfield.loop.client import Live, connect
+from skinfield.loop.supervisor import Supervisor
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.record.replay import Replay
 from skinfield.ring import State
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")

@@ -15,18 +15,18 @@ from command_line import invoke
 from live_skins import REST, Ticking, TickingStream, pressed_counts, settings, wait_for
 
 import skinfield as sf
-from skinfield.acquisition import Blocks, Kind
 from skinfield.errors import InputError
-from skinfield.inverse import GaussianField, NonNegative, Solver
-from skinfield.live.client import Live, connect
-from skinfield.live.control import order
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
-from skinfield.live.replay import Replay
-from skinfield.live.runtime_parameters import Focus, Tuning
-from skinfield.live.settings import LIVE_TOLERANCE
-from skinfield.live.status import Observer
-from skinfield.live.supervisor import EngineFailed, Supervisor
+from skinfield.loop.client import Live, connect
+from skinfield.loop.control import order
+from skinfield.loop.runtime_parameters import Focus, Tuning
+from skinfield.loop.settings import LIVE_TOLERANCE
+from skinfield.loop.status import Observer
+from skinfield.loop.supervisor import EngineFailed, Supervisor
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.record.replay import Replay
 from skinfield.ring import State
+from skinfield.signal import Blocks, Kind
+from skinfield.solve import GaussianField, NonNegative, Solver
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 ENOUGH = 40  # cycles

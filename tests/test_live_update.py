@@ -6,15 +6,14 @@ from live_skins import LAYER, REST, cycle_of, pressed_counts, settings
 from numpy.testing import assert_allclose, assert_array_equal
 
 import skinfield as sf
-from skinfield.acquisition import Blocks, Channels, Kind, Port, Status
-from skinfield.conditioning import Calibration, ICubByte
-from skinfield.engine.state import Answer
 from skinfield.errors import InputError
-from skinfield.live.baseline import unrounded
-from skinfield.live.binding import bind
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.slots import Head, Slot
-from skinfield.pipeline.diagnostics import Conditioner
+from skinfield.loop.baseline import unrounded
+from skinfield.loop.binding import bind
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.slots import Head, Slot
+from skinfield.reconstruct.diagnostics import Conditioner
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.signal import Blocks, Calibration, Channels, ICubByte, Kind, Port, Status
 
 NOW = 10**18
 

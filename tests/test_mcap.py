@@ -15,12 +15,12 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from mcap_sample import ROWS, START, blocks_at, cycle_of, field_of, write
 
-from skinfield.acquisition.recorded import CYCLES, FIELDS, CycleLayout, FieldRecord
 from skinfield.errors import FileError, InputError
-from skinfield.live.recover import recover
-from skinfield.sinks.mcap import RecordingSettings, RecordingWriter
-from skinfield.sinks.mcap.container import COMPRESSIONS
-from skinfield.sources.recordings.mcap_live import LiveRecording, Newest
+from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap.container import COMPRESSIONS
+from skinfield.files.mcap.live import LiveRecording, Newest
+from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout, FieldRecord
+from skinfield.record.recover import recover
 
 
 def equal(one, other) -> bool:

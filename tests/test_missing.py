@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.fields import Contact, Estimate, PressureNoise
-from skinfield.inverse import InverseOperator, Solver
-from skinfield.inverse.linear import PITCHES, taxel_distance
-from skinfield.observation import ObservationModel
-from skinfield.pipeline import plan
+from skinfield.elastic import ObservationModel
+from skinfield.estimate import Contact, Estimate, PressureNoise
+from skinfield.reconstruct import plan
+from skinfield.solve import InverseOperator, Solver
+from skinfield.solve.linear import PITCHES, taxel_distance
 
 PATCH = sf.layouts.hexagon72()
 LAYER = sf.Layer(2e-3, 100e3, 0.4)

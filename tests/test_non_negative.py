@@ -11,12 +11,11 @@ from scipy.stats import norm
 from test_readme import ROOT, follow
 
 import skinfield as sf
+from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import InputError
-from skinfield.inverse import GaussianField, NonNegative
-from skinfield.layout import Grid
-from skinfield.mechanics import Layer
-from skinfield.observation import BaseStress, Capacitance
 from skinfield.simulate import Bar, Ring, press
+from skinfield.skin import Grid
+from skinfield.solve import GaussianField, NonNegative
 from skinfield.testing import SolverContract
 from skinfield.testing.solver import square_patch
 
@@ -198,7 +197,7 @@ def test_a_length_longer_than_the_grid_is_no_harm_but_there_is_an_end() -> None:
 
 
 def test_the_clock_is_that_of_the_deadline() -> None:
-    from skinfield.inverse.dual.workspace import now_ns
+    from skinfield.solve.dual.workspace import now_ns
 
     room = np.zeros(2, dtype=np.int64)
     for _ in range(100):

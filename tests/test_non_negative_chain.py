@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from non_negative_reference import Dense, Either, amounts_of, small_model, solve, solved
 
+from skinfield.elastic import BaseStress, Capacitance, ObservationModel
 from skinfield.errors import Floats
-from skinfield.inverse import NonNegative
-from skinfield.inverse.non_negative import NonNegativeOperator
-from skinfield.observation import BaseStress, Capacitance, ObservationModel
+from skinfield.solve import NonNegative
+from skinfield.solve.non_negative import NonNegativeOperator
 
 BOTH = [BaseStress(), Capacitance()]
 ROUNDING = 2e-6

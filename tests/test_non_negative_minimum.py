@@ -20,11 +20,10 @@ from non_negative_reference import (
 from scipy.optimize import lsq_linear
 
 import skinfield as sf
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, ObservationModel
 from skinfield.errors import Floats
-from skinfield.inverse import NonNegative
-from skinfield.layout import Grid
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.observation import BaseStress, Capacitance, ObservationModel
+from skinfield.skin import Grid
+from skinfield.solve import NonNegative
 
 EXACT = 1e-12  # tolerance: until rounding leaves nothing to gain
 PRECISIONS = {np.float64: 1e-11, np.float32: 1e-4}  # gaps that are proved then

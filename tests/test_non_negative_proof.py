@@ -19,12 +19,11 @@ from non_negative_reference import (
 )
 
 import skinfield as sf
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, ObservationModel
 from skinfield.errors import Floats
-from skinfield.inverse import NonNegative, non_negative
-from skinfield.inverse.non_negative import NonNegativeOperator
-from skinfield.layout import Grid
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.observation import BaseStress, Capacitance, ObservationModel
+from skinfield.skin import Grid
+from skinfield.solve import NonNegative, non_negative
+from skinfield.solve.non_negative import NonNegativeOperator
 
 BOTH = [BaseStress(), Capacitance()]
 LOOSE = 1e-6  # share of the objective that single precision may be off

@@ -21,11 +21,10 @@ from non_negative_reference import (
 from scipy.optimize import nnls
 
 import skinfield as sf
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Layer, ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.inverse import NonNegative, non_negative
-from skinfield.layout import Grid
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.observation import BaseStress, Capacitance, ObservationModel
+from skinfield.skin import Grid
+from skinfield.solve import NonNegative, non_negative
 
 BOTH = [BaseStress(), Capacitance()]
 LOOSE = 2e-6

@@ -4,17 +4,25 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from skinfield.errors import InputError
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import cylinder, hexagon72
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer
-from skinfield.observation import BaseStress, Capacitance, Deformation, Gap, ObservationModel
-from skinfield.observation.electrostatics import (
+from skinfield.elastic import (
+    BaseStress,
+    BondedLayer,
+    Capacitance,
+    Deformation,
+    Gap,
+    HalfSpace,
+    Layer,
+    ObservationModel,
+)
+from skinfield.elastic.electrostatics import (
     GapStrain,
     capacitance_change,
     charge_series,
     gap_strain,
 )
+from skinfield.errors import InputError
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import cylinder, hexagon72
 
 LAYER = Layer(2e-3, 100e3, 0.5)
 FOAM = Layer(2e-3, 100e3, 0.3)

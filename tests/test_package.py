@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import skinfield
-from skinfield.inverse.operator import InverseOperator, propagated_std
-from skinfield.observation import ObservationModel
+from skinfield.elastic import ObservationModel
+from skinfield.solve.operator import InverseOperator, propagated_std
 
 ROOT = Path(__file__).resolve().parents[1]
 PUBLIC = [name for name in dir(skinfield) if not name.startswith("_")]

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import skinfield
-from skinfield.acquisition import Blocks, Channels, Count, counters
-from skinfield.protocols.packet import (
+from skinfield.signal import Blocks, Channels, Count, counters
+from skinfield.wire.packet import (
     Hello,
     PacketDecoder,
     PacketEncoder,
@@ -19,7 +19,7 @@ from skinfield.protocols.packet import (
     packets_of,
 )
 
-HEADER = Path(skinfield.__file__).parent / "protocols" / "packet" / "skinfield_packet.h"
+HEADER = Path(skinfield.__file__).parent / "wire" / "packet" / "skinfield_packet.h"
 SKETCH = Path(__file__).resolve().parents[1] / "examples" / "arduino" / "skinfield_sketch"
 WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wno-unused-function", "-Werror", "-pedantic"]
 PROGRAM = r"""
@@ -171,7 +171,7 @@ def test_packets_of_c_are_read(compiled: Compiler) -> None:
     assert {p.device for p in found} == {7}
     hello = Hello.from_payload(found[0].payload)
     assert hello == Hello(channels=300, kind=2, period_us=1000, name="palm")
-    from skinfield.protocols.packet import PacketDevice
+    from skinfield.wire.packet import PacketDevice
 
     decoder, blocks, seen = PacketDecoder([PacketDevice(7, 300)]), Blocks(1 << 14), counters()
     octets = np.frombuffer(data, np.uint8)

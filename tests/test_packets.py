@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from packet_reference import Reference, counts_packet, raw_packet
 
-from skinfield.acquisition import Blocks, Channels, Count, Kind, Status, blocks_of, counters
 from skinfield.errors import InputError
-from skinfield.protocols.packet import (
+from skinfield.signal import Blocks, Channels, Count, Kind, Status, blocks_of, counters
+from skinfield.wire.packet import (
     EVERY_DEVICE,
     LONGEST,
     NO_ROOM,
@@ -30,7 +30,7 @@ from skinfield.protocols.packet import (
     packet_from_bytes,
     packets_of,
 )
-from skinfield.protocols.packet.kernel import crc_ccitt
+from skinfield.wire.packet.kernel import crc_ccitt
 
 SHORTS = "5346 01 02 0100 0600 07000000 40420f00 0300 0300 0200 01 00 0100 0200 2c01 073b"
 BYTES = "5346 01 01 0200 0300 00000000 00000000 0000 0300 0000 00 02 0a 14 ff c15c"

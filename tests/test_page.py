@@ -13,7 +13,7 @@ from browser import STARTS, Look, Served, looking, pictures, running_browser, se
 from live_skins import unique_name
 from page_gestures import Hand
 
-from skinfield.live.fit_worker import FIRST
+from skinfield.loop.fit_worker import FIRST
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 QUIET = ("--headless", "--scene", "idle", "--rate-hz", "250", "--priority", "0")

@@ -3,8 +3,8 @@
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.viewer.controller import Press
-from skinfield.viewer.presser import MOST, Presser
+from skinfield.page.controller import Press
+from skinfield.page.presser import MOST, Presser
 
 
 class Skin:

@@ -14,12 +14,12 @@ from live_skins import unique_name, wait_for
 from websockets.sync.client import connect
 
 from skinfield.errors import InputError
-from skinfield.live.recorder import RecorderState, forget_state
+from skinfield.page import serve_page
+from skinfield.page.live_controller import LiveController
+from skinfield.page.recordings import SILENT, Recordings
+from skinfield.page.source import DataSource, LiveSource
+from skinfield.record.recorder import RecorderState, forget_state
 from skinfield.settings import PageSettings
-from skinfield.viewer import serve_page
-from skinfield.viewer.live_controller import LiveController
-from skinfield.viewer.recordings import SILENT, Recordings
-from skinfield.viewer.source import DataSource, LiveSource
 
 
 class Recorder:

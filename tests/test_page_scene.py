@@ -60,7 +60,7 @@ SHOW = """([count, pitch, high, value, answer, quantity, spots, dead]) => {
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[Any]:
-    shipped = files("skinfield.viewer") / "page"
+    shipped = files("skinfield.page") / "static"
     with running_browser() as browser:
         page = browser.new_page(viewport=DESK)
         page.route("**/*", lambda route: _answer(route, shipped))

@@ -15,9 +15,9 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from skinfield.errors import InputError
+from skinfield.page import Page, serve_page
+from skinfield.page.wire import unpacked
 from skinfield.settings import PageSettings
-from skinfield.viewer import Page, serve_page
-from skinfield.viewer.wire import unpacked
 
 LONG = 60.0  # s
 
@@ -169,7 +169,7 @@ def test_a_taken_port_is_refused_or_another_found(
     refused = pytest.raises(InputError, match=f"port {page.port} of 127.0.0.1 cannot be served")
     with refused, serve_page(PageSettings(port=page.port), lambda: (source,)):
         pass
-    monkeypatch.setattr("skinfield.viewer.server.PORT", page.port)
+    monkeypatch.setattr("skinfield.page.server.PORT", page.port)
     with serve_page(PageSettings(), lambda: (source,)) as second:
         assert second.port not in (0, page.port)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from skinfield.viewer.live_controller import tune
+from skinfield.page.live_controller import tune
 
 RANGES = {
     "deadline": (2e-5, 9.000000000000001e-4),

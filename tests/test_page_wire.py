@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from page_sources import StillSource
 
 import skinfield as sf
-from skinfield.layout import Grid
-from skinfield.viewer.scene_layout import SceneLayout
-from skinfield.viewer.wire import packed, scaled, unpacked
+from skinfield.page.scene_layout import SceneLayout
+from skinfield.page.wire import packed, scaled, unpacked
+from skinfield.skin import Grid
 
 PATCHES = {
     "flat": sf.layouts.hexagon72,
@@ -84,7 +84,7 @@ def test_a_place_of_the_picture_is_one_of_the_plane(kind) -> None:
     source = StillSource.__new__(StillSource)
     layout = SceneLayout(())
     layout.sources = (source,)
-    from skinfield.viewer.scene_layout import PlacedPatch
+    from skinfield.page.scene_layout import PlacedPatch
 
     pose = np.eye(4)
     pose[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.inverse import Inverse
-from skinfield.lab import paper as paper_algorithm
-from skinfield.mechanics import HalfSpace, Layer
-from skinfield.mechanics.cell_integrals import rectangle_normal_displacement
-from skinfield.mechanics.half_space import (
+from skinfield.elastic import HalfSpace, Layer
+from skinfield.elastic.cell_integrals import rectangle_normal_displacement
+from skinfield.elastic.half_space import (
     base_traction,
     coincident_displacement,
     displacement,
@@ -20,6 +18,8 @@ from skinfield.mechanics.half_space import (
     surface_displacement,
     virtual_depth,
 )
+from skinfield.lab import paper as paper_algorithm
+from skinfield.solve import Inverse
 
 E, H = 150e3, 2e-3
 INTO = np.diag([1.0, 1.0, -1.0])  # the paper's z points into the skin in (15) to (19)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.layout.geometry import inside_hull, spans_plane
+from skinfield.skin.geometry import inside_hull, spans_plane
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) * 10e-3
 

@@ -17,7 +17,7 @@ from matplotlib.text import Text
 import skinfield as sf
 from skinfield import plot
 from skinfield.errors import FileError, InputError
-from skinfield.fields import Contact, Estimate
+from skinfield.estimate import Contact, Estimate
 from skinfield.plot.estimate import presses_from_truth
 from skinfield.plot.maps import plane_from_position
 from skinfield.plot.style import number, plus_minus, signed_colours

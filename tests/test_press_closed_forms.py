@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skinfield.mechanics import Layer
-from skinfield.mechanics.axisymmetric import (
+from skinfield.elastic import Layer
+from skinfield.elastic.axisymmetric import (
     Ball,
     Indentation,
     Profile,
@@ -21,7 +21,7 @@ from skinfield.mechanics.axisymmetric import (
     indent_to_radius,
     punch,
 )
-from skinfield.mechanics.hertz import (
+from skinfield.elastic.hertz import (
     FlatPunch,
     FullStick,
     HertzSphere,

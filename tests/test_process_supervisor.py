@@ -11,8 +11,8 @@ from live_skins import unique_name, wait_for
 from skinfield.bridges.launch import Bridge
 from skinfield.bridges.zenoh.publisher import PublisherSettings
 from skinfield.errors import InputError
-from skinfield.live import process_supervisor
-from skinfield.live.process_supervisor import SupervisedProcess, exit_text, start_fit
+from skinfield.loop import process_supervisor
+from skinfield.loop.process_supervisor import SupervisedProcess, exit_text, start_fit
 
 LONG = 600.0  # s: on a busy machine
 SLEEPS, FAILS = "import time; time.sleep(1000)", "raise SystemExit(3)"

@@ -5,10 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.contacts import ContactFinder, ContactTable
-from skinfield.fields import PressureNoise
-from skinfield.fields.ranking import by_falling_force, falling_order, first_largest
-from skinfield.layout import Grid, Patch
+from skinfield.estimate import ContactFinder, ContactTable, PressureNoise
+from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
+from skinfield.skin import Grid, Patch
 
 ROUNDED = st.integers(-8, 8).map(lambda steps: 1.0 + steps * 2e-16)
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from skinfield.errors import InputError
-from skinfield.realtime import RealTime, RealTimeStatus, setup, system
-from skinfield.realtime.system import competitors, cpus_of
+from skinfield.loop.realtime import RealTime, RealTimeStatus, setup, system
+from skinfield.loop.realtime.system import competitors, cpus_of
 
 LINUX = sys.platform == "linux"
 ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
@@ -20,7 +20,7 @@ FIFO = 1  # number of the policy, of linux/sched.h
 
 PRELUDE = """
 import gc, json, os, resource, threading
-from skinfield.realtime import RealTime, setup, system
+from skinfield.loop.realtime import RealTime, setup, system
 """
 REPORT = """
 granted = RealTime(priority={priority}).apply()
@@ -260,12 +260,12 @@ def test_a_competitor_is_found_and_its_processor_avoided() -> None:
     found = child(
         """
 import subprocess, sys
-from skinfield.realtime.system import competitors
+from skinfield.loop.realtime.system import competitors
 first = RealTime(lock_memory=False, keep_awake=False).apply()
 told = subprocess.run([sys.executable, "-c", '''
 import json, os, sys
-from skinfield.realtime import RealTime
-from skinfield.realtime.system import competitors
+from skinfield.loop.realtime import RealTime
+from skinfield.loop.realtime.system import competitors
 os.sched_setaffinity(0, json.loads(sys.argv[1]))
 mine = [each.cpu for each in competitors() if each.process == os.getppid()]
 taken = [each.cpu for each in competitors()]

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.realtime import (
+from skinfield.loop.realtime import (
     WORDS,
     EventWaiter,
     PeriodicClock,
@@ -29,8 +29,8 @@ from skinfield.realtime import (
     quantiles,
     system,
 )
-from skinfield.realtime.layout import BINS, LONGEST, SUM, TOP
-from skinfield.realtime.timing import FIELDS, LAST_NS, TIMES, TOTALS
+from skinfield.loop.realtime.layout import BINS, LONGEST, SUM, TOP
+from skinfield.loop.realtime.timing import FIELDS, LAST_NS, TIMES, TOTALS
 
 MS = 1_000_000
 
@@ -292,7 +292,7 @@ def test_work_before_a_cycle_may_end_late_without_skipping_it(
 def test_early_work_begins_as_soon_before_the_cycle_as_it_takes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from skinfield.live import engine_process
+    from skinfield.loop import engine_process
 
     fake, periodic = FakeTime(), PeriodicClock(MS, first_ns=MS)
     periodic._sleeper = fake

@@ -18,14 +18,15 @@ from skinfield.cli import reconstruct as reconstruct_module
 from skinfield.cli import reconstruct_jobs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import dask_client, run_jobs, settings_of
-from skinfield.pipeline.bulk import CHUNK
-from skinfield.reading import Recording
+from skinfield.files import contacts, fields, save_recording
+from skinfield.files import manifest as manifest_module
+from skinfield.files import results_writer as results
+from skinfield.files.manifest import Manifest
+from skinfield.files.recordings import lines
+from skinfield.files.results import read_results
+from skinfield.reconstruct.bulk import CHUNK
 from skinfield.settings import Elastomer, ModelSettings
-from skinfield.sinks import contacts, fields, results, save_recording
-from skinfield.sinks import manifest as manifest_module
-from skinfield.sinks.manifest import Manifest
-from skinfield.sources.recordings import lines
-from skinfield.sources.results import read_results
+from skinfield.skin.reading import Recording
 
 for package in ("distributed", "xarray", "zarr", "pyarrow"):
     pytest.importorskip(package, reason="of the extra batch")

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
+from skinfield.elastic import Deformation
 from skinfield.errors import InputError
-from skinfield.observation import Deformation
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
 PATCH = sf.layouts.hexagon72()

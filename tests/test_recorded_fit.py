@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from skinfield.acquisition.recorded import FIT_HEAD, FitLayout, FitRecord, FitSizes
 from skinfield.errors import InputError
+from skinfield.files.mcap.schema import FIT_HEAD, FitLayout, FitRecord, FitSizes
 
 CONTACT = np.dtype([("track", "<i8"), ("position", "<f8", (3,))])
 PATCH = np.dtype([("contacts", "<i4"), ("stamp_ns", "<i8")])

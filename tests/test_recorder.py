@@ -11,14 +11,14 @@ from mcap.reader import make_reader
 from recorder_ring import FakeEngine, missing_bytes
 
 import skinfield as sf
-from skinfield.acquisition import Kind
-from skinfield.acquisition.recorded import CycleFlag
-from skinfield.live.model_config import Configuration, write_configuration
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state, read_state
-from skinfield.live.runtime_parameters import Tuning
-from skinfield.pipeline.serialisation import value_from_plain
-from skinfield.sources import open_recording
-from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.files import open_recording
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop.model_config import Configuration, write_configuration
+from skinfield.loop.runtime_parameters import Tuning
+from skinfield.reconstruct.serialisation import value_from_plain
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.signal import Kind
 
 
 @pytest.fixture

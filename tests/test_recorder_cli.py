@@ -12,8 +12,8 @@ from command_line import invoke
 from mcap_sample import write
 from recorder_ring import FakeEngine
 
-from skinfield.live.recorder import forget_state, read_state
-from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.record.recorder import forget_state, read_state
 
 PATIENCE = 60.0  # s
 MAIN = "from skinfield.cli import main; main()"

@@ -19,13 +19,13 @@ from recorder_ring import FakeEngine
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from skinfield.acquisition import Blocks, Kind, Status
-from skinfield.layout import Patch, Skin
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
-from skinfield.sinks.mcap import FoxgloveViews, RosViews
-from skinfield.sinks.mcap.views import PatchView, _turn_from_x
-from skinfield.sources import open_recording, readings_for
-from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.files import open_recording, readings_for
+from skinfield.files.mcap import FoxgloveViews, RosViews
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.views import PatchView, _turn_from_x
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.signal import Blocks, Kind, Status
+from skinfield.skin import Patch, Skin
 
 CYCLES = 60
 
@@ -180,7 +180,7 @@ def test_info(recorded):
 
 def test_reconstruct_takes_it(recorded, tmp_path):
     path, _, skin = recorded
-    from skinfield.layout.formats import own_npz
+    from skinfield.files.layouts import own_npz
 
     own_npz.write(skin, tmp_path / "layout.npz")
     run(

@@ -14,10 +14,10 @@ import pytest
 from mcap.reader import make_reader
 from recorder_ring import FakeEngine, missing_bytes
 
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state, read_state
-from skinfield.live.recover import recover
-from skinfield.sinks.mcap.container import FileOutput
-from skinfield.sources.recordings.mcap_live import LiveRecording
+from skinfield.files.mcap.container import FileOutput
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state, read_state
+from skinfield.record.recover import recover
 
 PATIENCE = 60.0  # s, on a machine that is busy
 
@@ -43,7 +43,7 @@ class Process:
 
     def __init__(self, engine, path):
         self.name, self.path = engine.ring.name, path
-        command = [sys.executable, "-m", "skinfield.live.recorder", self.name, str(path)]
+        command = [sys.executable, "-m", "skinfield.record.recorder", self.name, str(path)]
         self.child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         until(lambda: read_state(self.name) is not None or self.child.poll() is not None, "start")
 

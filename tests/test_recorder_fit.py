@@ -10,13 +10,13 @@ import pytest
 from fit_rings import FakeFit, contact
 from recorder_ring import FakeEngine
 
-from skinfield.acquisition.recorded import FitRecord
-from skinfield.live import fit_ring
-from skinfield.live.fit_ring import Fitted, fit_name
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
-from skinfield.live.recorder_queue import Item, Queue
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.schema import FitRecord
+from skinfield.loop import fit_ring
+from skinfield.loop.fit_ring import Fitted, fit_name
+from skinfield.record.queue import Item, Queue
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.ring import Field, Ring
-from skinfield.sources.recordings.mcap_live import LiveRecording
 
 
 @pytest.fixture(autouse=True)

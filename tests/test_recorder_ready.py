@@ -11,7 +11,9 @@ from live_skins import unique_name, wait_for
 from recorder_ring import FakeEngine
 
 from skinfield.errors import InputError
-from skinfield.live.recorder import (
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.record.launch import LOADING, NOT_READY, ReadyRecorders
+from skinfield.record.recorder import (
     READY,
     Recorder,
     RecorderSettings,
@@ -20,8 +22,6 @@ from skinfield.live.recorder import (
     read_order,
     read_state,
 )
-from skinfield.live.recorder_launch import LOADING, NOT_READY, ReadyRecorders
-from skinfield.sources.recordings.mcap_live import LiveRecording
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 PERIOD = 0.01  # s
@@ -170,7 +170,7 @@ def test_a_click_while_it_is_being_loaded_waits_for_it(
 
 def test_one_that_waits_ends_with_whoever_would_tell_it() -> None:
     """On a skin that is not there yet."""
-    command = [sys.executable, "-m", "skinfield.live.recorder", unique_name(), "--wait"]
+    command = [sys.executable, "-m", "skinfield.record.recorder", unique_name(), "--wait"]
     found = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     assert (found.returncode, found.stdout, found.stderr) == (0, READY, b"")
 

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.conditioning import ICubByte, Verdict, find_faults
-from skinfield.conditioning.faults import merged_faults
 from skinfield.errors import FileError
-from skinfield.pipeline.diagnostics import Conditioning, survey
-from skinfield.reading import Recording
-from skinfield.sinks import save_recording
-from skinfield.sources import open_recording, stream_recording
-from skinfield.sources.recordings import RecordingStream
-from skinfield.sources.recordings import lines as lines_module
+from skinfield.files import open_recording, save_recording, stream_recording
+from skinfield.files.recordings import RecordingStream
+from skinfield.files.recordings import lines as lines_module
+from skinfield.reconstruct.diagnostics import Conditioning, survey
+from skinfield.signal import ICubByte, Verdict, find_faults
+from skinfield.signal.faults import merged_faults
+from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.hexagon72()
 

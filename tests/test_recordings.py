@@ -11,10 +11,9 @@ from hypothesis import strategies as st
 
 import skinfield as sf
 from skinfield.errors import FileError, InputError
-from skinfield.reading import Recording
-from skinfield.sinks import save_recording
-from skinfield.sources import open_recording, readings_for
-from skinfield.sources.recordings import lines as lines_module
+from skinfield.files import open_recording, readings_for, save_recording
+from skinfield.files.recordings import lines as lines_module
+from skinfield.skin.reading import Recording
 
 COUNTS = np.random.default_rng(3).integers(0, 256, (40, 7)).astype(float)
 STAMPS = 1_424_362_797_536_033_000 + np.arange(40) * 20_100_000  # us digits, as yarp prints them

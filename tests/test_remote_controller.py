@@ -2,7 +2,7 @@
 
 from page_sources import StillSource
 
-from skinfield.viewer.source import DataSource
+from skinfield.page.source import DataSource
 
 
 class Found:

@@ -20,27 +20,28 @@ from numpy.testing import assert_array_equal
 from replay_sample import NOISE, PERIOD, ROWS, START, Known, level, write
 
 import skinfield as sf
-from skinfield.acquisition import Port
 from skinfield.errors import FileError, InputError
-from skinfield.live import fit_ring, recorder_drain
-from skinfield.live.client import connect
-from skinfield.live.fit_ring import LAYOUT, FitReader, Fitted
-from skinfield.live.model_config import ModelConfig, Models
-from skinfield.live.recorder_drain import FitDrain
-from skinfield.live.recorder_queue import Queue
-from skinfield.live.recover import recover
-from skinfield.live.replay import Moment, Published, Replay, ReplayFit, is_sound, slot_of
-from skinfield.live.runtime_parameters import Tuning
-from skinfield.live.slots import Head, Slot
-from skinfield.live.snapshot import Snapshot
-from skinfield.live.status import Observer
-from skinfield.pipeline.serialisation import plain_from_value
-from skinfield.sinks.mcap import RecordingWriter
-from skinfield.sources.recordings.mcap_live import LiveRecording
-from skinfield.viewer.replay import LATE, Clock, ReplaySource
-from skinfield.viewer.scene_layout import SceneLayout
-from skinfield.viewer.source import EngineView, merged_view
-from skinfield.viewer.updates import Updates
+from skinfield.files.mcap import RecordingWriter
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.loop import fit_ring
+from skinfield.loop.client import connect
+from skinfield.loop.fit_ring import LAYOUT, FitReader, Fitted
+from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.runtime_parameters import Tuning
+from skinfield.loop.slots import Head, Slot
+from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status import Observer
+from skinfield.page.replay import LATE, Clock, ReplaySource
+from skinfield.page.scene_layout import SceneLayout
+from skinfield.page.source import EngineView, merged_view
+from skinfield.page.updates import Updates
+from skinfield.reconstruct.serialisation import plain_from_value
+from skinfield.record import drain as recorder_drain
+from skinfield.record.drain import FitDrain
+from skinfield.record.queue import Queue
+from skinfield.record.recover import recover
+from skinfield.record.replay import Moment, Published, Replay, ReplayFit, is_sound, slot_of
+from skinfield.signal import Port
 
 CYCLES, TARED = 320, 170
 COUNT = 340  # cycles, with a fit beside them
@@ -429,7 +430,7 @@ def test_a_clock_does_not_make_up_for_what_takes_longer(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = [100.0]
-    monkeypatch.setattr("skinfield.viewer.replay.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("skinfield.page.replay.time.monotonic", lambda: now[0])
     clock = Clock(playing=True)
     clock.set_speed(2.0)
     clock.begin(START)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from skinfield.elastic.resample import resampling_matrix
 from skinfield.errors import InputError
-from skinfield.observation.resample import resampling_matrix
 
 seeds = st.integers(0, 2**32 - 1)
 

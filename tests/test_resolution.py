@@ -5,16 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skinfield.errors import Floats, InputError
-from skinfield.inverse.atoms.table import BALL, unit_pressure
-from skinfield.lab.bound import contact_bounds, contact_family
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import hexagon72, icub_hexagon, icub_triangle, rectangular
-from skinfield.layout.geometry import inside_hull
-from skinfield.mechanics import Layer
-from skinfield.mechanics.axisymmetric import Paraboloid, indent_by_force
-from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
-from skinfield.resolution import (
+from skinfield.design import (
     Places,
     SkinDesign,
     Touch,
@@ -24,10 +15,18 @@ from skinfield.resolution import (
     judge,
     place_accuracy,
 )
-from skinfield.resolution.design import respond, snr_per_newton
-from skinfield.resolution.discrimination import bounds
-from skinfield.resolution.judgement import part_of
+from skinfield.design.design import respond, snr_per_newton
+from skinfield.design.discrimination import bounds
+from skinfield.design.judgement import part_of
+from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
+from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
+from skinfield.errors import Floats, InputError
+from skinfield.lab.bound import contact_bounds, contact_family
 from skinfield.simulate import Sphere
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import hexagon72, icub_hexagon, icub_triangle, rectangular
+from skinfield.skin.geometry import inside_hull
+from skinfield.solve.atoms.table import BALL, unit_pressure
 
 LAYER = Layer(2e-3, 150e3, 0.5)
 PLACES = np.array([[0, 7.48], [0, 0], [3, 9], [8, 1], [15, 5]]) * 1e-3

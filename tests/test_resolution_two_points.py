@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from skinfield.design import Places, SkinDesign, Touch, few_places, two_point_distance
+from skinfield.design.design import tables_of_design
+from skinfield.design.discrimination import needed_noncentrality
+from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import Floats, InputError
-from skinfield.inverse.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, Tables, predict
-from skinfield.layout.generators import hexagon72
-from skinfield.mechanics import Layer
-from skinfield.observation import BaseStress, Capacitance
-from skinfield.resolution import Places, SkinDesign, Touch, few_places, two_point_distance
-from skinfield.resolution.design import tables_of_design
-from skinfield.resolution.discrimination import needed_noncentrality
+from skinfield.skin.generators import hexagon72
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, Tables, predict
 
 THICKNESS = 4e-3
 LAYER = Layer(THICKNESS, 150e3, 0.5)

@@ -11,12 +11,15 @@ import pytest
 
 import skinfield as sf
 from skinfield.errors import FileError, InputError, SkinfieldError
-from skinfield.pipeline.serialisation import ReconstructorConfig, attributes_from_results, checksum
-from skinfield.sinks import ResultsWriter, save_results
-from skinfield.sinks.pending import pending
-from skinfield.sources import load_contacts, open_results
-from skinfield.sources import results as results_module
-from skinfield.sources.results import read_results
+from skinfield.files import ResultsWriter, load_contacts, open_results, save_results
+from skinfield.files import results as results_module
+from skinfield.files.pending import pending
+from skinfield.files.results import read_results
+from skinfield.reconstruct.serialisation import (
+    ReconstructorConfig,
+    attributes_from_results,
+    checksum,
+)
 
 for package in ("dask", "xarray", "zarr", "pyarrow"):
     pytest.importorskip(package, reason="of the extra batch")

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.elastic import StandardLinearSolid
 from skinfield.errors import InputError
-from skinfield.layout.generators import icub_triangle
-from skinfield.mechanics import StandardLinearSolid
 from skinfield.simulate.electronics import Delivery, Electronics, LinearBoard, icub_electronics
 from skinfield.simulate.rig import (
     At,
@@ -28,6 +27,7 @@ from skinfield.simulate.rig import (
     run_rig,
 )
 from skinfield.simulate.rig.run import solve_ladder
+from skinfield.skin.generators import icub_triangle
 
 BALL = sf.simulate.Sphere(radius=6e-3)
 IDEAL = Electronics(board=LinearBoard(), quantised=False, delivery=Delivery(rate=50.0))

@@ -9,9 +9,9 @@ from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
 from rosbags.highlevel import AnyReader
 
 from skinfield.errors import FileError, SkinfieldError
-from skinfield.live.recorder import Recorder, RecorderSettings, forget_state
-from skinfield.sinks.mcap import RosViews
-from skinfield.sinks.ros import BagExport
+from skinfield.files.mcap import RosViews
+from skinfield.files.ros import BagExport
+from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 
 CYCLES = 12
 TAXELS = "sensor_msgs/msg/PointCloud2"

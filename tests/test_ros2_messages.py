@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
 
 from skinfield.bridges.ros2.messages import SAID, Speaker
-from skinfield.live.client import Live
-from skinfield.live.fit_ring import FitSlot, Fitted
-from skinfield.live.status import Observer
+from skinfield.files.ros import RosbagKinds
+from skinfield.files.ros.kinds import CONTACTS
+from skinfield.files.ros.messages import axes_at, quaternion
+from skinfield.loop.client import Live
+from skinfield.loop.fit_ring import FitSlot, Fitted
+from skinfield.loop.status import Observer
 from skinfield.ring import State
-from skinfield.sinks.ros import RosbagKinds
-from skinfield.sinks.ros.kinds import CONTACTS
-from skinfield.sinks.ros.messages import axes_at, quaternion
 
 STAMP = 1_700_000_000_000_000_123
 FIRST = contact(0, 7, 2.0, (0.01, 0.0, 0.0), (0.6, 0.0, 0.8))

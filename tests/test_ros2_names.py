@@ -19,10 +19,8 @@ from skinfield.bridges.ros2.rmw_zenoh import (
     type_name,
 )
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch, Skin
-from skinfield.settings import from_plain
-from skinfield.sinks.ros import RosbagKinds, Topics, interface_package
-from skinfield.sinks.ros.kinds import (
+from skinfield.files.ros import RosbagKinds, Topics, interface_package
+from skinfield.files.ros.kinds import (
     CLOUD,
     CONTACT,
     CONTACTS,
@@ -31,7 +29,9 @@ from skinfield.sinks.ros.kinds import (
     WRENCH_STAMPED,
     definition_of,
 )
-from skinfield.sinks.ros.names import check_prefix, frame_of, is_topic, token_of, tokens_of
+from skinfield.files.ros.names import check_prefix, frame_of, is_topic, token_of, tokens_of
+from skinfield.settings import from_plain
+from skinfield.skin import Patch, Skin
 
 STRING = "std_msgs/msg/String"
 STRING_HASH = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"

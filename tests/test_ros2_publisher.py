@@ -16,8 +16,8 @@ from skinfield.bridges.launch import bridge_settings
 from skinfield.bridges.ros2.publisher import serve
 from skinfield.bridges.ros2.rmw_zenoh import Attachment, gid_of
 from skinfield.errors import InputError
+from skinfield.files.ros import interface_package
 from skinfield.settings import BridgeSettings
-from skinfield.sinks.ros import interface_package
 
 zenoh = pytest.importorskip("zenoh")
 PATIENCE = 120.0  # s

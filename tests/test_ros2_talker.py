@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from ros2_ring import TwoPatches, contact
 
 from skinfield.bridges.ros2.messages import LOOKS, Pace, Speaker, Talker
-from skinfield.live.client import Live, NotRunning
+from skinfield.files.ros import RosbagKinds
+from skinfield.loop.client import Live, NotRunning
 from skinfield.ring import State
-from skinfield.sinks.ros import RosbagKinds
 
 TOUCH = [contact(0, 7, 2.0, (0.01, 0.0, 0.0))]
 STAMP = 1_700_000_000_000_000_000

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from skinfield.errors import Floats, InputError
-from skinfield.lab.fem import pad_capacitance
-from skinfield.mechanics import Layer
-from skinfield.mechanics.axisymmetric import (
+from skinfield.elastic import Layer
+from skinfield.elastic.axisymmetric import (
     Ball,
     Indentation,
     Paraboloid,
@@ -14,15 +12,17 @@ from skinfield.mechanics.axisymmetric import (
     indent_to_radius,
     punch,
 )
-from skinfield.mechanics.hankel import RadialKernel, bessel, electrostatic, gauss_legendre, jinc
-from skinfield.observation.electrostatics import (
+from skinfield.elastic.electrostatics import (
     SHALLOW,
     GapStrain,
     capacitance_change,
     charge_below,
     charge_series,
 )
-from skinfield.observation.round_gap import BEYOND, RoundGap
+from skinfield.elastic.hankel import RadialKernel, bessel, electrostatic, gauss_legendre, jinc
+from skinfield.elastic.round_gap import BEYOND, RoundGap
+from skinfield.errors import Floats, InputError
+from skinfield.lab.fem import pad_capacitance
 
 H = 2e-3
 LAYER = Layer(H, 100e3, 0.5)

@@ -8,8 +8,8 @@ from rich.console import Console
 
 import skinfield as sf
 from skinfield.cli import run as command
-from skinfield.live.status_text import start_in_words
-from skinfield.live.supervisor import EngineFailed
+from skinfield.loop.status_text import start_in_words
+from skinfield.loop.supervisor import EngineFailed
 
 PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41.2}}
 

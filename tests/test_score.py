@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError
-from skinfield.fields import Contact, Estimate
+from skinfield.estimate import Contact, Estimate
 from skinfield.lab.cases import Case, TrueContact, Truth
 from skinfield.lab.score import (
     BLUR,
@@ -28,9 +29,8 @@ from skinfield.lab.score import (
     write_csv,
     write_json,
 )
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import hexagon72
-from skinfield.mechanics import Layer
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import hexagon72
 
 NAN = float("nan")
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.conditioning import Calibration, CySkinCount, ICubByte
 from skinfield.errors import FileError, InputError
-from skinfield.pipeline.intervals import Group, Intervals, Ratio
-from skinfield.pipeline.serialisation import (
+from skinfield.reconstruct.intervals import Group, Intervals, Ratio
+from skinfield.reconstruct.serialisation import (
     ReconstructorConfig,
     plain_from_value,
     value_from_plain,
 )
+from skinfield.signal import Calibration, CySkinCount, ICubByte
 
 PATCH = sf.layouts.hexagon72()
 GRID = sf.Grid.square(PATCH, nodes=8)

@@ -186,7 +186,8 @@ def test_profiles_are_whole_and_go_by_boards_and_layout(tmp_path: Path) -> None:
         (None, str(layout), "generic"), ("packet", str(layout), "generic"),
     ):  # fmt: skip
         assert profile_of(SkinSettings(), hardware, text).name == name
-    from skinfield.layout import generators, save_layout
+    from skinfield.files.layouts.load import save_layout
+    from skinfield.skin import generators
 
     foot = tmp_path / "foot.txt"
     save_layout(generators.icub_triangle(), foot)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
-from skinfield.observation import ObservationModel
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
 PAD = 4e-3
@@ -235,7 +235,7 @@ def test_it_allocates_nothing_per_reading() -> None:
 
 
 def test_displacement_is_that_of_the_grid() -> None:
-    from skinfield.observation import Deformation
+    from skinfield.elastic import Deformation
 
     sheet, dense = usual_pair()
     estimate = sheet(dense.readings)
@@ -248,8 +248,8 @@ def test_displacement_is_that_of_the_grid() -> None:
 
 
 def test_displacement_does_not_know_of_blocks() -> None:
-    from skinfield.inverse.sheet.estimate import SheetDeformation
-    from skinfield.mechanics import LatticeConvolution, displacement_kernel
+    from skinfield.elastic import LatticeConvolution, displacement_kernel
+    from skinfield.solve.sheet.estimate import SheetDeformation
 
     shape = (70, 720)  # one block and some
     deform = SheetDeformation(sf.BondedLayer(), LAYER, 1.5e-3, shape)

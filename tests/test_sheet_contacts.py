@@ -8,10 +8,10 @@ import pytest
 from test_readme import ROOT, follow
 
 import skinfield as sf
+from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.fields import PressureNoise
-from skinfield.inverse.sheet.estimate import TILE, SheetNoise, windows
-from skinfield.observation import ObservationModel
+from skinfield.estimate import PressureNoise
+from skinfield.solve.sheet.estimate import TILE, SheetNoise, windows
 
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
 DISTANCE = 5.8e-3

@@ -38,8 +38,8 @@ def test_what_is_cut_off_is_stated() -> None:
 
 def test_stamps_and_prediction_are_transposes() -> None:
     sheet = sf.Sheet(PLACES, LAYER, solver=sf.Tikhonov(), precision=np.float64)
-    from skinfield.inverse.sheet.kernels import add_stamps
-    from skinfield.inverse.sheet.plan import parts_of
+    from skinfield.solve.sheet.kernels import add_stamps
+    from skinfield.solve.sheet.plan import parts_of
 
     rng = np.random.default_rng(2)
     field, value = rng.normal(size=sheet.shape), rng.normal(size=len(sheet))
@@ -101,7 +101,7 @@ def test_no_stamp_is_written_beside_the_lattice(
     fewer: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Compiled code checks nothing, so it must not be reached."""
-    from skinfield.inverse.sheet.plan import Lattice
+    from skinfield.solve.sheet.plan import Lattice
 
     around = Lattice.around
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.elastic import HalfSpace
 from skinfield.errors import InputError
-from skinfield.mechanics import HalfSpace
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press, press_ladder
 from skinfield.simulate.pressing.press import enclosed, outlines
 

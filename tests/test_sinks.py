@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield import sinks
+from skinfield import files as sinks
 from skinfield.errors import FileError, InputError, SkinfieldError
-from skinfield.fields import Contact, Estimate
-from skinfield.fields.contact_table import COLUMNS
-from skinfield.reading import Recording
-from skinfield.sinks import contacts as contacts_module
-from skinfield.sinks import fields as fields_module
+from skinfield.estimate import Contact, Estimate
+from skinfield.estimate.contact_table import COLUMNS
+from skinfield.files import contacts as contacts_module
+from skinfield.files import fields as fields_module
+from skinfield.skin.reading import Recording
 
 PATCH = sf.Patch(np.random.default_rng(0).uniform(-0.02, 0.02, (12, 2)), name="palm")
 GRID = sf.Grid.square(PATCH, nodes=4)

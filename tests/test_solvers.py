@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
+from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Layer, ObservationModel
 from skinfield.errors import InputError
-from skinfield.inverse import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
-from skinfield.inverse.linear import smoothed
-from skinfield.layout import Grid
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer
-from skinfield.observation import BaseStress, ObservationModel
+from skinfield.skin import Grid
+from skinfield.solve import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
+from skinfield.solve.linear import smoothed
 from skinfield.testing import SolverContract
 from skinfield.testing.solver import square_patch
 

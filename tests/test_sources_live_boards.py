@@ -10,20 +10,22 @@ import pytest
 from bus_peers import wait_for
 from live_devices import CYSKIN_BOARDS, HEXAGON, CySkinBoard, ICubBoard
 
-from skinfield.acquisition import Blocks, Channels, Count, Kind, Port, Status, counters
+from skinfield.emulator import VirtualSettings
+from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.layout import Skin
-from skinfield.layout.generators import by_name
-from skinfield.protocols.cyskin import CySkinWire, start_messages, stop_messages
-from skinfield.protocols.icub import (
+from skinfield.signal import Blocks, Channels, Count, Kind, Port, Status, counters
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
+from skinfield.wire.can import BusSettings
+from skinfield.wire.cyskin import CySkinWire, start_messages, stop_messages
+from skinfield.wire.icub import (
     BoardSettings,
     ICubConfiguration,
     PortRun,
     configuration_for,
     load_configuration,
 )
-from skinfield.sources.buses import BusSettings
-from skinfield.sources.live import (
+from skinfield.wire.sources import (
     CySkinCan,
     ICubCan,
     NoReadingError,
@@ -33,11 +35,9 @@ from skinfield.sources.live import (
     read,
     read_latest,
 )
-from skinfield.sources.live.boards import ports_of
-from skinfield.sources.live.factory import source_from_options
-from skinfield.sources.live.managed_stream import AT_ONCE, CySkinSupervision, ICubSupervision
-from skinfield.virtual import VirtualSettings
-from skinfield.virtual.process import start
+from skinfield.wire.sources.boards import ports_of
+from skinfield.wire.sources.factory import source_from_options
+from skinfield.wire.sources.managed_stream import AT_ONCE, CySkinSupervision, ICubSupervision
 
 SECOND = 1_000_000_000
 NOW = 1_700_000_000 * SECOND
@@ -59,7 +59,7 @@ class Wire:
 
 
 def heard(care: ICubSupervision, now_ns: int, message_class: int = 4) -> None:
-    from skinfield.acquisition import CanMessages
+    from skinfield.signal import CanMessages
 
     rows = CanMessages(1)
     rows.ids[0], rows.stamp_ns[0] = message_class << 8 | 1 << 4, now_ns
@@ -475,7 +475,7 @@ def test_reading_waits_for_a_file_descriptor() -> None:
 
     from live_devices import packet
 
-    from skinfield.sources.live import PacketUdp
+    from skinfield.wire.sources import PacketUdp
 
     stream = PacketUdp(72, port=0).open()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:

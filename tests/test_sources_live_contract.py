@@ -18,11 +18,12 @@ from live_devices import (
     packet,
 )
 
-from skinfield.acquisition import Source, Stream
-from skinfield.protocols.cyskin import uids_of
-from skinfield.protocols.icub import configuration_for
-from skinfield.sources.buses import BusSettings
-from skinfield.sources.live import (
+from skinfield.signal import Source, Stream
+from skinfield.testing import SourceContract
+from skinfield.wire.can import BusSettings
+from skinfield.wire.cyskin import uids_of
+from skinfield.wire.icub import configuration_for
+from skinfield.wire.sources import (
     CySkinCan,
     CySkinSharedMemory,
     ICubCan,
@@ -32,7 +33,6 @@ from skinfield.sources.live import (
     ReplaySource,
     SimulationSource,
 )
-from skinfield.testing import SourceContract
 
 
 class TestICubCan(SourceContract):

@@ -8,10 +8,10 @@ import pytest
 from bus_peers import PATIENCE
 from live_devices import HEXAGON
 
-from skinfield.acquisition import Blocks, Channels, Count, Lasting, Source
-from skinfield.sources.live import matched, skin_for, source_from_options
-from skinfield.virtual.process import VirtualProcess, start
-from skinfield.virtual.settings import VirtualSettings
+from skinfield.emulator.process import VirtualProcess, start
+from skinfield.emulator.settings import VirtualSettings
+from skinfield.signal import Blocks, Channels, Count, Lasting, Source
+from skinfield.wire.sources import matched, skin_for, source_from_options
 
 
 class Host:

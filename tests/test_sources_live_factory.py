@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from live_devices import CYSKIN_BOARDS, HEXAGON, ON_CYSKIN
 
-from skinfield.acquisition import Source
 from skinfield.errors import InputError
-from skinfield.layout import Skin
-from skinfield.layout.generators import by_name
-from skinfield.sources.buses import BusSettings
-from skinfield.sources.buses.bus import bus_settings, host_and_port, own_address
-from skinfield.sources.live import (
+from skinfield.signal import Source
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
+from skinfield.wire.can import BusSettings
+from skinfield.wire.can.bus import bus_settings, host_and_port, own_address
+from skinfield.wire.sources import (
     CySkinCan,
     CySkinSharedMemory,
     ICubCan,

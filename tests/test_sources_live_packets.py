@@ -11,11 +11,11 @@ import pytest
 from bus_peers import free_port, pair, wait_for
 from live_devices import PacketServer, SerialLine, packet
 
-from skinfield.acquisition import Blocks, CanMessages, Channels, Count
 from skinfield.errors import InputError
-from skinfield.protocols.packet import PacketDevice
-from skinfield.protocols.packet.packets import PacketKind, packets_of
-from skinfield.sources.live import PacketSerial, PacketTcp, PacketUdp
+from skinfield.signal import Blocks, CanMessages, Channels, Count
+from skinfield.wire.packet import PacketDevice
+from skinfield.wire.packet.packets import PacketKind, packets_of
+from skinfield.wire.sources import PacketSerial, PacketTcp, PacketUdp
 
 
 class Host:

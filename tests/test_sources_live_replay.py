@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from live_devices import HEXAGON
 
-from skinfield.acquisition import Block, Blocks, Channels, Count, Kind, Port, Status, blocks_of
-from skinfield.acquisition.recorded import CycleLayout
 from skinfield.errors import FileError, InputError
-from skinfield.layout import Patch
-from skinfield.sinks.mcap import RecordingWriter
-from skinfield.sources.live import ReplaySource, SimulationSource, pressed
-from skinfield.sources.live import replay as simulation
-from skinfield.sources.live.replay import BlockReplayStream, TableStream, narrowest
+from skinfield.files.mcap import RecordingWriter
+from skinfield.files.mcap.schema import CycleLayout
+from skinfield.signal import Block, Blocks, Channels, Count, Kind, Port, Status, blocks_of
+from skinfield.skin import Patch
+from skinfield.wire.sources import ReplaySource, SimulationSource, pressed
+from skinfield.wire.sources import replay as simulation
+from skinfield.wire.sources.replay import BlockReplayStream, TableStream, narrowest
 
 START = 1_700_000_000_000_000_000
 MS = 1_000_000

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from skinfield.acquisition import Count
 from skinfield.cli.status_table import shortened, shown
-from skinfield.live.status import Status
-from skinfield.realtime import Quantiles, Timing
+from skinfield.loop.realtime import Quantiles, Timing
+from skinfield.loop.status import Status
+from skinfield.signal import Count
 
 SECOND = Quantiles(38e-6, 121e-6, 25.6e-3, 1.23, 5e-5, 1000)
 NAMES = [f"left_forearm_{number:02}" for number in range(60)]

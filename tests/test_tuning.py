@@ -9,15 +9,15 @@ from live_skins import cycle_of, pressed_counts, settings
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.signal import lfilter
 
-from skinfield.acquisition import Blocks, Channels, Kind
-from skinfield.engine.engine import prefer
 from skinfield.errors import InputError
-from skinfield.inverse import GaussianField, NonNegative
-from skinfield.live.control import order_of
-from skinfield.live.model_config import Configuration
-from skinfield.live.runtime_parameters import AUTO, Focus, Limits, Tuning
-from skinfield.live.slots import Slot
-from skinfield.live.update import Updater
+from skinfield.loop.control import order_of
+from skinfield.loop.model_config import Configuration
+from skinfield.loop.runtime_parameters import AUTO, Focus, Limits, Tuning
+from skinfield.loop.slots import Slot
+from skinfield.loop.update import Updater
+from skinfield.reconstruct.engine.engine import prefer
+from skinfield.signal import Blocks, Channels, Kind
+from skinfield.solve import GaussianField, NonNegative
 
 NOW, STEP = 10**18, 10_000_000  # ns
 LIMITS = Limits(rungs=(10, 20), longest=9e-4, patches=("palm", "thumb"))

@@ -7,14 +7,13 @@ import pytest
 from contact_scenes import area_moves
 
 import skinfield as sf
-from skinfield.contacts import ContactFinder
+from skinfield.elastic import BaseStress, ObservationModel
 from skinfield.errors import InputError
-from skinfield.fields import ModelError, PressureNoise, PressurePosterior
-from skinfield.fields.uncertainty import normal_interval, normal_radius
-from skinfield.inverse import GaussianField, InverseOperator, PseudoInverse, Tikhonov
-from skinfield.inverse.linear import correlation, taxel_distance
-from skinfield.layout import Grid
-from skinfield.observation import BaseStress, ObservationModel
+from skinfield.estimate import ContactFinder, ModelError, PressureNoise, PressurePosterior
+from skinfield.estimate.uncertainty import normal_interval, normal_radius
+from skinfield.skin import Grid
+from skinfield.solve import GaussianField, InverseOperator, PseudoInverse, Tikhonov
+from skinfield.solve.linear import correlation, taxel_distance
 from skinfield.testing.solver import square_patch
 
 SOLVERS = [GaussianField(snr=12.0, length_scale=3e-3), GaussianField(), Tikhonov()]

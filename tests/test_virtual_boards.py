@@ -12,14 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from virtual_host import QUIET, Stepped
 
-from skinfield.errors import FileError, InputError
-from skinfield.layout import Skin
-from skinfield.layout.generators import by_name
-from skinfield.mechanics import Layer
-from skinfield.protocols.packet import PacketKind, encode_command
-from skinfield.settings import json_from_value, value_from_json
-from skinfield.simulate import press
-from skinfield.virtual import (
+from skinfield.elastic import Layer
+from skinfield.emulator import (
     Fault,
     Temperature,
     VirtualSettings,
@@ -28,12 +22,12 @@ from skinfield.virtual import (
     fault_from_text,
     temperature_from_text,
 )
-from skinfield.virtual import world as press_tables
-from skinfield.virtual import world as truth_module
-from skinfield.virtual.can_boards import NEVER, Fates, Schedule
-from skinfield.virtual.kernels import add_press
-from skinfield.virtual.packet import Ear
-from skinfield.virtual.scenes import (
+from skinfield.emulator import world as press_tables
+from skinfield.emulator import world as truth_module
+from skinfield.emulator.can_boards import NEVER, Fates, Schedule
+from skinfield.emulator.kernels import add_press
+from skinfield.emulator.packet import Ear
+from skinfield.emulator.scenes import (
     SCENES,
     Point,
     Tool,
@@ -43,10 +37,24 @@ from skinfield.virtual.scenes import (
     scene_by_name,
     scene_from_text,
 )
-from skinfield.virtual.settings import numbers_of
-from skinfield.virtual.skin import commands_of
-from skinfield.virtual.transports import ANSWER, answer_to, encoded
-from skinfield.virtual.world import FORCES, SPACING, PressTable, Truth, World, cache_path, table_for
+from skinfield.emulator.settings import numbers_of
+from skinfield.emulator.skin import commands_of
+from skinfield.emulator.transports import ANSWER, answer_to, encoded
+from skinfield.emulator.world import (
+    FORCES,
+    SPACING,
+    PressTable,
+    Truth,
+    World,
+    cache_path,
+    table_for,
+)
+from skinfield.errors import FileError, InputError
+from skinfield.settings import json_from_value, value_from_json
+from skinfield.simulate import press
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
+from skinfield.wire.packet import PacketKind, encode_command
 
 SKIN = Skin((by_name("hexagon72"),))
 
@@ -75,7 +83,7 @@ def test_tables_are_kept_between_runs(tmp_path, monkeypatch):
         return table
 
     table = small_table()
-    monkeypatch.setattr("skinfield.virtual.world.solve_table", solve)
+    monkeypatch.setattr("skinfield.emulator.world.solve_table", solve)
     for _ in range(2):
         found = table_for(tool, Layer(), 4e-3)
         assert np.array_equal(found.change, table.change)

@@ -2,13 +2,14 @@ import numpy as np
 import pytest
 from virtual_host import START, Host, Stepped, byte_of, bytes_by_channel
 
+from skinfield.elastic import Layer
+from skinfield.emulator import Fault, Temperature, VirtualSettings, VirtualSkin, Wires
 from skinfield.errors import InputError
-from skinfield.layout import Skin, save_layout
-from skinfield.layout.generators import by_name
-from skinfield.mechanics import Layer
-from skinfield.protocols.icub import triangle_payloads
+from skinfield.files.layouts.load import save_layout
 from skinfield.simulate import Sphere, press
-from skinfield.virtual import Fault, Temperature, VirtualSettings, VirtualSkin, Wires
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
+from skinfield.wire.icub import triangle_payloads
 
 REST = [bytes.fromhex("40 f0f0f0f0f0f0f0"), bytes.fromhex("c0 f0f0f0f0f0 0000")]
 COUNTS_PER_CHANGE = 0.16689e-12 / (16e-12 / 65536)  # pad of 4 mm, converter of 16 pF in 16 bits

@@ -15,16 +15,16 @@ from command_line import invoke
 from test_readme import follow
 from virtual_host import LONG, START, Host, bytes_by_channel
 
-from skinfield.acquisition import Blocks, Channels, Count
+from skinfield.emulator import VirtualSettings, VirtualSkin
+from skinfield.emulator.process import start
 from skinfield.errors import InputError
-from skinfield.layout import Skin
-from skinfield.layout.generators import by_name
-from skinfield.protocols.cyskin import on_boards
-from skinfield.sources.buses import BusSettings
-from skinfield.sources.live.boards import CySkinCan
-from skinfield.sources.live.packets import PacketSerial, PacketTcp, PacketUdp
-from skinfield.virtual import VirtualSettings, VirtualSkin
-from skinfield.virtual.process import start
+from skinfield.signal import Blocks, Channels, Count
+from skinfield.skin import Skin
+from skinfield.skin.generators import by_name
+from skinfield.wire.can import BusSettings
+from skinfield.wire.cyskin import on_boards
+from skinfield.wire.sources.boards import CySkinCan
+from skinfield.wire.sources.packets import PacketSerial, PacketTcp, PacketUdp
 
 PATCH = by_name("hexagon72")
 MISHAPS = ("lost", "duplicated", "swapped")
@@ -186,8 +186,8 @@ def feels(source, skin, rest):
 
 def test_it_ends_when_the_process_that_started_it_is_killed():
     script = (
-        "import sys, time; from skinfield.virtual import VirtualSettings;"
-        "from skinfield.virtual.process import start;"
+        "import sys, time; from skinfield.emulator import VirtualSettings;"
+        "from skinfield.emulator.process import start;"
         "skin = start(VirtualSettings(bus='udp', scene='idle'));"
         "print(skin.pid, flush=True); time.sleep(600)"
     )

@@ -6,14 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
+from skinfield.elastic import Layer
+from skinfield.elastic.viscoelastic import PronySeries, StandardLinearSolid, lagged, loop_area
 from skinfield.errors import InputError
-from skinfield.mechanics import Layer
-from skinfield.mechanics.viscoelastic import (
-    PronySeries,
-    StandardLinearSolid,
-    lagged,
-    loop_area,
-)
 from skinfield.simulate import Sphere, press
 
 SOLID = StandardLinearSolid(relaxed_fraction=0.7, time_constant=0.8)

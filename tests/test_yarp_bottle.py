@@ -7,14 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.protocols.yarp import (
+from skinfield.wire.yarp import (
     Vocab,
     bottle_from_bytes,
     bottle_from_text,
     bytes_from_bottle,
     text_from_bottle,
 )
-from skinfield.protocols.yarp.bottle import same
+from skinfield.wire.yarp.bottle import same
 
 GOLDEN = [  # as YARP's documentation of its data format and of its ports shows them
     ('0 "hello world"', [0, "hello world"]),

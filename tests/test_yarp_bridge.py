@@ -18,12 +18,12 @@ import skinfield as sf
 from skinfield.bridges.yarp import YarpSettings, publisher
 from skinfield.bridges.yarp.publisher import serve
 from skinfield.errors import InputError
-from skinfield.layout import Patch, Skin
-from skinfield.live.client import connect
-from skinfield.live.supervisor import Supervisor
-from skinfield.protocols import yarp
+from skinfield.loop.client import connect
+from skinfield.loop.supervisor import Supervisor
 from skinfield.settings import from_plain
-from skinfield.sources.live import YarpPort, YarpText
+from skinfield.skin import Patch, Skin
+from skinfield.wire import yarp
+from skinfield.wire.sources import YarpPort, YarpText
 
 FORCE, PLACE = 1.0, (0.0, 7.5e-3)
 POSE = np.array([[0.0, -1, 0, 0.1], [1, 0, 0, 0.2], [0, 0, 1, 0.3], [0, 0, 0, 1]])

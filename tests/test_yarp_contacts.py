@@ -11,10 +11,10 @@ from yarp_peers import values_of
 
 import skinfield as sf
 from skinfield.bridges.yarp.contacts import mean_pressure, wrench_of
-from skinfield.contacts.live import CONTACT
 from skinfield.errors import InputError
-from skinfield.layout import Grid, Patch
-from skinfield.protocols.yarp import (
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.skin import Grid, Patch
+from skinfield.wire.yarp import (
     SkinContact,
     SkinPart,
     bytes_from_bottle,

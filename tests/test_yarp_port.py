@@ -9,9 +9,9 @@ from live_skins import wait_for
 from yarp_peers import NameServer, Peer
 
 from skinfield.errors import InputError
-from skinfield.protocols import yarp
-from skinfield.protocols.yarp import Port, Session, Vocab, envelope
-from skinfield.protocols.yarp import port as port_module
+from skinfield.wire import yarp
+from skinfield.wire.yarp import Port, Session, Vocab, envelope
+from skinfield.wire.yarp import port as port_module
 
 VALUES = [[1, 2], [1.0, 0.5], "a b", Vocab("ok"), 3.0]
 TEXT = b'(1 2) (1.0 0.5) "a b" [ok] 3.0\r\n'

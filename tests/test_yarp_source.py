@@ -9,10 +9,10 @@ from bus_peers import wait_for
 from live_devices import HEXAGON
 from yarp_peers import NameServer, Sender
 
-from skinfield.acquisition import Block, Blocks, Count, Kind, Source, Stream, blocks_of
 from skinfield.errors import InputError
-from skinfield.sources.live import YarpPort, YarpText, source_from_options
+from skinfield.signal import Block, Blocks, Count, Kind, Source, Stream, blocks_of
 from skinfield.testing import SourceContract
+from skinfield.wire.sources import YarpPort, YarpText, source_from_options
 
 FOREARM = "/icub/skin/left_forearm"
 

@@ -19,9 +19,9 @@ from skinfield.bridges.zenoh.messages import (
 )
 from skinfield.bridges.zenoh.session import Part, chunk
 from skinfield.bridges.zenoh.status_messages import checked_status, contact_plain
-from skinfield.contacts.live import CONTACT
 from skinfield.errors import InputError
-from skinfield.inverse import NonNegative
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.solve import NonNegative
 
 FUZZ = Path(__file__).resolve().parents[1] / "fuzz" / "fuzz_zenoh.py"
 words = st.integers(0, (1 << 62) - 1)

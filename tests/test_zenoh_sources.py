@@ -11,11 +11,12 @@ from live_skins import settings, unique_name, wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 
 import skinfield as sf
-from skinfield.acquisition import Port
-from skinfield.layout import Skin, load_layout
-from skinfield.live.client import Live, Stale
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import open_ring
+from skinfield.files.layouts.load import load_layout
+from skinfield.loop.client import Live, Stale
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.ring_fields import open_ring
+from skinfield.signal import Port
+from skinfield.skin import Skin
 
 pytest.importorskip("zenoh")
 from zenoh_peers import begin, fill, joined, publishing, skin_ring

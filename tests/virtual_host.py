@@ -4,9 +4,9 @@ import time
 
 import numpy as np
 
-from skinfield.acquisition import CanMessages
-from skinfield.sources.buses import BusSettings, open_bus
-from skinfield.virtual import VirtualSettings, VirtualSkin, Wires
+from skinfield.emulator import VirtualSettings, VirtualSkin, Wires
+from skinfield.signal import CanMessages
+from skinfield.wire.can import BusSettings, open_bus
 
 SECOND = 1_000_000_000
 QUIET = {"noise": 0.0, "scene": "idle", "bus": "udp"}

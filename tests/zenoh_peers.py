@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from live_skins import settings
 
-from skinfield.acquisition import Port
 from skinfield.bridges.zenoh.publisher import Publisher
 from skinfield.bridges.zenoh.session import ZenohSettings, open_session
-from skinfield.engine.state import Answer
 from skinfield.errors import InputError
-from skinfield.live.client import Live
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.ring_fields import open_ring
-from skinfield.live.runtime_parameters import Tuning
-from skinfield.live.settings import LiveSettings
-from skinfield.live.slots import Head, Slot
+from skinfield.loop.client import Live
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.ring_fields import open_ring
+from skinfield.loop.runtime_parameters import Tuning
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.slots import Head, Slot
+from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Ring, State
+from skinfield.signal import Port
 
 
 def free_port() -> int:

@@ -1,6 +1,6 @@
 /* Prints where a running skin is touched, and how hard: contacts [NAME]
  *
- *   cc -O2 -I"$(python -c 'import skinfield.live as live; print(live.include_folder())')" contacts.c -o contacts
+ *   cc -O2 -I"$(python -c 'import skinfield.loop as live; print(live.include_folder())')" contacts.c -o contacts
  */
 #include <skinfield_live.h>
 

@@ -5,73 +5,73 @@ import typing as _typing
 
 if _typing.TYPE_CHECKING:
     from skinfield import simulate as simulate
-    from skinfield.contacts import ContactFinder as ContactFinder
-    from skinfield.contacts import Tracker as Tracker
-    from skinfield.detection import Detector as Detector
-    from skinfield.engine import Engine as Engine
-    from skinfield.fields import Contact as Contact
-    from skinfield.fields import Estimate as Estimate
-    from skinfield.inverse import ContactFit as ContactFit
-    from skinfield.inverse import GaussianField as GaussianField
-    from skinfield.inverse import Inverse as Inverse
-    from skinfield.inverse import NonNegative as NonNegative
-    from skinfield.inverse import PseudoInverse as PseudoInverse
-    from skinfield.inverse import Sheet as Sheet
-    from skinfield.inverse import Tikhonov as Tikhonov
-    from skinfield.layout import Grid as Grid
-    from skinfield.layout import Patch as Patch
-    from skinfield.layout import Skin as Skin
-    from skinfield.layout import generators
-    from skinfield.layout import load_layout as load_layout
-    from skinfield.layout import save_layout as save_layout
-    from skinfield.live import connect as connect
-    from skinfield.mechanics import BondedLayer as BondedLayer
-    from skinfield.mechanics import HalfSpace as HalfSpace
-    from skinfield.mechanics import Layer as Layer
-    from skinfield.observation import BaseStress as BaseStress
-    from skinfield.observation import Capacitance as Capacitance
-    from skinfield.observation import Gap as Gap
-    from skinfield.pipeline import Ladder as Ladder
-    from skinfield.pipeline import Reconstructor as Reconstructor
-    from skinfield.sinks import save_results as save_results
-    from skinfield.sources import load_contacts as load_contacts
-    from skinfield.sources import open_results as open_results
+    from skinfield.elastic import BaseStress as BaseStress
+    from skinfield.elastic import BondedLayer as BondedLayer
+    from skinfield.elastic import Capacitance as Capacitance
+    from skinfield.elastic import Gap as Gap
+    from skinfield.elastic import HalfSpace as HalfSpace
+    from skinfield.elastic import Layer as Layer
+    from skinfield.estimate import Contact as Contact
+    from skinfield.estimate import ContactFinder as ContactFinder
+    from skinfield.estimate import Estimate as Estimate
+    from skinfield.estimate import Tracker as Tracker
+    from skinfield.files import load_contacts as load_contacts
+    from skinfield.files import open_results as open_results
+    from skinfield.files import save_results as save_results
+    from skinfield.files.layouts.load import load_layout as load_layout
+    from skinfield.files.layouts.load import save_layout as save_layout
+    from skinfield.loop import connect as connect
+    from skinfield.reconstruct import Ladder as Ladder
+    from skinfield.reconstruct import Reconstructor as Reconstructor
+    from skinfield.reconstruct.engine import Engine as Engine
+    from skinfield.skin import Grid as Grid
+    from skinfield.skin import Patch as Patch
+    from skinfield.skin import Skin as Skin
+    from skinfield.skin import generators
+    from skinfield.solve import ContactFit as ContactFit
+    from skinfield.solve import GaussianField as GaussianField
+    from skinfield.solve import Inverse as Inverse
+    from skinfield.solve import NonNegative as NonNegative
+    from skinfield.solve import PseudoInverse as PseudoInverse
+    from skinfield.solve import Sheet as Sheet
+    from skinfield.solve import Tikhonov as Tikhonov
+    from skinfield.solve.detection import Detector as Detector
 
     layouts = generators
 
 _ON_DEMAND = {  # a module, or a module and what it holds
-    "BaseStress": "skinfield.observation:BaseStress",
-    "BondedLayer": "skinfield.mechanics:BondedLayer",
-    "Capacitance": "skinfield.observation:Capacitance",
-    "connect": "skinfield.live:connect",
-    "Contact": "skinfield.fields:Contact",
-    "ContactFinder": "skinfield.contacts:ContactFinder",
-    "ContactFit": "skinfield.inverse:ContactFit",
-    "Detector": "skinfield.detection:Detector",
-    "Engine": "skinfield.engine:Engine",
-    "Estimate": "skinfield.fields:Estimate",
-    "Gap": "skinfield.observation:Gap",
-    "GaussianField": "skinfield.inverse:GaussianField",
-    "Grid": "skinfield.layout:Grid",
-    "HalfSpace": "skinfield.mechanics:HalfSpace",
-    "Inverse": "skinfield.inverse:Inverse",
-    "Ladder": "skinfield.pipeline:Ladder",
-    "Layer": "skinfield.mechanics:Layer",
-    "layouts": "skinfield.layout.generators",
-    "load_layout": "skinfield.layout:load_layout",
-    "NonNegative": "skinfield.inverse:NonNegative",
-    "load_contacts": "skinfield.sources:load_contacts",
-    "open_results": "skinfield.sources:open_results",
-    "Patch": "skinfield.layout:Patch",
-    "PseudoInverse": "skinfield.inverse:PseudoInverse",
-    "Reconstructor": "skinfield.pipeline:Reconstructor",
-    "save_layout": "skinfield.layout:save_layout",
-    "save_results": "skinfield.sinks:save_results",
-    "Sheet": "skinfield.inverse:Sheet",
+    "BaseStress": "skinfield.elastic:BaseStress",
+    "BondedLayer": "skinfield.elastic:BondedLayer",
+    "Capacitance": "skinfield.elastic:Capacitance",
+    "connect": "skinfield.loop:connect",
+    "Contact": "skinfield.estimate:Contact",
+    "ContactFinder": "skinfield.estimate:ContactFinder",
+    "ContactFit": "skinfield.solve:ContactFit",
+    "Detector": "skinfield.solve.detection:Detector",
+    "Engine": "skinfield.reconstruct.engine:Engine",
+    "Estimate": "skinfield.estimate:Estimate",
+    "Gap": "skinfield.elastic:Gap",
+    "GaussianField": "skinfield.solve:GaussianField",
+    "Grid": "skinfield.skin:Grid",
+    "HalfSpace": "skinfield.elastic:HalfSpace",
+    "Inverse": "skinfield.solve:Inverse",
+    "Ladder": "skinfield.reconstruct:Ladder",
+    "Layer": "skinfield.elastic:Layer",
+    "layouts": "skinfield.skin.generators",
+    "load_layout": "skinfield.files.layouts.load:load_layout",
+    "NonNegative": "skinfield.solve:NonNegative",
+    "load_contacts": "skinfield.files:load_contacts",
+    "open_results": "skinfield.files:open_results",
+    "Patch": "skinfield.skin:Patch",
+    "PseudoInverse": "skinfield.solve:PseudoInverse",
+    "Reconstructor": "skinfield.reconstruct:Reconstructor",
+    "save_layout": "skinfield.files.layouts.load:save_layout",
+    "save_results": "skinfield.files:save_results",
+    "Sheet": "skinfield.solve:Sheet",
     "simulate": "skinfield.simulate",
-    "Skin": "skinfield.layout:Skin",
-    "Tikhonov": "skinfield.inverse:Tikhonov",
-    "Tracker": "skinfield.contacts:Tracker",
+    "Skin": "skinfield.skin:Skin",
+    "Tikhonov": "skinfield.solve:Tikhonov",
+    "Tracker": "skinfield.estimate:Tracker",
 }
 
 

@@ -1,5 +1,5 @@
 // A skin of four MPR121 converters (48 electrodes), over USB serial at 1 Mbaud. Beside this file put
-// skinfield_packet.h from the folder skinfield/protocols/packet of the installed package.
+// skinfield_packet.h from the folder skinfield/wire/packet of the installed package.
 #include <Wire.h>
 #include "skinfield_packet.h"
 const int BOARDS = 4, ADDRESS = 0x5A, CHANNELS = 12 * BOARDS;

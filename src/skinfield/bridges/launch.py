@@ -19,7 +19,7 @@ from skinfield.bridges.yarp.settings import YarpSettings
 from skinfield.bridges.zenoh.publisher import PublisherSettings
 from skinfield.bridges.zenoh.session import ZenohSettings
 from skinfield.errors import InputError
-from skinfield.live.process_supervisor import POLL, SupervisedProcess, exit_text
+from skinfield.loop.process_supervisor import POLL, SupervisedProcess, exit_text
 from skinfield.settings import BridgeSettings, ZenohAddresses, json_from_value
 
 BEGINS = 180.0  # s for a bridge to be there

@@ -11,7 +11,7 @@ from skinfield.errors import check_count
 
 if TYPE_CHECKING:
     from skinfield.cli.jitter import Jitter, JitterSettings
-    from skinfield.realtime import Quantiles
+    from skinfield.loop.realtime import Quantiles
 
 QUANTILES = ("p50", "p99", "p999", "max")
 NAMES = {"p50": "p50", "p99": "p99", "p999": "p99.9", "max": "max"}
@@ -28,7 +28,7 @@ def jitter_settings(options: Mapping[str, object]) -> "JitterSettings":
     """Settings from options of the command line; the others are as usual."""
     from skinfield.cli.jitter import JitterSettings
     from skinfield.cli.options import solver_of
-    from skinfield.realtime import RealTime
+    from skinfield.loop.realtime import RealTime
 
     more: dict[str, Any] = dict(options)
     if "solver" in more:

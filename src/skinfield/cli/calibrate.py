@@ -8,7 +8,6 @@ import numpy as np
 from cyclopts import Parameter
 from numpy.typing import NDArray
 
-from skinfield.calibrate import column_of, fit_scale
 from skinfield.cli.main import new_app
 from skinfield.cli.options import (
     OF_UNIT,
@@ -28,11 +27,12 @@ from skinfield.cli.options import (
 )
 from skinfield.cli.report import check_new, check_output, print_json, progress, say, say_notes
 from skinfield.errors import Floats, InputError, as_floats
-from skinfield.fields import Estimate
-from skinfield.pipeline import Reconstructor
-from skinfield.pipeline.conditioned import Conditioned, condition, without_empty
-from skinfield.reading import Recording
+from skinfield.estimate import Estimate
+from skinfield.reconstruct import Reconstructor
+from skinfield.reconstruct.conditioned import Conditioned, condition, without_empty
 from skinfield.settings import Elastomer, ModelSettings
+from skinfield.signal import column_of, fit_scale
+from skinfield.skin.reading import Recording
 
 CHUNK = 64  # readings per step of the progress bar; bounds the memory of the fields
 
@@ -102,9 +102,8 @@ def scale(
     as_json : bool
         The result as one JSON object.
     """
+    from skinfield.files import open_recording, write_summary
     from skinfield.plot import check_name, draw_timeline, save
-    from skinfield.sinks import write_summary
-    from skinfield.sources import open_recording
 
     if plot:
         check_name(plot)
@@ -179,7 +178,7 @@ def prepare(
     model: ModelSettings,
 ) -> Job:
     """Open, condition and prepare."""
-    from skinfield.sources import open_recording, readings_for
+    from skinfield.files import open_recording, readings_for
 
     patch = patch_of(skin_from_text(layout), patch_name)
     board = None if counts.board == "auto" else counts.board

@@ -19,8 +19,8 @@ from skinfield.cli.options import (
 )
 from skinfield.cli.report import check_new, console, free_name, table_of_contacts
 from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
-from skinfield.fields import Estimate
-from skinfield.pipeline import Reconstructor
+from skinfield.estimate import Estimate
+from skinfield.reconstruct import Reconstructor
 from skinfield.settings import Elastomer, ModelSettings
 from skinfield.simulate import Sphere
 

@@ -26,8 +26,7 @@ from skinfield.cli.report import (
     say,
     say_notes,
 )
-from skinfield.errors import InputError
-from skinfield.resolution import (
+from skinfield.design import (
     Judgement,
     Places,
     SkinDesign,
@@ -37,6 +36,7 @@ from skinfield.resolution import (
     compare_thickness,
     judge,
 )
+from skinfield.errors import InputError
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import QuantityName
 
@@ -126,8 +126,8 @@ def design(
     as_json : bool
         Numbers and verdict as one JSON object.
     """
+    from skinfield.files.judgements import check_judgement_name
     from skinfield.plot import check_name
-    from skinfield.sinks.judgements import check_judgement_name
 
     picture = free_name(PICTURE) if output is None else output
     check_name(picture)
@@ -182,9 +182,9 @@ def _judge(
     as_json: bool,
 ) -> None:
     """Judge one layout; the first of `files` is the picture."""
+    from skinfield.files.judgements import save_judgement
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
-    from skinfield.sinks.judgements import save_judgement
 
     with progress() as bar:
         task = bar.add_task("tables", total=MAPS + 1)

@@ -8,10 +8,7 @@ from rich.console import Console
 
 from skinfield.cli.options import Force, Json, layer_of, part, profile_in_use
 from skinfield.cli.report import check_new, print_json
-from skinfield.settings import Elastomer
-from skinfield.settings.tree import Range, Section
-from skinfield.sources.buses import PORT
-from skinfield.virtual import (
+from skinfield.emulator import (
     Fault,
     VirtualSettings,
     VirtualSkin,
@@ -19,6 +16,9 @@ from skinfield.virtual import (
     fault_of,
     temperature_from_text,
 )
+from skinfield.settings import Elastomer
+from skinfield.settings.tree import Range, Section
+from skinfield.wire.can import PORT
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
 USUAL_BUS = "udp"

@@ -55,7 +55,7 @@ def export(
     form : str, optional
         A DIR as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.
     """
-    from skinfield.sources.recordings.mcap_live import LiveRecording
+    from skinfield.files.mcap.live import LiveRecording
 
     check_new("--output", output, force)
     recording = LiveRecording.open(Path(file))
@@ -72,11 +72,11 @@ def export(
 
 
 def _sink_of(output: str, form: str | None, work: "_Work") -> Any:
-    from skinfield.sinks.live_export import open_export
+    from skinfield.files.live_export import open_export
 
     if form is None:
         return open_export(output, work.what)
-    from skinfield.sinks.ros import BagExport
+    from skinfield.files.ros import BagExport
 
     return BagExport(output, work.what.patches, work.numbers, sqlite=form == "rosbag2-sqlite")
 
@@ -85,8 +85,8 @@ class _Work:
     """From the messages of a recording to the pieces of an export."""
 
     def __init__(self, recording: Any, names: tuple[str, ...]) -> None:
-        from skinfield.sinks.live_export import Exported
-        from skinfield.sources.recordings.mcap import Scan, port_of, ports_of
+        from skinfield.files.live_export import Exported
+        from skinfield.files.mcap.reader import Scan, port_of, ports_of
 
         ports, skin = ports_of(recording), recording.skin
         for name in names:
@@ -115,7 +115,7 @@ class _Work:
 
     def into(self, sink: Any) -> Iterator[int]:
         """Hand everything to the sink; bytes of the file that are done, now and then."""
-        from skinfield.acquisition.recorded import BLOCKS, CYCLES, FITS
+        from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS
 
         recording, fit = self._recording, self._fit
         for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):

@@ -17,11 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, check_choice, check_count, check_range
-from skinfield.inverse import NonNegative, Solver
 from skinfield.lab.bench.cyclictest import Cyclictest
 from skinfield.lab.bench.machine import Company, Watch
-from skinfield.layout import Skin
-from skinfield.realtime import (
+from skinfield.loop.realtime import (
     PeriodicClock,
     Quantiles,
     RealTime,
@@ -29,10 +27,12 @@ from skinfield.realtime import (
     Timing,
     TimingTable,
 )
-from skinfield.realtime.timing import FIELDS, LAST_NS
+from skinfield.loop.realtime.timing import FIELDS, LAST_NS
+from skinfield.skin import Skin
+from skinfield.solve import NonNegative, Solver
 
 if TYPE_CHECKING:
-    from skinfield.live.supervisor import Supervisor
+    from skinfield.loop.supervisor import Supervisor
     from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
@@ -312,13 +312,13 @@ def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
     The skin has a process of its own and sends messages of iCub boards over UDP, as often as the
     engine answers.
     """
-    from skinfield.conditioning import ICubByte
-    from skinfield.layout.generators import hexagon72
-    from skinfield.live.settings import LiveSettings
-    from skinfield.live.supervisor import Supervisor
-    from skinfield.sources.live.factory import source_from_options
-    from skinfield.virtual.process import start
-    from skinfield.virtual.settings import VirtualSettings
+    from skinfield.emulator.process import start
+    from skinfield.emulator.settings import VirtualSettings
+    from skinfield.loop.settings import LiveSettings
+    from skinfield.loop.supervisor import Supervisor
+    from skinfield.signal import ICubByte
+    from skinfield.skin.generators import hexagon72
+    from skinfield.wire.sources.factory import source_from_options
 
     skin, real_time = Skin((hexagon72(),)), settings.real_time
     emulated = VirtualSettings(
@@ -358,7 +358,7 @@ def _engine(reader: "RingReader", supervisor: "Supervisor") -> Loop:
 
 def _granted(reader: "RingReader") -> RealTimeStatus:
     """From the engine's notes, which it may be writing just now."""
-    from skinfield.live.status_text import read_notes
+    from skinfield.loop.status_text import read_notes
 
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:

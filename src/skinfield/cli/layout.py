@@ -9,10 +9,10 @@ from cyclopts import Parameter
 from skinfield.cli.main import new_app
 from skinfield.cli.options import LAYOUT, OUTPUT, Force, Json, skin_from_text
 from skinfield.cli.report import check_new, console, print_json, print_text, say, say_notes
-from skinfield.layout import Patch, Skin
+from skinfield.skin import Patch, Skin
 
 if TYPE_CHECKING:
-    from skinfield.layout.formats.repair import Finding
+    from skinfield.files.layouts.repair import Finding
 
 COLOURS = {"error": "red", "warning": "yellow", "info": "cyan"}
 MOST_ROWS = 6  # of a finding, named in the table
@@ -83,8 +83,8 @@ def lint(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> int:
     as_json : bool
         Findings as a list of objects with code, severity, message and rows.
     """
-    from skinfield.layout.lint import lint as lint_file
-    from skinfield.layout.lint import lint_skin
+    from skinfield.files.layouts.lint import lint as lint_file
+    from skinfield.files.layouts.lint import lint_skin
 
     is_file = Path(text).is_file()
     findings = lint_file(text) if is_file else lint_skin(skin_from_text(text))
@@ -125,8 +125,8 @@ def convert(
     patch : str, optional
         Name of the one patch to write.
     """
-    from skinfield.layout import save_layout
-    from skinfield.layout.formats import format_by_name
+    from skinfield.files.layouts import format_by_name
+    from skinfield.files.layouts.load import save_layout
 
     wanted = format_by_name(form) if form else None
     check_new("OUTPUT", output, force)
@@ -170,7 +170,7 @@ def generators() -> None:
     skinfield layout generators
     skinfield layout show cylinder:radius_mm=40 -o cylinder.png
     """
-    from skinfield.layout.generators import known
+    from skinfield.skin.generators import known
 
     for usage in known():
         print_text(usage)
@@ -204,7 +204,7 @@ def _plain(patch: Patch) -> dict[str, Any]:
     """What is to be known of a patch, lengths in mm."""
     import numpy as np
 
-    from skinfield.layout.geometry import facing_from_positions, nearest_distance
+    from skinfield.skin.geometry import facing_from_positions, nearest_distance
 
     pitch = float(np.median(nearest_distance(patch.positions))) * 1e3
     return {

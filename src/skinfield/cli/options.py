@@ -20,12 +20,11 @@ from skinfield.settings.tree import Positive, Range, Section
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from skinfield.inverse import Solver
-    from skinfield.layout import Patch, Skin
-    from skinfield.mechanics import Layer, Mechanics
-    from skinfield.observation import Quantity
-    from skinfield.pipeline import Reconstructor
-    from skinfield.pipeline.diagnostics import Conditioning
+    from skinfield.elastic import Layer, Mechanics, Quantity
+    from skinfield.reconstruct import Reconstructor
+    from skinfield.reconstruct.diagnostics import Conditioning
+    from skinfield.skin import Patch, Skin
+    from skinfield.solve import Solver
 
 SOLVERS = {
     "gaussian": "GaussianField",
@@ -95,7 +94,7 @@ class CountSettings(Section):
 
 def solver_of(name: str) -> "Solver":
     """Solver of a name in `SOLVERS`, as it usually is."""
-    from skinfield import inverse
+    from skinfield import solve as inverse
 
     solver: Solver = getattr(inverse, SOLVERS[name])()
     return solver
@@ -103,7 +102,7 @@ def solver_of(name: str) -> "Solver":
 
 def mechanics_of(name: str) -> "Mechanics":
     """Model of the elastomer, by its name on the command line."""
-    from skinfield.mechanics import BondedLayer, HalfSpace
+    from skinfield.elastic import BondedLayer, HalfSpace
 
     return (
         HalfSpace()
@@ -114,7 +113,7 @@ def mechanics_of(name: str) -> "Mechanics":
 
 def quantity_of(name: str) -> "Quantity":
     """What a taxel reads, by its name on the command line."""
-    from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
+    from skinfield.elastic import BaseStress, Capacitance, Gap, Quantity
 
     kinds: dict[str, type[Quantity]] = {
         "capacitance": Capacitance,
@@ -126,7 +125,7 @@ def quantity_of(name: str) -> "Quantity":
 
 def skin_from_text(text: str) -> "Skin":
     """Skin of a layout file, or a generator by name."""
-    from skinfield.layout.files import skin_from_text as skin_of_words
+    from skinfield.files.layouts.load import skin_from_text as skin_of_words
 
     return skin_of_words(text)
 
@@ -140,7 +139,7 @@ def profile_in_use(given: Elastomer, hardware: str | None = None, layout: str = 
 
 def layer_of(given: Elastomer, profile: Profile) -> "Layer":
     """Elastomer, in SI units: what was given, else the profile's."""
-    from skinfield.mechanics import Layer
+    from skinfield.elastic import Layer
 
     thickness, modulus, poisson = (
         getattr(profile if getattr(given, name) is None else given, name)
@@ -153,7 +152,7 @@ def nodes_for(patch: "Patch", most: int = FINEST) -> int:
     """Nodes on a side of the grid: four to a taxel's pitch, over the patch's longer side."""
     import numpy as np
 
-    from skinfield.layout.geometry import nearest_distance
+    from skinfield.skin.geometry import nearest_distance
 
     pitch = float(np.median(nearest_distance(patch.positions)))
     extent = float(np.ptp(patch.plane, axis=0).max())
@@ -171,8 +170,8 @@ def reconstructor_of(
     profile: Profile,
 ) -> "Reconstructor":
     """Reconstruction with the chosen grid, mechanics and solver."""
-    from skinfield.layout import Grid
-    from skinfield.pipeline import Reconstructor
+    from skinfield.reconstruct import Reconstructor
+    from skinfield.skin import Grid
 
     return Reconstructor(
         patch,
@@ -189,7 +188,8 @@ def conditioning_of(
     patch: "Patch", given: CountSettings, profile: Profile | None = None
 ) -> "Conditioning":
     """What counts mean."""
-    from skinfield.conditioning import (
+    from skinfield.reconstruct.diagnostics import Conditioning
+    from skinfield.signal import (
         Convention,
         CySkinCount,
         Exponential,
@@ -198,7 +198,6 @@ def conditioning_of(
         NoFilter,
         load_calibration,
     )
-    from skinfield.pipeline.diagnostics import Conditioning
 
     known = profile or CountSettings()  # gain and rest, where they were not given
     no_load = given.no_load or known.no_load or USUAL_NO_LOAD
@@ -268,7 +267,7 @@ def solver_from_text(text: str, settings: str = "{}") -> "Solver":
     if ":" in text:
         make = _imported(text)
     elif text in SOLVERS:
-        from skinfield import inverse
+        from skinfield import solve as inverse
 
         make = getattr(inverse, SOLVERS[text])
     else:

@@ -16,13 +16,13 @@ from skinfield.cli.options import (
     skin_from_text,
 )
 from skinfield.cli.report import check_new, console, free_name, say
-from skinfield.config.indenters import FACTORS, SHAPES, indenter_from_mapping
 from skinfield.errors import Floats, InputError
-from skinfield.layout import Patch
+from skinfield.lab.scenarios.indenters import FACTORS, SHAPES, indenter_from_mapping
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import MechanicsName, QuantityName
 from skinfield.simulate import Indenter, Press
 from skinfield.simulate.pressing.press import Part, parts_of
+from skinfield.skin import Patch
 
 DEFAULT = "sphere radius=6 force=1"
 PICTURE = "press.png"
@@ -94,10 +94,10 @@ def press(
     output : str, optional
         File of fields, readings and resultants to write (.npz).
     """
+    from skinfield.files.presses import check_press_name, save_press
     from skinfield.plot import check_name, save
     from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
-    from skinfield.sinks.presses import check_press_name, save_press
 
     picture = free_name(PICTURE) if plot is None else plot
     check_name(picture)
@@ -175,7 +175,7 @@ def _fixed(value: float, decimals: int) -> str:
 def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
     """Indenter from its shape and `key=value` words, in mm, N and degrees.
 
-    Keys are those of `skinfield.config.indenters`; their units may be left out, so that `radius`
+    Keys are those of `skinfield.lab.scenarios.indenters`; their units may be left out, so that `radius`
     stands for `radius_mm`.
 
     Raises

@@ -51,13 +51,13 @@ from skinfield.cli.report import (
     say_notes,
     table_of_contacts,
 )
+from skinfield.elastic import BaseStress, Capacitance, Quantity
 from skinfield.errors import InputError, SkinfieldError, check_count
-from skinfield.fields import Estimate
-from skinfield.observation import BaseStress, Capacitance, Quantity
-from skinfield.pipeline import Reconstructor
+from skinfield.estimate import Estimate
+from skinfield.files.manifest import Manifest, Totals
+from skinfield.files.results import Results, read_results
+from skinfield.reconstruct import Reconstructor
 from skinfield.settings import Elastomer, ModelSettings
-from skinfield.sinks.manifest import Manifest, Totals
-from skinfield.sources.results import Results, read_results
 
 ENDING = ".skinfield"
 OF_RESULTS = (  # options for results as well
@@ -268,8 +268,8 @@ class StoredResults:
 
     def write(self, part: Part) -> None:
         """Take the contacts of some readings."""
-        from skinfield.pipeline.serialisation import CONTACTS
-        from skinfield.sinks import open_contacts
+        from skinfield.files import open_contacts
+        from skinfield.reconstruct.serialisation import CONTACTS
 
         if not self.whole:
             return
@@ -303,8 +303,8 @@ class Sinks:
     @classmethod
     def of(cls, options: dict[str, Any], files: ExitStack) -> "Sinks":
         """Open what is asked for; each is discarded where anything fails."""
-        from skinfield.sinks import open_contacts, open_fields
-        from skinfield.sinks.pending import pending
+        from skinfield.files import open_contacts, open_fields
+        from skinfield.files.pending import pending
 
         made = cls()
         for name in (options["summary"], options["plot"]):
@@ -346,7 +346,7 @@ def _taken_in(
     recording: str, sinks: Sinks, options: dict[str, Any], files: ExitStack
 ) -> tuple[Results, int]:
     """A recording's conditioned readings, in results that are wanted or in a temporary file."""
-    from skinfield.sinks.results import ResultsWriter
+    from skinfield.files.results_writer import ResultsWriter
 
     named = [*options["output"], options["fields"], options["summary"]]
     first = next((name for name in named if name), None)
@@ -526,7 +526,7 @@ def report(
         _show(results, totals, readings, shown, seconds, options["skipped"])
     say_notes(doubts(results.reconstructor, shown))
     if options["summary"]:
-        from skinfield.sinks import write_summary
+        from skinfield.files import write_summary
 
         write_summary(options["summary"], _summary(results, totals, seconds, options))
     if options["plot"]:

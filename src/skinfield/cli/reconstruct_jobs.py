@@ -33,27 +33,27 @@ from skinfield.cli.options import (
     solver_of,
 )
 from skinfield.cli.report import progress
-from skinfield.conditioning import NoFilter
-from skinfield.contacts import ContactFinder
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, SkinfieldError
-from skinfield.fields.contact_table import Row, rows_from_estimate
-from skinfield.layout import Grid, Patch
-from skinfield.mechanics import Layer
-from skinfield.pipeline.bulk import CHUNK, RUN
-from skinfield.pipeline.conditioned import impossible_note
-from skinfield.pipeline.diagnostics import Conditioning, Survey, survey
-from skinfield.pipeline.serialisation import ReconstructorConfig, checksum, plain_from_value
-from skinfield.reading import Recording
-from skinfield.sinks.fields import Arrays, series_of
-from skinfield.sinks.manifest import Manifest, Totals
-from skinfield.sinks.pending import Pending, explained
-from skinfield.sinks.results import (
+from skinfield.estimate import ContactFinder
+from skinfield.estimate.contact_table import Row, rows_from_estimate
+from skinfield.files.fields import Arrays, series_of
+from skinfield.files.manifest import Manifest, Totals
+from skinfield.files.pending import Pending, explained
+from skinfield.files.results import Results, read_results
+from skinfield.files.results_writer import (
     ResultsWriter,
     create_fields,
     write_contacts_at,
     write_fields_at,
 )
-from skinfield.sources.results import Results, read_results
+from skinfield.reconstruct.bulk import CHUNK, RUN
+from skinfield.reconstruct.conditioned import impossible_note
+from skinfield.reconstruct.diagnostics import Conditioning, Survey, survey
+from skinfield.reconstruct.serialisation import ReconstructorConfig, checksum, plain_from_value
+from skinfield.signal import NoFilter
+from skinfield.skin import Grid, Patch
+from skinfield.skin.reading import Recording
 
 PIECE = 1 << 20  # numbers that are conditioned together: 8 MB
 FEWEST, MOST = 2048, 16384  # readings that are: enough to see motion, and what stands still
@@ -140,7 +140,7 @@ class Spool:
 
     def add(self, block: Recording) -> None:
         """Append readings."""
-        from skinfield.sources import readings_for
+        from skinfield.files import readings_for
 
         mine = readings_for(block, self.patch)
         self.rows.write(mine.stamp_ns, mine.counts)
@@ -215,7 +215,7 @@ def take_in(
 
 def _spooled(recording: str, spool: Spool, bar: Progress) -> Spool:
     """Everything that a recording holds, parsed once."""
-    from skinfield.sources import stream_recording
+    from skinfield.files import stream_recording
 
     task = bar.add_task("reading", total=None)
     opened = stream_recording(

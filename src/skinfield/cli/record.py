@@ -65,8 +65,8 @@ def record(
     as_json : bool
         One JSON object at the end.
     """
-    from skinfield.live.recorder import Recorder, RecorderSettings, RecorderState, forget_state
-    from skinfield.sinks.mcap import FoxgloveViews, RecordingSettings, RosViews
+    from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RosViews
+    from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
 
     if ros and foxglove:
         raise InputError(
@@ -177,7 +177,7 @@ def recover(
     as_json : bool
         What was saved and what was not, as one JSON object.
     """
-    from skinfield.live.recover import recover as save
+    from skinfield.record.recover import recover as save
 
     check_new("--output", output, force)
     with progress() as bar:
@@ -233,8 +233,8 @@ def info(file: str, /, *, as_json: Json = False) -> None:
     as_json : bool
         All of it as one JSON object.
     """
-    from skinfield.sources.recordings.mcap_live import LiveRecording
-    from skinfield.sources.recordings.mcap_summary import summary_of
+    from skinfield.files.mcap.live import LiveRecording
+    from skinfield.files.mcap.summary import summary_of
 
     with progress() as bar:
         task = bar.add_task("reading", total=None)

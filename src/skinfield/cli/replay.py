@@ -85,7 +85,7 @@ def _on_page(
 ) -> None:
     """Play on the page and, where somebody looks, in the terminal."""
     from skinfield.cli.status_table import shown
-    from skinfield.viewer import serve_page
+    from skinfield.page import serve_page
 
     end = None if duration is None else time.monotonic() + duration
     try:
@@ -121,7 +121,7 @@ def _screen(console: Console) -> AbstractContextManager[Any]:
 @contextmanager
 def opened(file: str, playing: bool, console: Console) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of a recording, for the page."""
-    from skinfield.viewer.replay import ReplayController, ReplaySource
+    from skinfield.page.replay import ReplayController, ReplaySource
 
     with console.status(f"looking through {file}"):
         source = ReplaySource(Path(file), playing=playing)
@@ -149,7 +149,7 @@ def _headless(
     console: Console,
 ) -> None:
     """Play as a running skin, as lines of JSON, or to the end alone."""
-    from skinfield.live.replay import Published, Replay, paced
+    from skinfield.record.replay import Published, Replay, paced
 
     source = Replay(Path(file))
     speed = 1.0 if speed is None and name else speed
@@ -180,7 +180,7 @@ def _headless(
 
 def _line(cycle: Any, first_ns: int, patches: list[str]) -> dict[str, Any]:
     """A cycle as plain values."""
-    from skinfield.live.status import plain_contacts
+    from skinfield.loop.status import plain_contacts
 
     return {
         "cycle": cycle.number,

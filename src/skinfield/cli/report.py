@@ -17,7 +17,7 @@ from rich.table import Table
 from skinfield.errors import InputError
 
 if TYPE_CHECKING:
-    from skinfield.fields import Contact
+    from skinfield.estimate import Contact
 
 MOST_CONTACTS = 12
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -102,7 +102,7 @@ def print_text(text: str) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON object on stdout; NaN and infinities become null."""
-    from skinfield.sinks.summary import plain_json
+    from skinfield.files.summary import plain_json
 
     print_text(json.dumps(plain_json(value, "result"), allow_nan=False))
 
@@ -136,7 +136,7 @@ def check_output(flag: str, name: str | None, ending: str) -> None:
     ending : str
         Such as ".csv".
     """
-    from skinfield.sinks.pending import pending
+    from skinfield.files.pending import pending
 
     if name is None:
         return

@@ -9,9 +9,9 @@ from rich.table import Table
 
 from skinfield.cli.options import OUTPUT, Json
 from skinfield.cli.report import console, plural, print_json, progress, say, say_notes
-from skinfield.config import load_scenario, rig_tasks, template
 from skinfield.errors import FileError, InputError, check_count
 from skinfield.lab.runner import Outcome, Task, run, stored
+from skinfield.lab.scenarios import load_scenario, rig_tasks, template
 
 
 def rig(

@@ -25,13 +25,7 @@ from skinfield.cli.options import (
     skin_from_text,
     solver_of,
 )
-from skinfield.cli.report import (
-    check_new,
-    end_undisturbed,
-    print_json,
-    show_address,
-    signals_end,
-)
+from skinfield.cli.report import check_new, end_undisturbed, print_json, show_address, signals_end
 from skinfield.errors import InputError, SkinfieldError, check_positive
 from skinfield.settings import (
     BridgeSettings,
@@ -147,7 +141,7 @@ def save_settings(given: Settings, path: str, force: bool) -> None:
     FileError
         If it cannot be written.
     """
-    from skinfield.sinks.pending import write_bytes
+    from skinfield.files.pending import write_bytes
 
     if not path.endswith(".toml"):
         raise InputError(f"--save is {path!r}, expected a name that ends in .toml")
@@ -253,7 +247,7 @@ def _addresses(host: str) -> list[tuple[int, tuple[Any, ...]]]:
 
 def check_scene(scene: str) -> None:
     """Refuse a scene of the virtual skin that there is none of."""
-    from skinfield.virtual.scenes import SCENES
+    from skinfield.emulator.scenes import SCENES
 
     if scene not in SCENES and not Path(scene).is_file():
         raise InputError(
@@ -273,8 +267,8 @@ def live_settings(
     given: Settings, profile: Profile, skin: Any, source: Any, hardware: str | None = None
 ) -> Any:
     """`LiveSettings` of the settings; the source is one of the live sources."""
-    from skinfield.live.settings import LiveSettings
-    from skinfield.realtime import RealTime
+    from skinfield.loop.realtime import RealTime
+    from skinfield.loop.settings import LiveSettings
 
     model, loop = given.model, given.loop
     late, deadline = loop.late_after_ms, loop.deadline_us
@@ -306,8 +300,8 @@ def rungs_to(grid: int) -> tuple[int, ...]:
 
 def live_solver(name: str) -> Any:
     """As elsewhere, but for the gap to which a search goes."""
-    from skinfield.inverse import NonNegative
-    from skinfield.live.settings import LIVE_TOLERANCE
+    from skinfield.loop.settings import LIVE_TOLERANCE
+    from skinfield.solve import NonNegative
 
     return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else solver_of(name)
 
@@ -324,7 +318,7 @@ def board_of(
     hardware: str | None, no_load: int | None, profile: Profile, shift: int = USUAL_SHIFT
 ) -> Any:
     """What a count of this hardware means; None to go by the range of the counts."""
-    from skinfield.conditioning import CySkinCount, ICubByte
+    from skinfield.signal import CySkinCount, ICubByte
 
     if hardware in (None, "icub", "yarp"):
         rest = no_load or profile.no_load or USUAL_NO_LOAD
@@ -346,8 +340,8 @@ def with_virtual_boards(source: SourceSettings) -> SourceSettings:
 @contextmanager
 def virtual_skin(given: Settings, profile: Profile) -> Iterator[Any]:
     """The virtual skin that is there when no hardware is."""
-    from skinfield.virtual.process import start
-    from skinfield.virtual.settings import VirtualSettings
+    from skinfield.emulator.process import start
+    from skinfield.emulator.settings import VirtualSettings
 
     source = given.source
     settings = VirtualSettings(
@@ -376,7 +370,7 @@ class LocalSource:
     """
 
     def __init__(self, name: str) -> None:
-        from skinfield.viewer.source import LiveSource
+        from skinfield.page.source import LiveSource
 
         self._name = name
         self._source = LiveSource(name)
@@ -388,7 +382,7 @@ class LocalSource:
 
     def sources(self) -> Sequence[Any]:
         """The source, looked at whether there is a newer one."""
-        from skinfield.viewer.source import LiveSource
+        from skinfield.page.source import LiveSource
 
         if self._source.replaced:
             with suppress(SkinfieldError):  # it is being made anew
@@ -399,12 +393,12 @@ class LocalSource:
 @contextmanager
 def served_page(given: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `controller`."""
-    from skinfield.live.fit_ring import FitReader
-    from skinfield.live.recorder_launch import ReadyRecorders
-    from skinfield.viewer import serve_page
-    from skinfield.viewer.live_controller import LiveController, Solvers
-    from skinfield.viewer.recordings import Recordings
-    from skinfield.viewer.replay import ReplaySource
+    from skinfield.loop.fit_ring import FitReader
+    from skinfield.page import serve_page
+    from skinfield.page.live_controller import LiveController, Solvers
+    from skinfield.page.recordings import Recordings
+    from skinfield.page.replay import ReplaySource
+    from skinfield.record.launch import ReadyRecorders
 
     name = given.loop.name
     local, chosen = LocalSource(name), [given.model.solver or "nonnegative"]
@@ -446,12 +440,12 @@ class Session:
     def run(self, parts: ExitStack) -> dict[str, Any]:
         """Start everything, show it until the end, and sum it up."""
         from skinfield.bridges.launch import bridges
-        from skinfield.live.client import Live
-        from skinfield.live.process_supervisor import start_fit
-        from skinfield.live.recorder_launch import recorder
-        from skinfield.live.supervisor import Supervisor
+        from skinfield.loop.client import Live
+        from skinfield.loop.process_supervisor import start_fit
+        from skinfield.loop.supervisor import Supervisor
+        from skinfield.record.launch import recorder
         from skinfield.ring import State
-        from skinfield.sources.live.factory import skin_for, source_from_options
+        from skinfield.wire.sources.factory import skin_for, source_from_options
 
         given, console = self.given, self.console
         skin, source = skin_from_text(given.skin.layout), given.source
@@ -501,8 +495,8 @@ class Session:
         `begin` is called when it answers; `check` again and again: it raises what ends it, and
         tells what failed.
         """
-        from skinfield.live.contact_summary import ContactSummaries
-        from skinfield.live.status import Observer
+        from skinfield.loop.contact_summary import ContactSummaries
+        from skinfield.loop.status import Observer
 
         watch = ContactSummaries([patch.name for patch in live.skin])
         observer = Observer(live.reader, window=RECENT)
@@ -548,7 +542,7 @@ def _draw(screen: Any, observer: Any) -> None:
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
     """Wait until the engine answers, showing what it does meanwhile; the time then."""
-    from skinfield.live.supervisor import EngineFailed
+    from skinfield.loop.supervisor import EngineFailed
 
     began = moved = said = time.monotonic()
     before, silent = "", False

@@ -9,10 +9,10 @@ from skinfield.cli.options import Json
 from skinfield.cli.report import print_json
 from skinfield.cli.status_table import shown
 from skinfield.errors import InputError, SkinfieldError, check_positive
-from skinfield.live.client import Live, chosen
-from skinfield.live.runtime_parameters import Focus
-from skinfield.live.status import Observer
-from skinfield.realtime import RealTimeStatus
+from skinfield.loop.client import Live, chosen
+from skinfield.loop.realtime import RealTimeStatus
+from skinfield.loop.runtime_parameters import Focus
+from skinfield.loop.status import Observer
 
 MICRO, MILLI = 1e-6, 1e-3
 

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 from rich.console import Group
 from rich.text import Text
 
-from skinfield.live.status import Status
-from skinfield.live.status_text import start_in_words
-from skinfield.realtime import Quantiles, Timing
+from skinfield.loop.realtime import Quantiles, Timing
+from skinfield.loop.status import Status
+from skinfield.loop.status_text import start_in_words
 
 NARROW = 80  # columns, for which the widths below are made
 STYLES = {"running": "green", "calibrating": "yellow", "starting": "yellow"}

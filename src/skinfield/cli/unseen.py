@@ -35,7 +35,7 @@ def validate_unseen(options: dict[str, Any]) -> bool:
     """Press at random, score every solver at every noise, and report."""
     from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
     from skinfield.lab.validation import Level, known_entrants
-    from skinfield.layout.generators import by_name
+    from skinfield.skin.generators import by_name
 
     quantities = options["quantity"] or tuple(NOISES)
     if options["noise"] and len(quantities) > 1:
@@ -135,8 +135,8 @@ def _report(found: Any, options: dict[str, Any], where: str) -> bool:
 
 def _draw(found: Any, folder: Path) -> None:
     """Write a picture of the errors for each quantity."""
+    from skinfield.files.pending import write_bytes
     from skinfield.lab.sections.accuracy import picture_of_errors
-    from skinfield.sinks.pending import write_bytes
 
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -6,14 +6,7 @@ from typing import Annotated, Any, Literal
 
 from skinfield.cli.contenders import entrant_from_options, named
 from skinfield.cli.options import OUTPUT, Force, Json, flags_given
-from skinfield.cli.report import (
-    check_new,
-    check_output,
-    console,
-    plural,
-    print_json,
-    progress,
-)
+from skinfield.cli.report import check_new, check_output, console, plural, print_json, progress
 from skinfield.cli.scores import (
     exceeds,
     limits_from_texts,

@@ -13,10 +13,10 @@ from skinfield.cli.options import part
 from skinfield.cli.replay import opened
 from skinfield.cli.report import show_address, signals_end
 from skinfield.errors import InputError, check_positive
+from skinfield.page import serve_page
+from skinfield.page.controller import Controller
+from skinfield.page.source import DataSource, EngineView, plain_view
 from skinfield.settings import PageSettings, ZenohAddresses
-from skinfield.viewer import serve_page
-from skinfield.viewer.controller import Controller
-from skinfield.viewer.source import DataSource, EngineView, plain_view
 
 POLL = 0.25  # s between looks whether the page is still served
 NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machine reaches it?"

@@ -11,8 +11,8 @@ from skinfield.cli.report import print_text
 from skinfield.errors import InputError
 
 if TYPE_CHECKING:
-    from skinfield.live.engine_process import EngineProcess
-    from skinfield.virtual.skin import VirtualSkin
+    from skinfield.emulator.skin import VirtualSkin
+    from skinfield.loop.engine_process import EngineProcess
 
 EXPECTED = 233  # functions that a first run compiles, on an empty cache
 RATE = 100.0  # readings per second of the virtual skin
@@ -59,8 +59,8 @@ def warm_up(progress: Callable[[str, int], None]) -> int:
         If there is no answer after 15 minutes.
     """
     from skinfield.compiled import reported
-    from skinfield.virtual.settings import VirtualSettings
-    from skinfield.virtual.skin import VirtualSkin
+    from skinfield.emulator.settings import VirtualSettings
+    from skinfield.emulator.skin import VirtualSkin
 
     with reported(progress) as compiled:
         skin = VirtualSkin(
@@ -81,13 +81,13 @@ def warm_up(progress: Callable[[str, int], None]) -> int:
 
 def _answer(skin: "VirtualSkin") -> None:
     """Run the engine and the fit in this process, on a press."""
-    from skinfield.conditioning import ICubByte
-    from skinfield.live.engine_process import EngineProcess
-    from skinfield.live.fit_process import SkinFit
-    from skinfield.live.settings import LiveSettings
-    from skinfield.realtime import RealTime
+    from skinfield.loop.engine_process import EngineProcess
+    from skinfield.loop.fit_process import SkinFit
+    from skinfield.loop.realtime import RealTime
+    from skinfield.loop.settings import LiveSettings
     from skinfield.ring import RingReader
-    from skinfield.sources.live.factory import source_from_options
+    from skinfield.signal import ICubByte
+    from skinfield.wire.sources.factory import source_from_options
 
     name, begun = f"warmup-{os.getpid()}", time.monotonic()
     extra = {"period_ms": f"{1e3 / RATE:.0f}", "shift": "1"}

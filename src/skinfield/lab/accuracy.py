@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.elastic import Layer
 from skinfield.errors import InputError, SkinfieldError, check_choice, check_positive
 from skinfield.lab.bound import contact_family, errors_at_bound
 from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
@@ -18,18 +19,10 @@ from skinfield.lab.cases import Case, Pose, Truth, posed, truth_of_press
 from skinfield.lab.report import SIZES, Part, tasks_of
 from skinfield.lab.runner import run
 from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
-from skinfield.lab.validation import (
-    Entrant,
-    Level,
-    known_entrants,
-    noise_seed,
-    once,
-    rows_of_case,
-)
-from skinfield.layout import Patch
-from skinfield.layout.generators import by_name
-from skinfield.mechanics import Layer
+from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, once, rows_of_case
 from skinfield.simulate import Sphere, press
+from skinfield.skin import Patch
+from skinfield.skin.generators import by_name
 
 NOISES = {  # standard deviations of one reading, Pa and ΔC/C₀; 0 is exact
     "stress": (0.0, 380.0, 1e3, 3.8e3),
@@ -50,7 +43,7 @@ class AccuracyPlan:
     entrants : tuple of Entrant
     levels : tuple of Level
     layout : str
-        Of a generator, see `skinfield.layout.generators`.
+        Of a generator, see `skinfield.skin.generators`.
     layer : Layer
     presses : int
     share : int

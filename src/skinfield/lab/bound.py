@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_positive
 from skinfield.lab.score import Row
-from skinfield.mechanics import Layer
 from skinfield.simulate import Press, press
 from skinfield.simulate.pressing.press import readings_anywhere
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import FileError, InputError, check_shape
+from skinfield.files.pending import write_bytes
 from skinfield.lab.cases import Case, TrueContact, Truth
-from skinfield.layout import Patch
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.sinks.pending import write_bytes
+from skinfield.skin import Patch
 
 VERSION = 1
 ENDING = ".npz"

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import Floats, InputError, as_floats, check_choice
 from skinfield.lab.cases import (
     QUANTITIES,
@@ -18,10 +19,9 @@ from skinfield.lab.cases import (
     quantity_by_name,
     truth_of_press,
 )
-from skinfield.layout import Patch
-from skinfield.mechanics import BondedLayer, Layer
 from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
 from skinfield.simulate.pressing.press import readings_anywhere
+from skinfield.skin import Patch
 
 SILICONE = Layer(2e-3, 100e3, 0.5)
 AROUND = 14e-3  # m: from a press's middle to the sides of the square of skin that is solved

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, Layer, Quantity
 from skinfield.errors import (
     Floats,
     InputError,
@@ -14,10 +15,8 @@ from skinfield.errors import (
     check_positive,
     check_shape,
 )
-from skinfield.layout import Patch
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.observation import BaseStress, Capacitance, Gap, Quantity
 from skinfield.simulate import Press
+from skinfield.skin import Patch
 
 # As files of cases spell them.
 QUANTITIES: dict[str, Quantity] = {

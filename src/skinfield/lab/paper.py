@@ -6,14 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Layer, Mechanics, Quantity
 from skinfield.errors import Floats
-from skinfield.inverse import GaussianField, Inverse, Solver
-from skinfield.layout import Grid, Patch
-from skinfield.layout.generators import hexagon72
-from skinfield.mechanics import BondedLayer, HalfSpace, Layer, Mechanics
-from skinfield.observation import BaseStress, Quantity
-from skinfield.pipeline import Reconstructor
+from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Cylinder, Press, Sphere, press
+from skinfield.skin import Grid, Patch
+from skinfield.skin.generators import hexagon72
+from skinfield.solve import GaussianField, Inverse, Solver
 
 
 class Reconstruction(NamedTuple):

@@ -8,9 +8,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from skinfield.elastic import Layer
 from skinfield.errors import InputError, check_choice
 from skinfield.lab.runner import Task
-from skinfield.mechanics import Layer
 from skinfield.plot.style import METADATA, number
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
-from skinfield.fields import Contact, Estimate
+from skinfield.estimate import Contact, Estimate
+from skinfield.files import write_summary
+from skinfield.files.pending import write_bytes
 from skinfield.lab.cases import Case, TrueContact, Truth
-from skinfield.layout import Grid, Patch
-from skinfield.sinks import write_summary
-from skinfield.sinks.pending import write_bytes
+from skinfield.skin import Grid, Patch
 
 STEP = 0.5e-3  # m: side of the lattice's cells
 BLUR = 2e-3  # m: standard deviation of the Gaussian, below which taxels see next to nothing

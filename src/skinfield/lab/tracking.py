@@ -10,18 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.contacts import TrackedContact, Tracker
+from skinfield.elastic import BaseStress, Capacitance, Layer, Quantity
 from skinfield.errors import Floats
-from skinfield.fields import Contact, Estimate
-from skinfield.inverse import ContactFit, GaussianField, Solver
+from skinfield.estimate import Contact, Estimate, TrackedContact, Tracker
 from skinfield.lab.paper import paper_patch
 from skinfield.lab.report import Settings
-from skinfield.layout import Grid
-from skinfield.mechanics import Layer
-from skinfield.observation import BaseStress, Capacitance, Quantity
-from skinfield.pipeline import Reconstructor
+from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Press, Sphere, press_ladder
 from skinfield.simulate.pressing.press import readings_anywhere
+from skinfield.skin import Grid
+from skinfield.solve import ContactFit, GaussianField, Solver
 
 BALL = 6e-3  # m: radius
 EXTENT = 16e-3  # m: side of the square in which it touches, up to FORCES' last

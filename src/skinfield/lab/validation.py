@@ -7,14 +7,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from skinfield.elastic import HalfSpace, Mechanics
 from skinfield.errors import Floats, InputError, check_choice, check_positive
-from skinfield.fields import Contact
-from skinfield.inverse import ContactFit, GaussianField, PseudoInverse, Solver
+from skinfield.estimate import Contact
 from skinfield.lab.cases import Case, quantity_by_name
 from skinfield.lab.score import GATE, Judge, Row, Score, column
-from skinfield.layout import Grid
-from skinfield.mechanics import HalfSpace, Mechanics
-from skinfield.pipeline import Reconstructor
+from skinfield.reconstruct import Reconstructor
+from skinfield.skin import Grid
+from skinfield.solve import ContactFit, GaussianField, PseudoInverse, Solver
 
 CACHED = 8  # reconstructions that stay prepared: cases of one skin share theirs
 PLACE_90, FORCE_90 = 4.605, 2.706  # squared deviations that hold 90 %: of two numbers, and of one

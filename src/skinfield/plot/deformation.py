@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.fields import Estimate
-from skinfield.layout import Grid
+from skinfield.estimate import Estimate
 from skinfield.plot.maps import MM, axis_names, extent_of
 from skinfield.plot.style import QUIET, signed_colours
+from skinfield.skin import Grid
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

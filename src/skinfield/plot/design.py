@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from skinfield.design import Judgement, Places, ThicknessComparison
+from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
 from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
 from skinfield.plot.style import (
@@ -19,8 +21,6 @@ from skinfield.plot.style import (
     new_figure,
     style,
 )
-from skinfield.resolution import Judgement, Places, ThicknessComparison
-from skinfield.resolution.judgement import part_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
-from skinfield.fields import Contact, Estimate
-from skinfield.layout import Grid
+from skinfield.estimate import Contact, Estimate
 from skinfield.plot.deformation import draw_deformation
 from skinfield.plot.maps import (
     MM,
@@ -35,6 +34,7 @@ from skinfield.plot.style import (
     plus_minus,
     style,
 )
+from skinfield.skin import Grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, Ints
-from skinfield.layout import Patch, Skin
-from skinfield.layout.geometry import facing_from_positions, nearest_distance
 from skinfield.plot.maps import MM, circles, draw_modules, frame_axes
 from skinfield.plot.style import (
     FAINT,
@@ -19,6 +17,8 @@ from skinfield.plot.style import (
     plural,
     style,
 )
+from skinfield.skin import Patch, Skin
+from skinfield.skin.geometry import facing_from_positions, nearest_distance
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,13 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.layout import Grid, Patch
-from skinfield.plot.style import (
-    FAINT,
-    INK,
-    QUIET,
-    signed_colours,
-)
+from skinfield.plot.style import FAINT, INK, QUIET, signed_colours
+from skinfield.skin import Grid, Patch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

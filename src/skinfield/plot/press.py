@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.errors import Floats, check_shape
-from skinfield.layout import Patch
 from skinfield.plot.maps import MM, draw_cells, draw_pads, frame_axes, outline_pads
 from skinfield.plot.style import (
     BLUE,
@@ -22,6 +21,7 @@ from skinfield.plot.style import (
 )
 from skinfield.simulate import Press
 from skinfield.simulate.pressing.press import base_stress_below_cells, pressure_by_body
+from skinfield.skin import Patch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

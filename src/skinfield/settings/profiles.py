@@ -107,7 +107,7 @@ def profile_of(given: Elastomer, hardware: str | None = None, layout: str = "") 
 def _is_generated(layout: str) -> bool:
     from pathlib import Path
 
-    from skinfield.layout.generators import GENERATORS
+    from skinfield.skin.generators import GENERATORS
 
     return layout.partition(":")[0] in GENERATORS and not Path(layout).exists()
 
@@ -116,7 +116,7 @@ def _of_layout(layout: str) -> str:
     """Name of the profile of a layout file, by the format that its makers write."""
     from pathlib import Path
 
-    from skinfield.layout.formats import format_of
+    from skinfield.files.layouts import format_of
 
     path = Path(layout)
     if not path.is_file():

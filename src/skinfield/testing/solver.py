@@ -5,11 +5,10 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from skinfield.elastic import BaseStress, BondedLayer, Layer, ObservationModel
 from skinfield.errors import Floats
-from skinfield.inverse import ContactOperator, Solver
-from skinfield.layout import Grid, Patch
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.observation import BaseStress, ObservationModel
+from skinfield.skin import Grid, Patch
+from skinfield.solve import ContactOperator, Solver
 
 NOISE = 20.0  # Pa
 

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from skinfield.acquisition import Block, Blocks, Count, Kind, Source, Status, Stream, blocks_of
 from skinfield.errors import Ints
-from skinfield.reading import UNITS
+from skinfield.signal import Block, Blocks, Count, Kind, Source, Status, Stream, blocks_of
+from skinfield.skin.reading import UNITS
 
 FIRST = 1000  # channel that the stream's first one is given
 PATIENCE = 30.0  # s until something is taken not to come, however busy the machine

@@ -8,15 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.engine.state import Answer
-from skinfield.layout import Skin
-from skinfield.live.client import Live, NotRunning
-from skinfield.live.fit_ring import FitReader, best_contacts
-from skinfield.live.slots import Slot
-from skinfield.live.snapshot import Snapshot
-from skinfield.live.status import Observer, Status
-from skinfield.ring import State
-from skinfield.sinks.ros.kinds import (
+from skinfield.files.ros.kinds import (
     CLOUD,
     CONTACTS,
     DIAGNOSTIC,
@@ -26,8 +18,16 @@ from skinfield.sinks.ros.kinds import (
     WRENCH_STAMPED,
     Kinds,
 )
-from skinfield.sinks.ros.messages import WHATS, Outgoing, SkinMessages, of_contacts
-from skinfield.sinks.ros.names import Topics
+from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages, of_contacts
+from skinfield.files.ros.names import Topics
+from skinfield.loop.client import Live, NotRunning
+from skinfield.loop.fit_ring import FitReader, best_contacts
+from skinfield.loop.slots import Slot
+from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status import Observer, Status
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.ring import State
+from skinfield.skin import Skin
 
 LATE_SHARE = 0.01  # of the estimates lately, above which it is told as a fault
 

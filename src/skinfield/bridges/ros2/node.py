@@ -13,13 +13,13 @@ from typing import Any
 from skinfield.bridges.ros2.messages import Channel, Speaker, Talker
 from skinfield.bridges.ros2.publisher import RosSettings
 from skinfield.errors import InputError
-from skinfield.live.client import Live, connect
-from skinfield.sinks.ros.messages import Outgoing
-from skinfield.sinks.ros.names import Topics, token_of
+from skinfield.files.ros.messages import Outgoing
+from skinfield.files.ros.names import Topics, token_of
+from skinfield.loop.client import Live, connect
 
 
 class RclpyKinds:
-    """Messages as rclpy has them; see `skinfield.sinks.ros.Kinds`."""
+    """Messages as rclpy has them; see `skinfield.files.ros.Kinds`."""
 
     def of(self, kind: str) -> Any:
         """Class of a kind such as `std_msgs/msg/Header`."""

@@ -13,11 +13,11 @@ from skinfield.bridges.ros2.messages import LOOKS, SAID, Channel, Speaker, Talke
 from skinfield.bridges.ros2.rmw_zenoh import DOMAINS, NO_HASH, Attachment, Node, Publication, Qos
 from skinfield.bridges.zenoh.session import ZenohSettings, load_zenoh, open_session
 from skinfield.errors import InputError, check_choice, check_count, check_range, check_type
-from skinfield.live.client import connect
+from skinfield.files.ros.kinds import RosbagKinds
+from skinfield.files.ros.messages import Outgoing
+from skinfield.files.ros.names import Topics, check_prefix, token_of
+from skinfield.loop.client import connect
 from skinfield.settings import from_plain
-from skinfield.sinks.ros.kinds import RosbagKinds
-from skinfield.sinks.ros.messages import Outgoing
-from skinfield.sinks.ros.names import Topics, check_prefix, token_of
 
 ROUTER = "tcp/localhost:7447"  # of rmw_zenohd, where rmw_zenoh's nodes meet
 HERE = "tcp/localhost:0"

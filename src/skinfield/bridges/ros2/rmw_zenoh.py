@@ -14,7 +14,7 @@ from functools import cached_property
 from struct import Struct
 
 from skinfield.errors import FileError, InputError, check_count
-from skinfield.sinks.ros.names import TOKEN, check_prefix
+from skinfield.files.ros.names import TOKEN, check_prefix
 
 TOKENS = "@ros2_lv"  # where liveliness tokens are
 NO_HASH = "TypeHashNotSupported"  # Humble's, in place of a type's hash

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.engine.state import Answer
 from skinfield.errors import Floats
-from skinfield.layout import Grid, Patch, Skin
-from skinfield.live.snapshot import Snapshot
-from skinfield.protocols.yarp import SkinContact, parts_of
+from skinfield.loop.snapshot import Snapshot
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.skin import Grid, Patch, Skin
+from skinfield.wire.yarp import SkinContact, parts_of
 
 SIGMAS = 4.0  # of a taxel's noise, from which on it is active
 WIDER = 1.5  # times a contact's radius, within which its pressure and its taxels lie
@@ -25,7 +25,7 @@ class ContactList:
     ----------
     skin : Skin
     given : mapping of str to sequence of int
-        See `protocols.yarp.parts_of`.
+        See `wire.yarp.parts_of`.
     """
 
     def __init__(self, skin: Skin, given: Mapping[str, Sequence[int]]) -> None:

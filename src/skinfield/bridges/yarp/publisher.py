@@ -12,12 +12,12 @@ from skinfield.bridges.child import say_ready
 from skinfield.bridges.yarp.contacts import ContactList
 from skinfield.bridges.yarp.settings import YarpSettings
 from skinfield.errors import InputError
-from skinfield.live.client import Live, NotRunning, connect
-from skinfield.live.fit_ring import FitReader, best_contacts
-from skinfield.live.snapshot import Snapshot
-from skinfield.protocols.yarp import Port, envelope
-from skinfield.protocols.yarp.name_server import query
+from skinfield.loop.client import Live, NotRunning, connect
+from skinfield.loop.fit_ring import FitReader, best_contacts
+from skinfield.loop.snapshot import Snapshot
 from skinfield.settings import from_plain
+from skinfield.wire.yarp import Port, envelope
+from skinfield.wire.yarp.name_server import query
 
 HERE = 10.0  # s to wait for the ring
 SLICE = 0.02  # s at most without a look at the port

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from skinfield.errors import check_range, check_type
-from skinfield.protocols.yarp import PORT, NameServer, checked_name
-from skinfield.sources.buses.bus import host_and_port
+from skinfield.wire.can.bus import host_and_port
+from skinfield.wire.yarp import PORT, NameServer, checked_name
 
 HERE = "127.0.0.1"
 NONE = "none"

@@ -11,17 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.contacts.live import CONTACT
-from skinfield.engine.state import Answer
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.inverse import Solver
-from skinfield.layout import Skin
-from skinfield.live.model_config import ModelConfig
-from skinfield.live.slots import Sizes, Slot
-from skinfield.pipeline.serialisation import plain_from_value, value_from_plain
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.slots import Sizes, Slot
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field
 from skinfield.ring.layout import LINE, Placed, place
 from skinfield.ring.reader import Slot as Copy
+from skinfield.skin import Skin
+from skinfield.solve import Solver
 
 VERSION = 1
 MAGIC = b"SKE1"

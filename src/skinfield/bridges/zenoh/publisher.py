@@ -14,10 +14,10 @@ from skinfield.bridges.zenoh.messages import EstimateHead, newest_stamp
 from skinfield.bridges.zenoh.session import Part, ZenohSettings, load_zenoh, open_session
 from skinfield.bridges.zenoh.status_messages import StatusEncoder, layout_text
 from skinfield.errors import InputError, check_positive, check_type
-from skinfield.live.client import Live, NotRunning, connect
-from skinfield.live.fit_ring import FitReader, best_contacts
-from skinfield.live.slots import Head, Slot
-from skinfield.live.snapshot import Snapshot
+from skinfield.loop.client import Live, NotRunning, connect
+from skinfield.loop.fit_ring import FitReader, best_contacts
+from skinfield.loop.slots import Head, Slot
+from skinfield.loop.snapshot import Snapshot
 from skinfield.ring import State
 from skinfield.ring.reader import Slot as Copy
 from skinfield.settings import from_plain

@@ -23,9 +23,9 @@ from skinfield.bridges.zenoh.messages import (
 from skinfield.bridges.zenoh.session import Part
 from skinfield.bridges.zenoh.status_messages import blank_status, checked_status
 from skinfield.errors import InputError, check_positive
-from skinfield.layout import Skin
-from skinfield.live.model_config import ModelConfig, Models
-from skinfield.live.snapshot import Snapshot
+from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.snapshot import Snapshot
+from skinfield.skin import Skin
 
 DRIFT = 1e-4  # between two computers' clocks
 

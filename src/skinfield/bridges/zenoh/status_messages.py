@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from skinfield.bridges.zenoh.messages import Calibration, described, fingerprint_of, strict_json
 from skinfield.bridges.zenoh.session import Part
-from skinfield.engine.state import Answer
 from skinfield.errors import InputError
-from skinfield.layout import Patch, Skin, save_layout
-from skinfield.live.client import Live
-from skinfield.live.model_config import configuration_of
-from skinfield.live.snapshot import Snapshot
-from skinfield.live.status import Observer
+from skinfield.files.layouts.load import save_layout
+from skinfield.loop.client import Live
+from skinfield.loop.model_config import configuration_of
+from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status import Observer
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.skin import Patch, Skin
 
 STATES = ("starting", "calibrating", "running", "stopped", "failed")
 ANSWERS = tuple(each.name.lower() for each in Answer)

@@ -8,10 +8,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skinfield.contacts import ContactFinder
+from skinfield.elastic import BaseStress, BondedLayer, HalfSpace, Mechanics, ObservationModel
 from skinfield.errors import Floats
-from skinfield.fields import Contact
-from skinfield.inverse import (
+from skinfield.estimate import Contact, ContactFinder
+from skinfield.lab.bench.machine import Spread, laps, spread, undisturbed
+from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchSettings, Scene
+from skinfield.lab.paper import reconstruct_as_paper, stress_matrix
+from skinfield.reconstruct import Reconstructor
+from skinfield.skin import Grid
+from skinfield.solve import (
     ContactFit,
     ContactOperator,
     FieldOperator,
@@ -21,13 +26,6 @@ from skinfield.inverse import (
     NonNegative,
     Solver,
 )
-from skinfield.lab.bench.machine import Spread, laps, spread, undisturbed
-from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchSettings, Scene
-from skinfield.lab.paper import reconstruct_as_paper, stress_matrix
-from skinfield.layout import Grid
-from skinfield.mechanics import BondedLayer, HalfSpace, Mechanics
-from skinfield.observation import BaseStress, ObservationModel
-from skinfield.pipeline import Reconstructor
 
 NAN = float("nan")
 CONVERGED = NonNegative(tolerance=1e-9, precision=np.float64)  # what others are compared with

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.realtime import Quantiles
+from skinfield.loop.realtime import Quantiles
 
 HIGHEST = 20_000  # µs: what is later is only counted
 PATIENCE = 15.0  # s that it may take beyond its time

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.fields import Contact
+from skinfield.estimate import Contact
 from skinfield.lab.bench.costs import (
     CONVERGED,
     LONG,
@@ -40,7 +40,7 @@ from skinfield.lab.bench.machine import (
 from skinfield.lab.bench.scene import LEAD, BenchSettings, Scene, make_scene
 from skinfield.lab.cases import TrueContact
 from skinfield.lab.score import matched
-from skinfield.layout import Patch
+from skinfield.skin import Patch
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from skinfield.elastic import BaseStress, Layer
 from skinfield.errors import Floats, check_choice
 from skinfield.lab.report import PAPER_LAYER
-from skinfield.layout import Patch
-from skinfield.layout.generators import hexagon72
-from skinfield.mechanics import Layer
-from skinfield.observation import BaseStress
 from skinfield.simulate import Sphere, press
+from skinfield.skin import Patch
+from skinfield.skin.generators import hexagon72
 
 MICROSECONDS = (10, 20, 30, 50, 70, 100, 200, 500)
 MILLISECONDS = (1, 2, 5, 10, 20, 50)

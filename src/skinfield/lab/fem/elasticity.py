@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, Ints
 from skinfield.lab.fem.mesh import Section
-from skinfield.mechanics import Layer
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 1.0, 1.0])
 

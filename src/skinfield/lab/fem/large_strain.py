@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import bmat, coo_matrix, csc_matrix
 
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, Ints, check_positive
 from skinfield.lab.fem.elasticity import Elasticity, LinearSection, free_unknowns, law_of
 from skinfield.lab.fem.mesh import Section, Trace
@@ -24,7 +25,6 @@ from skinfield.lab.fem.small_strain import (
     push_to_depth,
     push_with_force,
 )
-from skinfield.mechanics import Layer
 
 STIFFNESS = 10.0  # moduli per thickness: weighs a gap against a pressure in the choice of touch
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_positive
 from skinfield.lab.fem.elasticity import LinearSection, law_of
 from skinfield.lab.fem.mesh import Section, Trace, graded, mesh_section, towards
 from skinfield.lab.fem.profiles import Profile, Shape
-from skinfield.mechanics import Layer
 
 
 @dataclass(frozen=True, eq=False)

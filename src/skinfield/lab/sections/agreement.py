@@ -11,6 +11,9 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from skinfield.elastic import HalfSpace, LatticeConvolution, Layer, Mechanics
+from skinfield.elastic.axisymmetric import Ball, Indentation, indent_by_force, punch
+from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.errors import Floats, InputError
 from skinfield.lab.fem.electrostatics import pad_capacitance
 from skinfield.lab.fem.small_strain import AxisymmetricSolution, indent
@@ -26,9 +29,6 @@ from skinfield.lab.report import (
     Verdict,
     spread_in_words,
 )
-from skinfield.mechanics import HalfSpace, LatticeConvolution, Layer, Mechanics
-from skinfield.mechanics.axisymmetric import Ball, Indentation, indent_by_force, punch
-from skinfield.mechanics.lattice import lattice, mirrored
 from skinfield.simulate import Cylinder, Press, Sphere, press
 
 Round = Sphere | Cylinder

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.elastic import BondedLayer, Layer
 from skinfield.errors import Floats, check_choice
-from skinfield.fields import Contact
-from skinfield.inverse import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
+from skinfield.estimate import Contact
 from skinfield.lab.cases import quantity_by_name
 from skinfield.lab.paper import paper_patch
 from skinfield.lab.plots import LIMIT, Curve, Panel, Scale, draw_panels
@@ -30,11 +30,11 @@ from skinfield.lab.report import (
     share_in_words,
 )
 from skinfield.lab.score import Row, where, wilson
-from skinfield.layout import Grid, Patch
-from skinfield.mechanics import BondedLayer, Layer
-from skinfield.pipeline import Reconstructor
-from skinfield.pipeline.interval_training import BODIES, Rehearsal, nearest, rehearse
+from skinfield.reconstruct import Reconstructor
+from skinfield.reconstruct.interval_training import BODIES, Rehearsal, nearest, rehearse
 from skinfield.simulate import Bar, Cone, Cylinder, Sphere
+from skinfield.skin import Grid, Patch
+from skinfield.solve import ContactFit, GaussianField, Inverse, PseudoInverse, Solver, Tikhonov
 
 LEVELS = (0.5, 0.68, 0.9, 0.95)
 OTHERS: tuple[Any, ...] = (  # none of those that intervals are learnt from

@@ -6,7 +6,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from skinfield.conditioning.filters import Exponential
 from skinfield.errors import Floats
 from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, paper_patch, readings, sites
 from skinfield.lab.plots import (
@@ -22,9 +21,10 @@ from skinfield.lab.plots import (
 )
 from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, share_in_words
 from skinfield.lab.score import wilson
-from skinfield.layout import Grid
-from skinfield.layout.geometry import inside_hull
-from skinfield.pipeline import Reconstructor
+from skinfield.reconstruct import Reconstructor
+from skinfield.signal.filters import Exponential
+from skinfield.skin import Grid
+from skinfield.skin.geometry import inside_hull
 
 CHUNK = 4096  # readings at once: the fields of a chunk stay within 50 MB
 TEMPLATE_PITCH = 1e-3  # m: between the places that the matched filter tries

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.calibrate import column_of, fit_scale
+from skinfield.elastic import Capacitance, Layer
 from skinfield.errors import Floats, InputError
+from skinfield.files import open_recording, readings_for
+from skinfield.files.layouts.load import load_layout
 from skinfield.lab.report import Missing, Picture, Section, Settings, Table
-from skinfield.layout import Grid, load_layout
-from skinfield.mechanics import Layer
-from skinfield.observation import Capacitance
-from skinfield.pipeline import Reconstructor
-from skinfield.pipeline.conditioned import condition, without_empty
-from skinfield.pipeline.diagnostics import Conditioning
 from skinfield.plot import draw_timeline
-from skinfield.sources import open_recording, readings_for
+from skinfield.reconstruct import Reconstructor
+from skinfield.reconstruct.conditioned import condition, without_empty
+from skinfield.reconstruct.diagnostics import Conditioning
+from skinfield.signal import column_of, fit_scale
+from skinfield.skin import Grid
 
 TRIALS = "icub-foot-tipping", "robotData", "backwardTipping"
 WITH_SENSOR, ALONE = "dumperTippingSetup07", "dumperTippingSetup01"

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skinfield.elastic import Deformation, Layer
 from skinfield.errors import Floats
-from skinfield.fields import Estimate
+from skinfield.estimate import Estimate
 from skinfield.lab.paper import FIELD, PAIR, PAPER, PAPER_EXACT, Method, paper_patch
 from skinfield.lab.plots import FieldPanel, draw_fields
 from skinfield.lab.report import (
@@ -23,11 +24,9 @@ from skinfield.lab.report import (
     listed,
     spread_in_words,
 )
-from skinfield.layout import Grid, Patch
-from skinfield.mechanics import Layer
-from skinfield.observation import Deformation
-from skinfield.pipeline import Reconstructor
+from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Cylinder, press
+from skinfield.skin import Grid, Patch
 
 DEPTH = 0.2e-3  # m
 EXTENT = 46e-3  # m: side of the square that holds all discs

@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from skinfield.detection import Detector, DetectorStream, LargestMatch, MarginalLikelihood
+from skinfield.elastic import BaseStress, Capacitance, Quantity
 from skinfield.errors import Floats
 from skinfield.lab.paper import PAPER, PLACES, paper_patch
 from skinfield.lab.plots import Panel, Scale, draw_panels
@@ -28,8 +28,8 @@ from skinfield.lab.sections.detection import (
     roc_panel,
     threshold,
 )
-from skinfield.observation import BaseStress, Capacitance, Quantity
 from skinfield.plot.style import plural
+from skinfield.solve.detection import Detector, DetectorStream, LargestMatch, MarginalLikelihood
 
 CLAIM = "With 0.2 N over a taxel the contact cannot be isolated from noise, whatever the grid."
 KINDS = (*PLACES, ANYWHERE)

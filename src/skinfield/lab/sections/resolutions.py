@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.fields import Estimate
+from skinfield.estimate import Estimate
 from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, Method, paper_patch, readings, sites
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
 from skinfield.lab.report import Picture, Section, Settings, Table, Verdict
-from skinfield.layout import Grid
+from skinfield.skin import Grid
 
 FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
 AROUND = 8e-3  # m: of the press, in which a field is looked at

@@ -1,6 +1,5 @@
 """Emulated electronics: from the change of each taxel's capacitance to counts in time."""
 
-from skinfield.conditioning.boards import firmware_drift as firmware_drift
 from skinfield.simulate.electronics.array import Defect as Defect
 from skinfield.simulate.electronics.array import Defects as Defects
 from skinfield.simulate.electronics.array import Electronics as Electronics

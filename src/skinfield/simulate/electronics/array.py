@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.conditioning import Calibration
 from skinfield.errors import (
     Floats,
     InputError,
@@ -19,11 +18,12 @@ from skinfield.errors import (
     check_range,
     check_shape,
 )
-from skinfield.layout import Patch
+from skinfield.signal import Calibration
 from skinfield.simulate.electronics.board import Board, CySkinBoard, ICubBoard, LinearBoard
 from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Sampling, Wiring, wiring
 from skinfield.simulate.electronics.noise import Noise
 from skinfield.simulate.electronics.thermal import ThermalDrift, ThermalPads
+from skinfield.skin import Patch
 
 
 class Defect(IntEnum):

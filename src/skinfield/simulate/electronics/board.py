@@ -6,15 +6,15 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.conditioning import (
+from skinfield.elastic import Layer
+from skinfield.errors import Floats, as_floats, check_positive
+from skinfield.signal import (
     CapacitanceConverter,
     Convention,
     CySkinCount,
     ICubByte,
     rest_capacitance,
 )
-from skinfield.errors import Floats, as_floats, check_positive
-from skinfield.mechanics import Layer
 
 PAD_CAPACITANCE = rest_capacitance(Layer(), 4e-3)
 """F, of a round 4 mm pad under 2 mm of silicone: 0.167 pF."""
@@ -32,7 +32,7 @@ class Board(Protocol):
 
     @property
     def unit(self) -> str:
-        """Of its counts, one of `skinfield.reading.UNITS`."""
+        """Of its counts, one of `skinfield.skin.reading.UNITS`."""
         ...
 
     @property

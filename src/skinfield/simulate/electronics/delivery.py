@@ -15,7 +15,7 @@ from skinfield.errors import (
     check_range,
     check_shape,
 )
-from skinfield.layout import Patch
+from skinfield.skin import Patch
 
 INPUTS = 12
 """Of a converter that are converted in turn: a module of these skins has up to twelve taxels."""

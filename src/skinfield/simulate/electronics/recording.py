@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.errors import InputError, check_shape
-from skinfield.layout import Patch
-from skinfield.reading import Recording
 from skinfield.simulate.electronics.array import TaxelArray
 from skinfield.simulate.electronics.delivery import Sampling
+from skinfield.skin import Patch
+from skinfield.skin.reading import Recording
 
 
 def recording(

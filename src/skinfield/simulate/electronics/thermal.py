@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.conditioning.boards import GAINS, PAD, UNUSED, firmware_drift
 from skinfield.errors import Floats, InputError, as_floats, check_positive, check_range
+from skinfield.signal.boards import GAINS, PAD, UNUSED, firmware_drift
 from skinfield.simulate.electronics.delivery import INPUTS, Wiring
 
 ROOM = 298.15
@@ -60,7 +60,7 @@ class ThermalDrift:
         temperature : (T,) array, K
             Of the surroundings, at readings of `rate`, 1/s. The skin starts at the first one.
         """
-        from skinfield.mechanics.viscoelastic import lagged
+        from skinfield.elastic.viscoelastic import lagged
 
         temperature = as_floats("temperature", temperature)
         time = np.arange(len(temperature)) / rate

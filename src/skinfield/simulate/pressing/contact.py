@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, SkinfieldError
-from skinfield.mechanics.contact import (
+from skinfield.elastic.contact import (
     TOLERANCE,
     Contact,
     ContactProblem,
     edge_softness,
     solve_contact,
 )
-from skinfield.simulate.indenters import Indenter
+from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.windows import (
     PAD,
     Indenting,
@@ -44,7 +44,7 @@ class Cover:
     coverage : (rows, columns) array
         Covered fraction of each cell.
     grown : (rows, columns) array
-        The same of a body whose edges stand out by a tenth of a cell, see `mechanics.contact`.
+        The same of a body whose edges stand out by a tenth of a cell, see `elastic.contact`.
     """
 
     height: Floats

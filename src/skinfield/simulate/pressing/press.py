@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.elastic import BondedLayer, LatticeConvolution, Layer, Mechanics
+from skinfield.elastic.electrostatics import capacitance_change
+from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.errors import (
     Floats,
     InputError,
@@ -17,16 +20,14 @@ from skinfield.errors import (
     check_positive,
     check_shape,
 )
-from skinfield.layout import Grid, Patch
-from skinfield.mechanics import BondedLayer, LatticeConvolution, Layer, Mechanics
-from skinfield.mechanics.lattice import lattice, mirrored
-from skinfield.observation.electrostatics import capacitance_change
-from skinfield.simulate.indenters import Cone, Cylinder, Indenter, Ring, Sphere
+from skinfield.simulate.indenters.body import Indenter
+from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing import readout as deformed
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, resultants
 from skinfield.simulate.pressing.windows import Skin
+from skinfield.skin import Grid, Patch
 
 Edge = tuple[int, int, int]  # row and column of its first node, and 0 along x or 1 along y
 
@@ -132,11 +133,11 @@ class Press:
     touches : tuple of Touch
         The solution, window by window.
     residual : float
-        Certificate of the normal contact, see `mechanics.contact.Contact`: the largest relative
+        Certificate of the normal contact, see `elastic.contact.Contact`: the largest relative
         error of "no gap under pressure", "no overlap elsewhere", "no work through the gap" and of
         the given forces.
     shear_residual : float
-        Of the tangential stage, see `mechanics.friction.Shear`; 0 without shear.
+        Of the tangential stage, see `elastic.contact.Shear`; 0 without shear.
     slipping_share : float
         Part of the touching squares at Coulomb's limit; 0 without friction limit.
     """
@@ -280,7 +281,7 @@ class Press:
         """ΔC/C₀ (L,) of pads at (L, 2) or (L, 3) m: of the field in the deformed gap.
 
         With an `order` of 1, 2 or 3 that of the series in the strain, see
-        `skinfield.observation.electrostatics`, which falls short where the press is deep.
+        `skinfield.elastic.electrostatics`, which falls short where the press is deep.
         """
         places = readout.points_of(positions, pad_diameter)
         strain = deformed.gap_strain(self._skin, self.touches, places, pad_diameter)

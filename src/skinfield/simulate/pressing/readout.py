@@ -3,17 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import (
-    Floats,
-    InputError,
-    as_floats,
-    check_finite,
-    check_range,
-    check_shape,
-)
-from skinfield.mechanics import LatticeConvolution
-from skinfield.mechanics.lattice import cached_indentation_kernel, cached_surface_kernel
-from skinfield.observation.electrostatics import MARGIN, STEPS, GapStrain
+from skinfield.elastic import LatticeConvolution
+from skinfield.elastic.electrostatics import MARGIN, STEPS, GapStrain
+from skinfield.elastic.lattice import cached_indentation_kernel, cached_surface_kernel
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
 from skinfield.simulate.pressing.tractions import Sources, Touch, sources
 from skinfield.simulate.pressing.windows import PAD, Skin, Window, coarsened, resplit
 

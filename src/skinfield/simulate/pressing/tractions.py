@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.elastic.contact import RIM, ShearProblem, rim, solve_slip, solve_stick
 from skinfield.errors import Floats, check_positive
-from skinfield.mechanics.contact import RIM, ShearProblem, rim, solve_slip, solve_stick
-from skinfield.simulate.indenters import Indenter
+from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
 from skinfield.simulate.pressing.windows import Skin, Sliding, Window, coarsened
 

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats
-from skinfield.layout import Grid
-from skinfield.mechanics import LatticeConvolution, Layer, Mechanics
-from skinfield.mechanics.contact import rim
-from skinfield.mechanics.lattice import (
+from skinfield.elastic import LatticeConvolution, Layer, Mechanics
+from skinfield.elastic.contact import rim
+from skinfield.elastic.lattice import (
     cached_indentation_kernel,
     cached_surface_kernel,
     interpolation,
 )
+from skinfield.errors import Floats
+from skinfield.skin import Grid
 
 ACROSS = 48  # squares across a contact
 FINEST = 81  # squares along a cell

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.elastic import Viscoelastic
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.mechanics import Viscoelastic
-from skinfield.reading import Recording
-from skinfield.simulate.electronics import TaxelArray, recording
+from skinfield.simulate.electronics.array import TaxelArray
 from skinfield.simulate.electronics.delivery import Sampling
-from skinfield.simulate.indenters import Indenter
+from skinfield.simulate.electronics.recording import recording
+from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.press import Press, press, press_ladder
 from skinfield.simulate.rig.scenario import Loads, LoadSeries, Pose, Profile, Scenario
+from skinfield.skin.reading import Recording
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.elastic import BondedLayer, Layer, StandardLinearSolid, Viscoelastic
 from skinfield.errors import (
     Floats,
     InputError,
@@ -18,12 +19,12 @@ from skinfield.errors import (
     check_range,
     check_shape,
 )
-from skinfield.layout import Patch
-from skinfield.layout.generators import icub_hexagon
-from skinfield.mechanics import BondedLayer, Layer, StandardLinearSolid, Viscoelastic
-from skinfield.simulate.electronics import Electronics, icub_electronics
+from skinfield.simulate.electronics.array import Electronics, icub_electronics
 from skinfield.simulate.electronics.thermal import ROOM
-from skinfield.simulate.indenters import Indenter, Sphere
+from skinfield.simulate.indenters.body import Indenter
+from skinfield.simulate.indenters.shapes import Sphere
+from skinfield.skin import Patch
+from skinfield.skin.generators import icub_hexagon
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,260 @@
+r"""Discrimination of touches: the Cramér-Rao bound of place and force, and the two-point distance.
+
+With readings y(θ), noise σ and θ = (x, y, ln F, ln a), no unbiased estimate has a smaller
+covariance than
+
+.. math:: \Big(J^T \mathrm{diag}(\sigma^{-2}) J + P\Big)^{-1}, \quad J = \partial y/\partial\theta,
+
+P the information on the radius a that there is before any reading (Van Trees, Detection,
+Estimation and Modulation Theory I, section 2.4). Values far beyond the distance of two taxels mean
+that the readings say next to nothing: any guess inside the patch is better.
+
+Two equal touches are taken for one where a single one of any place, force and size reads nearly
+the same. Let :math:`\lambda` be the squared distance between the readings of the two and those of
+the best single touch, in units of the noise. At the best fit the difference is at right angles to
+everything a single touch can change, so the log-likelihood ratio of two touches against one is
+chi-squared with two degrees of freedom (how far apart they are, and along which line), central if
+there is one touch and with the noncentrality :math:`\lambda` if there are two (Wilks 1938; Kay,
+Fundamentals of Statistical Signal Processing II, section 6.5). Both errors, two for one and one
+for two, occur at the same rate where :math:`\lambda` is as large as that rate demands.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skinfield.design.design import (
+    Places,
+    SkinDesign,
+    Touch,
+    near_taxels,
+    respond,
+    sight_of,
+    tables_of_design,
+)
+from skinfield.errors import Floats, InputError, check_positive, check_range
+
+SIZE_PRIOR = 0.6  # standard deviation of ln radius of everyday contacts
+SINGULAR = 1e-12  # smallest eigenvalue of a correlation matrix that can be told from 0
+
+
+@dataclass(frozen=True, eq=False)
+class PlaceAccuracy:
+    """Smallest standard deviations of one reading's unbiased estimates, place by place.
+
+    Attributes
+    ----------
+    places : Places
+    touch : Touch
+    place_std, place_std_known_size : (P,) arrays, m
+        Root of the sum of the variances along the plane's axes, with the radius unknown and known.
+        Infinite where the readings cannot tell.
+    force_std, force_std_known_size : (P,) arrays, N
+    size_prior : float
+        Standard deviation of ln radius before any reading, where it is unknown.
+    """
+
+    places: Places
+    touch: Touch
+    place_std: Floats
+    place_std_known_size: Floats
+    force_std: Floats
+    force_std_known_size: Floats
+    size_prior: float
+
+
+def place_accuracy(
+    design: SkinDesign,
+    touch: Touch,
+    places: Places | None = None,
+    *,
+    size_prior: float = SIZE_PRIOR,
+) -> PlaceAccuracy:
+    """Bound of place and force of a touch everywhere on a layout.
+
+    Parameters
+    ----------
+    design : SkinDesign
+    touch : Touch
+    places : Places, optional
+        Default `Places.over` the patch.
+    size_prior : float
+        Standard deviation of ln radius before any reading.
+    """
+    check_positive("size_prior", size_prior, "standard deviation of ln radius")
+    places = Places.over(design.patch) if places is None else places
+    information = respond(design, touch, places.plane).gram[:, 1:, 1:].copy()
+    place_known, force_known = bounds(information[:, :3, :3])
+    information[:, 3, 3] += size_prior**-2
+    place, force = bounds(information)
+    touch_force = touch.force
+    return PlaceAccuracy(
+        places,
+        touch,
+        place,
+        place_known,
+        touch_force * force,
+        touch_force * force_known,
+        size_prior,
+    )
+
+
+def bounds(information: Floats) -> tuple[Floats, Floats]:
+    """Deviations of the place m and of ln force from information matrices (P, 3 or 4, same)."""
+    scale = np.sqrt(np.einsum("pii->pi", information))
+    seen = (scale > 0.0).all(axis=1)
+    place, force = np.full(len(scale), np.inf), np.full(len(scale), np.inf)
+    scale, rows = scale[seen], np.flatnonzero(seen)
+    correlation = information[seen] / (scale[:, :, None] * scale[:, None, :])
+    regular = np.linalg.eigvalsh(correlation)[:, 0] > SINGULAR
+    variance = np.einsum("pii->pi", np.linalg.inv(correlation[regular])) / scale[regular] ** 2
+    place[rows[regular]] = np.sqrt(variance[:, 0] + variance[:, 1])
+    force[rows[regular]] = np.sqrt(variance[:, 2])
+    return place, force
+
+
+UNKNOWN = 2  # what a pair has beyond a single touch: the two components of the distance
+PITCHES = 6.0  # of the taxels: no farther is sought
+DISTANCES = 13  # distances tried
+PER_PITCH = 3.0  # places in the distance of two taxels
+MOST_PLACES = 600
+BLOCK = 256
+
+
+@dataclass(frozen=True, eq=False)
+class TwoPointDistance:
+    """Smallest distance of two equal touches that are told from one, place by place.
+
+    Attributes
+    ----------
+    places : Places
+        Of the first touch.
+    touch : Touch
+        Each of the two.
+    ways : (D,) array, rad
+        Directions from the first touch to the second.
+    distance : (P, D) array, m
+        Infinite where none up to `farthest` is told, NaN where the patch ends before that.
+    error_rate : float
+        Of taking two for one, and of taking one for two, in one reading.
+    farthest : float, m
+    """
+
+    places: Places
+    touch: Touch
+    ways: Floats
+    distance: Floats
+    error_rate: float
+    farthest: float
+
+    @property
+    def typical(self) -> Floats:
+        """Median over the directions that stay on the patch, (P,) m; infinite if none does."""
+        ordered, count = self._ordered()
+        return np.asarray(ordered[np.arange(len(ordered)), np.maximum(count - 1, 0) // 2])
+
+    @property
+    def worst(self) -> Floats:
+        """Largest over the directions that stay on the patch, (P,) m; infinite if none does."""
+        ordered, count = self._ordered()
+        return np.asarray(ordered[np.arange(len(ordered)), np.maximum(count - 1, 0)])
+
+    def _ordered(self) -> tuple[Floats, Floats]:
+        known = ~np.isnan(self.distance)
+        return np.sort(np.where(known, self.distance, np.inf), axis=1), known.sum(axis=1)
+
+
+def needed_noncentrality(error_rate: float) -> float:
+    """Noncentrality at which both errors of the test occur at `error_rate`."""
+    from scipy.optimize import brentq
+    from scipy.stats import chi2, ncx2
+
+    check_range("error_rate", error_rate, 1e-9, 0.3, "of one for two, and of two for one")
+    level = chi2.isf(error_rate, UNKNOWN)
+    return float(brentq(lambda n: ncx2.cdf(level, UNKNOWN, n) - error_rate, 1e-6, 1e4))
+
+
+def two_point_distance(
+    design: SkinDesign,
+    touch: Touch,
+    places: Places | None = None,
+    *,
+    error_rate: float = 0.05,
+    ways: int = 12,
+    farthest: float | None = None,
+) -> TwoPointDistance:
+    """Distance at which two touches are told from one, everywhere on a layout.
+
+    Readings are taken as proportional to the force, so those of two touches add up. Where touches
+    are deep, they are heard better than that.
+
+    Parameters
+    ----------
+    design : SkinDesign
+    touch : Touch
+        Each of the two: both press with its force.
+    places : Places, optional
+        Default some hundred over the patch, no closer than a third of the distance of two taxels.
+    error_rate : float
+    ways : int
+        Directions, around the whole circle.
+    farthest : float, m, optional
+        Distance up to which is sought. Default six times that of two taxels.
+
+    Raises
+    ------
+    InputError
+        When there is no direction, or a rate or length is out of range.
+    """
+    if ways < 1:
+        raise InputError(f"ways is {ways!r}, expected one direction or more")
+    touch.check_on(design.layer)
+    design = design.linear
+    farthest = PITCHES * design.patch.pitch if farthest is None else farthest
+    check_positive("farthest", farthest, "distance of two touches, in metres")
+    places = few_places(design) if places is None else places
+    angles = np.arange(ways) * 2 * np.pi / ways
+    distance = np.empty((len(places), ways))
+    needed = needed_noncentrality(error_rate)
+    for first in range(0, len(places), BLOCK):
+        part = slice(first, first + BLOCK)
+        _search(design, touch, places, part, angles, needed, farthest, distance[part])
+    return TwoPointDistance(places, touch, angles, distance, error_rate, farthest)
+
+
+def few_places(design: SkinDesign, most: int = MOST_PLACES) -> Places:
+    """Places over a patch, a third of a taxel's pitch apart; farther where there were too many."""
+    pitch = design.patch.pitch / PER_PITCH
+    places = Places.over(design.patch, pitch)
+    while len(places) > most:
+        pitch *= max(1.05, np.sqrt(len(places) / most))
+        places = Places.over(design.patch, pitch)
+    return places
+
+
+def _search(
+    design: SkinDesign,
+    touch: Touch,
+    places: Places,
+    part: slice,
+    angles: Floats,
+    needed: float,
+    farthest: float,
+    out: Floats,
+) -> None:
+    from skinfield.design.kernels import Ground, Pair, smallest_distances
+
+    h, points, grid = design.layer.thickness, places.plane[part], places.grid
+    sight = sight_of(design, touch.radius)
+    start, rows = near_taxels(design, points, sight + farthest)
+    steps = farthest * np.linspace(0.0, 1.0, DISTANCES + 1)[1:] ** 1.5  # finer where two are close
+    pair = Pair(float(np.log(touch.force)), float(np.log(touch.radius / h)), needed)
+    left, low = grid.origin / h
+    ground = Ground(places.inside, float(left), float(low), grid.pitch / h)
+    ways = np.column_stack([np.cos(angles), np.sin(angles)])
+    plane, white = design.patch.plane / h, 1.0 / design.noise
+    tables = tables_of_design(design)
+    smallest_distances(
+        points / h, ways, steps / h, pair, ground, plane, white, sight / h, start, rows, tables, out
+    )
+    out *= h

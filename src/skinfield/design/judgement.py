@@ -1,0 +1,289 @@
+"""Judgement of a layout: all maps in numbers and in one sentence, and by thickness."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skinfield.design.design import Places, SkinDesign, Touch
+from skinfield.design.detectability import (
+    THRESHOLD,
+    BlindSpots,
+    DetectableForce,
+    blind_spots,
+    detectable_force,
+)
+from skinfield.design.discrimination import (
+    SIZE_PRIOR,
+    PlaceAccuracy,
+    TwoPointDistance,
+    few_places,
+    place_accuracy,
+    two_point_distance,
+)
+from skinfield.errors import Floats, InputError, as_floats, check_positive, check_shape
+
+
+@dataclass(frozen=True, kw_only=True)
+class Terms:
+    """What a layout is judged by.
+
+    Attributes
+    ----------
+    false_alarm_rate, detection_rate : float
+        See `detectable_force`.
+    error_rate : float
+        See `two_point_distance`.
+    size_prior : float
+        See `place_accuracy`.
+    blind_threshold : float
+        See `BlindSpots`.
+    """
+
+    false_alarm_rate: float = 1e-3
+    detection_rate: float = 0.9
+    error_rate: float = 0.05
+    size_prior: float = SIZE_PRIOR
+    blind_threshold: float = THRESHOLD
+
+
+@dataclass(frozen=True)
+class Row:
+    """One map in numbers: at half of the places it is better than `median`.
+
+    Attributes
+    ----------
+    name, unit : str
+        `unit` is that of the numbers below: mm and N, for people.
+    median, p90, p95, worst : float
+        Infinite where so many places have no finite value.
+    """
+
+    name: str
+    unit: str
+    median: float
+    p90: float
+    p95: float
+    worst: float
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """Every map of a layout for one touch.
+
+    Attributes
+    ----------
+    design : SkinDesign
+    touch : Touch
+    terms : Terms
+    blind : BlindSpots
+    detectable : DetectableForce
+    accuracy : PlaceAccuracy
+    two_points : TwoPointDistance
+        At fewer places than the others.
+    """
+
+    design: SkinDesign
+    touch: Touch
+    terms: Terms
+    blind: BlindSpots
+    detectable: DetectableForce
+    accuracy: PlaceAccuracy
+    two_points: TwoPointDistance
+
+    def maps(self) -> Iterator[tuple[str, str, Places, Floats]]:
+        """Name, unit, places and values in that unit of every map where less is better."""
+        places, force, accuracy = self.blind.places, self.detectable, self.accuracy
+        yield "smallest force found, place known", "N", places, force.known_place
+        yield "smallest force found, place unknown", "N", places, force.unknown_place
+        yield "place deviation, size known", "mm", places, accuracy.place_std_known_size * 1e3
+        yield "place deviation, size unknown", "mm", places, accuracy.place_std * 1e3
+        yield "force deviation, size known", "N", places, accuracy.force_std_known_size
+        yield "force deviation, size unknown", "N", places, accuracy.force_std
+        few = self.two_points.places
+        yield "two touches told, typical direction", "mm", few, self.two_points.typical * 1e3
+        yield "two touches told, worst direction", "mm", few, self.two_points.worst * 1e3
+
+    def rows(self) -> tuple[Row, ...]:
+        """Every map in numbers."""
+        found = [Row(name, unit, *_shares(values)) for name, unit, _, values in self.maps()]
+        loss = self.blind.response
+        weak = [part_of(loss, share, falling=True) * 100 for share in (0.5, 0.9, 0.95, 1.0)]
+        return (Row("response, of the best place's", "%", *weak), *found)
+
+    @property
+    def missed_share(self) -> float:
+        """Part of the patch where a touch of the stated force is not found."""
+        return float(self.detectable.missed.mean())
+
+    def verdict(self) -> str:
+        """What this skin is good for, in a sentence or two."""
+        force, accuracy = self.touch.force, self.accuracy
+        found = 1.0 - self.missed_share
+        place = part_of(accuracy.place_std, 0.5)
+        apart = part_of(self.two_points.typical, 0.5) * 1e3
+        where = {1.0: "everywhere", 0.0: "nowhere"}.get(found, f"on {_percent(found)} of the patch")
+        holes = self.blind.holes
+        blind = "no place is blind"
+        if holes:
+            largest = holes[0].area * 1e6
+            blind = (
+                f"{_percent(self.blind.blind_share)} of the patch is blind, the largest hole "
+                f"{largest:.{0 if largest >= 10 else 1}f} mm²"
+            )
+        pair = f"tells two from {apart:.2g} mm on" if np.isfinite(apart) else "tells no two apart"
+        placed = f"to {place * 1e3:.2g} mm"
+        if not place < self._guess:
+            placed = "no better than a guess would"
+        return (
+            f"A touch of {force:g} N is found {where}; half of the patch places it {placed} and "
+            f"{pair}; {blind}."
+        )
+
+    @property
+    def _guess(self) -> float:
+        """Deviation m of a place that is anywhere on the patch, from its middle."""
+        return float(np.sqrt(self.accuracy.places.plane.var(axis=0).sum()))
+
+
+def _percent(share: float) -> str:
+    """Write a share so that neither 0 nor 1 is said of anything else."""
+    if share == 0.0 or 0.01 <= share <= 0.99 or share == 1.0:
+        return f"{share:.0%}"
+    return "less than 1%" if share < 0.01 else "more than 99%"
+
+
+def _shares(values: Floats) -> tuple[float, float, float, float]:
+    median, p90, p95, worst = (part_of(values, share) for share in (0.5, 0.9, 0.95, 1.0))
+    return median, p90, p95, worst
+
+
+def part_of(values: Floats, share: float, *, falling: bool = False) -> float:
+    """Value that a share of all values does not exceed, or with `falling` does not fall short of.
+
+    No interpolation: values may be infinite.
+    """
+    ordered = np.sort(values)[::-1] if falling else np.sort(values)
+    return float(ordered[max(int(np.ceil(share * len(ordered))) - 1, 0)])
+
+
+OnMap = Callable[[str], None]
+
+
+def judge(
+    design: SkinDesign,
+    touch: Touch,
+    places: Places | None = None,
+    *,
+    two_point_places: Places | None = None,
+    terms: Terms | None = None,
+    ways: int = 12,
+    on_map: OnMap | None = None,
+) -> Judgement:
+    """Every map of a layout for one touch.
+
+    Parameters
+    ----------
+    design : SkinDesign
+    touch : Touch
+    places : Places, optional
+        Default `Places.over` the patch.
+    two_point_places : Places, optional
+        Default at most some hundred.
+    terms : Terms, optional
+    ways : int
+        Directions of a second touch.
+    on_map : function of str, optional
+        Called with the name of each map before it is made.
+    """
+    terms = Terms() if terms is None else terms
+    tell: OnMap = (lambda _: None) if on_map is None else on_map
+    places = Places.over(design.patch) if places is None else places
+    tell("blind spots")
+    blind = blind_spots(design, touch, places, threshold=terms.blind_threshold)
+    tell("smallest force")
+    detectable = detectable_force(
+        design,
+        touch,
+        places,
+        false_alarm_rate=terms.false_alarm_rate,
+        detection_rate=terms.detection_rate,
+    )
+    tell("place and force")
+    accuracy = place_accuracy(design, touch, places, size_prior=terms.size_prior)
+    tell("two touches")
+    few = few_places(design) if two_point_places is None else two_point_places
+    pairs = two_point_distance(design, touch, few, error_rate=terms.error_rate, ways=ways)
+    return Judgement(design, touch, terms, blind, detectable, accuracy, pairs)
+
+
+FEW = 120  # places of the two touches, per thickness
+
+
+@dataclass(frozen=True, eq=False)
+class ThicknessComparison:
+    """Judgements of one layout and touch, by thickness.
+
+    Attributes
+    ----------
+    thickness : (T,) array, m
+    judgements : tuple of T Judgement
+    """
+
+    thickness: Floats
+    judgements: tuple[Judgement, ...]
+
+    def rows(self, name: str) -> tuple[Row, ...]:
+        """One map in numbers, by thickness.
+
+        Raises
+        ------
+        InputError
+            When no map has that name; the message lists them.
+        """
+        names = [row.name for row in self.judgements[0].rows()]
+        if name not in names:
+            raise InputError(f"name is {name!r}, expected one of {', '.join(names)}")
+        at = names.index(name)
+        return tuple(judgement.rows()[at] for judgement in self.judgements)
+
+    def best(self, name: str) -> float:
+        """Thickness in m whose median of a map is smallest."""
+        return float(self.thickness[np.argmin([row.median for row in self.rows(name)])])
+
+
+def compare_thickness(
+    design: SkinDesign,
+    touch: Touch,
+    thicknesses: Sequence[float],
+    *,
+    terms: Terms | None = None,
+    on_thickness: Callable[[float], None] | None = None,
+) -> ThicknessComparison:
+    """Judge a layout under several thicknesses; the touch stays as it is.
+
+    Parameters
+    ----------
+    design : SkinDesign
+        Whose thickness does not count.
+    touch : Touch
+    thicknesses : sequence of float, m
+    terms : Terms, optional
+    on_thickness : function of float, optional
+        Called with each thickness in m before it is judged.
+    """
+    values = np.sort(as_floats("thicknesses", thicknesses))
+    check_shape("thicknesses", values, (None,), "in metres")
+    if len(values) < 2:
+        raise InputError(f"thicknesses is {values.tolist()}, expected two or more to compare")
+    for value in values:
+        check_positive("thicknesses", float(value), "in metres")
+        touch.check_on(replace(design.layer, thickness=float(value)))
+    few = few_places(design, FEW)
+    judgements = []
+    for value in values:
+        if on_thickness is not None:
+            on_thickness(float(value))
+        thick = replace(design, layer=replace(design.layer, thickness=float(value)))
+        judgements.append(judge(thick, touch, two_point_places=few, terms=terms))
+    return ThicknessComparison(values, tuple(judgements))

@@ -1,0 +1,180 @@
+"""Responses at every offset of a regular lattice, for convolutions."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from skinfield.elastic.elastomer import Layer, Mechanics
+from skinfield.errors import Floats
+
+STENCIL = 6  # nodes of an interpolation along one axis: exact for polynomials of degree 5
+
+
+def lattice(half_rows: int, half_columns: int, step: float) -> Floats:
+    """Offsets of one quadrant, x and y from 0: ((half_rows + 1) * (half_columns + 1), 2) m."""
+    x, y = np.arange(half_columns + 1) * step, np.arange(half_rows + 1) * step
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def mirrored(quadrant: Floats, odd_x: bool = False, odd_y: bool = False) -> Floats:
+    """All four quadrants (2 n - 1, 2 m - 1) of a function that is even or odd in x and y."""
+    left = quadrant[:, :0:-1] * (-1.0 if odd_x else 1.0)
+    upper = np.concatenate([left, quadrant], axis=1)
+    lower = upper[:0:-1] * (-1.0 if odd_y else 1.0)
+    return np.concatenate([lower, upper])
+
+
+def indentation_kernel(
+    mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
+) -> Floats:
+    """Indentation (2 half_rows + 1, 2 half_columns + 1) m per Pa on a cell, every `step` m."""
+    offsets = lattice(half_rows, half_columns, step)
+    quadrant = mechanics.indentation(layer, offsets, cell)
+    return mirrored(quadrant.reshape(half_rows + 1, half_columns + 1))
+
+
+def displacement_kernel(
+    mechanics: Mechanics, layer: Layer, cell: float, half_rows: int, half_columns: int
+) -> Floats:
+    """Displacement (3, 2 half_rows + 1, 2 half_columns + 1) m per Pa of normal traction."""
+    response = mechanics.surface_displacement(layer, lattice(half_rows, half_columns, cell), cell)
+    x, y, z = response[:, :, 2].T.reshape(3, half_rows + 1, half_columns + 1)
+    return np.stack([mirrored(x, odd_x=True), mirrored(y, odd_y=True), mirrored(z)])
+
+
+def cached_indentation_kernel(
+    mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
+) -> Floats:
+    """As `indentation_kernel`, from a table that is kept for the next call.
+
+    The table is for a modulus of 1 Pa, as every linear medium with one modulus scales with it, and
+    for a medium that is the same in all directions.
+    """
+    size = _size(max(half_rows, half_columns) + 1)
+    table = _cached(_indentation_table, mechanics, layer, cell, step, size)
+    return mirrored(table[: half_rows + 1, : half_columns + 1]) / layer.young_modulus
+
+
+def cached_surface_kernel(
+    mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
+) -> Floats:
+    """Displacement i per traction j, (3, 3, 2 half_rows + 1, 2 half_columns + 1) m/Pa, kept."""
+    size = _size(max(half_rows, half_columns) + 1)
+    table = _cached(_surface_table, mechanics, layer, cell, step, size)
+    part = table[:, :, : half_rows + 1, : half_columns + 1] / layer.young_modulus
+    odd_x = np.zeros((3, 3), dtype=bool)
+    odd_x[0, 1:] = odd_x[1:, 0] = True  # one index is x, the other is not
+    odd_y = np.zeros((3, 3), dtype=bool)
+    odd_y[1, ::2] = odd_y[::2, 1] = True
+    return np.stack(
+        [
+            np.stack([mirrored(part[i, j], odd_x[i, j], odd_y[i, j]) for j in range(3)])
+            for i in range(3)
+        ]
+    )
+
+
+def _cached(
+    table: Callable[..., Floats],
+    mechanics: Mechanics,
+    layer: Layer,
+    cell: float,
+    step: float,
+    size: int,
+) -> Floats:
+    """Call `table` for a modulus of 1 Pa; a medium that cannot be hashed is not kept."""
+    unit = replace(layer, young_modulus=1.0, relative_permittivity=1.0)
+    try:
+        hash(mechanics)
+    except TypeError:
+        table = table.__wrapped__  # type: ignore[attr-defined]
+    return table(mechanics, unit, round(cell, 15), round(step, 15), size)
+
+
+@lru_cache(maxsize=16)
+def _indentation_table(
+    mechanics: Mechanics, layer: Layer, cell: float, step: float, size: int
+) -> Floats:
+    """One quadrant (size, size), m; it is its own transpose, so half of it is computed."""
+    row, column = np.tril_indices(size)
+    offsets = np.column_stack([column, row]).astype(np.float64) * step
+    table = np.empty((size, size))
+    table[row, column] = table[column, row] = mechanics.indentation(layer, offsets, cell)
+    table.setflags(write=False)
+    return table
+
+
+@lru_cache(maxsize=8)
+def _surface_table(
+    mechanics: Mechanics, layer: Layer, cell: float, step: float, size: int
+) -> Floats:
+    """One quadrant (3, 3, size, size), m."""
+    response = mechanics.surface_displacement(layer, lattice(size - 1, size - 1, step), cell)
+    table = np.ascontiguousarray(np.moveaxis(response.reshape(size, size, 3, 3), (2, 3), (0, 1)))
+    table.setflags(write=False)
+    return table
+
+
+def _size(needed: int) -> int:
+    """The next of 16, 24, 32, 48, 64 ..., so that few tables serve all windows."""
+    power = max(16, 1 << (needed - 1).bit_length())
+    return power * 3 // 4 if needed <= power * 3 // 4 else power
+
+
+class LatticeConvolution:
+    """Sum over a lattice of a field times a kernel of the offset, by FFT without wrap-around.
+
+    Parameters
+    ----------
+    kernel : (..., 2 rows - 1, 2 columns - 1) array
+        At every offset of two nodes of a lattice of rows x columns.
+    """
+
+    def __init__(self, kernel: Floats) -> None:
+        from scipy import fft
+
+        self.shape = ((kernel.shape[-2] + 1) // 2, (kernel.shape[-1] + 1) // 2)
+        # Offsets from -(n - 1) to n - 1 fit a period of 2 n - 1: what wraps around falls outside.
+        self._padded = [fft.next_fast_len(2 * n - 1, real=True) for n in self.shape]
+        periodic = np.zeros((*kernel.shape[:-2], *self._padded))
+        row, column = (
+            np.arange(1 - n, n) % m for n, m in zip(self.shape, self._padded, strict=True)
+        )
+        periodic[..., row[:, None], column] = kernel
+        self._spectrum = fft.rfft2(periodic)
+
+    def __call__(self, values: Floats) -> Floats:
+        """Convolve a field (rows, columns): (..., rows, columns)."""
+        from scipy import fft
+
+        rows, columns = self.shape
+        product = fft.rfft2(values, self._padded) * self._spectrum
+        return np.asarray(fft.irfft2(product, self._padded)[..., :rows, :columns])
+
+    def total(self, values: Floats) -> Floats:
+        """Sum over j of kernel [..., j] convolved with field j of (J, rows, columns)."""
+        from scipy import fft
+
+        rows, columns = self.shape
+        product = np.sum(fft.rfft2(values, self._padded) * self._spectrum, axis=-3)
+        return np.asarray(fft.irfft2(product, self._padded)[..., :rows, :columns])
+
+
+def interpolation(places: Floats, count: int) -> Floats:
+    """Weights (N, count) of a Lagrange interpolation between the nodes 0 .. count - 1.
+
+    Six nodes around each place, in units of their distance, 2 or more from both ends; the
+    transpose carries loads to the nodes with all moments up to the fifth.
+    """
+    first = np.clip(np.floor(places).astype(int) - 2, 0, count - STENCIL)
+    within = places - first
+    node = np.arange(STENCIL)
+    weights = np.ones((len(places), STENCIL))
+    for other in node:
+        apart = np.where(node == other, 1, node - other)
+        weights *= np.where(node == other, 1.0, (within[:, None] - other) / apart)
+    out = np.zeros((len(places), count))
+    np.put_along_axis(out, first[:, None] + node, weights, axis=1)
+    return out

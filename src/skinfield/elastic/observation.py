@@ -1,0 +1,341 @@
+"""Observation model: what the taxels read of a pressure, the linear map that solvers invert."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.elastic.elastomer import Layer, Mechanics
+from skinfield.elastic.lattice import LatticeConvolution, displacement_kernel
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    check_choice,
+    check_offers,
+    check_shape,
+    check_type,
+)
+from skinfield.skin import Grid, Patch
+
+LAYER = "such as Layer(thickness=2e-3, young_modulus=150e3), in m and Pa"
+PATCH = "such as layouts.hexagon72(), or one of load_layout(file), which is a skin of patches"
+
+
+def check_skin(patch: object, layer: object, mechanics: object, quantity: object) -> None:
+    """Raise InputError, with what to hand in, for what is no patch, layer, elastomer or quantity.
+
+    A number, a name or a class in place of an object would fail much later, and elsewhere.
+    """
+    check_type("patch", patch, Patch, PATCH)
+    check_type("layer", layer, Layer, LAYER)
+    needs = ("base_stress", "surface_displacement", "indentation")
+    check_offers("mechanics", mechanics, needs, "a model such as BondedLayer() or HalfSpace()")
+    needs = ("matrix", "linearise", "typical_noise")
+    check_offers("quantity", quantity, needs, "one of Capacitance(), BaseStress() and Gap()")
+
+
+class Quantity(Protocol):
+    """A linear map from pressure to readings, and what undoes the reading's known nonlinearity."""
+
+    @property
+    def symbol(self) -> str:
+        """As it stands on the axis of a figure."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Of a reading; "1" for a ratio."""
+        ...
+
+    @property
+    def typical_noise(self) -> float:
+        """Standard deviation of one reading where nobody has measured it, in `unit`."""
+        ...
+
+    @property
+    def lowest(self) -> float:
+        """No reading can be as low as this, in `unit`; minus infinity where any can."""
+        ...
+
+    def matrix(
+        self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
+    ) -> Floats:
+        """Readings of taxels at (L, 2) m of the plane per Pa on each node: (L, K)."""
+        ...
+
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """Readings of a linear sensor: `readings` themselves, or written into `out`."""
+        ...
+
+
+def _offsets(grid: Grid, taxels: Floats) -> Floats:
+    return (taxels[:, None, :] - grid.plane[None, :, :]).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class BaseStress:
+    """Normal stress on the base in Pa: what the paper takes a taxel to measure.
+
+    Parameters
+    ----------
+    pad_averaged : bool
+        Average over the pad; else the stress at its centre, as in the paper.
+    """
+
+    pad_averaged: bool = True
+
+    symbol = "stress"
+    unit = "Pa"
+    typical_noise = 400.0
+    lowest = -np.inf
+
+    def matrix(
+        self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
+    ) -> Floats:
+        """See `Quantity.matrix`; Pa per Pa."""
+        pad = pad_diameter if self.pad_averaged else 0.0
+        stress = mechanics.base_stress(layer, _offsets(grid, taxels), grid.pitch, pad)
+        return stress.reshape(len(taxels), len(grid))
+
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """`readings`: stress is linear in the load at small strain."""
+        return readings
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Mean indentation over the pad divided by the thickness: the strain of the gap.
+
+    With a Poisson's ratio of 0.5 it is blind to uniform pressure and negative beside a contact.
+
+    Parameters
+    ----------
+    pad_averaged : bool
+        Average over the pad; else the indentation above its centre.
+    """
+
+    pad_averaged: bool = True
+
+    symbol = "indentation / thickness"
+    unit = "1"
+    typical_noise = 0.002
+    lowest = -np.inf
+
+    def matrix(
+        self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
+    ) -> Floats:
+        """See `Quantity.matrix`; 1/Pa."""
+        pad = pad_diameter if self.pad_averaged else 0.0
+        inwards = mechanics.indentation(layer, _offsets(grid, taxels), grid.pitch, pad)
+        return inwards.reshape(len(taxels), len(grid)) / layer.thickness
+
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """`readings`: the gap is linear in the load at small strain."""
+        return readings
+
+
+@dataclass(frozen=True)
+class Capacitance:
+    r"""Relative change of capacitance, :math:`\Delta C / C_0`, of a pad under a ground plane.
+
+    The field lines between the electrodes smooth the indentation w by
+    :math:`\hat S = kh/\sinh kh`; to first order the reading is the pad's mean of S w/h, and
+    `forward` has the field in the deformed gap. Without `pad_averaged` it is S w/h above the
+    centre.
+
+    Parameters
+    ----------
+    order : None, 1, 2 or 3
+        None for the field in the deformed gap itself, or the terms of the series in the strain
+        that `forward` sums instead. The series falls short where the surface comes down by more
+        than some tenths of the thickness, but has an answer for a surface of any steepness.
+    pad_averaged : bool
+        Average over the pad; else the density of charge at its centre.
+    """
+
+    order: int | None = None
+    pad_averaged: bool = True
+
+    symbol = "ΔC/C₀"
+    unit = "1"
+    typical_noise = 0.002
+    lowest = -1.0  # a pad cannot lose all its capacitance
+
+    def __post_init__(self) -> None:
+        if self.order is not None:
+            why = "terms of the series, or None for the field in the deformed gap"
+            check_choice("order", str(self.order), ("1", "2", "3"), why)
+
+    def matrix(
+        self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
+    ) -> Floats:
+        """See `Quantity.matrix`; 1/Pa, the series' first term."""
+        pad = pad_diameter if self.pad_averaged else 0.0
+        offsets = _offsets(grid, taxels)
+        inwards = mechanics.indentation(layer, offsets, grid.pitch, pad, electrostatic=True)
+        return inwards.reshape(len(taxels), len(grid)) / layer.thickness
+
+    def linearise(self, readings: Floats, out: Floats) -> Floats:
+        """Strain c / (1 + c), exact for a uniform gap, C/C0 = 1/(1 - w/h); order 1: `readings`.
+
+        The rest of the nonlinearity depends on the shape of the indentation and stays an error of
+        every linear solver.
+        """
+        if self.order == 1:
+            return readings
+        np.add(readings, 1.0, out=out)
+        return np.divide(readings, out, out=out)
+
+    def forward(
+        self,
+        mechanics: Mechanics,
+        layer: Layer,
+        grid: Grid,
+        pressure: Floats,
+        taxels: Floats,
+        pad_diameter: float,
+    ) -> Floats:
+        """Reading of each taxel, nonlinear in the pressure.
+
+        Parameters
+        ----------
+        pressure : (K,) array, Pa
+        taxels : (L, 2) array, m
+            In the plane.
+
+        Returns
+        -------
+        (L,) array, ΔC/C₀
+        """
+        from skinfield.elastic.electrostatics import capacitance_change, gap_strain
+
+        pad = pad_diameter if self.pad_averaged else 0.0
+        strain = gap_strain(mechanics, layer, grid, pressure, taxels, pad)
+        return capacitance_change(strain, layer.thickness, taxels, pad, self.order)
+
+
+@dataclass(frozen=True, eq=False)
+class Deformation:
+    """Linear map from pressure (K,) Pa to displacement (K, 3) m in the patch's frame.
+
+    On a regular grid the response depends on the offset alone, so the map is a convolution.
+    """
+
+    grid: Grid
+    layer: Layer
+    mechanics: Mechanics
+
+    @cached_property
+    def _convolution(self) -> LatticeConvolution:
+        rows, columns = self.grid.shape
+        pitch = self.grid.pitch
+        outward = displacement_kernel(self.mechanics, self.layer, pitch, rows - 1, columns - 1)
+        return LatticeConvolution(-outward)  # pressure pushes inwards
+
+    def on(self, grid: Grid) -> "Deformation":
+        """The same map for nodes at the same places of another patch's plane; it is shared."""
+        other = replace(self, grid=grid)
+        vars(other)["_convolution"] = self._convolution
+        return other
+
+    def __call__(self, pressure: Floats) -> Floats:
+        """Displacement (..., K, 3) of pressures (..., K)."""
+        flat = pressure.reshape(-1, *self.grid.shape)
+        out = np.empty((len(flat), len(self.grid), 3))
+        for index, load in enumerate(flat):
+            local = self._convolution(load).reshape(3, -1)
+            out[index] = np.einsum("kij,jk->ki", self.grid.frames, local)
+        return out.reshape(*pressure.shape, 3)
+
+
+@dataclass(frozen=True)
+class Physics:
+    """What taxels are made of and read.
+
+    Attributes
+    ----------
+    layer : Layer
+    mechanics : Mechanics
+    quantity : Quantity
+    pad_diameter : float, m
+    """
+
+    layer: Layer
+    mechanics: Mechanics
+    quantity: Quantity
+    pad_diameter: float
+
+
+@dataclass(frozen=True, eq=False)
+class ObservationModel:
+    """Readings of L taxels as a linear function of the pressure on K nodes.
+
+    Attributes
+    ----------
+    matrix : (L, K) array, unit of the reading per Pa
+    noise_std : (L,) array, unit of the reading
+        Of one reading, independent from taxel to taxel.
+    taxels : (L, 2) array, m
+        In the patch's plane.
+    grid : Grid
+        The K nodes.
+    virtual_matrix : function of (N, 2) array
+        The matrix (N, K) of taxels that would stand elsewhere in the plane, each a point: readings
+        that are interpolated between pads are no pad's mean.
+    physics : Physics, optional
+        What the matrix was made of, for solvers that model more than its linear map.
+    """
+
+    matrix: Floats
+    noise_std: Floats
+    taxels: Floats
+    grid: Grid
+    virtual_matrix: Callable[[Floats], Floats]
+    physics: Physics | None = None
+
+    def __post_init__(self) -> None:
+        check_shape("matrix", self.matrix, (None, len(self.grid)), "one column per node")
+        taxels = len(self.matrix)
+        check_shape("noise_std", self.noise_std, (taxels,), "one per row of matrix")
+        check_shape("taxels", self.taxels, (taxels, 2), "one per row of matrix")
+        if not (np.isfinite(self.noise_std).all() and (self.noise_std > 0).all()):
+            row = int(np.argmin(np.nan_to_num(self.noise_std, nan=-1.0, posinf=-1.0)))
+            raise InputError(
+                f"noise_std[{row}] is {self.noise_std[row]}, expected a finite number above 0: "
+                "no reading is exact; give the standard deviation of a quiet taxel"
+            )
+
+    @classmethod
+    def of(
+        cls,
+        patch: Patch,
+        layer: Layer,
+        grid: Grid,
+        mechanics: Mechanics,
+        quantity: Quantity,
+        noise_std: ArrayLike,
+    ) -> "ObservationModel":
+        """Model of a patch; `noise_std` is one number for all taxels or (L,)."""
+
+        def virtual_matrix(taxels: Floats) -> Floats:
+            return quantity.matrix(mechanics, layer, grid, taxels, pad_diameter=0.0)
+
+        noise = as_floats("noise_std", noise_std)
+        if noise.ndim == 0:
+            noise = np.full(len(patch), float(noise))
+        matrix = quantity.matrix(mechanics, layer, grid, patch.plane, patch.pad_diameter)
+        physics = Physics(layer, mechanics, quantity, patch.pad_diameter)
+        return cls(matrix, noise, patch.plane, grid, virtual_matrix, physics)
+
+    def subset(self, rows: NDArray[np.bool_]) -> "ObservationModel":
+        """Model of some of the taxels, by a mask (L,)."""
+        return replace(
+            self,
+            matrix=self.matrix[rows],
+            noise_std=self.noise_std[rows],
+            taxels=self.taxels[rows],
+        )

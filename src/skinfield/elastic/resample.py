@@ -1,0 +1,142 @@
+"""Virtual taxels at the nodes of a grid, by Delaunay triangulation: section III-B of the paper."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, as_floats, check_choice, check_finite, check_shape
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+FLAT = 1e-9  # of the taxels' extent: below it, places coincide and points lie on one line
+
+
+@dataclass(frozen=True, eq=False)
+class Resampling:
+    """From the readings of L taxels to those of N virtual taxels.
+
+    Attributes
+    ----------
+    matrix : (N, L) sparse CSR array
+        Convex combinations: no weight is negative, rows sum to 1 (or are empty, see `inside`).
+    inside : (N,) bool array
+        Which nodes lie in the convex hull of the taxels, border included. Elsewhere the paper's
+        construction has no answer, and the row is what `outside` asked for.
+    """
+
+    matrix: "csr_array"
+    inside: NDArray[np.bool_]
+
+
+def resampling_matrix(
+    taxels: Floats, nodes: Floats, outside: Literal["zero", "nearest"] = "zero"
+) -> Resampling:
+    r"""Weights of the taxels around each node, built once for all readings.
+
+    Parameters
+    ----------
+    taxels : (L, 2) array, m
+        Places of the taxels in the plane, three or more that do not lie on one line. Taxels at the
+        same place count as one, whose reading is the mean of theirs.
+    nodes : (N, 2) array, m
+        Places of the virtual taxels in the same plane.
+    outside : "zero" or "nearest"
+        What a node outside the hull reads: nothing (an empty row: `inside` tells which), or what
+        the nearest point of the hull's border reads.
+
+    Returns
+    -------
+    Resampling
+
+    Raises
+    ------
+    InputError
+        If the taxels have no triangulation.
+
+    Notes
+    -----
+    A node in the triangle of taxels a, b, c reads :math:`\alpha\hat\sigma_a + \beta\hat\sigma_b +
+    \gamma\hat\sigma_c` with :math:`r_n = \alpha t_a + \beta t_b + \gamma t_c` and :math:`\alpha +
+    \beta + \gamma = 1`: affine readings are reproduced exactly within the hull.
+    """
+    from scipy.spatial import Delaunay
+
+    taxels, nodes = _places("taxels", taxels), _places("nodes", nodes)
+    check_choice("outside", outside, ("zero", "nearest"), "how nodes beyond the taxels are read")
+    distinct, owner, origin, extent = _distinct(taxels)
+    triangulation = Delaunay(distinct)
+    scaled = (nodes - origin) / extent
+    triangle = triangulation.find_simplex(scaled, tol=FLAT)
+    inside = np.asarray(triangle >= 0)
+    corners = triangulation.simplices[triangle]
+    weights = np.zeros((len(nodes), 3))
+    weights[inside] = _barycentric(triangulation.transform[triangle[inside]], scaled[inside])
+    if outside == "nearest":
+        border = triangulation.convex_hull
+        corners[~inside, :2], weights[~inside, :2] = _on_border(distinct, border, scaled[~inside])
+    return Resampling(_over_taxels(corners, weights, owner), inside)
+
+
+def _places(name: str, values: Floats) -> Floats:
+    places = as_floats(name, values)
+    check_shape(name, places, (None, 2), "one (x, y) in metres per row, in the patch's plane")
+    check_finite(name, places, "an absent one is left out, not marked by NaN")
+    return places
+
+
+def _distinct(taxels: Floats) -> tuple[Floats, NDArray[np.int64], Floats, float]:
+    """Distinct places scaled to extent 1, the place of each taxel, and the scaling."""
+    origin = taxels.mean(axis=0) if len(taxels) else np.zeros(2)
+    extent = float(np.abs(taxels - origin).max(initial=0.0)) or 1.0
+    scaled = (taxels - origin) / extent
+    _, first, owner = np.unique(
+        scaled.round(9) + 0.0, axis=0, return_index=True, return_inverse=True
+    )
+    distinct, owner = scaled[first], np.asarray(owner, dtype=np.int64).ravel()
+    spread = np.linalg.svd(distinct - distinct.mean(axis=0))[1] if len(distinct) >= 3 else [0.0]
+    if spread[-1] <= FLAT:
+        kind = "distinct places" if len(distinct) < 3 else "places, all on one line"
+        raise InputError(
+            f"taxels has {len(distinct)} {kind}, expected three or more that span an area: "
+            "a triangulation needs triangles; solve on the taxels themselves instead"
+        )
+    return distinct, owner, origin, extent
+
+
+def _barycentric(affine: Floats, places: Floats) -> Floats:
+    """Weights of a triangle's three corners, (N, 3); `affine` (N, 3, 2) as Delaunay.transform."""
+    first = np.einsum("nij,nj->ni", affine[:, :2], places - affine[:, 2])
+    weights = np.column_stack([first, 1.0 - first.sum(axis=1)])
+    weights[weights < FLAT] = 0.0  # a node on an edge or on a taxel hears no other
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+
+
+def _on_border(
+    points: Floats, edges: NDArray[np.int32], places: Floats
+) -> tuple[NDArray[np.int32], Floats]:
+    """Ends of the hull's edge nearest to each place, (N, 2), and their weights (N, 2)."""
+    start, along = points[edges[:, 0]], points[edges[:, 1]] - points[edges[:, 0]]
+    away = places[:, None] - start
+    step = np.clip(np.einsum("nei,ei->ne", away, along) / np.sum(along**2, axis=1), 0.0, 1.0)
+    distance = np.linalg.norm(away - step[:, :, None] * along, axis=-1)
+    nearest = np.argmin(distance, axis=1)
+    share = step[np.arange(len(places)), nearest]
+    return edges[nearest], np.column_stack([1.0 - share, share])
+
+
+def _over_taxels(
+    corners: NDArray[np.int32], weights: Floats, owner: NDArray[np.int64]
+) -> "csr_array":
+    """Weights of distinct places (N, 3) as a matrix over taxels, each sharing with its doubles."""
+    from scipy.sparse import csr_array
+
+    count = np.bincount(owner)
+    rows = np.repeat(np.arange(len(corners)), 3)
+    shape = (len(corners), len(count))
+    over_places = csr_array((weights.ravel(), (rows, corners.ravel())), shape=shape)
+    over_places.eliminate_zeros()
+    places_from_taxels = csr_array((1.0 / count[owner], (owner, np.arange(len(owner)))))
+    return csr_array(over_places @ places_from_taxels)

@@ -1,0 +1,10 @@
+"""Emulator: boards in software, on a real bus, with bytes as real ones send."""
+
+from skinfield.emulator.settings import Fault as Fault
+from skinfield.emulator.settings import Temperature as Temperature
+from skinfield.emulator.settings import VirtualSettings as VirtualSettings
+from skinfield.emulator.settings import Wires as Wires
+from skinfield.emulator.settings import fault_from_text as fault_from_text
+from skinfield.emulator.settings import fault_of as fault_of
+from skinfield.emulator.settings import temperature_from_text as temperature_from_text
+from skinfield.emulator.skin import VirtualSkin as VirtualSkin

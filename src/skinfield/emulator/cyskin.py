@@ -1,0 +1,166 @@
+"""CySkin's boards: they obey the host's packets, and send SENSOR_DATA of their modules."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from skinfield.emulator.can_boards import CanBoards, CanWire, Schedule, open_buses
+from skinfield.emulator.electronics import Converters, converters_of, joined, manufacture
+from skinfield.emulator.settings import VirtualSettings, numbers_of
+from skinfield.errors import InputError, Ints
+from skinfield.skin import Skin
+from skinfield.wire.cyskin import (
+    Assembler,
+    CySkinBoard,
+    CySkinBoardState,
+    CySkinEncoder,
+    CySkinWire,
+    on_boards,
+)
+from skinfield.wire.cyskin.modules import SENSORS
+
+MOST_BOARDS = 16
+TEMPERATURE = 1000.0  # counts of a module's sensor 0 at 25 °C; what real ones send is not public
+PER_KELVIN = 20.0  # counts/K of it
+PLAIN_NOISE = 20.0  # counts of it, as recordings have
+
+
+class CySkinBoards(CanBoards[CySkinBoardState]):
+    """See `skin.Hardware`. All boards are on one bus.
+
+    Parameters
+    ----------
+    skin : Skin
+    settings : VirtualSettings
+    """
+
+    def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
+        placed, self.boards = boards_of(skin)
+        self.wire = CySkinWire()
+        rng = np.random.default_rng([settings.seed, 2])
+        fresh = [
+            CySkinBoardState(board=board, wire=self.wire, sending=settings.at_once)
+            for board in self.boards
+        ]
+        self._channel = _channels(placed, self.boards)
+        self._module_of = self._channel // SENSORS
+        self._unplugged: set[int] = set()
+        self._assembler = Assembler(self.wire)
+        converters = _converters(skin, settings, len(self._channel))
+        (bus,) = open_buses(settings, 1)
+        self._encoder = CySkinEncoder(self.boards, wire=self.wire)
+        can = CanWire(bus, self._encoder.messages_per_reading, settings.wires, rng)
+        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        super().__init__(fresh, converters, schedule, [can], settings.rate)
+        self._synced: list[int] = []
+        self._encode(0)  # compiles before the first reading
+
+    def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
+        whole = self._assembler.take(identifier, data)
+        if whole is None:
+            return False
+        address, octets = whole
+        try:
+            command, arguments = self.wire.unpacked(octets)
+        except InputError:
+            return False  # damaged: boards pass it over
+        meant = False
+        for number, playing in enumerate(self._playing):
+            board = self.boards[number].number
+            if playing.quiet or address not in (board, self.wire.every_board):
+                continue
+            before = playing.state
+            playing.state, answers = before.after(command, arguments)
+            for answer, content in answers:
+                for message in self.wire.messages(board, self.wire.packet(answer, content)):
+                    self.wires[bus].bus.send(*message)
+            if playing.state.syncs != before.syncs:
+                self._synced.append(number)
+            self.commands += 1
+            meant = True
+        return meant
+
+    def listen(self, now_ns: int, warmth: float) -> None:
+        """See `Hardware`; whoever was asked for one reading sends it at once."""
+        super().listen(now_ns, warmth)
+        if self._synced:
+            self.converters.convert(warmth)
+            self.send(self._synced, now_ns)
+            self._synced = []
+
+    def send(self, members: Sequence[int], now_ns: int) -> None:
+        """See `Hardware`."""
+        self._encoder.sends[:] = False
+        self._encoder.sends[list(members)] = True
+        self.readings += len(members)
+        self.wires[0].send(self._encode(now_ns))
+
+    def _encode(self, now_ns: int) -> int:
+        """Write the messages of the boards that send; how many."""
+        from skinfield.emulator.kernels import scatter
+
+        encoder = self._encoder
+        scatter(self.converters.counts, self._channel, encoder.counts)
+        for module in self._unplugged:
+            encoder.counts[module * SENSORS : (module + 1) * SENSORS] = 0
+        return encoder.encode(self.wires[0].made, 0, now_ns)
+
+    def _plug(self, what: str, plugged: bool | None) -> None:
+        modules = self._modules(what)
+        if plugged:
+            self._unplugged.difference_update(modules)
+        elif plugged is not None:
+            self._unplugged.update(modules)
+
+    def _modules(self, what: str) -> list[int]:
+        """Modules, counted over all boards, of ``"3"`` or, of one board, ``"1.3"``."""
+        first, dot, second = what.partition(".")
+        counts = [len(board.modules) for board in self.boards]
+        if not dot:
+            return numbers_of(first, sum(counts), "module")
+        found = []
+        for number in numbers_of(first, len(self.boards), "board"):
+            before = sum(counts[:number])
+            found += [before + m for m in numbers_of(second, counts[number], "module")]
+        return found
+
+
+def boards_of(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
+    """The skin on the channels of CySkin's boards, and these: numbers 1, 2, ... as many as needed.
+
+    See `wire.cyskin.on_boards`.
+    """
+    for count in range(1, MOST_BOARDS):
+        try:
+            return on_boards(skin, tuple(range(1, count + 1)))
+        except InputError:
+            continue  # more modules than so many boards carry
+    return on_boards(skin, tuple(range(1, MOST_BOARDS + 1)))
+
+
+def _channels(placed: Skin, boards: Sequence[CySkinBoard]) -> Ints:
+    """Channel of each taxel, and then of each module's temperature where it sends one."""
+    taxels = np.concatenate([patch.channel for patch in placed])
+    modules = [module for board in boards for module in board.modules]
+    plain = [SENSORS * place for place, module in enumerate(modules) if 0 in module.sensors]
+    return np.concatenate([taxels, np.setdiff1d(plain, taxels)]).astype(np.int64)
+
+
+def _converters(skin: Skin, settings: VirtualSettings, channels: int) -> Converters:
+    """Responses of all taxels, clipped at 0 as the boards do, and the temperatures."""
+    arrays = manufacture(skin, settings)
+    gain, converter = joined(arrays, "gain"), converters_of(arrays)
+    extra = channels - len(gain)
+    plain = np.zeros(extra)
+    last = int(converter.max()) + 1
+    return Converters(
+        np.concatenate([np.zeros(len(gain)), plain + TEMPERATURE]),
+        np.concatenate([gain, plain]),
+        np.concatenate([joined(arrays, "drift"), plain + PER_KELVIN]),
+        np.concatenate([joined(arrays, "white_noise"), plain + PLAIN_NOISE * settings.noise]),
+        np.concatenate([converter, last + np.arange(extra)]),
+        common=settings.common_noise,
+        low=0.0,
+        high=65535.0,
+        seed=settings.seed,
+    )

@@ -1,0 +1,161 @@
+"""Taxels as made, and their counts at one moment, at full speed."""
+
+import random
+from dataclasses import replace
+
+import numpy as np
+
+from skinfield.emulator.settings import VirtualSettings
+from skinfield.errors import Floats, Ints
+from skinfield.reconstruct.diagnostics import CYSKIN_GAIN
+from skinfield.simulate.electronics import (
+    CySkinBoard,
+    Electronics,
+    TaxelArray,
+    cyskin_electronics,
+    icub_electronics,
+)
+from skinfield.skin import Skin
+
+BITS = 18
+DEVIATES = 1 << BITS  # normal ones, drawn once: each reading takes a stretch from a random place
+NOISIER = 10.0  # times, of a noisy taxel
+
+
+def electronics_of(settings: VirtualSettings) -> Electronics:
+    """Electronics that the taxels of all patches are drawn from.
+
+    Those of `simulate.electronics` with another noise, and without the spreads, cross-talk and
+    defects that the settings do not ask for.
+    """
+    icub = settings.hardware == "icub"
+    known = icub_electronics() if icub else cyskin_electronics()
+    noise = replace(known.noise, white=known.noise.white * settings.noise, flicker=0.0, walk=0.0)
+    return Electronics(
+        board=known.board if icub else CySkinBoard(gain=CYSKIN_GAIN),
+        gain_spread=settings.gain_spread,
+        converter_gain_spread=settings.converter_gain_spread,
+        drift=known.drift,
+        noise=noise,
+    )
+
+
+def manufacture(skin: Skin, settings: VirtualSettings) -> list[TaxelArray]:
+    """Taxels of all patches, each patch by a stream of random numbers of its own."""
+    electronics = electronics_of(settings)
+    rngs = np.random.default_rng(settings.seed).spawn(len(skin))
+    return [electronics.manufacture(p, rng) for p, rng in zip(skin, rngs, strict=True)]
+
+
+class Converters:
+    """Channels of all patches one after the other, and what follows the taxels.
+
+    Parameters
+    ----------
+    level, gain, drift, white : (C,) arrays
+        Count at rest, counts per unit of ΔC/C₀, counts/K and standard deviation in counts.
+    converter : (C,) int64 array
+        Whose noise in common a channel has.
+    common : float, counts
+    low, high : float
+        Clamps.
+    seed : int
+
+    Attributes
+    ----------
+    change : (C,) array
+        ΔC/C₀, written by the world; 0 where a channel is no taxel.
+    counts : (C,) array
+        Of the last conversion.
+    held : (C,) array
+        NaN, or the count that a channel sends whatever it feels.
+    """
+
+    def __init__(
+        self, level: Floats, gain: Floats, drift: Floats, white: Floats, converter: Ints, *,
+        common: float, low: float, high: float, seed: int,
+    ) -> None:  # fmt: skip
+        self.level, self.gain, self.drift, self.white = level, gain, drift, white.copy()
+        self._quiet = white
+        self._converter, self._common = converter, common
+        self.low, self.high = low, high
+        count = len(level)
+        self.change: Floats = np.zeros(count)
+        self.counts: Floats = np.zeros(count)
+        self.held: Floats = np.full(count, np.nan)
+        rng = np.random.default_rng([seed, 1])
+        self._bits = random.Random(seed).getrandbits  # 50 times faster than numpy's for one number
+        spare = max(count, int(converter.max(initial=0)) + 1)
+        self._normal: Floats = rng.standard_normal(DEVIATES + spare)
+        self.convert(0.0)
+
+    def convert(self, warmth: float) -> None:
+        """Put the counts of now into `counts`, with `warmth`, K."""
+        from skinfield.emulator.kernels import convert
+
+        convert(
+            self.change, self.level, self.gain, self.drift, warmth, self.white, self._common,
+            self._converter, self._normal, self._bits(BITS), self._bits(BITS), self.held, self.low,
+            self.high, self.counts,
+        )  # fmt: skip
+
+    def quiet(self, warmth: float) -> Floats:
+        """Counts (C,) of now without noise or held channels: what a board takes as its base."""
+        level = self.level + self.gain * self.change + self.drift * warmth
+        return np.clip(np.rint(level), self.low, self.high)
+
+    def set_fault(self, kind: str, rows: Ints) -> None:
+        """Begin a fault of taxels; see `settings.KINDS`."""
+        if kind == "noisy":
+            self.white[rows] = NOISIER * np.maximum(self._quiet[rows], 1.0)
+        elif kind == "dead":
+            self.held[rows] = np.rint(self.level[rows])
+        elif kind == "stuck":
+            self.held[rows] = self.counts[rows]
+        elif kind == "saturated":
+            self.held[rows] = self.high - 1.0
+        else:
+            self.held[rows] = 0.0
+
+    def clear_fault(self, kind: str, rows: Ints) -> None:
+        """End it."""
+        if kind == "noisy":
+            self.white[rows] = self._quiet[rows]
+        else:
+            self.held[rows] = np.nan
+
+
+def starts_of(skin: Skin) -> Ints:
+    """Where the taxels of each patch begin among those of all, (P + 1,)."""
+    return np.cumsum([0, *(len(patch) for patch in skin)], dtype=np.int64)
+
+
+def joined(arrays: list[TaxelArray], name: str) -> Floats:
+    """One column of all taxels."""
+    return np.concatenate([getattr(array, name) for array in arrays])
+
+
+def converters_of(arrays: list[TaxelArray]) -> Ints:
+    """Number of the converter of each taxel, over all patches."""
+    parts, first = [], 0
+    for array in arrays:
+        parts.append(array.wiring.converter + first)
+        first += array.wiring.converters
+    return np.concatenate(parts)
+
+
+def converters_from(skin: Skin, settings: VirtualSettings, rest: float, high: float) -> Converters:
+    """Converters of the taxels of all patches, that read `rest` at rest and 0 to `high` counts."""
+    arrays = manufacture(skin, settings)
+    gain = joined(arrays, "gain")
+    return Converters(
+        np.full(len(gain), rest),
+        gain,
+        joined(arrays, "drift"),
+        joined(arrays, "white_noise"),
+        converters_of(arrays),
+        common=settings.common_noise,
+        low=0.0,
+        high=high,
+        seed=settings.seed,
+    )

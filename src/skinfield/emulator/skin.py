@@ -1,0 +1,540 @@
+"""Virtual skin: boards as any hardware offers them, faults in time, and the loop of it all."""
+
+import heapq
+import itertools
+import math
+import os
+import select
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from skinfield.emulator.can_boards import NEVER, Schedule
+from skinfield.emulator.electronics import Converters, starts_of
+from skinfield.emulator.scenes import Touch, number, patch_index, scene_from_text
+from skinfield.emulator.settings import (
+    FOREVER,
+    KINDS,
+    Fault,
+    VirtualSettings,
+    fault_from_text,
+    numbers_of,
+)
+from skinfield.emulator.transports import Control
+from skinfield.emulator.world import Truth, World
+from skinfield.errors import InputError, Ints
+from skinfield.files.layouts.load import skin_from_text
+from skinfield.skin import Skin
+
+
+class Hardware(Protocol):
+    """Boards on their buses.
+
+    Attributes
+    ----------
+    converters : Converters
+        Its first channels are the taxels of all patches.
+    schedule : Schedule
+    addresses : sequence of str
+        Where a host finds each bus.
+    readings : int
+        Of boards, that were made so far.
+    """
+
+    @property
+    def converters(self) -> Converters:
+        """See above."""
+        ...
+
+    @property
+    def schedule(self) -> Schedule:
+        """See above."""
+        ...
+
+    @property
+    def addresses(self) -> Sequence[str]:
+        """See above."""
+        ...
+
+    @property
+    def readings(self) -> int:
+        """See above."""
+        ...
+
+    @property
+    def chances(self) -> Mapping[str, float]:
+        """Probabilities of `lose`, `duplicate` and `swap`, per message."""
+        ...
+
+    def start(self, now_ns: int) -> None:
+        """Send from now on what sends without being told."""
+        ...
+
+    def check(self, kind: str, what: str) -> None:
+        """Raise InputError if there is no such triangle, board or bus."""
+        ...
+
+    def filenos(self) -> Sequence[int]:
+        """File descriptors that become readable when a host says something."""
+        ...
+
+    def listen(self, now_ns: int, warmth: float) -> None:
+        """Take in what hosts say, and answer; never waits."""
+        ...
+
+    def send(self, members: Sequence[int], now_ns: int) -> None:
+        """Send the counts of now from some boards."""
+        ...
+
+    def begin(self, kind: str, what: str, now_ns: int) -> None:
+        """Begin a fault of a triangle, board or bus.
+
+        Raises
+        ------
+        InputError
+            If there is no such one.
+        """
+        ...
+
+    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
+        """End it."""
+        ...
+
+    def set_chances(self, lose: float, duplicate: float, swap: float) -> None:
+        """Change what happens to messages from now on."""
+        ...
+
+    def counts(self) -> dict[str, Any]:
+        """What was sent and what was done to it: whole numbers."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the buses."""
+        ...
+
+
+def open_hardware(skin: Skin, settings: VirtualSettings) -> Hardware:
+    """Boards of the settings' hardware, on their buses."""
+    if settings.hardware == "icub":
+        from skinfield.emulator.icub import ICubBoards
+
+        return ICubBoards(skin, settings)
+    if settings.hardware == "cyskin":
+        from skinfield.emulator.cyskin import CySkinBoards
+
+        return CySkinBoards(skin, settings)
+    from skinfield.emulator.packet import PacketDevices
+
+    return PacketDevices(skin, settings)
+
+
+MOST = 10_000  # to come
+
+
+@dataclass
+class FaultClock:
+    """Begins and ends faults when their time comes.
+
+    Parameters
+    ----------
+    skin : Skin
+    hardware : Hardware
+
+    Attributes
+    ----------
+    begun : Counter
+        How many of each kind began.
+    """
+
+    skin: Skin
+    hardware: Hardware
+    begun: Counter[str] = field(default_factory=Counter)
+    active: list[Fault] = field(default_factory=list)
+    _queue: list[tuple[float, int, bool, Fault]] = field(default_factory=list)
+    _order: "itertools.count[int]" = field(default_factory=itertools.count)
+
+    def add(self, fault: Fault) -> None:
+        """Take in a fault.
+
+        Raises
+        ------
+        InputError
+            If there is no such triangle, board, bus or taxel.
+        """
+        self.check(fault)
+        if len(self._queue) >= MOST:
+            raise InputError(f"{MOST} faults are to come, expected fewer: clear them first")
+        heapq.heappush(self._queue, (fault.start, next(self._order), True, fault))
+
+    def check(self, fault: Fault) -> None:
+        """Raise InputError if what should fail is not there."""
+        if KINDS[fault.kind] == "taxel":
+            self._rows(fault.what)
+        else:
+            self.hardware.check(fault.kind, fault.what)
+
+    @property
+    def next_time(self) -> float:
+        """When the next one begins or ends, s since the stream began."""
+        return self._queue[0][0] if self._queue else FOREVER
+
+    def advance(self, time: float, now_ns: int, warmth: float) -> None:
+        """Begin and end what is due at a time, s since the stream began."""
+        while self._queue and self._queue[0][0] <= time:
+            _, _, begins, fault = heapq.heappop(self._queue)
+            if begins:
+                self._begin(fault, now_ns)
+            elif fault in self.active:
+                self._end(fault, now_ns, warmth)
+
+    def clear(self, kind: str | None, now_ns: int, warmth: float) -> int:
+        """End all faults of a kind, or all, and forget those to come; how many."""
+        self._queue = [entry for entry in self._queue if kind is not None and entry[3].kind != kind]
+        heapq.heapify(self._queue)
+        ending = [fault for fault in self.active if kind in (None, fault.kind)]
+        for fault in ending:
+            self._end(fault, now_ns, warmth)
+        return len(ending)
+
+    def _begin(self, fault: Fault, now_ns: int) -> None:
+        self.begun[fault.kind] += 1
+        self.active.append(fault)
+        if KINDS[fault.kind] == "taxel":
+            self._converters.set_fault(fault.kind, self._rows(fault.what))
+        else:
+            self.hardware.begin(fault.kind, fault.what, now_ns)
+        if fault.end != FOREVER:
+            heapq.heappush(self._queue, (fault.end, next(self._order), False, fault))
+
+    def _end(self, fault: Fault, now_ns: int, warmth: float) -> None:
+        self.active.remove(fault)
+        if KINDS[fault.kind] == "taxel":
+            self._converters.clear_fault(fault.kind, self._rows(fault.what))
+        else:
+            self.hardware.end(fault.kind, fault.what, now_ns, warmth)
+
+    @property
+    def _converters(self) -> Converters:
+        return self.hardware.converters
+
+    def _rows(self, what: str) -> Ints:
+        """Taxels of ``"7"``, ``"3-5"`` or ``"palm/7"``, among those of all patches."""
+        name, slash, rest = what.rpartition("/")
+        key: str | int = int(name) if name.isdecimal() and len(name) < 6 else name
+        patch = patch_index(self.skin, key) if slash else 0
+        rows = numbers_of(rest, len(self.skin.patches[patch]), "taxel")
+        return np.array(rows, np.int64) + int(starts_of(self.skin)[patch])
+
+
+def fault_to_start(fault: Fault, time: float) -> Fault:
+    """The fault, at the earliest at `time`, which is now; for those that come by hand."""
+    if fault.seconds <= 0.0:
+        raise InputError(f"seconds is {fault.seconds!r}, expected more than 0")
+    return Fault(fault.kind, fault.what, max(time, 0.0) + fault.start, fault.seconds)
+
+
+LINES = 100  # of truth in one answer, at most
+LONGEST_TEXT = 200
+LONGEST_WAIT = 0.05  # s: how often it looks for signals and for tables that are solved
+SECOND = 1_000_000_000
+
+
+def commands_of(skin: "VirtualSkin") -> Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]]:
+    """Functions by the value of `do`; each takes the command's object and gives the answer's."""
+
+    def stop(_: Mapping[str, Any]) -> dict[str, Any]:
+        skin.stop()
+        return {}
+
+    return {
+        "press": skin.world.press,
+        "move": skin.world.move,
+        "release": skin.world.release,
+        "fault": lambda fields: _fault(skin, fields),
+        "clear": lambda fields: _clear(skin, fields),
+        "wires": skin.set_wires,
+        "scene": lambda fields: _scene(skin, fields),
+        "counts": lambda _: skin.counts(),
+        "truth": lambda fields: _truth(skin, fields),
+        "describe": lambda _: skin.description(),
+        "quit": stop,
+    }
+
+
+def _text(fields: Mapping[str, Any], key: str) -> str:
+    value = fields.get(key)
+    if not isinstance(value, str) or not 0 < len(value) <= LONGEST_TEXT:
+        raise InputError(f"{key} is {value!r:.80}, expected text")
+    return value
+
+
+def _fault(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
+    """``{"do": "fault", "fault": "unplug 3+5s"}``, or `kind`, `what`, `after` and `seconds`."""
+    if "fault" in fields:
+        fault = fault_from_text(_text(fields, "fault"))
+    else:
+        lasting = FOREVER
+        if fields.get("seconds") is not None:
+            lasting = number(fields, "seconds", None, 1e-3, 1e9, "for how long")
+        after = number(fields, "after", 0.0, 0.0, 1e9, "seconds from now")
+        what = str(fields.get("what", "0"))
+        fault = Fault(_text(fields, "kind"), what, after, lasting)
+    now_ns = skin.clock()
+    fault = fault_to_start(fault, skin.time(now_ns))
+    skin.faults.add(fault)
+    if skin.stream_ns:
+        skin.faults.advance(skin.time(now_ns), now_ns, skin.warmth(now_ns))
+    until = fault.end if math.isfinite(fault.end) else None
+    return {"kind": fault.kind, "what": fault.what, "start": fault.start, "end": until}
+
+
+def _clear(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
+    kind = _text(fields, "kind") if fields.get("kind") is not None else None
+    now_ns = skin.clock()
+    return {"cleared": skin.faults.clear(kind, now_ns, skin.warmth(now_ns))}
+
+
+def _scene(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
+    skin.play(_text(fields, "scene"))
+    return {"scene": skin.world.scene.name}
+
+
+def _truth(skin: "VirtualSkin", fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Lines from `after` on; the newest alone without it."""
+    made = skin.truth.made
+    after = int(number(fields, "after", max(made - 1, 0), 0, 1e15, "number of a line"))
+    lines = skin.truth.after(after, LINES)
+    while lines and sum(len(line["presses"]) for line in lines) > LINES:
+        lines = lines[: len(lines) // 2] or lines[:1]
+        if len(lines) == 1:
+            break
+    told = {"lines": lines, "made": made, "stamp_ns": skin.clock()}
+    return {**told, "waits": skin.world.waits, "notes": skin.world.notes}
+
+
+class VirtualSkin:
+    """A skin of boards that does not exist, on a real bus.
+
+    Parameters
+    ----------
+    settings : VirtualSettings
+    clock : function
+        Gives the time, ns since the epoch.
+
+    Attributes
+    ----------
+    skin : Skin
+    hardware : Hardware
+    world : World
+    truth : Truth
+
+    Raises
+    ------
+    InputError
+        If a setting cannot be used, or an address is taken.
+    """
+
+    def __init__(self, settings: VirtualSettings, clock: Callable[[], int] = time.time_ns) -> None:
+        self.settings, self.clock = settings, clock
+        self.skin = skin_from_text(settings.skin)
+        scene = scene_from_text(settings.scene, self.skin, settings.seed)
+        self.world = World(self.skin, settings.layer, scene)
+        self.hardware: Hardware = open_hardware(self.skin, settings)
+        self._control: Control | None = None
+        self._ended = False
+        self.notes: list[str] = []
+        self.started_ns = self.clock()
+        self.stream_ns = 0  # when the first reading was sent
+        self._scene_ns = 0
+        self._pressing: list[Touch] = []
+        self._slow_ns = 0
+        try:
+            self.faults = FaultClock(self.skin, self.hardware)
+            for fault in settings.faults:
+                self.faults.add(fault)
+            if settings.control:
+                self._control = Control(settings.control, commands_of(self))
+            self.truth = Truth(self.skin, settings.truth)
+        except BaseException:
+            self.hardware.close()
+            self.world.close()
+            raise
+        self._update(self.clock())
+        self.hardware.start(self.clock())
+
+    @property
+    def control_address(self) -> str:
+        """Where the control socket is; empty without one."""
+        return self._control.address if self._control is not None else ""
+
+    def time(self, now_ns: int) -> float:
+        """Seconds since the stream began; negative before."""
+        return (now_ns - self.stream_ns) / SECOND if self.stream_ns else -1.0
+
+    def warmth(self, now_ns: int) -> float:
+        """K above 25 °C."""
+        return self.settings.temperature.warmth(max(self.time(now_ns), 0.0))
+
+    def stop(self) -> None:
+        """Let `run` return soon; for signal handlers and other threads."""
+        self._ended = True
+
+    def run(
+        self, watch: Sequence[int] = (), each_second: Callable[["VirtualSkin"], None] | None = None
+    ) -> None:
+        """Play until `stop`, the duration, or until a file descriptor of `watch` is readable.
+
+        Parameters
+        ----------
+        watch : sequence of int
+            Such as a pipe that ends with the process at its other end.
+        each_second : function, optional
+            Called about once a second, to show what happens.
+        """
+        watched = set(watch)
+        self.hardware.schedule.begin(self.clock())
+        begun = told = time.monotonic()
+        self.notes += ask_for_priority(self.settings.priority)
+        while not self._ended:
+            if self._wait(watched) & watched:
+                break
+            now_ns = self.clock()
+            self.step(now_ns)
+            if each_second is not None and time.monotonic() - told >= 1.0:
+                told = time.monotonic()
+                each_second(self)
+            duration = self.settings.duration
+            if duration is not None and time.monotonic() - begun >= duration:
+                break
+
+    def _wait(self, watched: set[int]) -> set[int]:
+        """Wait for the next reading, a host or a command; the descriptors that have something."""
+        descriptors = [*self.hardware.filenos(), *watched]
+        if self._control is not None:
+            descriptors.append(self._control.fileno())
+        wait = (self.hardware.schedule.next_ns - self.clock()) / SECOND
+        ready = set(select.select(descriptors, [], [], min(max(wait, 0.0), LONGEST_WAIT))[0])
+        if self._control is not None and self._control.fileno() in ready:
+            self._control.poll()
+        if ready.intersection(self.hardware.filenos()):
+            now_ns = self.clock()
+            self.hardware.listen(now_ns, self.warmth(now_ns))
+        return ready
+
+    def step(self, now_ns: int) -> None:
+        """Do what is due at a time."""
+        if self.faults.next_time <= self.time(now_ns):
+            self.faults.advance(self.time(now_ns), now_ns, self.warmth(now_ns))
+        if now_ns - self._slow_ns > LONGEST_WAIT * SECOND:
+            self._slow_ns = now_ns
+            self.world.poll()
+            self._update(now_ns)
+        schedule = self.hardware.schedule
+        if schedule.next_ns > now_ns or schedule.next_ns == NEVER:
+            return
+        if not self.stream_ns:
+            self.stream_ns = now_ns
+            self._scene_ns = now_ns + int(self.settings.lead_in * SECOND)
+            self.faults.advance(0.0, now_ns, self.warmth(now_ns))
+        due = schedule.due(now_ns)
+        self._update(now_ns - int(self.settings.wires.delay * SECOND))
+        self.hardware.converters.convert(self.warmth(now_ns))
+        for group in due:
+            self.hardware.send(group.members, now_ns)
+
+    def _update(self, moment_ns: int) -> None:
+        """Bring what the taxels read to a moment."""
+        scene = (moment_ns - self._scene_ns) / SECOND if self._scene_ns else -1.0
+        touches = self.world.update(scene, self.hardware.converters.change)
+        if touches is not None:
+            self._pressing = [touch for touch, _ in touches]
+            self.truth.note(touches, moment_ns)
+        else:
+            self.truth.settle(moment_ns)
+
+    @property
+    def pressing(self) -> list[Touch]:
+        """What presses now."""
+        return self._pressing
+
+    def play(self, text: str) -> None:
+        """Play another scene, from its beginning.
+
+        Raises
+        ------
+        InputError
+            If there is none such.
+        """
+        scene = scene_from_text(text, self.skin, self.settings.seed)
+        self.world.play(scene)
+        if self.stream_ns:
+            self._scene_ns = self.clock()
+
+    def counts(self) -> dict[str, Any]:
+        """What was sent, and what was done to it, so far."""
+        now_ns = self.clock()
+        return {
+            "seconds": round((now_ns - self.started_ns) / SECOND, 3),
+            "streamed_seconds": round(max(self.time(now_ns), 0.0), 3),
+            "readings": self.hardware.readings,
+            "skipped": self.hardware.schedule.skipped,
+            **self.hardware.counts(),
+            "faults": dict(self.faults.begun),
+            "truth_lines": self.truth.made,
+            "notes": [*self.notes, *self.world.notes],
+        }
+
+    def description(self) -> dict[str, Any]:
+        """What it is and where it is reached."""
+        return {
+            "hardware": self.settings.hardware,
+            "bus": self.settings.bus,
+            "channels": list(self.hardware.addresses),
+            "control": self.control_address,
+            "skin": self.settings.skin,
+            "patches": {patch.name: len(patch) for patch in self.skin},
+            "scene": self.world.scene.name,
+        }
+
+    def set_wires(self, fields: Mapping[str, Any]) -> dict[str, float]:
+        """Change probabilities of losing, doubling and swapping from now on."""
+        chances = dict(self.hardware.chances)
+        for name in chances:
+            if name in fields:
+                value = fields[name]
+                plain = isinstance(value, int | float) and not isinstance(value, bool)
+                if not plain or not 0.0 <= value <= 1.0:
+                    raise InputError(f"{name} is {value!r:.60}, expected a probability, 0 to 1")
+                chances[name] = float(value)
+        self.hardware.set_chances(chances["lose"], chances["duplicate"], chances["swap"])
+        return chances
+
+    def close(self) -> None:
+        """Let go of everything."""
+        self.hardware.close()
+        if self._control is not None:
+            self._control.close()
+        self.world.close()
+        self.truth.close()
+
+
+def ask_for_priority(priority: int) -> list[str]:
+    """Ask for SCHED_FIFO; a sentence if it is not granted.
+
+    The loop sleeps in every cycle; what it starts is not real-time.
+    """
+    if not priority:
+        return []
+    try:
+        policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
+        os.sched_setscheduler(0, policy, os.sched_param(priority))
+    except (OSError, AttributeError) as error:
+        return [
+            f"SCHED_FIFO with priority {priority} is not granted ({error}): readings may be late; "
+            "run as root, or with the right to real time (ulimit -r)"
+        ]
+    return []

@@ -1,0 +1,408 @@
+"""Transports of a virtual skin: the links of its packets, and its control socket."""
+
+import json
+import os
+import socket
+import tty
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Protocol
+
+from skinfield.emulator.settings import VirtualSettings
+from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.wire.can.bus import host_and_port
+from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT
+
+LISTEN = "listen"
+READ_BYTES = 4096  # bytes in one reading
+SEND_BUFFER = 1 << 20  # bytes
+DATAGRAMS = 64
+
+
+class Link(Protocol):
+    """Takes whole packets; never waits."""
+
+    @property
+    def address(self) -> str:
+        """Where a host finds it."""
+        ...
+
+    @property
+    def heard(self) -> bool:
+        """Whether somebody is there to send to, as far as is known."""
+        ...
+
+    def send(self, packet: memoryview) -> bool:
+        """Send a packet; False if it was not taken, and then none of it was."""
+        ...
+
+    def receive(self) -> bytes:
+        """What hosts have said."""
+        ...
+
+    def filenos(self) -> Sequence[int]:
+        """File descriptors that become readable when one says something."""
+        ...
+
+    def close(self) -> None:
+        """Let go of it."""
+        ...
+
+
+def open_link(settings: VirtualSettings) -> Link:
+    """The link of the settings; their first channel says where.
+
+    Raises
+    ------
+    InputError
+        If it cannot be opened.
+    """
+    if len(settings.channels) > 1:
+        raise InputError(f"channels are {list(settings.channels)}, expected one: all devices share")
+    channel = settings.channels[0] if settings.channels else ""
+    try:
+        if settings.bus == "udp":
+            return UdpLink(channel)
+        return TcpLink(channel) if settings.bus == "tcp" else TerminalLink(channel)
+    except (OSError, UnicodeError) as error:
+        raise InputError(
+            f"{settings.bus} cannot be opened at {channel!r}: {error}, expected an address that "
+            "is free: choose another with --channel"
+        ) from error
+
+
+class UdpLink:
+    """Datagrams to a host, or to whoever asked last.
+
+    Parameters
+    ----------
+    channel : str
+        ``host:port`` of a host that listens; or ``listen:host:port`` to be asked there.
+    """
+
+    def __init__(self, channel: str) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._peer: tuple[str, int] | None = None
+        word, _, rest = channel.partition(":")
+        try:
+            if word == LISTEN:
+                self._socket.bind(host_and_port(rest, "127.0.0.1", 0))
+            else:
+                self._peer = host_and_port(channel, "127.0.0.1", UDP_PORT)
+                local = "127.0.0.1" if self._peer[0] in ("127.0.0.1", "localhost") else ""
+                self._socket.bind((local, 0))
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+            self._socket.setblocking(False)
+        except BaseException:
+            self._socket.close()
+            raise
+
+    @property
+    def address(self) -> str:
+        """Where commands go."""
+        host, port = self._socket.getsockname()
+        return f"{host}:{port}"
+
+    @property
+    def heard(self) -> bool:
+        """See `Link`."""
+        return self._peer is not None
+
+    def send(self, packet: memoryview) -> bool:
+        """See `Link`."""
+        if self._peer is None:
+            return False
+        try:
+            self._socket.sendto(packet, self._peer)
+        except OSError:
+            return False
+        return True
+
+    def receive(self) -> bytes:
+        """See `Link`."""
+        received = b""
+        for _ in range(DATAGRAMS):
+            try:
+                data, self._peer = self._socket.recvfrom(READ_BYTES)
+            except OSError:
+                break
+            received += data
+        return received
+
+    def filenos(self) -> Sequence[int]:
+        """See `Link`."""
+        return (self._socket.fileno(),)
+
+    def close(self) -> None:
+        """See `Link`."""
+        self._socket.close()
+
+
+class _Bytes:
+    """A stream of bytes that takes whole packets; what does not fit goes before the next."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def _write(self, data: memoryview | bytes) -> int:
+        """Bytes taken, 0 if none; raises BrokenPipeError when the other side is gone."""
+        raise NotImplementedError
+
+    def send(self, packet: memoryview) -> bool:
+        """See `Link`."""
+        if self._rest:
+            self._rest = self._rest[self._write(self._rest) :]
+        if self._rest:
+            return False
+        taken = self._write(packet)
+        if taken == 0:
+            return False
+        self._rest = bytes(packet[taken:])
+        return True
+
+
+class TcpLink(_Bytes):
+    """A server with one host at a time; who comes later takes over."""
+
+    def __init__(self, channel: str) -> None:
+        super().__init__()
+        self._server = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        self._client: socket.socket | None = None
+        try:
+            self._server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            self._server.bind(host_and_port(channel, "127.0.0.1", TCP_PORT))
+            self._server.listen(1)
+            self._server.setblocking(False)
+        except BaseException:
+            self._server.close()
+            raise
+
+    @property
+    def address(self) -> str:
+        """See `Link`."""
+        host, port = self._server.getsockname()
+        return f"{host}:{port}"
+
+    @property
+    def heard(self) -> bool:
+        """See `Link`."""
+        return self._client is not None
+
+    def _write(self, data: memoryview | bytes) -> int:
+        if self._client is None:
+            return 0
+        try:
+            return self._client.send(data)
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except OSError:
+            self._drop()
+            return 0
+
+    def _drop(self) -> None:
+        if self._client is not None:
+            self._client.close()
+        self._client, self._rest = None, b""
+
+    def receive(self) -> bytes:
+        """See `Link`."""
+        with suppress(OSError):
+            client, _ = self._server.accept()
+            self._drop()
+            client.setblocking(False)
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._client = client
+        if self._client is None:
+            return b""
+        try:
+            received = self._client.recv(READ_BYTES)
+        except (BlockingIOError, InterruptedError):
+            return b""
+        except OSError:
+            received = b""
+        if not received:
+            self._drop()
+        return received
+
+    def filenos(self) -> Sequence[int]:
+        """See `Link`."""
+        client = () if self._client is None else (self._client.fileno(),)
+        return (self._server.fileno(), *client)
+
+    def close(self) -> None:
+        """See `Link`."""
+        self._drop()
+        self._server.close()
+
+
+class TerminalLink(_Bytes):
+    """A pseudo-terminal, as a microcontroller at USB looks.
+
+    Parameters
+    ----------
+    channel : str
+        Path of a link to it, which must not be there; empty for none.
+    """
+
+    def __init__(self, channel: str) -> None:
+        super().__init__()
+        self._near, self._far = os.openpty()
+        self._link = Path(channel) if channel else None
+        tty.setraw(self._far)
+        os.set_blocking(self._near, False)
+        self.address = os.ttyname(self._far)
+        self.heard = True
+        if self._link is not None:
+            try:
+                self._link.symlink_to(self.address)
+                self.address = channel
+            except OSError as error:
+                self._link = None
+                self.close()
+                raise FileError(f"{channel} cannot be made: {error.strerror}") from error
+
+    def _write(self, data: memoryview | bytes) -> int:
+        try:
+            return os.write(self._near, data)
+        except OSError:
+            return 0
+
+    def receive(self) -> bytes:
+        """See `Link`."""
+        try:
+            return os.read(self._near, READ_BYTES)
+        except OSError:
+            return b""
+
+    def filenos(self) -> Sequence[int]:
+        """See `Link`."""
+        return (self._near,)
+
+    def close(self) -> None:
+        """See `Link`."""
+        for number in (self._near, self._far):
+            with suppress(OSError):
+                os.close(number)
+        if self._link is not None:
+            self._link.unlink(missing_ok=True)
+            self._link = None
+
+
+LONGEST = 4096  # bytes of a command
+ANSWER = 60_000  # bytes of an answer: one datagram
+PER_POLL = 64  # commands, so that a flood of them delays no reading for long
+DEEP = 8  # levels that a command's JSON may have
+
+Command = Callable[[Mapping[str, Any]], dict[str, Any]]
+
+
+def answer_to(data: bytes, commands: Mapping[str, Command]) -> dict[str, Any]:
+    """Do what a datagram says; ``{"ok": true, ...}``, or false with the error in words.
+
+    A `tag` in the command comes back in the answer.
+
+    Parameters
+    ----------
+    data : bytes
+        Anything.
+    commands : mapping
+        By the value of `do`.
+    """
+    tag: Any = None
+    try:
+        fields = _parsed(data)
+        tag = fields.get("tag")
+        name = fields.get("do")
+        if not isinstance(name, str) or name not in commands:
+            raise InputError(f"do is {name!r:.60}, expected one of {', '.join(sorted(commands))}")
+        answer = {"ok": True, **commands[name](fields)}
+    except SkinfieldError as error:
+        answer = {"ok": False, "error": str(error)[:2000]}
+    return answer if tag is None else {"tag": tag, **answer}
+
+
+def _parsed(data: bytes) -> Mapping[str, Any]:
+    if len(data) > LONGEST:
+        raise InputError(f"command has {len(data)} bytes, expected at most {LONGEST}")
+    try:
+        fields = json.loads(data.decode())
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"command is no JSON: {error}, expected an object with 'do'") from error
+    if not isinstance(fields, dict) or _depth(fields) > DEEP:
+        raise InputError("command is no plain object, expected one such as {'do': 'counts'}")
+    return fields
+
+
+def _depth(value: Any, level: int = 1) -> int:
+    if level > DEEP:
+        return level
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return max((_depth(each, level + 1) for each in inner), default=level)
+
+
+class Control:
+    """A bound socket that answers.
+
+    Parameters
+    ----------
+    address : str
+        ``"127.0.0.1:0"``.
+    commands : mapping of str to function
+        What `do` can be.
+
+    Raises
+    ------
+    InputError
+        If the address cannot be bound.
+    """
+
+    def __init__(self, address: str, commands: Mapping[str, Command]) -> None:
+        place = host_and_port(address, "127.0.0.1", 0)
+        self._commands = commands
+        family = socket.AF_INET6 if ":" in place[0] else socket.AF_INET
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        try:
+            self._socket.bind(place)
+        except (OSError, UnicodeError) as error:
+            self._socket.close()
+            raise InputError(
+                f"control is {address!r}, expected an address of this machine that is free: {error}"
+            ) from error
+        self._socket.setblocking(False)
+
+    @property
+    def address(self) -> str:
+        """Where it is reached."""
+        host, port = self._socket.getsockname()[:2]
+        return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+    def fileno(self) -> int:
+        """Of the socket."""
+        return self._socket.fileno()
+
+    def poll(self) -> None:
+        """Do and answer what has arrived; never waits."""
+        for _ in range(PER_POLL):
+            try:
+                data, sender = self._socket.recvfrom(LONGEST + 1)
+            except OSError:
+                return  # nothing more, or an answer that met nobody
+            answer = encoded(answer_to(data, self._commands))
+            try:
+                self._socket.sendto(answer, sender)
+            except OSError:
+                continue  # who asked is gone
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+
+def encoded(answer: Mapping[str, Any]) -> bytes:
+    """Bytes of an answer, or of the error that it is too long."""
+    data = json.dumps(answer).encode()
+    if len(data) > ANSWER:
+        short = {"ok": False, "error": f"the answer has {len(data)} bytes: ask for less at once"}
+        return json.dumps({**short, "tag": answer["tag"]} if "tag" in answer else short).encode()
+    return data

@@ -1,0 +1,589 @@
+"""World of a virtual skin: tables of presses, what taxels read of them, and ground truth."""
+
+import hashlib
+import itertools
+import json
+import math
+import os
+import subprocess
+import sys
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from skinfield.elastic import Layer
+from skinfield.emulator.electronics import starts_of
+from skinfield.emulator.scenes import (
+    FINGER,
+    PLACE_KEYS,
+    Scene,
+    Tool,
+    Touch,
+    Track,
+    number,
+    patch_index,
+    place_of,
+)
+from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.skin import Skin
+
+LINES = 20_000  # in memory: 200 s of a press that moves all the time
+PRESSES = 40_000  # of these lines
+INTERVAL_NS = 10_000_000  # between lines while a press only moves
+PRESS = np.dtype(
+    [
+        ("patch", np.int64), ("x", float), ("y", float), ("position", float, 3), ("force", float),
+        ("radius", float), ("contact_radius", float),
+    ]
+)  # fmt: skip
+Line = dict[str, Any]
+
+
+class Truth:
+    """Lines about the presses: one at each change of what presses, and every 10 ms on the way.
+
+    A line holds from its stamp to that of the next one. The newest are in memory, all of which is
+    there from the beginning; all are in the file.
+
+    Parameters
+    ----------
+    skin : Skin
+    path : str, optional
+        File to write the lines to as JSON, one object each.
+
+    Attributes
+    ----------
+    made : int
+        Lines so far.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
+
+    def __init__(self, skin: Skin, path: str = "") -> None:
+        self._skin = skin
+        self.made = 0
+        self._presses = 0  # so far
+        self._stamp_ns: Ints = np.full(LINES, -1, np.int64)
+        self._first: Ints = np.full(LINES, -1, np.int64)  # press of each line, and how many
+        self._count: Ints = np.full(LINES, -1, np.int64)
+        self._table = np.ones(PRESSES, PRESS)
+        self._names, self._shapes = [""] * PRESSES, [""] * PRESSES
+        self._ids: tuple[str, ...] | None = None
+        self._last_ns = 0
+        self._waiting: tuple[list[tuple[Touch, float]], int] | None = None
+        self._file: IO[str] | None = None
+        if path:
+            try:
+                self._file = Path(path).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115
+            except OSError as error:
+                raise FileError(f"{path} cannot be written: {error.strerror}") from error
+
+    def note(self, touches: Iterable[tuple[Touch, float]], stamp_ns: int) -> None:
+        """Take down what presses from now on, with the radius of each touch, m."""
+        touches = list(touches)
+        ids = tuple(touch.id for touch, _ in touches)
+        self._waiting = None
+        if ids == self._ids and stamp_ns - self._last_ns < INTERVAL_NS:
+            self._waiting = (touches, stamp_ns)
+            return
+        self._write(touches, stamp_ns)
+
+    def settle(self, stamp_ns: int) -> None:
+        """Take down the end of a movement that was too soon after the line before."""
+        if self._waiting is not None and stamp_ns - self._last_ns >= INTERVAL_NS:
+            self._write(*self._waiting)
+            self._waiting = None
+
+    def _write(self, touches: list[tuple[Touch, float]], stamp_ns: int) -> None:
+        self._ids, self._last_ns = tuple(touch.id for touch, _ in touches), stamp_ns
+        row = self.made % LINES
+        self._stamp_ns[row], self._first[row] = stamp_ns, self._presses
+        self._count[row] = len(touches)
+        for touch, contact_radius in touches:
+            self._put(touch, contact_radius)
+        self.made += 1
+        if self._file is not None:
+            self._file.write(json.dumps(self._line(self.made - 1)) + "\n")
+
+    def _put(self, touch: Touch, contact_radius: float) -> None:
+        row = self._presses % PRESSES
+        surface = self._skin.patches[touch.patch].surface
+        position = surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
+        self._table[row] = (
+            touch.patch, touch.x, touch.y, position, touch.force, touch.tool.radius, contact_radius,
+        )  # fmt: skip
+        self._names[row], self._shapes[row] = touch.id, touch.tool.shape
+        self._presses += 1
+
+    def _line(self, number: int) -> Line:
+        row = number % LINES
+        first = int(self._first[row])
+        presses = [self._press(i % PRESSES) for i in range(first, first + int(self._count[row]))]
+        return {"number": number, "stamp_ns": int(self._stamp_ns[row]), "presses": presses}
+
+    def _press(self, row: int) -> Line:
+        press = self._table[row]
+        return {
+            "id": self._names[row],
+            "patch": self._skin.patches[int(press["patch"])].name,
+            "x": float(press["x"]),
+            "y": float(press["y"]),
+            "position": press["position"].tolist(),
+            "force": float(press["force"]),
+            "radius": float(press["radius"]),
+            "shape": self._shapes[row],
+            "contact_radius": float(press["contact_radius"]),
+        }
+
+    def after(self, number: int, most: int) -> list[Line]:
+        """Lines from `number` on, at most so many, as far as they are in memory."""
+        start = max(number, self.made - LINES, 0)
+        oldest = self._presses - PRESSES
+        while start < self.made and self._first[start % LINES] < oldest:
+            start += 1
+        return [self._line(i) for i in range(start, min(start + most, self.made))]
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+
+DEEPEST = 0.75  # of the thickness: where tables end
+SOFTEST = 1.0 / 400.0  # of the largest force: the least that is solved; below it, in proportion
+SHARES = (*np.geomspace(SOFTEST, 0.3, 6), *np.linspace(0.475, 1.0, 4))  # of it, that are solved
+CELL = 0.5e-3  # m
+LINE = 0.25e-3  # m between the distances that are solved
+SPACING = 0.05e-3  # m between the distances of a table
+FORCES = 128  # rows of a table
+REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
+Key = tuple[Tool, float]
+AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
+QUEUED = 16  # that wait for their turn
+SCRIPT = """
+import sys
+from skinfield.elastic import Layer
+from skinfield.emulator.world import table_for
+from skinfield.emulator.scenes import Tool
+radius, shape, pad, *layer = sys.argv[1:]
+table_for(Tool(float(radius), shape), Layer(*map(float, layer)), float(pad))
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class PressTable:
+    """Readings of one tool on one layer.
+
+    Attributes
+    ----------
+    highest_force : float, N
+    contact_radius : (FORCES,) array, m
+    change : (FORCES, D) array
+        ΔC/C₀ at distances 0, SPACING, 2 SPACING, ... from the press. Row i is of the force
+        (i / (FORCES - 1))² · highest_force: close to each other where readings rise steeply.
+    """
+
+    highest_force: float
+    contact_radius: Floats
+    change: Floats
+
+    def check_force(self, force: float, tool: Tool) -> None:
+        """Raise InputError for a force that pushes the tool through the layer."""
+        if not 0.0 < force <= self.highest_force:
+            raise InputError(
+                f"force is {force:g} N, expected above 0 and at most {self.highest_force:.3g} N "
+                f"for a {tool.shape} of {tool.radius * 1e3:g} mm radius, which then sinks through "
+                f"{DEEPEST:.0%} of the layer: press lighter, or with a larger radius"
+            )
+
+    def radius_at(self, force: float) -> float:
+        """Radius of the touch, m."""
+        row = math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
+        lower = min(int(row), FORCES - 2)
+        low, high = self._radii[lower], self._radii[lower + 1]
+        return low + (row - lower) * (high - low)
+
+    @cached_property
+    def _radii(self) -> list[float]:
+        return [float(each) for each in self.contact_radius]
+
+
+def solve_table(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
+    """Solve the presses of a table: a second or two.
+
+    Parameters
+    ----------
+    tool : Tool
+    layer : Layer
+    pad_diameter : float, m
+    """
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    from skinfield.simulate import press, press_ladder
+
+    bound = tool.radius if tool.shape == "flat" else math.sqrt(2.0 * tool.radius * layer.thickness)
+    extent = 2.0 * math.ceil((min(bound, tool.radius) + 5.0 * layer.thickness) / CELL) * CELL
+    deepest = press(layer, [tool.body(depth=DEEPEST * layer.thickness)], extent, CELL)
+    highest = deepest.force
+    forces = highest * np.array(SHARES)
+    solved = [*press_ladder(layer, tool.body(), forces[:-1], extent, CELL), deepest]
+    reach = min(bound, tool.radius) + pad_diameter + REACH * layer.thickness
+    distance = np.arange(0.0, reach + LINE, LINE)
+    line = np.column_stack([distance, np.zeros_like(distance)])
+    read = np.array([each.readings(line, pad_diameter, "capacitance") for each in solved])
+    radius = np.array([math.sqrt(each.contact_area / math.pi) for each in solved])
+    fine = np.arange(0.0, reach, SPACING)
+    rows = (np.arange(FORCES) / (FORCES - 1)) ** 2 * highest
+    # What is read per newton hardly changes with the force: that is what is interpolated.
+    slope = CubicSpline(np.log(forces), read / forces[:, None])
+    known = np.maximum(rows, forces[0])
+    values = CubicSpline(distance, slope(np.log(known)) * rows[:, None], axis=1)(fine)
+    touch = PchipInterpolator(np.concatenate([[0.0], forces]), np.concatenate([[0.0], radius]))
+    return PressTable(float(highest), np.asarray(touch(rows)), np.ascontiguousarray(values))
+
+
+def table_for(tool: Tool, layer: Layer, pad_diameter: float) -> PressTable:
+    """As `solve_table`, from the user's cache where it was solved before by the very same code."""
+    path = cache_path(tool, layer, pad_diameter)
+    found = _stored(path)
+    if found is None:
+        found = solve_table(tool, layer, pad_diameter)
+        _store(path, found)
+    return found
+
+
+def cache_path(tool: Tool, layer: Layer, pad_diameter: float) -> Path:
+    """Where a table is kept: its name depends on what is pressed and on the code that solves it."""
+    root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    asked = f"{tool!r} {layer!r} {pad_diameter!r} {_code()}"
+    name = hashlib.sha256(asked.encode()).hexdigest()[:24]
+    return Path(root) / "skinfield" / f"press-{name}.npz"
+
+
+def is_stored(tool: Tool, layer: Layer, pad_diameter: float) -> bool:
+    """Whether a table need not be solved."""
+    return cache_path(tool, layer, pad_diameter).is_file()
+
+
+@cache
+def _code() -> str:
+    """Digest of the sources that a table comes from, so that no change of them is missed."""
+    root, digest = Path(__file__).parent.parent, hashlib.sha256()
+    for room in ("simulate", "mechanics", "observation"):
+        for file in sorted((root / room).rglob("*.py")):
+            digest.update(file.read_bytes())
+    digest.update(Path(__file__).read_bytes())
+    return digest.hexdigest()
+
+
+def _stored(path: Path) -> PressTable | None:
+    """A table from the cache; None where there is none that can be read."""
+    try:
+        with np.load(path) as file:
+            return PressTable(float(file["force"]), file["radius"], file["change"])
+    except (OSError, ValueError, KeyError, EOFError):
+        return None  # not there, or cut: it is solved again, which only takes time
+
+
+def _store(path: Path, table: PressTable) -> None:
+    """Keep a table; a folder that cannot be written only means to solve again next time."""
+    partial = path.with_name(f"{path.stem}-{os.getpid()}.part.npz")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savez(
+            partial, force=table.highest_force, radius=table.contact_radius, change=table.change
+        )
+        partial.replace(path)
+    except OSError:
+        partial.unlink(missing_ok=True)
+
+
+@dataclass
+class Solving:
+    """Tables that are there, and those that are on their way.
+
+    Parameters
+    ----------
+    layer : Layer
+    """
+
+    layer: Layer
+    _there: dict[Key, PressTable] = field(default_factory=dict)
+    _running: dict[Key, subprocess.Popen[bytes]] = field(default_factory=dict)
+    _queue: list[Key] = field(default_factory=list)
+
+    def get(self, tool: Tool, pad_diameter: float) -> PressTable | None:
+        """A table, if it is there."""
+        return self._there.get((tool, pad_diameter))
+
+    def now(self, tool: Tool, pad_diameter: float) -> PressTable:
+        """A table, solved here if it must be."""
+        key = (tool, pad_diameter)
+        if key not in self._there:
+            self._there[key] = table_for(tool, self.layer, pad_diameter)
+        return self._there[key]
+
+    def start(self, tool: Tool, pad_diameter: float) -> None:
+        """Have a table solved, at once or in its turn; one that was solved before is there.
+
+        Raises
+        ------
+        InputError
+            If too many wait.
+        """
+        key = (tool, pad_diameter)
+        if key in self._running:
+            return
+        if is_stored(tool, self.layer, pad_diameter):
+            self.now(tool, pad_diameter)
+            return
+        if key in self._queue:
+            self._queue.remove(key)  # it is wanted now: before others
+        if len(self._queue) >= QUEUED:
+            raise InputError(
+                f"tool is a {tool.shape} of {tool.radius * 1e3:g} mm while {QUEUED} others wait to "
+                "be prepared, expected it some seconds later"
+            )
+        self._queue.append(key)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin the newest that wait: what was asked for last is looked at now."""
+        while self._queue and len(self._running) < AT_ONCE:
+            self._solve(self._queue.pop())
+
+    def _solve(self, key: Key) -> None:
+        (tool, pad_diameter), layer = key, self.layer
+        numbers = (layer.thickness, layer.young_modulus, layer.poisson_ratio)
+        words = [str(tool.radius), tool.shape, str(pad_diameter), *map(str, numbers)]
+        words.append(str(layer.relative_permittivity))
+        self._running[key] = subprocess.Popen(
+            [sys.executable, "-c", SCRIPT, *words],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+
+    def poll(self) -> bool:
+        """Take in what is solved; whether there was some.
+
+        Where nothing could be stored, it is solved here after all.
+        """
+        before = len(self._there)
+        for key, process in list(self._running.items()):
+            if process.poll() is not None:
+                del self._running[key]
+                self.now(*key)
+        self._begin()
+        return len(self._there) > before
+
+    def close(self) -> None:
+        """End what runs."""
+        for process in self._running.values():
+            process.kill()
+            process.wait()
+        self._running.clear()
+        self._queue.clear()
+
+
+MOST = 64  # presses at once, by hand
+KEPT = 20  # notes
+LONGEST_ID = 64  # characters
+Published = tuple[str, int, Tool, float, float, float]
+
+
+class World:
+    """A scene, presses by hand, and the tables that tell what taxels read of them.
+
+    Readings of several presses are added up: right where they are apart, by a few thicknesses of
+    the layer, and not where they share skin.
+
+    Parameters
+    ----------
+    skin : Skin
+    layer : Layer
+    scene : Scene
+        Its tables are solved here and now.
+    """
+
+    def __init__(self, skin: Skin, layer: Layer, scene: Scene) -> None:
+        self.skin, self.layer = skin, layer
+        self._starts = starts_of(skin)
+        self._plane = np.ascontiguousarray(np.concatenate([patch.plane for patch in skin]))
+        self._solving = Solving(layer)
+        self._by_hand: dict[str, Touch] = {}
+        self._numbers = itertools.count(1)
+        self._published: tuple[Published, ...] | None = None
+        self.notes: list[str] = []
+        self._warm()
+        self.play(scene)
+        self._table(skin.patches[0].pad_diameter, Tool())
+
+    def _warm(self) -> None:
+        """Compile before the first press."""
+        from skinfield.emulator.kernels import add_press
+
+        nothing = np.zeros((2, 2))
+        add_press(np.zeros(0), self._plane, 0, 0, nothing, SPACING, 0.0, 0.0, 0.0)
+
+    def play(self, scene: Scene) -> None:
+        """Play another scene from now on.
+
+        Raises
+        ------
+        InputError
+            If it presses a body through the layer; the old one goes on then.
+        """
+        for (patch, tool), force in scene.tools.items():
+            if not 0 <= patch < len(self.skin):
+                raise InputError(f"patch is {patch}, expected one below {len(self.skin)}")
+            self._table(self.skin.patches[patch].pad_diameter, tool).check_force(force, tool)
+        tracks = sorted(scene.tracks, key=lambda track: track.points[0].time)
+        self._tracks = [(f"{scene.name}-{i}", track) for i, track in enumerate(tracks)]
+        self._begins = [track.points[0].time for track in tracks]
+        self._longest = max((t.points[-1].time - t.points[0].time for t in tracks), default=0.0)
+        self.scene = scene
+
+    def _table(self, pad_diameter: float, tool: Tool) -> PressTable:
+        return self._solving.now(tool, pad_diameter)
+
+    def touches(self, time: float) -> list[Touch]:
+        """Presses at a time, s, of the scene."""
+        found: list[Touch] = []
+        if time >= 0.0:
+            time = time % self.scene.period if math.isfinite(self.scene.period) else time
+            for name, track in self._playing(time):
+                at = track.at(time)
+                if at is not None:
+                    found.append(Touch(name, track.patch, track.tool, *at))
+        for touch in self._by_hand.values():
+            if self._solving.get(touch.tool, self._pad(touch.patch)) is not None:
+                found.append(touch)
+        return found
+
+    def _playing(self, time: float) -> list[tuple[str, Track]]:
+        last = bisect_right(self._begins, time)
+        first = bisect_right(self._begins, time - self._longest - 1e-9)
+        return self._tracks[first:last]
+
+    def update(self, time: float, change: Floats) -> list[tuple[Touch, float]] | None:
+        """Write what the taxels read at a time of the scene into `change`, (C,) from the first.
+
+        Returns
+        -------
+        list of (Touch, contact radius in m), or None
+            The presses; None where nothing has changed since the last call.
+        """
+        touches = self.touches(time)
+        published = tuple((t.id, t.patch, t.tool, t.x, t.y, t.force) for t in touches)
+        if published == self._published:
+            return None
+        self._published = published
+        return self._render(touches, change)
+
+    def _render(self, touches: list[Touch], change: Floats) -> list[tuple[Touch, float]]:
+        from skinfield.emulator.kernels import add_press
+
+        change[:] = 0.0
+        told = []
+        for touch in touches:
+            table = self._table(self._pad(touch.patch), touch.tool)
+            row = min((touch.force / table.highest_force) ** 0.5, 1.0) * (FORCES - 1)
+            first, last = self._starts[touch.patch], self._starts[touch.patch + 1]
+            add_press(
+                change, self._plane, int(first), int(last), table.change, SPACING, row, touch.x,
+                touch.y,
+            )  # fmt: skip
+            told.append((touch, table.radius_at(touch.force)))
+        return told
+
+    def _pad(self, patch: int) -> float:
+        return self.skin.patches[patch].pad_diameter
+
+    def poll(self) -> None:
+        """Take in tables that are solved by now; a press that is too hard for its own is let go."""
+        if not self._solving.poll():
+            return
+        for touch in list(self._by_hand.values()):
+            table = self._solving.get(touch.tool, self._pad(touch.patch))
+            try:
+                if table is not None:
+                    table.check_force(touch.force, touch.tool)
+            except InputError as error:
+                del self._by_hand[touch.id]
+                self.notes.append(f"press {touch.id} was let go: {error}")
+                del self.notes[:-KEPT]
+
+    @property
+    def waits(self) -> list[str]:
+        """Presses by hand whose body is still being solved."""
+        return [
+            touch.id
+            for touch in self._by_hand.values()
+            if self._solving.get(touch.tool, self._pad(touch.patch)) is None
+        ]
+
+    def press(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        """Begin a press by hand, see `docs/virtual-skin.md`; what came of it."""
+        patch = patch_index(self.skin, fields.get("patch"))
+        x, y = place_of(self.skin.patches[patch], fields)
+        shape = fields.get("shape", "ball")
+        if not isinstance(shape, str):
+            raise InputError(f"shape is {shape!r:.40}, expected 'ball' or 'flat'")
+        radius = number(fields, "radius", FINGER, 0.5e-3, 30e-3, "of the body, in metres")
+        tool = Tool(radius, shape)
+        force = number(fields, "force", 1.0, 1e-6, 1e4, "newtons")
+        name = fields.get("id") or f"press-{next(self._numbers)}"
+        if not isinstance(name, str) or len(name) > LONGEST_ID:
+            raise InputError(f"id is {name!r:.80}, expected up to {LONGEST_ID} characters")
+        if name not in self._by_hand and len(self._by_hand) >= MOST:
+            raise InputError(f"{MOST} presses are there, expected fewer: release some first")
+        pad = self._pad(patch)
+        if self._solving.get(tool, pad) is None:
+            self._solving.start(tool, pad)
+        table = self._solving.get(tool, pad)  # one that was stored is there at once
+        if table is not None:
+            table.check_force(force, tool)
+        self._by_hand[name] = Touch(name, patch, tool, x, y, force)
+        return {"id": name, "x": x, "y": y, "radius": tool.radius, "solving": table is None}
+
+    def move(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        """Move a press by hand, or change its force."""
+        touch = self._named(fields.get("id"))
+        x, y, force = touch.x, touch.y, touch.force
+        if any(key in fields for key in PLACE_KEYS):
+            x, y = place_of(self.skin.patches[touch.patch], {"x": x, "y": y, **fields})
+        if "force" in fields:
+            force = number(fields, "force", None, 1e-6, 1e4, "newtons")
+            table = self._solving.get(touch.tool, self._pad(touch.patch))
+            if table is not None:
+                table.check_force(force, touch.tool)
+        self._by_hand[touch.id] = Touch(touch.id, touch.patch, touch.tool, x, y, force)
+        return {"id": touch.id, "x": x, "y": y, "force": force}
+
+    def release(self, fields: Mapping[str, Any]) -> dict[str, Any]:
+        """Lift off one press by hand, or all."""
+        if fields.get("id") is None:
+            names = list(self._by_hand)
+        else:
+            names = [self._named(fields.get("id")).id]
+        for name in names:
+            del self._by_hand[name]
+        return {"released": names}
+
+    def _named(self, name: Any) -> Touch:
+        if not isinstance(name, str) or name not in self._by_hand:
+            known = ", ".join(self._by_hand) or "none is there"
+            raise InputError(f"id is {name!r:.80}, expected that of a press by hand: {known}")
+        return self._by_hand[name]
+
+    def close(self) -> None:
+        """End what is being solved."""
+        self._solving.close()

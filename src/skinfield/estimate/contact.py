@@ -1,0 +1,142 @@
+"""One pressed region."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError
+from skinfield.estimate.uncertainty import Spread, normal_interval, normal_radius
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Contact:
+    """One pressed region of a patch, in the patch's own frame.
+
+    Attributes
+    ----------
+    position : (3,) array, m
+        Centre of pressure, on the skin's undeformed surface.
+    force : (3,) array, N
+        Resultant of the traction on the skin: it points into the skin in compression.
+    moment : (3,) array, N m
+        Resultant moment of the traction about `position`.
+    normal : (3,) array
+        Outward normal of the skin at `position`.
+    area : float, m²
+        That is pressed.
+    peak_pressure : float, Pa
+        The highest in the region.
+    covariance : (3, 3) array
+        Of the place along the surface's two tangents at `position`, m (x and y of a flat patch),
+        and of the normal force, N: how sure the solver is of one reading's answer.
+    area_std : float, m²
+        One standard deviation of `area`.
+    radius : float, m
+        Of the contact, where it is round; else of the circle of equal area.
+    shape : "sphere", "flat", "line" or "other"
+        What presses, as far as the readings tell: "other" for all that was not fitted.
+    outline : (N, 3) array, m
+        Border of the region, closed: the last point is the first.
+    axes : (2,) array, m
+        Semi-axes of the ellipse of equal second moments, the longer first.
+    angle : float, rad
+        From the first tangent of the surface to the longer axis, -pi/2 to pi/2.
+    cells : (N,) int array
+        Nodes of the grid that make up the region.
+    track_id : int or None
+        The same for one contact as long as it lasts; given by a `Tracker`.
+    spread : Spread or None
+        Truths of presses like this one, of a reconstructor that is `calibrated`.
+    """
+
+    position: Floats
+    force: Floats
+    moment: Floats
+    normal: Floats
+    area: float
+    peak_pressure: float
+    covariance: Floats
+    area_std: float
+    radius: float
+    shape: str
+    outline: Floats
+    axes: Floats
+    angle: float
+    cells: NDArray[np.int64]
+    track_id: int | None = field(default_factory=lambda: None)  # no attribute of the class:
+    spread: Spread | None = field(default_factory=lambda: None)  # what `later` has not may come
+
+    @classmethod
+    def later(cls, rest: Any, /, **known: Any) -> Self:
+        """Contact of which some attributes are worked out when they are first asked for.
+
+        Parameters
+        ----------
+        rest : object
+            Whose attributes of the same names are asked for the missing ones, once each; another
+            contact will do.
+        **known
+            Attributes that are known.
+
+        Raises
+        ------
+        InputError
+            For a name that is none of the attributes.
+        """
+        if not known.keys() <= cls.__dataclass_fields__.keys():
+            wrong = sorted(known.keys() - cls.__dataclass_fields__.keys())
+            raise InputError(f"{cls.__name__} has no {', '.join(wrong)}: expected its attributes")
+        contact = object.__new__(cls)
+        contact.__dict__.update(known, _rest=rest)
+        return contact
+
+    if not TYPE_CHECKING:  # a type checker shall find misspelt attributes
+
+        def __getattr__(self, name: str) -> Any:
+            if name not in type(self).__dataclass_fields__ or "_rest" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            value = self.__dict__[name] = getattr(self.__dict__["_rest"], name)
+            return value
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All attributes, for pickles and copies: what they are worked out from stays behind."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+    @property
+    def normal_force(self) -> float:
+        """Force into the skin along its normal, N; positive in compression."""
+        return float(-self.force @ self.normal)
+
+    @property
+    def force_std(self) -> float:
+        """One standard deviation of the normal force, N."""
+        return float(np.sqrt(self.covariance[2, 2]))
+
+    @property
+    def place_std(self) -> float:
+        """Root of the summed variances of the place along both tangents, m."""
+        return float(np.sqrt(self.covariance[0, 0] + self.covariance[1, 1]))
+
+    def force_interval(self, level: float = 0.9) -> tuple[float, float]:
+        """Interval (N, N) that holds the true normal force with probability `level`.
+
+        Of a calibrated contact that of presses like it, which need not lie evenly around the
+        stated force; else that of the normal distribution with `force_std`.
+        """
+        if self.spread is not None:
+            return self.spread.force_interval(level)
+        return normal_interval(self.normal_force, self.force_std, level)
+
+    def area_interval(self, level: float = 0.9) -> tuple[float, float]:
+        """Interval (m², m²) that holds the true area with probability `level`."""
+        if self.spread is not None:
+            return self.spread.area_interval(level)
+        return normal_interval(self.area, self.area_std, level)
+
+    def place_radius(self, level: float = 0.9) -> float:
+        """Radius, m, of the circle about `position` that holds the true one so often."""
+        if self.spread is not None:
+            return self.spread.place_radius(level)
+        return normal_radius(self.covariance[:2, :2], level)

@@ -1,0 +1,94 @@
+"""The table of contacts: one row per contact, in SI units; a reading without one has a row too."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import SkinfieldError
+from skinfield.estimate.contact import Contact
+from skinfield.estimate.estimate import Estimate
+
+WORDS = ("shape",)
+WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact")
+READING = ("reading", "stamp_ns", "time_s", "total_force_N", "valid_taxels")
+CONTACT = (
+    *("x_m", "y_m", "z_m", "place_std_m", "fx_N", "fy_N", "fz_N", "normal_force_N", "force_std_N"),
+    *("area_m2", "peak_pressure_Pa", "axis_major_m", "axis_minor_m", "angle_rad"),
+    *("shape", "radius_m"),
+)
+COLUMNS = (*READING, "contact", *CONTACT)
+NONE = -1  # `contact` of a reading without contact
+Value = int | float | str | None
+Row = tuple[Value, ...]
+
+
+def rows_from_estimate(estimate: Estimate, first: int, start_ns: int) -> Iterator[Row]:
+    """Rows in the order of `COLUMNS`; `first` is the number of the estimate's first reading.
+
+    `start_ns` is where `time_s` is 0. None stands for a value that is not there.
+    """
+    forces = np.atleast_1d(estimate.normal_force)
+    counted = np.count_nonzero(estimate.valid, axis=-1)
+    valid = np.broadcast_to(counted, len(forces)).tolist()
+    stamps = np.broadcast_to(estimate.stamp_ns, len(forces)).tolist()
+    each = estimate.contacts if estimate.is_batch else (estimate.contacts,)
+    for k, (force, stamp, contacts) in enumerate(zip(forces.tolist(), stamps, each, strict=True)):
+        reading = (first + k, stamp, (stamp - start_ns) / 1e9, _or_none(force), valid[k])
+        if not contacts:
+            yield (*reading, NONE, *(None,) * len(CONTACT))
+        for number, contact in enumerate(contacts):
+            yield (*reading, number, *map(_or_none, _values(contact)))
+
+
+def _values(contact: Contact) -> tuple[float | str, ...]:
+    return (
+        *contact.position.tolist(),
+        contact.place_std,
+        *contact.force.tolist(),
+        contact.normal_force,
+        contact.force_std,
+        contact.area,
+        contact.peak_pressure,
+        *contact.axes.tolist(),
+        contact.angle,
+        contact.shape,
+        contact.radius,
+    )
+
+
+def _or_none(value: float | str) -> float | str | None:
+    if isinstance(value, str):
+        return value
+    return float(value) if np.isfinite(value) else None
+
+
+def arrow_schema() -> Any:
+    """Types of `COLUMNS` for pyarrow."""
+    arrow = load_pyarrow()
+    types = [
+        arrow.int64() if name in WHOLE else arrow.string() if name in WORDS else arrow.float64()
+        for name in COLUMNS
+    ]
+    return arrow.schema(list(zip(COLUMNS, types, strict=True)))
+
+
+def arrow_table(rows: Sequence[Row]) -> Any:
+    """Rows as a `pyarrow.Table`."""
+    arrow, schema = load_pyarrow(), arrow_schema()
+    columns = list(zip(*rows, strict=True)) or [()] * len(COLUMNS)
+    arrays = [arrow.array(c, f.type) for c, f in zip(columns, schema, strict=True)]
+    return arrow.table(arrays, schema=schema)
+
+
+def load_pyarrow() -> Any:
+    """The pyarrow package; raises SkinfieldError if it is not installed."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise SkinfieldError(
+            "Parquet needs pyarrow, which is not installed: pip install 'skinfield[parquet]', "
+            "or write .csv"
+        ) from error
+    return pyarrow

@@ -1,0 +1,231 @@
+"""What one cycle, or a run of them, produced for a patch."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, SkinfieldError
+from skinfield.skin import Grid
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Fields and contacts from one reading, or from T readings at once (a leading axis T).
+
+    Vectors are in the patch's frame. Indexing and iterating over an estimate of T readings gives
+    the estimate of each.
+
+    Attributes
+    ----------
+    grid : Grid
+        The K nodes.
+    pressure : ([T,] K) array, Pa
+        Normal part of the traction, positive in compression.
+    traction : ([T,] K, 3) array, Pa
+        Force per area on the skin.
+    displacement : ([T,] K, 3) array, m
+        Of the skin's surface, normal and tangential.
+    pressure_std : ([T,] K) array, Pa
+        One standard deviation of `pressure` as the solver states it.
+    contacts : tuple of Contact, or of T such tuples
+        In order of falling force.
+    residual : ([T,] L) array
+        Linearised reading minus what the pressure predicts, in the quantity's unit; NaN for taxels
+        that were left out.
+    valid : ([T,] L) bool array
+        Taxels that were used.
+    latency : float, s
+        From the reading to the pressure, for the whole call.
+    stamp_ns : int or (T,) int64 array, ns
+        Of the reading, where it was given; else 0.
+    gap : float or (T,) array, dimensionless
+        Share of its objective by which the answer may be above the minimum, at most, which is
+        proved: 0 where the answer is a closed form, NaN where nothing is proved. An idle patch is
+        answered by the exact minimum of its problem, with the whole detection threshold as penalty
+        (`NonNegative`): 0.
+    iterations : int or (T,) array
+        Steps that an iterative solver took.
+    deadline_met : bool or (T,) array
+        Whether the pressure was there in time; so it is where no deadline was set.
+    notes : tuple of str
+
+    An estimate may be prompt: pressure and gap are there, and the rest, such as displacement and
+    contacts, is computed when it is first asked for; see `later`.
+    """
+
+    grid: Grid
+    pressure: Floats
+    traction: Floats
+    displacement: Floats
+    pressure_std: Floats
+    contacts: Any
+    residual: Floats
+    valid: NDArray[np.bool_]
+    latency: float = float("nan")
+    stamp_ns: Any = 0
+    notes: tuple[str, ...] = field(default=())
+    gap: Any = float("nan")
+    iterations: Any = 0
+    deadline_met: Any = True
+
+    @classmethod
+    def later(cls, rest: Mapping[str, Callable[[], Any]], **known: Any) -> "Estimate":
+        """Estimate of which some attributes are computed when they are first asked for.
+
+        Parameters
+        ----------
+        rest : mapping of names to functions without arguments
+            Whatever has no default and is not known, each computed at most once.
+        known
+            The other attributes.
+        """
+        missing = REQUIRED - rest.keys() - known.keys()
+        unknown = (rest.keys() | known.keys()) - cls.__dataclass_fields__.keys()
+        if missing or unknown:
+            raise TypeError(f"missing {sorted(missing)}, unknown {sorted(unknown)}")
+        estimate = object.__new__(cls)
+        vars(estimate).update(known, _rest=dict(rest))
+        return estimate
+
+    if not TYPE_CHECKING:  # a type checker should still tell names that do not exist
+
+        def __getattr__(self, name: str) -> Any:
+            rest = vars(self).get("_rest", {})
+            if name not in rest:
+                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+            vars(self)[name] = rest[name]()
+            del rest[name]  # with what it held on to
+            return vars(self)[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All attributes, computed: another process cannot compute them."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+
+    @property
+    def is_batch(self) -> bool:
+        """Whether a leading axis of readings is there."""
+        return self.pressure.ndim == 2
+
+    @property
+    def force(self) -> Floats:
+        """Force on each cell, ([T,] K, 3) N: traction times the cell's area."""
+        return np.asarray(self.traction * self.grid.cell_area)
+
+    @property
+    def normal_force(self) -> Any:
+        """Sum of the pressure over the grid, N; (T,) for a batch."""
+        return self.pressure.sum(axis=-1) * self.grid.cell_area
+
+    @property
+    def indentation(self) -> Floats:
+        """Displacement into the skin along its normal, ([T,] K) m, positive inwards."""
+        inwards = -np.einsum("...kc,kc->...k", self.displacement, self.grid.normals)
+        return np.asarray(inwards, dtype=np.float64)
+
+    def __len__(self) -> int:
+        if not self.is_batch:
+            raise InputError("an estimate of one reading has no length: index est.contacts instead")
+        return len(self.pressure)
+
+    def __getitem__(self, index: int) -> "Estimate":
+        if not self.is_batch:
+            raise InputError(
+                "an estimate of one reading cannot be indexed: it is the reading's own"
+            )
+        share = self.pressure[index].size / self.pressure.size
+        return replace(
+            self,
+            pressure=self.pressure[index],
+            traction=self.traction[index],
+            displacement=self.displacement[index],
+            pressure_std=self.pressure_std[index],
+            contacts=self.contacts[index],
+            residual=self.residual[index],
+            valid=self.valid[index],
+            latency=self.latency * share,
+            stamp_ns=np.broadcast_to(self.stamp_ns, len(self))[index],
+            gap=np.broadcast_to(self.gap, len(self))[index],
+            iterations=np.broadcast_to(self.iterations, len(self))[index],
+            deadline_met=np.broadcast_to(self.deadline_met, len(self))[index],
+        )
+
+    def __iter__(self) -> Iterator["Estimate"]:
+        return (self[index] for index in range(len(self)))
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """Fields as a labelled data set with units; needs the extra `skinfield[batch]`."""
+        return dataset_from_estimate(self)
+
+
+REQUIRED = {  # what no estimate is without
+    "grid",
+    "pressure",
+    "traction",
+    "displacement",
+    "pressure_std",
+    "contacts",
+    "residual",
+    "valid",
+}
+
+
+def dataset_from_estimate(estimate: Estimate) -> "xarray.Dataset":
+    """Data set over (reading,) row, column, axis with the unit of each variable in its attributes.
+
+    Raises
+    ------
+    SkinfieldError
+        If xarray is not installed.
+    """
+    try:
+        import xarray
+    except ImportError as error:
+        raise SkinfieldError(
+            "to_xarray() needs xarray, which is not installed: pip install 'skinfield[batch]'"
+        ) from error
+    grid = estimate.grid
+    cell = ("row", "column")
+    lead = ("reading",) if estimate.is_batch else ()
+
+    def variable(values: Any, unit: str, text: str, dims: tuple[str, ...]) -> Any:
+        folded = values.reshape(
+            *values.shape[: len(lead)], *grid.shape, *values.shape[len(lead) + 1 :]
+        )
+        return (dims, folded, {"units": unit, "long_name": text})
+
+    fields = {
+        "pressure": variable(
+            estimate.pressure, "Pa", "pressure, compression positive", lead + cell
+        ),
+        "traction": variable(
+            estimate.traction, "Pa", "traction on the skin", (*lead, *cell, "axis")
+        ),
+        "displacement": variable(
+            estimate.displacement, "m", "displacement of the surface", (*lead, *cell, "axis")
+        ),
+        "pressure_std": variable(
+            estimate.pressure_std, "Pa", "standard deviation of pressure", lead + cell
+        ),
+    }
+    rows, columns = grid.shape
+    coords: dict[str, Any] = {
+        "x": ("column", grid.origin[0] + np.arange(columns) * grid.pitch, {"units": "m"}),
+        "y": ("row", grid.origin[1] + np.arange(rows) * grid.pitch, {"units": "m"}),
+        "axis": ("axis", ["x", "y", "z"]),
+        "position": ((*cell, "axis"), grid.positions.reshape(rows, columns, 3), {"units": "m"}),
+    }
+    if estimate.is_batch:
+        stamps = np.broadcast_to(estimate.stamp_ns, len(estimate))
+        coords["stamp"] = ("reading", stamps, {"units": "ns"})
+    return xarray.Dataset(
+        fields, coords, {"patch": grid.patch.name, "cell_area_m2": grid.cell_area}
+    )

@@ -1,0 +1,266 @@
+"""Contacts of a live loop: rows of numbers with an uncertainty and a number that lasts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape
+from skinfield.estimate.finder import EXACT, ContactFinder
+from skinfield.estimate.uncertainty import (
+    ModelError,
+    PressureError,
+    PressureNoise,
+    PressurePosterior,
+)
+from skinfield.skin import Grid
+
+if TYPE_CHECKING:
+    from skinfield.estimate.live_contacts_kernel import Level, Room
+
+CONTACT = np.dtype(
+    [
+        ("track", np.int64),
+        ("patch", np.int32),
+        ("cells", np.int32),
+        ("position", np.float64, (3,)),
+        ("normal", np.float64, (3,)),
+        ("x", np.float64),
+        ("y", np.float64),
+        ("normal_force", np.float64),
+        ("force_std", np.float64),
+        ("place_std", np.float64),
+        ("area", np.float64),
+        ("peak_pressure", np.float64),
+        ("moments", np.float64, (3,)),
+        ("age", np.float64),
+        ("speed", np.float64),
+    ]
+)
+KNOWN = np.dtype(
+    [
+        ("track", np.int64),
+        ("taken", np.int64),
+        ("first_ns", np.int64),
+        ("last_ns", np.int64),
+        ("x", np.float64),
+        ("y", np.float64),
+        ("vx", np.float64),
+        ("vy", np.float64),
+    ]
+)
+REMEMBERED = 2  # contacts of before, for each row
+
+
+@dataclass(frozen=True, kw_only=True)
+class Habits:
+    """How contacts go from one reading to the next.
+
+    Parameters
+    ----------
+    reach : float, m
+        A contact may be found this far from where it was, however short the time.
+    speed : float, m/s
+        And farther by this for each second between.
+    hold : float, s
+        One that was not seen for longer is forgotten.
+    smoothing : float, s
+        Time constant of the stated speed.
+    """
+
+    reach: float = 5e-3
+    speed: float = 0.5
+    hold: float = 0.1
+    smoothing: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name in ("reach", "speed", "hold", "smoothing"):
+            check_positive(name, getattr(self, name), "how contacts go on between readings")
+
+
+def level_of(
+    grid: Grid,
+    noise: PressureError,
+    error: PressureError | None = None,
+    model_error: ModelError = EXACT,
+    finder: ContactFinder | None = None,
+    *,
+    signatures: ArrayLike | None = None,
+    threshold: float = 0.0,
+) -> "Level":
+    """What is known of the answers on one grid, for `LiveContacts`; arguments as `ContactFinder`.
+
+    Parameters
+    ----------
+    signatures : (K, L) array, 1/Pa, optional
+        What each cell's pressure reads on the taxels, in units of their noise.
+    threshold : float
+        Standard deviations that each further contact must stand out of the noise by; 0: it is as
+        the regions say, as for linear answers, whose noise is in their heights.
+
+    Raises
+    ------
+    InputError
+        For a noise of another number of nodes.
+    """
+    from skinfield.estimate.live_contacts_kernel import Level
+
+    check_shape("noise.std", noise.std, (len(grid),), "one per node of the grid")
+    known = ContactFinder() if finder is None else finder
+    factor, prior, sign = _covariance(grid, noise if error is None else error)
+    heights = known.sigmas(noise), known.relative_height, known.prominence, known.edge
+    numbers = [grid.shape[1], grid.pitch, *grid.origin, *heights]
+    numbers += [model_error.force, model_error.place, sign]
+    tested = signatures is not None and threshold > 0.0
+    numbers.append(threshold if tested else 0.0)
+    read = np.zeros((1, 1)) if signatures is None else signatures
+    return Level(
+        std=_as_compiled(noise.std),
+        positions=_as_compiled(grid.positions),
+        normals=_as_compiled(grid.normals),
+        factor=factor,
+        prior=_as_compiled(prior),
+        signatures=np.array(read, np.float32, order="C"),
+        numbers=np.array(numbers, dtype=np.float64),
+    )
+
+
+def _as_compiled(array: Floats) -> Floats:
+    """As the kernels are compiled for: others would be compiled for anew."""
+    return np.require(array, np.float64, ("C", "W"))
+
+
+def _covariance(grid: Grid, error: PressureError) -> tuple[NDArray[np.float32], Floats, float]:
+    """Factor (K, L), prior by offset, and the sign of what the factor tells; 0 if not known."""
+    if isinstance(error, PressureNoise):
+        return error.single, np.zeros((1, 1)), 1.0
+    if isinstance(error, PressurePosterior):
+        steps = np.stack(np.divmod(np.arange(len(grid)), grid.shape[1]), axis=1)
+        covers = min(len(error.prior) - grid.shape[0], error.prior.shape[1] - grid.shape[1]) >= 0
+        if covers and np.array_equal(error.steps, steps):
+            return error.single, error.prior, -1.0
+    return np.zeros((len(grid), 1), np.float32), np.zeros((1, 1)), 0.0
+
+
+class LiveContacts:
+    """The strongest contacts of one patch, reading after reading, in rows that are handed in.
+
+    Which contacts there are is as a `ContactFinder` says. `force_std` and `place_std` (of either
+    tangent) are those of the covariance of its `Contact`, of a region of more than 96 cells by as
+    many of them, evenly; NaN if the covariance is neither that of a `PressureNoise` nor of a
+    `PressurePosterior` of the whole grid. A contact keeps its `track` while it goes on within the
+    `Habits`: the nearest pair of a contact and one of before first. The same readings and stamps
+    give the same numbers. Nothing is allocated per reading.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        Of each kind of answer, see `level_of`.
+    patch : int
+        For the rows.
+    rows : int
+        Contacts that are told, at most.
+    habits : Habits, optional
+    ids : (1,) int64 array, optional
+        The last number that was given, which may be shared between patches.
+
+    Attributes
+    ----------
+    memory : structured array
+        Contacts of before, which with `ids` is all that lasts: to be kept and put back.
+    """
+
+    def __init__(
+        self,
+        levels: Sequence["Level"],
+        *,
+        patch: int = 0,
+        rows: int = 8,
+        habits: Habits | None = None,
+        ids: Ints | None = None,
+    ) -> None:
+        from skinfield.estimate.live_contacts_kernel import tell
+
+        if rows < 1 or not levels:
+            raise InputError(f"rows is {rows} on {len(levels)} levels, expected 1 or more of each")
+        habits = Habits() if habits is None else habits
+        self.levels, self.patch, self.most = tuple(levels), int(patch), int(rows)
+        self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
+        self.memory: NDArray[np.void] = np.zeros(REMEMBERED * rows, KNOWN)
+        self._habits = np.array([habits.reach, habits.speed, habits.hold, habits.smoothing])
+        self._rooms = [_room_for(level, rows) for level in self.levels]
+        self._tell = tell
+
+    def __call__(
+        self,
+        level: int,
+        pressure: Floats,
+        stamp_ns: int,
+        out: NDArray[np.void],
+        whitened: NDArray[Any] | None = None,
+    ) -> int:
+        """Write the contacts of a field into `out`; how many there are, which may be more.
+
+        Parameters
+        ----------
+        level : int
+            Which of `levels` the pressure is of.
+        pressure : (K,) float64 array, contiguous, Pa
+        stamp_ns : int, ns
+            Of the reading.
+        out : structured array of `CONTACT`, at most `rows`
+            By falling force; those after the last contact keep what they had. `position` (m, in
+            the patch's frame) lies on the skin, `x` and `y` are its place in the plane, `moments`
+            the second moments xx, yy, xy of the pressure about it there (m²).
+        whitened : (L,) array, optional
+            The readings in units of their noise, 0 where left out, for a level with signatures.
+
+        Raises
+        ------
+        InputError
+            For arrays of another size.
+        """
+        known = self.levels[level]
+        if pressure.shape != known.std.shape or len(out) > self.most:
+            check_shape("pressure", pressure, known.std.shape, "one per node of the grid")
+            raise InputError(f"out has {len(out)} rows, expected at most {self.most}")
+        room = self._rooms[level]
+        if whitened is not None and known.signatures.shape[1] == len(whitened):
+            room.residual[:] = whitened
+        count = self._tell(
+            pressure,
+            known,
+            room,
+            self._habits,
+            self.memory,
+            self.ids,
+            self.patch,
+            stamp_ns,
+            out,
+        )
+        return int(count)
+
+    def reset(self) -> None:
+        """Forget the contacts of before; numbers go on."""
+        self.memory[:] = 0
+
+
+def _room_for(level: "Level", rows: int) -> "Room":
+    from skinfield.estimate.live_contacts_kernel import CELLS, Room
+    from skinfield.estimate.regions_kernel import room_for
+
+    columns = int(level.numbers[0])
+    wet, values, tables = room_for(len(level.std) // columns, columns)
+    return Room(
+        wet=wet,
+        values=values,
+        tables=tables,
+        strongest=np.zeros(rows, np.int64),
+        forces=np.zeros(rows),
+        moved=np.zeros((3, level.factor.shape[1])),
+        picked=np.zeros((2, CELLS)),
+        residual=np.zeros(level.signatures.shape[1]),
+        signature=np.zeros(level.signatures.shape[1]),
+    )

@@ -1,0 +1,194 @@
+"""Tracked contacts, what happens to them, and the settings of a tracker: motion, gate, habits."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from skinfield.errors import Floats, check_count, check_positive, check_range, check_type
+from skinfield.estimate.contact import Contact
+
+EventKind = Literal["made", "moved", "merged", "split", "lost"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TrackedContact(Contact):
+    """A contact that is followed from reading to reading.
+
+    Place, normal force and their covariance are filtered, so that the intervals are those of the
+    filter. The direction of the force is that of the latest reading that saw the contact, and so
+    is all else that a `Contact` has: moment (in proportion to the force), area, outline, shape.
+
+    Attributes
+    ----------
+    velocity : (3,) array, m/s
+        Of the place along the skin, in the patch's frame.
+    velocity_covariance : (2, 2) array, m²/s²
+        Along the surface's two tangents at `position`.
+    force_rate : float, N/s
+        Of the normal force.
+    force_rate_std : float, N/s
+    age : float, s
+        Since the first reading that saw it.
+    duration : float, s
+        From the first reading that saw it to the latest one.
+    since_slip : float, s
+        Since the place last moved over the skin, or since it was made.
+    is_slipping : bool
+        Whether the place moves, beyond doubt; sliding and rolling look the same.
+    is_coasting : bool
+        Whether this reading does not see it, so that place and force are foretold.
+    measured : Contact
+        As the latest reading that saw it has it, not filtered.
+    """
+
+    velocity: Floats
+    velocity_covariance: Floats
+    force_rate: float
+    force_rate_std: float
+    age: float
+    duration: float
+    since_slip: float
+    is_slipping: bool
+    is_coasting: bool
+    measured: Contact
+
+    @property
+    def speed(self) -> float:
+        """Of the place along the skin, m/s."""
+        return float(np.linalg.norm(self.velocity))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactEvent:
+    """What happened to contacts between two readings.
+
+    Attributes
+    ----------
+    kind : "made", "moved", "merged", "split" or "lost"
+        "moved" is told when a contact begins to move over the skin, the others once.
+    stamp_ns : int
+        Of the reading; 0 where it has none.
+    time : float, s
+        Since the tracker's first reading.
+    ids : tuple of int
+        Merged: the one that stays, then the one that is absorbed. Split: the one that stays, then
+        the other, which is an old id if it was absorbed shortly before. Else one id.
+    position : (3,) array, m
+        Where, in the patch's frame: of the first id.
+    """
+
+    kind: EventKind
+    stamp_ns: int
+    time: float
+    ids: tuple[int, ...]
+    position: Floats
+
+
+HOLD = 0.1  # s: for which an acceleration, or a change of the force's rate, lasts
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """How contacts move and how fast forces change.
+
+    Velocity and rate of the force are random walks (continuous white noise acceleration;
+    Bar-Shalom, Li and Kirubarajan 2001, section 6.2.2), whose intensity does not depend on how
+    often the skin is read. A reading that this cannot explain is taken for the onset of a touch or
+    of a motion: the rates are then as unknown as those of a new contact.
+
+    Parameters
+    ----------
+    acceleration : float, m/s²
+        Typical, along the skin, each lasting 0.1 s.
+    force_rate : float, N/s
+        By which the rate of the force changes within 0.1 s.
+    first_speed : float, m/s
+        One standard deviation of the velocity of a new contact, along each tangent.
+    first_force_rate : float, N/s
+        One standard deviation of its force's rate.
+    top_speed : float, m/s
+        No contact moves faster along the skin: a jump of a solver's answer is no velocity.
+    surprise : float
+        Squared Mahalanobis distance of place and force from what is foretold, beyond which an
+        onset is assumed: 16.3 has a chance of 1e-3.
+    """
+
+    acceleration: float = 0.2
+    force_rate: float = 4.0
+    first_speed: float = 0.06
+    first_force_rate: float = 15.0
+    top_speed: float = 0.25
+    surprise: float = 16.3
+
+    def __post_init__(self) -> None:
+        check_positive("acceleration", self.acceleration, "along the skin, in m/s²")
+        check_positive("force_rate", self.force_rate, "change of it within 0.1 s, in N/s")
+        check_positive("first_speed", self.first_speed, "of a new contact, in m/s")
+        check_positive("first_force_rate", self.first_force_rate, "of a new contact, in N/s")
+        check_positive("top_speed", self.top_speed, "of a contact along the skin, in m/s")
+        check_positive("surprise", self.surprise, "squared Mahalanobis distance of an onset")
+
+    @cached_property
+    def pushes(self) -> Floats:
+        """Intensity (3,) of the white noise that drives the rates: m²/s³ twice, and N²/s³."""
+        place = self.acceleration**2 * HOLD
+        return np.array([place, place, self.force_rate**2 / HOLD])
+
+    @cached_property
+    def first_rates(self) -> Floats:
+        """Variance (3,) of the rates of a new contact."""
+        return np.array([self.first_speed, self.first_speed, self.first_force_rate]) ** 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gate:
+    """How far from what is foretold a contact may be.
+
+    Parameters
+    ----------
+    distance : float
+        Squared Mahalanobis distance of the place: 18.4 is exceeded with a chance of 1e-4.
+    floor : float, m
+        Standard deviation of the place, on each axis, that is added: what solvers do not state.
+    reach : float, m
+        Farthest distance, whatever the covariance.
+    """
+
+    distance: float = 18.4
+    floor: float = 1e-3
+    reach: float = 8e-3
+
+    def __post_init__(self) -> None:
+        check_positive("distance", self.distance, "squared Mahalanobis distance")
+        check_positive("floor", self.floor, "standard deviation of the place, in metres")
+        check_positive("reach", self.reach, "from what is foretold, in metres")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Habits:
+    """Settings of a `Tracker`, which says what they are."""
+
+    period: float = 0.02
+    motion: Motion = field(default_factory=Motion)
+    gate: Gate = field(default_factory=Gate)
+    coast: float = 0.1
+    strong: float = 5.0
+    weak_readings: int = 2
+    near: float = 12e-3
+    memory: float = 1.0
+    slip_speed: float = 5e-3
+    slip_sigmas: float = 3.0
+
+    def __post_init__(self) -> None:
+        check_positive("period", self.period, "seconds between readings without stamps")
+        check_range("coast", self.coast, 0.0, 1e6, "seconds for which a contact may be unseen")
+        check_range("strong", self.strong, 0.0, 1e6, "standard deviations of the force")
+        check_positive("near", self.near, "farthest distance of contacts that merge, in metres")
+        check_positive("memory", self.memory, "seconds for which merged contacts are known")
+        check_positive("slip_speed", self.slip_speed, "from which on a contact slips, in m/s")
+        check_range("slip_sigmas", self.slip_sigmas, 0.0, 1e6, "standard deviations of the speed")
+        check_count("weak_readings", self.weak_readings, 1, 1000, "in a row, before a weak contact")
+        check_type("motion", self.motion, Motion, "how contacts move")
+        check_type("gate", self.gate, Gate, "how far from what is foretold a contact may be")

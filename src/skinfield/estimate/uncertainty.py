@@ -1,0 +1,317 @@
+"""Uncertainty of pressure and contacts: noise, posterior and model errors of a patch."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, check_range, check_shape
+
+ANGLES = 32  # at which an ellipse is seen in a quarter turn
+HALVINGS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Truths that presses like this one had, as seen from what is said of it.
+
+    Attributes
+    ----------
+    forces : (N,) array, N
+        Rising.
+    places : (N,) array, m
+        Distances from the contact's position, rising.
+    areas : (N,) array, m²
+        Rising.
+    """
+
+    forces: Floats
+    places: Floats
+    areas: Floats
+
+    def force_interval(self, level: float) -> tuple[float, float]:
+        """Interval (N, N) that holds the truth with probability `level`: as much beyond each end.
+
+        Raises
+        ------
+        InputError
+            If so few presses say nothing of so high a level.
+        """
+        return between(self.forces, level)
+
+    def area_interval(self, level: float) -> tuple[float, float]:
+        """As `force_interval`, m²."""
+        return between(self.areas, level)
+
+    def place_radius(self, level: float) -> float:
+        """Radius, m, of the circle around the position that holds the truth with this chance."""
+        return below(self.places, level)
+
+
+def between(truths: Floats, level: float) -> tuple[float, float]:
+    """Ends of the middle `level` of what a further truth may be, after N rising ones."""
+    rank = (len(truths) + 1) * (1.0 - _checked(level)) / 2
+    if rank < 1.0:
+        raise InputError(
+            f"level is {level!r}, expected at most {(len(truths) - 1) / (len(truths) + 1):.3g}: "
+            f"only {len(truths)} presses were like this contact; calibrate with more"
+        )
+    at = np.array([rank, len(truths) + 1 - rank]) - 1.0
+    low, high = np.interp(at, np.arange(len(truths)), truths)
+    return float(low), float(high)
+
+
+def below(truths: Floats, level: float) -> float:
+    """What a further truth stays below with probability `level`, after N rising ones.
+
+    The rank is that of a further number among N + 1 (Vovk, Gammerman and Shafer, Algorithmic
+    Learning in a Random World, 2005); between two ranks the value is interpolated.
+    """
+    rank = (len(truths) + 1) * _checked(level)
+    if rank > len(truths):
+        raise InputError(
+            f"level is {level!r}, expected at most {len(truths) / (len(truths) + 1):.3g}: only "
+            f"{len(truths)} presses were like this contact; calibrate with more"
+        )
+    return float(np.interp(rank - 1.0, np.arange(len(truths)), truths))
+
+
+def normal_interval(value: float, std: float, level: float) -> tuple[float, float]:
+    """Middle `level` of a normal distribution."""
+    from scipy.special import ndtri
+
+    half = float(ndtri((1.0 + _checked(level)) / 2)) * std
+    return value - half, value + half
+
+
+def normal_radius(covariance: Floats, level: float) -> float:
+    """Radius of the circle that holds a share `level` of a normal distribution in the plane.
+
+    With e = r (a cos t, b sin t), r²/2 exponential and t uniform, a circle of radius R holds the
+    mean over t of 1 - exp(-R² / 2 (a² cos² t + b² sin² t)).
+    """
+    _checked(level)
+    small, large = np.maximum(np.linalg.eigvalsh(covariance), 0.0)
+    turn = (np.arange(ANGLES) + 0.5) * np.pi / 2 / ANGLES
+    seen = large * np.cos(turn) ** 2 + small * np.sin(turn) ** 2
+    if not large > 0.0:
+        return 0.0
+    high = float(np.sqrt(-2.0 * large * np.log1p(-level)))  # of a round one that is as wide
+    low = 0.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if np.mean(-np.expm1(-(middle**2) / (2 * seen))) < level:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _checked(level: float) -> float:
+    check_range("level", level, 1e-3, 1 - 1e-6, "the chance that the truth lies inside")
+    return level
+
+
+ENOUGH = 1e3  # a deviation beyond is no statement
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelError:
+    """Deviations of a contact's answer that are there without noise; independent of each other.
+
+    Parameters
+    ----------
+    force : float
+        One standard deviation, part of the contact's normal force.
+    place : float, m
+        One standard deviation along each tangent.
+    area : float
+        One standard deviation, part of the contact's area.
+    """
+
+    force: float = 0.0
+    place: float = 0.0
+    area: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("force", "place", "area"):
+            check_range(name, getattr(self, name), 0.0, ENOUGH, "one standard deviation")
+
+    def covariance(self, force: float) -> Floats:
+        """Of x m, y m and the normal force N of a contact with this force: (3, 3)."""
+        covariance = np.zeros((3, 3))
+        covariance[0, 0] = covariance[1, 1] = self.place**2
+        covariance[2, 2] = (self.force * force) ** 2
+        return covariance
+
+
+class PressureError(Protocol):
+    """How far a pressure may be off: deviation of each cell, and covariance of sums over cells."""
+
+    @property
+    def std(self) -> Floats:
+        """Standard deviation of each cell, (K,) Pa."""
+        ...
+
+    @property
+    def felt(self) -> int:
+        """Number of cells whose deviation is not 0."""
+        ...
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class PressureNoise:
+    """Noise of a pressure that is linear in independent readings.
+
+    Attributes
+    ----------
+    factor : (K, L) array, Pa
+        Pressure per standard deviation of each reading.
+    """
+
+    factor: Floats
+
+    @cached_property
+    def std(self) -> Floats:
+        """Standard deviation of each cell, (K,) Pa."""
+        return np.asarray(np.sqrt(np.square(self.factor).sum(axis=1)))
+
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells that feel any noise."""
+        return int(np.count_nonzero(self.std))
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        check_cells(cells, weights, len(self.factor))
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        return np.asarray(compiled().of_factor(self._factor, cells, weights))
+
+    @cached_property
+    def single(self) -> NDArray[np.float32]:
+        """`factor` in single precision, for loops that have half the time to read it."""
+        return np.require(self.factor, np.float32, ("C", "W"))
+
+    @cached_property
+    def _factor(self) -> Floats:
+        return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+
+@lru_cache(maxsize=1)
+def compiled() -> Any:
+    """The kernels, loaded when first needed, and all at once."""
+    from skinfield.estimate import covariance_kernel
+
+    cell, one = np.zeros(1, np.int64), np.ones((1, 1))
+    covariance_kernel.of_factor(one, cell, one)
+    covariance_kernel.of_lattice(one, np.zeros((1, 2), np.int64), cell, one)
+    return covariance_kernel
+
+
+def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
+    """Raise InputError unless weights (M, N) are of N cells out of `count`."""
+    if weights.ndim != 2 or weights.shape[1:] != cells.shape:
+        raise InputError(
+            f"weights have shape {weights.shape}, expected (M, {cells.size}): one per cell and sum"
+        )
+    if len(cells) and not 0 <= cells.min() <= cells.max() < count:
+        raise InputError(
+            f"cells go from {cells.min()} to {cells.max()}, expected from 0 to {count - 1}"
+        )
+
+
+DENSE = 500  # cells up to which going over all pairs is quicker than a Fourier transform
+
+
+@dataclass(frozen=True, eq=False)
+class PressurePosterior:
+    r"""Covariance of a pressure on a lattice, given the readings: prior less what they explain.
+
+    .. math:: \mathrm{cov}(w_i \cdot p, w_j \cdot p) = w_i^T Q w_j - (F^T w_i) \cdot (F^T w_j)
+
+    Q depends on the offset of two nodes alone, so the (K, K) matrix is never made: a region of N
+    cells costs N² / 2 entries of a table, or one Fourier transform of its box if it is large.
+
+    Attributes
+    ----------
+    prior : (rows, columns) array, Pa²
+        Covariance of two nodes by their offset along y and x, in pitches.
+    factor : (K, L) array, Pa
+        F: what the readings explain of the covariance is F Fᵀ.
+    steps : (K, 2) int array
+        Row and column of each cell.
+    """
+
+    prior: Floats
+    factor: Floats
+    steps: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        check_shape("steps", self.steps, (len(self.factor), 2), "row and column of each cell")
+
+    @classmethod
+    def of_lattice(cls, prior: Floats, factor: Floats) -> "PressurePosterior":
+        """Of all nodes of the lattice that `prior` (rows, columns) covers, row by row."""
+        steps = np.stack(np.divmod(np.arange(prior.size), prior.shape[1]), axis=1)
+        return cls(prior, factor, steps)
+
+    @cached_property
+    def std(self) -> Floats:
+        """Standard deviation of each cell, (K,) Pa."""
+        explained = np.einsum("kl,kl->k", self.factor, self.factor)
+        return np.asarray(np.sqrt(np.maximum(self.prior[0, 0] - explained, 0.0)))
+
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells of which anything is left open."""
+        return int(np.count_nonzero(self.std))
+
+    def on(self, nodes: NDArray[np.int64]) -> "PressurePosterior":
+        """Of some of the cells, in their order."""
+        return replace(self, factor=self.factor[nodes], steps=self.steps[nodes])
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        kernel = compiled()
+        check_cells(cells, weights, len(self.factor))
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        explained = kernel.of_factor(self._factor, cells, weights)
+        if len(cells) <= DENSE:
+            return np.asarray(kernel.of_lattice(*self._lattice, cells, weights) - explained)
+        return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
+
+    @cached_property
+    def single(self) -> NDArray[np.float32]:
+        """`factor` in single precision, for loops that have half the time to read it."""
+        return np.require(self.factor, np.float32, ("C", "W"))
+
+    @cached_property
+    def _factor(self) -> Floats:
+        return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+    @cached_property
+    def _lattice(self) -> tuple[Floats, NDArray[np.int64]]:
+        prior = np.ascontiguousarray(self.prior, dtype=np.float64)
+        return prior, np.ascontiguousarray(self.steps, dtype=np.int64)
+
+    def _prior_of_sums(self, steps: NDArray[np.int64], weights: Floats) -> Floats:
+        """By Fourier transforms of the box that holds all."""
+        from scipy.fft import irfft2, next_fast_len, rfft2
+
+        steps = steps - steps.min(axis=0)
+        box = steps.max(axis=0) + 1
+        size = [next_fast_len(int(2 * n - 1), real=True) for n in box]
+        pictures = np.zeros((len(weights), *size))
+        for picture, weight in zip(pictures, weights, strict=True):
+            np.add.at(picture, tuple(steps.T), weight)  # a cell may come more than once
+        offset = [np.minimum(np.arange(n), n - np.arange(n)) for n in size]
+        near = [np.where(o < n, o, 0) for o, n in zip(offset, box, strict=True)]  # others unused
+        wrapped = self.prior[near[0][:, None], near[1][None]]
+        smooth = irfft2(rfft2(pictures) * rfft2(wrapped), s=size)
+        return np.asarray(np.einsum("irc,jrc->ij", pictures, smooth))

@@ -1,0 +1,177 @@
+"""Layouts: files of taxel positions in the formats of others, read, repaired and written.
+
+A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)``, ``parse(path)`` and
+``write(skin, path)``; a further one is a file of its own and its name in `FORMATS`.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Protocol, cast
+
+from skinfield.errors import FileError, InputError
+from skinfield.files.layouts import (
+    cyskin,
+    fingertip,
+    icub_positions,
+    own_npz,
+    own_toml,
+    pcd,
+    skingui,
+    skinware,
+)
+from skinfield.files.layouts.repair import Content, Finding, mend
+from skinfield.files.layouts.text import listed, many, read_bytes
+from skinfield.skin.patch import Patch, Skin
+
+
+class Format(Protocol):
+    """What a module of a format offers."""
+
+    NAME: str
+    EXTENSIONS: tuple[str, ...]
+    EXPECTED: str
+
+    def sniff(self, data: bytes) -> bool:
+        """Whether the bytes look like this format."""
+        ...
+
+    def parse(self, path: Path) -> Content:
+        """Contents of a file, as it states them."""
+        ...
+
+    def write(self, skin: Skin, path: Path) -> tuple[str, ...]:
+        """Write a skin; return what the format cannot hold, in sentences."""
+        ...
+
+
+FORMATS = cast(
+    tuple[Format, ...],
+    (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
+)
+"""All known formats; where two write the same extension, the first is the usual one."""
+
+
+def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
+    """Skin of a layout file or of a folder of them, and everything that was found on the way.
+
+    Raises
+    ------
+    FileError
+        As `load_layout`.
+    """
+    if path.is_dir():
+        return _read_folder(path, _is_layout, read_layout)
+    return mend(format_of(path).parse(path))
+
+
+def format_of(path: Path) -> Format:
+    """Format of a file, told by its content; the extension decides between several.
+
+    Raises
+    ------
+    FileError
+        When the file cannot be read or is of no known format.
+    """
+    data = read_bytes(path)
+    fitting = _fitting(data)
+    if not fitting:
+        tried = "; ".join(f"{form.NAME} ({form.EXPECTED})" for form in FORMATS)
+        what = "is empty" if not data.strip() else "is of no known format"
+        raise FileError(f"{path}: {what}, expected a layout file; tried {tried}")
+    extension = path.suffix.lower()
+    return min(fitting, key=lambda form: extension not in form.EXTENSIONS)
+
+
+def _fitting(data: bytes) -> list[Format]:
+    return [form for form in FORMATS if form.sniff(data)]
+
+
+def _is_layout(path: Path) -> bool:
+    return bool(_fitting(read_bytes(path)))
+
+
+def format_by_name(name: str) -> Format:
+    """Format of that NAME.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+    """
+    for form in FORMATS:
+        if name == form.NAME:
+            return form
+    known = ", ".join(form.NAME for form in FORMATS)
+    raise InputError(f"format is {name!r}, expected one of {known}")
+
+
+def format_by_extension(path: Path) -> Format:
+    """Usual format of files of this name; an InputError lists the extensions that are known."""
+    for form in FORMATS:
+        if path.suffix.lower() in form.EXTENSIONS:
+            return form
+    known = "; ".join(f"{' '.join(form.EXTENSIONS)} ({form.NAME})" for form in FORMATS)
+    raise InputError(
+        f"{path}: the extension {path.suffix!r} is of no layout format, expected one of {known}"
+    )
+
+
+Parsed = tuple[Skin, tuple[Finding, ...]]
+
+
+def _read_folder(
+    path: Path, is_layout: Callable[[Path], bool], read: Callable[[Path], Parsed]
+) -> Parsed:
+    """Skin of all layout files of a folder, in the order of their names.
+
+    Parameters
+    ----------
+    path : Path
+    is_layout : function of a Path
+        Whether a file is of a known format; others are left out, which a finding tells.
+    read : function of a Path
+        Skin and findings of one file.
+
+    Notes
+    -----
+    Patches keep their names where each is there once; else those of the files stand before them.
+
+    Raises
+    ------
+    FileError
+        When the folder cannot be listed or holds no layout file, or one of them cannot be used.
+    """
+    try:
+        files = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
+    except OSError as error:
+        raise FileError(
+            f"{path}: {error.strerror}, expected a folder that can be listed"
+        ) from error
+    layouts = [file for file in files if is_layout(file)]
+    if not layouts:
+        raise FileError(
+            f"{path}: none of its {many(len(files), 'file')} is a layout, expected a directory "
+            "with a layout file for each part of the robot; those in it are not searched"
+        )
+    found = [(file, *read(file)) for file in layouts]
+    findings = [each for _, _, its in found for each in its]
+    notes = [note for _, skin, _ in found for note in skin.notes]
+    others = [file.name for file in files if file not in layouts]
+    if others:
+        count = f"{many(len(others), 'file')} ({listed(others)})"
+        text = f"{path.name}: {count} of no layout format; left out"
+        findings.append(Finding("no-layout", "info", text))
+        notes.append(text)
+    patches = _distinct([(file.stem, patch) for file, skin, _ in found for patch in skin])
+    return Skin(patches, name=path.name, notes=tuple(notes)), tuple(findings)
+
+
+def _distinct(patches: list[tuple[str, Patch]]) -> tuple[Patch, ...]:
+    """Patches under names that are there once."""
+    if len({patch.name for _, patch in patches}) == len(patches):
+        return tuple(patch for _, patch in patches)
+    names = [f"{stem}/{patch.name}" for stem, patch in patches]
+    if len(set(names)) < len(names):  # one stem, two extensions
+        names = [f"{name} ({place})" for place, name in enumerate(names)]
+    return tuple(replace(patch, name=name) for name, (_, patch) in zip(names, patches, strict=True))

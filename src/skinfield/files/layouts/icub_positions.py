@@ -1,0 +1,172 @@
+"""iCub's `positions/*.txt`: one row per channel of the part's port.
+
+A header (``name``, ``spatial_sampling``, ``taxel2Repr``), then ``[calibration]`` and a row
+``x y z nx ny nz`` (m, in the frame of the link) for each channel; zeros where there is no taxel.
+``taxel2Repr`` holds, per channel, the channel that stands for it, -1 where there is no taxel, and
+-2 where there is a thermal pad.
+"""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.files.layouts.repair import Content, Draft, Finding
+from skinfield.files.layouts.text import (
+    integer,
+    listed,
+    many,
+    numbers,
+    read_lines,
+    spoilt,
+    write_bytes,
+)
+from skinfield.skin.patch import Skin
+
+NAME = "icub-positions"
+EXTENSIONS = (".txt",)
+EXPECTED = "iCub taxel positions: a header with taxel2Repr, [calibration], rows x y z nx ny nz"
+ROW = "six numbers x y z nx ny nz"
+PADS = 12  # channels of a board
+ABSENT, THERMAL = -1, -2
+
+
+def sniff(data: bytes) -> bool:
+    """Whether the bytes look like this format."""
+    return re.search(rb"^\s*\[calibration\]", data, re.IGNORECASE | re.MULTILINE) is not None
+
+
+def parse(path: Path) -> Content:
+    """Contents of a file: one patch.
+
+    Raises
+    ------
+    FileError
+        When a row has no six numbers, with its line, or no taxel is left.
+    """
+    lines = read_lines(path)
+    heads = (i for i, line in enumerate(lines) if line.strip().lower().startswith("[calibration]"))
+    start = next(heads, len(lines))
+    header = "\n".join(re.split("//|#", line)[0] for line in lines[:start])
+    rows = [
+        numbers(path, i + 1, _words(path, i + 1, lines[i]), ROW)
+        for i in range(start + 1, len(lines))
+        if lines[i].strip()
+    ]
+    if not rows:
+        raise spoilt(path, len(lines), "the end", f"[calibration] and rows of {ROW}")
+    table = np.array(rows)
+    stated = _taxel2repr(path, header)
+    name = re.search(r"^\s*name\s+(\S+)", header, re.MULTILINE)
+    part = name[1] if name else path.stem
+    keep, findings = _taxels(part, table, stated)
+    if not len(keep):
+        raise FileError(f"{path}: no row has a pose, expected one or more taxels: {EXPECTED}")
+    draft = Draft(
+        table[keep, :3],
+        keep,
+        table[keep, 3:],
+        module=keep // PADS,
+        uid=keep.astype(np.uint64),
+        channel=keep,
+        n_channels=len(table),
+        name=part,
+        link=part,
+    )
+    return Content(path, path.stem, (draft,), tuple(findings))
+
+
+def write(skin: Skin, path: Path) -> tuple[str, ...]:
+    """Write the one patch of a skin; return what the format cannot hold, in sentences.
+
+    Raises
+    ------
+    InputError
+        When the skin has several patches, or two taxels of one channel.
+    """
+    patch = skin[0]
+    if len(skin) != 1 or len(np.unique(patch.channel)) < len(patch):
+        raise InputError(
+            f"skin has {len(skin)} patches and {patch.name!r} {len(np.unique(patch.channel))} "
+            f"channels for {len(patch)} taxels, expected one patch and a channel for each taxel: "
+            "the rows of an iCub position file are the channels of one port"
+        )
+    table = np.zeros((patch.n_channels, 6))
+    table[patch.channel] = np.hstack([patch.positions, patch.normals])
+    of_channel = np.full(patch.n_channels, ABSENT)
+    for board in np.unique(patch.channel // PADS):
+        mine = np.sort(patch.channel[patch.channel // PADS == board])
+        of_channel[mine] = mine[min(3, len(mine) - 1)]  # the pad in the middle of a board
+    head = [
+        f"name {'_'.join((patch.link or patch.name).split()) or 'skin'}",
+        "spatial_sampling taxel",
+        f"taxel2Repr ( {' '.join(map(str, of_channel.tolist()))} )",
+        "[calibration]",
+    ]
+    body = [" ".join(f"{value + 0.0:.9f}" for value in row) for row in table.round(9)]
+    write_bytes(path, "\n".join([*head, *body, ""]).encode())
+    return (
+        "an iCub position file holds no pad diameters, uids or poses; modules are channel // 12",
+        "positions are rounded to 1 nm",
+    )
+
+
+def _words(path: Path, line: int, text: str) -> Sequence[str]:
+    words = text.split()
+    if len(words) != 6:
+        raise spoilt(path, line, text.strip(), ROW)
+    return words
+
+
+def _taxel2repr(path: Path, header: str) -> Ints | None:
+    found = re.search(r"taxel2Repr\s*\(([^)]*)(\)?)", header)
+    if found is None:
+        return None
+    line = header[: found.start()].count("\n") + 1
+    if not found[2]:
+        raise spoilt(path, line, "taxel2Repr (...", "a closing bracket after its numbers")
+    words = found[1].split()
+    return np.array([integer(path, line, word, "a channel, -1 or -2", -2) for word in words])
+
+
+def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[Finding]]:
+    """Rows that are taxels, and what the header and the rows say about the others."""
+    rows, posed = len(table), table.any(axis=1)
+    findings = []
+    if stated is None:
+        text = f"{name}: no taxel2Repr: absent and thermal channels are told by their zeros alone"
+        findings.append(Finding("no-taxel2repr", "warning", text))
+        stated = np.empty(0, np.int64)
+    elif len(stated) != rows:
+        findings.append(_other_length(name, rows, len(stated)))
+    role = np.zeros(rows, np.int64)
+    role[: len(stated)] = stated[:rows]
+    for code, severity, which, text in (
+        ("thermal", "info", role == THERMAL, "marked as thermal pads, no taxels; left out"),
+        (
+            "absent", "info", (role == ABSENT) & posed,
+            "with a place where taxel2Repr says that there is no taxel (-1); left out",
+        ),
+        (
+            "no-pose", "warning", (role >= 0) & ~posed & (np.arange(rows) < len(stated)),
+            "without a place (zeros) where taxel2Repr says that there is a taxel; left out",
+        ),
+    ):  # fmt: skip
+        if which.any():
+            found = np.flatnonzero(which).tolist()
+            message = f"{name}: {many(len(found), 'channel')} ({listed(found)}) {text}"
+            findings.append(Finding(code, severity, message, tuple(found)))  # type: ignore[arg-type]
+    keep = np.flatnonzero(posed & (role >= 0))
+    text = f"{name}: {posed.sum()} of {rows} channels have a place, {len(keep)} of them are taxels"
+    return keep, [*findings, Finding("channels", "info", text)]
+
+
+def _other_length(name: str, rows: int, entries: int) -> Finding:
+    text = f"{name}: taxel2Repr has {entries} entries for {rows} rows; "
+    if entries > rows:
+        text += "entries beyond the rows are left out"
+    else:
+        text += f"from row {entries} on, a row with a place is taken as a taxel"
+    return Finding("taxel2repr-length", "warning", text)

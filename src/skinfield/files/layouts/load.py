@@ -1,0 +1,86 @@
+"""Reading and writing layouts; the formats are loaded when a file is."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from skinfield.errors import FileError
+from skinfield.skin.patch import Patch, Skin
+
+if TYPE_CHECKING:
+    from skinfield.files.layouts import Format
+
+
+def load_layout(path: str | Path) -> Skin:
+    """Read a layout file of any known format; what was repaired stands in the skin's notes.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of a file; or of a folder whose files are the parts of one robot: their patches become one
+        skin, in the order of the files' names. Files of no known format are left out and noted.
+
+    Raises
+    ------
+    FileError
+        When the file cannot be read, is of no known format, or holds no usable skin; when a folder
+        holds no layout file, or any of them cannot be used.
+    """
+    from skinfield.files.layouts import read_layout
+
+    return read_layout(Path(path))[0]
+
+
+def save_layout(
+    skin: Skin | Patch, path: str | Path, form: "Format | None" = None
+) -> tuple[str, ...]:
+    """Write a skin to a file; return what the format cannot hold, in sentences.
+
+    Parameters
+    ----------
+    skin : Skin or Patch
+    path : str or Path
+    form : a module of `skinfield.files.layouts`, optional
+        By default the usual format of the file's extension.
+
+    Raises
+    ------
+    InputError
+        When the extension is of no format, or the format cannot hold the skin.
+    FileError
+        When the file cannot be written.
+    """
+    from skinfield.files.layouts import format_by_extension
+
+    path = Path(path)
+    if isinstance(skin, Patch):
+        skin = Skin((skin,), name=skin.name)
+    return (form or format_by_extension(path)).write(skin, path)
+
+
+def skin_from_text(text: str) -> Skin:
+    """Skin from a layout file or, where no such file exists, from a generator by name.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"right_foot.txt"``, ``"hexagon72"`` or ``"rectangular:rows=8,columns=8"``.
+
+    Raises
+    ------
+    FileError
+        When it is neither a file nor the name of a generator, or the file cannot be used.
+    InputError
+        When an argument of the generator cannot be used.
+    """
+    from skinfield.skin.generators import GENERATORS, by_name
+
+    name = text.strip().partition(":")[0]
+    if name in GENERATORS and not Path(text).is_file():
+        patch = by_name(text)
+        return Skin((patch,), name=patch.name)
+    if not Path(text).exists():
+        raise FileError(
+            f"{text}: no such file, and no generator, expected the path of a layout file or one "
+            f"of {', '.join(GENERATORS)}"
+        )
+    return load_layout(text)

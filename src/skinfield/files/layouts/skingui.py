@@ -1,0 +1,342 @@
+"""Drawings of iCub's skinGui, `.ini`: boards placed in a plane, read and written."""
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from skinfield.errors import FileError, Floats, InputError, Ints, check_positive
+from skinfield.files.layouts.repair import Content, Draft, Finding
+from skinfield.files.layouts.text import (
+    integer,
+    listed,
+    many,
+    numbers,
+    read_lines,
+    spoilt,
+    write_bytes,
+)
+from skinfield.skin.generators import ICUB_TRIANGLE, TEN_PAD_TRIANGLE, ModuleTemplate
+from skinfield.skin.geometry import facing_from_positions
+from skinfield.skin.patch import Patch, Skin
+
+PADS = 12  # channels of a board, thermal ones included
+
+
+@dataclass(frozen=True)
+class Board:
+    """One type of triangle.
+
+    Parameters
+    ----------
+    name : str
+        Of the type in a drawing.
+    template : ModuleTemplate
+        As drawn, a drawing unit taken as 1 mm.
+    built : float
+        Size of the real board over the drawn one.
+    lattice : float, mm per drawing unit
+        Of the places of boards in a drawing.
+    """
+
+    name: str
+    template: ModuleTemplate
+    built: float
+    lattice: float
+
+    @property
+    def pads(self) -> Ints:
+        """Channels of the board that are taxels, (P,)."""
+        return np.array(self.template.channels)
+
+    @property
+    def pad_diameter(self) -> float:
+        """Of a real pad, m."""
+        return self.template.pad_diameter * self.built
+
+    def drawn(self, angle: float, mirrored: bool) -> Floats:
+        """Places (P, 2) m of the real pads, mirrored in x first, then turned by `angle` (rad)."""
+        cos, sin = np.cos(angle), np.sin(angle)
+        places = np.array(self.template.taxels) * self.built
+        places *= [-1.0 if mirrored else 1.0, 1.0]
+        return np.asarray(places @ np.array([[cos, sin], [-sin, cos]]))
+
+
+# Drawn in millimetres: 30 mm sides, pads 5.0 mm apart.
+TRIANGLE = Board("triangle", ICUB_TRIANGLE, built=1.0, lattice=1.0)
+# Drawn too small: on a built foot, pads are 6.533 mm apart (drawn 6.430), and neighbouring boards
+# 19.32 mm (drawn 18.475, a lattice of 32 units of side).
+TRIANGLE_10PAD = Board("triangle_10pad", TEN_PAD_TRIANGLE, built=1.016, lattice=1.0457)
+
+BOARDS = {board.name: board for board in (TRIANGLE, TRIANGLE_10PAD)}
+
+
+NAME = "skingui"
+EXTENSIONS = (".ini",)
+EXPECTED = "a skinGui drawing: [SENSORS], then lines 'type number x y th gain mirror [layout]'"
+LINE = "type number x y th gain mirror [layout]"
+MM = 1e-3
+BOARDS_PER_CARD = 16  # triangles on one address of the bus; `cardid` lists the port's addresses
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """One line of a drawing; the angle in rad."""
+
+    line: int
+    kind: str
+    number: int
+    x: float
+    y: float
+    angle: float
+    mirrored: bool
+    backwards: bool
+
+
+def sniff(data: bytes) -> bool:
+    """Whether the bytes look like this format."""
+    return re.search(rb"^\s*\[SENSORS\]", data, re.IGNORECASE | re.MULTILINE) is not None
+
+
+def parse(path: Path, mm_per_unit: float | None = None) -> Content:
+    """Contents of a file: one patch, or two when some boards are drawn from behind.
+
+    Parameters
+    ----------
+    path : Path
+    mm_per_unit : float, optional
+        Of the places of the boards; by default 1.0457 for ``triangle_10pad`` and 1.0 for
+        ``triangle``, as measured on built parts (see `triangles`).
+
+    Raises
+    ------
+    FileError
+        When a line cannot be read, or no triangle is left.
+    """
+    if mm_per_unit is not None:
+        check_positive("mm_per_unit", mm_per_unit, "size of a drawing unit between boards")
+    lines = read_lines(path)
+    placed, findings = _once([_sensor(path, line, text) for line, text in _sensor_lines(lines)])
+    boards = [item for item in placed if item.kind in BOARDS]
+    if not boards:
+        raise FileError(f"{path}: no triangle or triangle_10pad, expected one or more: {LINE}")
+    findings += _others([item for item in placed if item.kind not in BOARDS])
+    findings += _remarks(boards, mm_per_unit)
+    part = " ".join(_header(lines, "robotPart")) or path.stem
+    port = BOARDS_PER_CARD * PADS * len(_header(lines, "cardid"))
+    first = boards[0].mirrored
+    drafts = [
+        replace(
+            _draft(group, mirrored, mm_per_unit),
+            name=part if mirrored == first else f"{part}_other_side",
+            n_channels=max(port, PADS * (max(item.number for item in boards) + 1)),
+        )
+        for mirrored in (first, not first)
+        if (group := [item for item in boards if item.mirrored == mirrored])
+    ]
+    return Content(path, path.stem, tuple(drafts), tuple(findings))
+
+
+def write(skin: Skin, path: Path) -> tuple[str, ...]:
+    """Write a flat skin of triangular boards; return what the format cannot hold, in sentences.
+
+    Raises
+    ------
+    InputError
+        When a patch is curved, or a module is none of the triangles that skinGui knows.
+    """
+    return write_drawing(skin, path)
+
+
+def _header(lines: list[str], key: str) -> list[str]:
+    return next((line.split()[1:] for line in lines if line.split()[:1] == [key]), [])
+
+
+def _sensor_lines(lines: list[str]) -> list[tuple[int, str]]:
+    heads = (i for i, line in enumerate(lines) if line.strip().upper().startswith("[SENSORS]"))
+    start = next(heads, len(lines))
+    rows = []
+    for number, line in enumerate(lines[start + 1 :], start + 2):
+        text = re.split("#|//", line)[0].strip()
+        if text.startswith("["):
+            break
+        if text:
+            rows.append((number, text))
+    return rows
+
+
+def _sensor(path: Path, line: int, text: str) -> _Placed:
+    words = text.split()
+    if not 5 <= len(words) <= 8:
+        raise spoilt(path, line, text, LINE)
+    number = integer(path, line, words[1], "the number of a board, 0 to 999")
+    if number > 999:
+        raise spoilt(path, line, words[1], "the number of a board, 0 to 999")
+    values = numbers(path, line, words[2:], LINE)
+    x, y, angle, _, mirror, layout = [*values, *[0.0] * (6 - len(values))]
+    if mirror not in (0.0, 1.0) or layout not in (0.0, 1.0):
+        raise spoilt(path, line, text, "mirror 0 or 1, and layout 0 or 1")
+    turn = float(np.radians(angle))
+    return _Placed(line, words[0], number, x, y, turn, mirror == 1.0, layout == 1.0)
+
+
+def _others(others: list[_Placed]) -> list[Finding]:
+    if not others:
+        return []
+    kinds, at = listed(sorted({item.kind for item in others})), listed([o.line for o in others])
+    text = (
+        f"{many(len(others), 'sensor')} of other types than triangles ({kinds}), whose pads do "
+        f"not lie in the drawing's plane; left out (lines {at})"
+    )
+    return [Finding("not-a-triangle", "warning", text)]
+
+
+def _once(placed: list[_Placed]) -> tuple[list[_Placed], list[Finding]]:
+    """Sensors without the later ones of a number that was used, as skinGui does."""
+    first: dict[int, _Placed] = {}
+    again = []
+    for item in placed:
+        if first.setdefault(item.number, item) is not item:
+            again.append(item)
+    if not again:
+        return placed, []
+    text = (
+        f"boards {listed(sorted({item.number for item in again}))} are placed more than once "
+        f"(lines {listed([item.line for item in again])}): one board has one set of channels; "
+        "the first place is taken, as skinGui does"
+    )
+    return list(first.values()), [Finding("repeated-triangle", "error", text)]
+
+
+def _remarks(boards: list[_Placed], mm_per_unit: float | None) -> list[Finding]:
+    types = sorted({item.kind for item in boards})
+    scales = [BOARDS[name].lattice if mm_per_unit is None else mm_per_unit for name in types]
+    said = " and ".join(f"{s:g} mm ({n})" for n, s in zip(types, scales, strict=True))
+    text = (
+        f"a drawing unit is taken as {said} between boards, and the boards have the size that "
+        "they are built with; a drawing is flat, whatever the part is"
+    )
+    findings = [Finding("drawing-units", "info", text)]
+    if len({item.mirrored for item in boards}) > 1:
+        text = (
+            "some boards are drawn from behind (mirror 1) and some from the front: they face "
+            "opposite ways, and become two patches"
+        )
+        findings.append(Finding("two-sides", "warning", text))
+    thermal = [2 * (item.kind == "triangle_10pad") for item in boards]
+    if sum(thermal):
+        text = f"{sum(thermal)} thermal pads (6 and 10 of each 10-pad board) are left out"
+        findings.append(Finding("thermal", "info", text))
+    return findings
+
+
+def _draft(boards: list[_Placed], mirrored: bool, mm_per_unit: float | None) -> Draft:
+    places, channels = [], []
+    for item in boards:
+        board = BOARDS[item.kind]
+        scale = board.lattice if mm_per_unit is None else mm_per_unit
+        places.append(board.drawn(item.angle, mirrored) + scale * MM * np.array([item.x, item.y]))
+        pads = PADS - 1 - board.pads if item.backwards else board.pads
+        channels.append(PADS * item.number + pads)
+    plane, channel = np.vstack(places), np.concatenate(channels)
+    count = len(plane)
+    return Draft(
+        np.column_stack([plane, np.zeros(count)]),
+        np.arange(count),
+        np.tile([0.0, 0.0, -1.0 if mirrored else 1.0], (count, 1)),
+        module=channel // PADS,
+        uid=channel.astype(np.uint64),
+        channel=channel,
+        pad_diameter=BOARDS[boards[0].kind].pad_diameter,
+    )
+
+
+CHANNELS_OF_CARD = 192
+NEAR = 0.25e-3  # m, between a pad and its place on the board
+HEAD = """cardid {cards}
+robotPart {part}
+width 640
+height 640
+
+[SENSORS]
+# type number x y th gain mirror layout; x and y in drawing units, th in degrees
+"""
+
+
+def write_drawing(skin: Skin, path: Path) -> tuple[str, ...]:
+    """Write a flat skin of triangular boards; return what the format cannot hold, in sentences."""
+    lines, moved = [], 0.0
+    for patch in skin:
+        plane, mirrored = _drawing(patch)
+        numbers = patch.channel // PADS
+        for number in np.unique(numbers).tolist():
+            mine = numbers == number
+            board, centre, angle, off = _fit(
+                patch, number, plane[mine], patch.channel[mine], mirrored
+            )
+            moved = max(moved, off)
+            x, y = centre / board.lattice * 1e3
+            place = np.round([x, y, np.degrees(angle)], 4) + 0.0
+            words = " ".join(f"{value:.4f}" for value in place)
+            lines.append(f"{board.name} {number} {words} 5 {int(mirrored)} 0")
+    if len({line.split()[1] for line in lines}) < len(lines):
+        raise InputError(
+            f"skin {skin.name!r} has {len(lines)} boards on the channels of fewer, expected 12 "
+            "channels of its own for each: write each patch to a file of its own"
+        )
+    ports = -(-max(patch.n_channels for patch in skin) // CHANNELS_OF_CARD)
+    cards = " ".join(map(str, range(ports)))
+    part = "_".join(skin[0].name.split()) or "skin"
+    write_bytes(path, (HEAD.format(part=part, cards=cards) + "\n".join([*lines, ""])).encode())
+    return (
+        "a drawing is flat: the place and the pose of the patch in its link, links, uids and "
+        "modules (now channel // 12) are lost",
+        f"boards have the pads of their type: pads move by up to {moved * 1e3:.3f} mm, and their "
+        "diameter is lost",
+    )
+
+
+def _drawing(patch: Patch) -> tuple[Floats, bool]:
+    """Taxels in the drawing's plane, (L, 2) m, and whether they are seen from behind."""
+    facing = facing_from_positions(patch.positions)
+    if len(patch) > 2 and not facing.is_flat:
+        raise InputError(
+            f"patch {patch.name!r} is curved, expected a flat one: a skinGui drawing has no depth"
+        )
+    first = patch.normals[0]
+    if abs(abs(first[2]) - 1.0) < 1e-9 and np.abs(patch.normals - first).max() < 1e-9:
+        return patch.positions[:, :2], bool(first[2] < 0)  # lies like a drawing: keep its axes
+    return patch.plane, False
+
+
+def _fit(
+    patch: Patch,
+    number: int,
+    places: Floats,
+    channel: Ints,
+    mirrored: bool,
+) -> tuple[Board, Floats, float, float]:
+    """Board, centre (m) and angle (rad) that put its pads on the taxels, and how far off (m)."""
+    reasons = []
+    for board in BOARDS.values():
+        pads = board.pads.tolist()
+        if sorted(channel - PADS * number) != pads:
+            reasons.append(f"its channels are not pads {pads} of a {board.name}")
+            continue
+        order = np.argsort(channel)
+        template = board.drawn(0.0, mirrored)
+        there = places[order] - places.mean(axis=0)
+        here = template - template.mean(axis=0)
+        turned = (here[:, 0] - 1j * here[:, 1]) @ (there[:, 0] + 1j * there[:, 1])
+        angle = float(np.angle(turned))
+        made = board.drawn(angle, mirrored)
+        centre = places.mean(axis=0) - made.mean(axis=0)
+        off = float(np.linalg.norm(made + centre - places[order], axis=1).max())
+        if off <= NEAR:
+            return board, centre, angle, off
+        reasons.append(f"a pad is {off * 1e3:.2f} mm off its place on a {board.name}")
+    raise InputError(
+        f"patch {patch.name!r}, board {number}: {'; '.join(reasons)}; expected a board that "
+        "skinGui draws: this layout needs another format"
+    )

@@ -1,0 +1,116 @@
+"""Skinware's `calibration.cache`: text, metres, one link after the other.
+
+First ``sensors total-neighbours``, then per sensor ``x y z nx ny nz u v radius link neighbours
+neighbour...``, with u and v the sensor's place on the flattened skin.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from skinfield.errors import FileError, Floats, Ints
+from skinfield.files.layouts.repair import Content, Draft
+from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt, write_bytes
+from skinfield.skin.patch import Skin
+
+NAME = "skinware"
+EXTENSIONS = (".cache",)
+EXPECTED = "a Skinware cache: 'sensors neighbours', then x y z nx ny nz u v radius link n ..."
+FIELDS = 9  # numbers of a sensor before its link
+ROW = "x y z nx ny nz u v radius link neighbours neighbour..."
+
+
+def sniff(data: bytes) -> bool:
+    """Whether the bytes look like this format."""
+    head = data[:4096].decode("utf-8", "replace").split("\n", 2)
+    return (
+        len(head) > 1
+        and re.fullmatch(r"\s*\d+\s+\d+\s*", head[0]) is not None
+        and re.fullmatch(
+            r"\s*([-+.\deE]+\s+){11,}[-+.\deE]+\s*|\s*([-+.\deE]+\s+){10}0\s*", head[1]
+        )
+        is not None
+    )
+
+
+def parse(path: Path) -> Content:
+    """Contents of a file; a patch for each link.
+
+    Raises
+    ------
+    FileError
+        When a number is missing or is none, with its line.
+    """
+    words = [(n, word) for n, line in enumerate(read_lines(path), 1) for word in line.split()]
+    if len(words) < 2:
+        raise spoilt(
+            path, 1, " ".join(word for _, word in words), "the counts 'sensors neighbours'"
+        )
+    count = integer(path, *words[0], "the number of sensors", lowest=1)
+    integer(path, *words[1], "the total number of neighbours")
+    rows, links, at = [], [], 2
+    for sensor in range(count):
+        if at + FIELDS + 2 > len(words):
+            raise _ends(path, words[-1][0], sensor, count)
+        part = words[at : at + FIELDS]
+        rows.append([numbers(path, line, [word], ROW)[0] for line, word in part])
+        links.append(integer(path, *words[at + FIELDS], "the index of a link"))
+        beside = integer(path, *words[at + FIELDS + 1], "the number of neighbours")
+        at += FIELDS + 2
+        if at + beside > len(words):
+            raise _ends(path, words[-1][0], sensor, count)
+        for line, word in words[at : at + beside]:
+            if integer(path, line, word, "the index of a sensor") >= count:
+                raise spoilt(path, line, word, f"the index of a sensor below {count}")
+        at += beside
+    if at < len(words):
+        raise spoilt(path, *words[at], f"the end, after {count} sensors")
+    return Content(path, path.stem, _drafts(np.array(rows), np.array(links), path.stem))
+
+
+def _ends(path: Path, line: int, sensor: int, count: int) -> FileError:
+    return FileError(f"{path}, line {line}: ends in sensor {sensor} of {count}, expected {ROW}")
+
+
+def _drafts(rows: Floats, links: Ints, name: str) -> tuple[Draft, ...]:
+    distinct = np.unique(links).tolist()
+    drafts = []
+    for link in distinct:
+        mine = np.flatnonzero(links == link)
+        drafts.append(
+            Draft(
+                rows[mine, :3],
+                mine,
+                rows[mine, 3:6],
+                channel=mine,
+                uid=mine.astype(np.uint64),
+                n_channels=len(rows),
+                pad_diameter=2.0 * float(np.median(rows[mine, 8])) or None,
+                name=name if len(distinct) == 1 else f"{name}_link{link}",
+                link=f"link{link}",
+            )
+        )
+    return tuple(drafts)
+
+
+def write(skin: Skin, path: Path) -> tuple[str, ...]:
+    """Write a skin as one cache; return what the format cannot hold, in sentences."""
+    start, lines = 0, []
+    for link, patch in enumerate(skin):
+        beside: list[list[int]] = [[] for _ in range(len(patch))]
+        for a, b in patch.neighbours.tolist():
+            beside[a].append(start + b)
+            beside[b].append(start + a)
+        for row, near in enumerate(beside):
+            values = [*patch.positions[row], *patch.normals[row], *patch.plane[row]]
+            text = " ".join(f"{value:.9f}" for value in [*values, patch.pad_diameter / 2])
+            lines.append(f"{text} {link} {' '.join(map(str, [len(near), *near]))}")
+        start += len(patch)
+    total = sum(int(line.split()[FIELDS + 1]) for line in lines)
+    write_bytes(path, "\n".join([f"{start} {total}", *lines, ""]).encode())
+    return (
+        "a Skinware cache numbers taxels and links by their order: names, poses in the link, "
+        "modules, uids and channels are lost",
+        "positions are rounded to 1 nm",
+    )

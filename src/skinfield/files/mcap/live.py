@@ -1,0 +1,504 @@
+"""Recordings of a live skin, whole or cut: what they hold, message by message, and when."""
+
+import json
+from bisect import bisect_right
+from collections import deque
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from struct import Struct
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, BinaryIO, Generic, NamedTuple, Self, TypeVar
+
+from skinfield.errors import FileError, InputError
+from skinfield.files.mcap.records import (
+    Attached,
+    Damage,
+    Damaged,
+    Message,
+    Op,
+    Outline,
+    Record,
+    attachment_of,
+    body_of,
+    entries_of,
+    message_of,
+    open_file,
+    outline_of,
+    parsed,
+)
+from skinfield.files.mcap.schema import (
+    BLOCKS,
+    CALIBRATION,
+    CONFIGURATION,
+    CYCLE_HEAD,
+    CYCLES,
+    DESCRIPTION,
+    EVENTS,
+    FIELDS,
+    FITS,
+    LAYOUT,
+    POSITION,
+    TIMING,
+    Cycle,
+    CycleFlag,
+    CycleLayout,
+    FieldRecord,
+    FitLayout,
+    FitRecord,
+)
+from skinfield.signal import Calibration
+from skinfield.skin import Skin
+
+if TYPE_CHECKING:
+    from mcap.records import Channel
+
+T = TypeVar("T")
+HEAD = Struct("<4xIq32xq")  # of a cycle's head: flags, number, wall_ns
+PUBLISHED = Struct("<8xq")  # of the head of a field and of a fit: when it was
+
+
+class Logged(NamedTuple):
+    """A run of the ring's log.
+
+    Attributes
+    ----------
+    position : int, bytes
+        Of its first byte in the log.
+    time_ns : int, ns
+        When it was taken from the log, since the epoch.
+    data : bytes
+        Blocks, see `skinfield.signal.blocks_of`.
+    """
+
+    position: int
+    time_ns: int
+    data: bytes
+
+
+@dataclass
+class LiveRecording:
+    """What a recording of a live skin holds; made by `LiveRecording.open`.
+
+    A file that was not finished is read as far as it goes. What cannot be read is passed over and
+    told in `damage`: at once where the walk from record to record ends, else when a method comes
+    to it.
+
+    Attributes
+    ----------
+    path : Path
+    outline : Outline
+        Records of the file, and whether it was finished.
+    channels : dict of int to Channel
+        As mcap has them.
+    attached : dict of str to Attached
+    damage : list of Damage
+        Places that cannot be read, by their bytes in the file, so far.
+    """
+
+    path: Path
+    outline: Outline
+    channels: dict[int, "Channel"] = field(default_factory=dict)
+    attached: dict[str, Attached] = field(default_factory=dict)
+    damage: list[Damage] = field(default_factory=list)
+
+    @classmethod
+    def open(cls, path: str | Path) -> Self:
+        """Look at all records' heads, and read channels and attachments.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read, is no MCAP file, or has no channel of ours.
+        """
+        path = Path(path)
+        with open_file(path) as file:
+            found = cls(path, outline_of(file))
+            if found.outline.damage is not None:
+                found.damage.append(found.outline.damage)
+            found._read_heads(file)
+            if not found._has_channels():
+                found._look_into_chunks(file)
+        if not found._has_channels():
+            there = ", ".join(sorted(each.topic for each in found.channels.values())[:8])
+            where = (
+                f"; it cannot be read from byte {found.damage[0].byte} on" if found.damage else ""
+            )
+            raise FileError(
+                f"{path} has the channels {there or 'none'}, expected {BLOCKS}: it is no recording "
+                f"of a skin{where}"
+            )
+        return found
+
+    @property
+    def finished(self) -> bool:
+        """Whether the file was closed as it should; else the end may be missing."""
+        return self.outline.finished
+
+    @cached_property
+    def skin(self) -> Skin:
+        """Layout of the skin; raises FileError if none is enclosed or it is damaged."""
+        from skinfield.files.layouts import read_layout
+
+        with TemporaryDirectory() as folder:
+            copy = Path(folder) / LAYOUT
+            copy.write_bytes(self._enclosed(LAYOUT))
+            return self._explained(lambda: read_layout(copy)[0], LAYOUT)
+
+    @cached_property
+    def calibrations(self) -> dict[str, Calibration]:
+        """Calibrations by patch, as far as enclosed; raises FileError if one is damaged."""
+        from skinfield.signal import load_calibration
+
+        start, end = CALIBRATION.split("{patch}")
+        found = {}
+        with TemporaryDirectory() as folder:
+            copy = Path(folder) / "calibration.npz"
+            for name, attached in self.attached.items():
+                if name.startswith(start) and name.endswith(end):
+                    copy.write_bytes(attached.data)
+                    patch = name.removeprefix(start).removesuffix(end)
+                    found[patch] = self._explained(lambda: load_calibration(copy), name)
+        return found
+
+    @cached_property
+    def configuration(self) -> dict[str, Any]:
+        """How the engine was run; empty if not enclosed. Raises FileError if it is damaged."""
+        return self._json(CONFIGURATION)
+
+    @cached_property
+    def description(self) -> dict[str, Any]:
+        """Of the ring; empty if not enclosed. Raises FileError if it is damaged."""
+        return self._json(DESCRIPTION)
+
+    @cached_property
+    def cycle_layout(self) -> CycleLayout:
+        """Fields of the cycles' rows; raises FileError if the channel does not state them."""
+        for channel in self.channels.values():
+            if channel.topic == CYCLES:
+                try:
+                    return CycleLayout.from_metadata(channel.metadata)
+                except InputError as error:
+                    raise FileError(f"{self.path}: {error}") from error
+        raise FileError(f"{self.path} has no channel {CYCLES}, expected one: its head is damaged")
+
+    @cached_property
+    def fit_layout(self) -> FitLayout | None:
+        """Fields of the rows of fits; None of a recording without such a channel.
+
+        Raises FileError if the channel does not state them.
+        """
+        for channel in self.channels.values():
+            if channel.topic == FITS:
+                try:
+                    return FitLayout.from_metadata(channel.metadata)
+                except InputError as error:
+                    raise FileError(f"{self.path}: {error}") from error
+        return None
+
+    def messages(
+        self, topics: Collection[str] = (), first: int = 0
+    ) -> Iterator[tuple[str, int, Message]]:
+        """Topic, byte in the file, and message, in the order of the file.
+
+        Parameters
+        ----------
+        topics : collection of str
+            Default all.
+        first : int
+            Record to begin with, such as `Index.record_before` gives.
+        """
+        with open_file(self.path) as file:
+            for record in self.outline.records[first:]:
+                for topic, message, _ in self.messages_in(file, record):
+                    if not topics or topic in topics:
+                        yield topic, record.start, message
+
+    def blocks(self) -> Iterator[Logged]:
+        """Runs of the ring's log, in order."""
+        for _, at, message in self.messages((BLOCKS,)):
+            if (logged := self.logged_of(at, message)) is not None:
+                yield logged
+
+    def cycles(self) -> Iterator[Cycle]:
+        """Cycles of the engine, in order."""
+        for _, at, message in self.messages((CYCLES,)):
+            if (cycle := self.cycle_of(at, message)) is not None:
+                yield cycle
+
+    def fields(self) -> Iterator[FieldRecord]:
+        """What some cycles read, and their pressure, in order."""
+        for _, at, message in self.messages((FIELDS,)):
+            if (found := self.field_of(at, message.data)) is not None:
+                yield found
+
+    def fits(self) -> Iterator[FitRecord]:
+        """Answers of the fit beside the engine, in order; raises as `fit_layout`."""
+        if self.fit_layout is not None:
+            for _, at, message in self.messages((FITS,)):
+                if (found := self.fit_of(at, message.data)) is not None:
+                    yield found
+
+    def timing(self) -> Iterator[dict[str, Any]]:
+        """What was measured, second by second."""
+        yield from self._objects(TIMING)
+
+    def events(self) -> Iterator[dict[str, Any]]:
+        """What happened: `wall_ns`, `kind`, `text` and more, by kind."""
+        yield from self._objects(EVENTS)
+
+    def logged_of(self, at: int, message: Message) -> Logged | None:
+        """Blocks of a message at byte `at`; None, and a note, if it is too short."""
+        if len(message.data) < POSITION.size:
+            self.note(at, f"a message of {BLOCKS} of {len(message.data)} bytes")
+            return None
+        (position,) = POSITION.unpack_from(message.data)
+        return Logged(position, message.time_ns, message.data[POSITION.size :])
+
+    def cycle_of(self, at: int, message: Message) -> Cycle | None:
+        """Cycle of a message at byte `at`; None, and a note, if it cannot be read."""
+        try:
+            return self.cycle_layout.decode(message.data)
+        except InputError as error:
+            self.note(at, str(error))
+            return None
+
+    def field_of(self, at: int, data: bytes) -> FieldRecord | None:
+        """Field of a message at byte `at`; None, and a note, if it cannot be read."""
+        try:
+            return FieldRecord.decode(data)
+        except InputError as error:
+            self.note(at, str(error))
+            return None
+
+    def fit_of(self, at: int, data: bytes) -> FitRecord | None:
+        """Answer of a fit of a message at byte `at`; None, and a note, if it cannot be read."""
+        layout = self.fit_layout
+        assert layout is not None  # else there is no such channel
+        try:
+            return layout.decode(data)
+        except InputError as error:
+            self.note(at, str(error))
+            return None
+
+    @cached_property
+    def index(self) -> "Index":
+        """When what was; found by one pass over the file. Raises FileError if it cannot be read."""
+        return Index.of(self)
+
+    def _objects(self, topic: str) -> Iterator[dict[str, Any]]:
+        for _, at, message in self.messages((topic,)):
+            try:
+                value = json.loads(message.data)
+            except (ValueError, RecursionError) as error:
+                self.note(at, f"a message of {topic} that is no JSON ({str(error)[:60]})")
+                continue
+            if isinstance(value, Mapping):
+                yield dict(value)
+            else:
+                self.note(at, f"a message of {topic} that is no object")
+
+    def messages_in(self, file: BinaryIO, record: Record) -> Iterator[tuple[str, Message, int]]:
+        """Topic, message, and its place in the record; what cannot be read is noted."""
+        if record.opcode not in (Op.MESSAGE, Op.CHUNK):
+            return
+        try:
+            for opcode, start, body in entries_of(file, record):
+                if opcode == Op.CHANNEL:
+                    self._add_channel(body)
+                elif opcode == Op.MESSAGE:
+                    message = message_of(body)
+                    if (channel := self.channels.get(message.channel)) is not None:
+                        yield channel.topic, message, start
+        except Damaged as error:
+            self.note(record.start, str(error))
+        except OSError as error:
+            why = error.strerror or error
+            raise FileError(f"{self.path} cannot be read at byte {record.start}: {why}") from error
+
+    def _read_heads(self, file: BinaryIO) -> None:
+        for record in self.outline.records:
+            try:
+                if record.opcode == Op.CHANNEL:
+                    self._add_channel(body_of(file, record))
+                elif record.opcode == Op.ATTACHMENT:
+                    attached = attachment_of(body_of(file, record))
+                    self.attached[attached.name] = attached
+            except Damaged as error:
+                self.note(record.start, str(error))
+
+    def _look_into_chunks(self, file: BinaryIO) -> None:
+        """Channels that other writers put into the first chunk."""
+        for record in self.outline.records:
+            if record.opcode == Op.CHUNK and not self._has_channels():
+                deque(self.messages_in(file, record), 0)
+
+    def _add_channel(self, body: bytes) -> None:
+        channel = parsed(Op.CHANNEL, body)
+        self.channels[channel.id] = channel
+
+    def _has_channels(self) -> bool:
+        return any(channel.topic == BLOCKS for channel in self.channels.values())
+
+    def _enclosed(self, name: str) -> bytes:
+        if name not in self.attached:
+            there = ", ".join(sorted(self.attached)[:8]) or "nothing"
+            raise FileError(f"{self.path} encloses {there}, expected {name}")
+        return self.attached[name].data
+
+    def _json(self, name: str) -> dict[str, Any]:
+        if name not in self.attached:
+            return {}
+        try:
+            value = json.loads(self.attached[name].data)
+        except (ValueError, RecursionError) as error:
+            raise FileError(f"{self.path}: {name} is no JSON: {error}") from error
+        if not isinstance(value, dict):
+            raise FileError(f"{self.path}: {name} is no object, expected one")
+        return value
+
+    def _explained(self, read: Callable[[], T], name: str) -> T:
+        try:
+            return read()
+        except InputError as error:
+            raise FileError(f"{self.path}: {name} cannot be used: {error}") from error
+
+    def note(self, byte: int, why: str) -> None:
+        """Keep in `damage` what cannot be read, and where."""
+        damage = Damage(byte, why)
+        if damage not in self.damage[-64:]:
+            self.damage.append(damage)
+
+
+class Place(NamedTuple):
+    """Where a message stands.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        What it says when it was, since the epoch.
+    record, start : int
+        Number of the record, and the byte of the message in its content.
+    """
+
+    time_ns: int
+    record: int
+    start: int
+
+
+@dataclass
+class Index:
+    """Times of a recording, ns since the epoch; `LiveRecording.index` makes it.
+
+    Attributes
+    ----------
+    cycles : int
+    first_ns, last_ns : int, ns
+        Of the first and of the last cycle; 0 of a recording without any.
+    gaps : list of pair of int, ns
+        Last cycle before and first behind each place where cycles are missing.
+    starts : list of pair of int
+        Where reading can begin: time of the first cycle in a record, and the record's number.
+    places : dict of str to list of Place
+        Of `FIELDS` and `FITS`, by time.
+    events : list of dict
+        See `LiveRecording.events`.
+    """
+
+    cycles: int = 0
+    first_ns: int = 0
+    last_ns: int = 0
+    gaps: list[tuple[int, int]] = field(default_factory=list)
+    starts: list[tuple[int, int]] = field(default_factory=list)
+    places: dict[str, list[Place]] = field(default_factory=lambda: {FIELDS: [], FITS: []})
+    events: list[dict[str, Any]] = field(default_factory=list)
+    _number: int = 0
+
+    @classmethod
+    def of(cls, recording: LiveRecording) -> Self:
+        """Look through a recording; what cannot be read is passed over and noted there."""
+        found = cls()
+        with open_file(recording.path) as file:
+            for number, record in enumerate(recording.outline.records):
+                for topic, message, start in recording.messages_in(file, record):
+                    found._add(topic, message.data, Place(0, number, start))
+        return found
+
+    def record_before(self, time_ns: int) -> int:
+        """Number of the last record whose first cycle is not after a time; else of the first."""
+        place = bisect_right(self.starts, (time_ns, len(self.starts) << 32))
+        return self.starts[place - 1][1] if place else 0
+
+    def _add(self, topic: str, data: bytes, place: Place) -> None:
+        if topic == CYCLES and len(data) >= CYCLE_HEAD.size:
+            self._add_cycle(place.record, *HEAD.unpack_from(data))
+        elif topic in self.places and len(data) >= PUBLISHED.size:
+            its = self.places[topic]
+            (time_ns,) = PUBLISHED.unpack_from(data)
+            its.append(place._replace(time_ns=max(time_ns, its[-1].time_ns if its else time_ns)))
+        elif topic == EVENTS:
+            with suppress(ValueError, RecursionError):
+                event = json.loads(data)
+                if isinstance(event, dict) and isinstance(event.get("wall_ns"), int):
+                    self.events.append(event)
+
+    def _add_cycle(self, record: int, flags: int, number: int, wall_ns: int) -> None:
+        wall_ns = max(wall_ns, self.last_ns)  # a clock may be set back
+        if not self.cycles:
+            self.first_ns = wall_ns
+        elif number != self._number + 1 and not flags & CycleFlag.RESTARTED:
+            self.gaps.append((self.last_ns, wall_ns))
+        if not self.starts or self.starts[-1][1] != record:
+            self.starts.append((wall_ns, record))
+        self.cycles, self.last_ns, self._number = self.cycles + 1, wall_ns, number
+
+
+class Newest(Generic[T]):
+    """The newest message of a topic up to any time, for one thread at a time.
+
+    Parameters
+    ----------
+    recording : LiveRecording
+    topic : str
+        `FIELDS` or `FITS`.
+    decode : function of byte in the file and message
+        None for what cannot be read.
+    """
+
+    def __init__(
+        self, recording: LiveRecording, topic: str, decode: Callable[[int, bytes], T | None]
+    ) -> None:
+        self._recording, self._decode = recording, decode
+        self._places = recording.index.places[topic]
+        self._times = [each.time_ns for each in self._places]
+        self._content: tuple[int, dict[int, bytes]] = (-1, {})  # the record that was read last
+        self._found: tuple[int, T | None] = (-1, None)
+
+    def before(self, time_ns: int) -> T | None:
+        """Up to a time, ns since the epoch; None without one, or where it cannot be read.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read any more.
+        """
+        place = bisect_right(self._times, time_ns) - 1
+        if place < 0:
+            return None
+        if place != self._found[0]:
+            where = self._places[place]
+            record = self._recording.outline.records[where.record]
+            data = self._entries(where.record).get(where.start, b"")
+            self._found = place, self._decode(record.start, data)
+        return self._found[1]
+
+    def _entries(self, number: int) -> dict[int, bytes]:
+        """Messages of a record by their places in it."""
+        if number != self._content[0]:
+            recording = self._recording
+            with open_file(recording.path) as file:
+                found = recording.messages_in(file, recording.outline.records[number])
+                self._content = number, {start: message.data for _, message, start in found}
+        return self._content[1]

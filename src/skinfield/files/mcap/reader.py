@@ -1,0 +1,291 @@
+"""Counts over time of a live skin's recording (MCAP), from its blocks, as other formats have them.
+
+A row is one scan: it ends where a channel comes that is in it already, and has the stamp of its
+last block. A channel that did not come in a scan, or whose board says that nothing is connected, is
+NaN there: earlier counts are never repeated. What else such a file holds, `LiveRecording` reads.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.records import MAGIC, Damage
+from skinfield.files.mcap.schema import BLOCKS
+from skinfield.files.recordings.columns import chosen
+from skinfield.files.recordings.head import Head
+from skinfield.signal.block import WORD
+from skinfield.skin import Patch
+from skinfield.skin.reading import UNITS, Recording
+
+Progress = Callable[[int, int], None]
+PIECE = 1 << 19  # numbers of the rows that are handed on together: 4 MB
+MOST_CHANNELS = 1 << 24  # of all ports together
+
+
+class PortOf(NamedTuple):
+    """A port as the recording's configuration states it, and its first channel among all."""
+
+    name: str
+    channels: int
+    unit: str
+    first: int
+
+
+def ports_of(recording: LiveRecording) -> tuple[PortOf, ...]:
+    """Ports of the sources that were recorded.
+
+    Raises
+    ------
+    FileError
+        If the configuration does not state them.
+    """
+    stated = recording.configuration.get("ports")
+    ports, first = [], 0
+    try:
+        for name, channels, unit in stated or ():
+            ports.append(PortOf(str(name), int(channels), str(unit), first))
+            first += ports[-1].channels
+    except (TypeError, ValueError) as error:
+        raise FileError(f"{recording.path}: ports are {stated!r:.80}: {error}") from error
+    good = all(port.channels > 0 and port.unit in UNITS for port in ports)
+    if not ports or not good or first > MOST_CHANNELS:
+        raise FileError(
+            f"{recording.path}: the configuration states the ports {stated!r:.80}, expected "
+            "[name, channels, unit] for each: it was recorded without its configuration"
+        )
+    return tuple(ports)
+
+
+def port_of(patch: Patch, ports: tuple[PortOf, ...]) -> PortOf:
+    """Port of a patch: that of its name, or the only one."""
+    for port in ports:
+        if port.name == patch.name or len(ports) == 1:
+            return port
+    names = ", ".join(port.name for port in ports)
+    raise InputError(f"patch {patch.name!r} has no port, expected one of its name among {names}")
+
+
+@dataclass(eq=False)
+class Scan:
+    """Rows of some channels.
+
+    Parameters
+    ----------
+    channel : (K,) int array
+        Among all ports; -1 for a column that never has a value.
+    channels : int
+        Of all ports together.
+    """
+
+    channel: Ints
+    channels: int
+    words: int = field(default=0, init=False)  # dropped, as they begin no block
+
+    def __post_init__(self) -> None:
+        count = len(self.channel)
+        self._column = np.full(self.channels, -1, np.int64)
+        there = (self.channel >= 0) & (self.channel < self.channels)
+        self._column[self.channel[there]] = np.flatnonzero(there)
+        self._row = np.full(count, np.nan)
+        self._fresh, self._status = np.zeros(count, np.uint8), np.zeros(count, np.uint8)
+        self._newest = np.zeros(1, np.int64)
+        self._out = np.zeros((max(PIECE // count, 16), count))
+        self._stamps = np.zeros(len(self._out), np.int64)
+        self._used = 0
+
+    def feed(self, data: bytes) -> Iterator[tuple[Ints, Floats]]:
+        """Take in blocks; stamps (R,) and rows (R, K), copies, as often as enough are full."""
+        from skinfield.files.mcap.kernel import scan
+
+        words = np.frombuffer(data, "<i8", len(data) // WORD)
+        views = (words.view(np.uint8), words.view(np.uint16), words.view(np.float32))
+        at = 0
+        while at < len(words):
+            at, rows = scan(
+                words,
+                *views,
+                at,
+                self._column,
+                self._row,
+                self._fresh,
+                self._status,
+                self._newest,
+                self._out[self._used :],
+                self._stamps[self._used :],
+            )
+            self._used += rows
+            if at < 0:
+                self.words += len(words) + at + 1
+                break
+            if self._used == len(self._out):
+                yield self._taken()
+
+    def finish(self) -> Iterator[tuple[Ints, Floats]]:
+        """The rest, with the scan that nothing ended."""
+        from skinfield.files.mcap.kernel import put_row
+
+        if self._used == len(self._out):
+            yield self._taken()
+        if self._fresh.any():
+            put_row(self._row, self._fresh, self._status, self._out[self._used])
+            self._stamps[self._used] = self._newest[0]
+            self._used += 1
+        if self._used:
+            yield self._taken()
+
+    def _taken(self) -> tuple[Ints, Floats]:
+        used, self._used = self._used, 0
+        return self._stamps[:used].copy(), self._out[:used].copy()
+
+
+@dataclass
+class LiveStream:
+    """Counts of a live recording piece by piece, as other formats' `RecordingStream`.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        Complete once `blocks` is exhausted.
+    skipped : int
+        Places of the file that could not be read, likewise.
+    divisor : int
+        Always 1: stamps are ns.
+    """
+
+    recording: LiveRecording
+    like: Recording
+    channel: Ints
+    progress: Progress | None = None
+    notes: tuple[str, ...] = ()
+    skipped: int = 0
+    divisor: int = 1
+
+    def blocks(self) -> Iterator[Recording]:
+        """Rows as recordings of some thousand readings each, once.
+
+        Raises
+        ------
+        FileError
+            If the file cannot be read any more, or holds no reading.
+        """
+        total = sum(port.channels for port in ports_of(self.recording))
+        rows, count = Scan(self.channel, total), 0
+        for _, at, message in self.recording.messages((BLOCKS,)):
+            logged = self.recording.logged_of(at, message)
+            for piece in () if logged is None else rows.feed(logged.data):
+                count += len(piece[0])
+                yield self._recording(*piece)
+            if self.progress is not None:
+                self.progress(at, self.recording.outline.size)
+        for piece in rows.finish():
+            count += len(piece[0])
+            yield self._recording(*piece)
+        if not count:
+            raise FileError(f"{self.recording.path} holds no reading of these channels")
+        self._finish(rows)
+
+    def _recording(self, stamps: Ints, counts: Floats) -> Recording:
+        like = self.like
+        return Recording(stamps, counts, like.uid, like.unit, like.source)
+
+    def _finish(self, rows: Scan) -> None:
+        damage, notes = self.recording.damage, []
+        if rows.words:
+            notes.append(f"{WORD * rows.words} bytes of readings are damaged: left out")
+        notes += [f"byte {each.byte}: {each.why}: left out" for each in damage[:8]]
+        if not self.recording.finished:
+            notes.insert(0, "the recording was not finished: its end may be missing")
+        self.notes, self.skipped = tuple(notes), len(damage)
+
+
+def live_stream(
+    recording: LiveRecording, patch: Patch | None = None, progress: Progress | None = None
+) -> LiveStream:
+    """Counts of one patch, in the order of its taxels; or of the port, where there is only one.
+
+    Raises
+    ------
+    FileError
+        If the recording does not say where its channels belong.
+    InputError
+        If no patch is named and there are several ports.
+    """
+    ports = ports_of(recording)
+    source = str(recording.path)
+    if patch is not None:
+        port = port_of(patch, ports)
+        like = _like(patch.uid, len(patch), port.unit, source)
+        return LiveStream(recording, like, patch.channel + port.first, progress)
+    if len(ports) == 1:
+        width = _width(recording, ports[0])
+        channel = np.arange(width)
+        channel[ports[0].channels :] = -1
+        return LiveStream(recording, _like(None, width, ports[0].unit, source), channel, progress)
+    patches = list(recording.skin)
+    uid = np.concatenate([each.uid for each in patches])
+    if len(np.unique(uid)) < len(uid) or len({port.unit for port in ports}) > 1:
+        raise InputError(
+            f"{source} holds the patches {', '.join(each.name for each in patches)[:200]}, whose "
+            "taxels have no identities of their own, expected one: export it by patch "
+            "(skinfield export), or take LiveRecording"
+        )
+    channel = np.concatenate([each.channel + port_of(each, ports).first for each in patches])
+    return LiveStream(recording, _like(uid, len(uid), ports[0].unit, source), channel, progress)
+
+
+def _like(uid: NDArray[np.uint64] | None, width: int, unit: str, source: str) -> Recording:
+    return Recording(np.zeros(0, np.int64), np.zeros((0, width)), uid, unit, source)
+
+
+def _width(recording: LiveRecording, port: PortOf) -> int:
+    """Columns that the layout says a port has; those of the port where it does not."""
+    try:
+        widths = {patch.n_channels for patch in recording.skin}
+    except FileError as error:
+        recording.damage.append(Damage(0, str(error)))
+        return port.channels
+    return widths.pop() if len(widths) == 1 else port.channels
+
+
+def collected_live(stream: LiveStream) -> Recording:
+    """All of a stream in memory."""
+    parts = list(stream.blocks())
+    return Recording(
+        np.concatenate([part.stamp_ns for part in parts]),
+        np.concatenate([part.counts for part in parts]),
+        stream.like.uid,
+        stream.like.unit,
+        stream.like.source,
+        stream.notes,
+        stream.skipped,
+    )
+
+
+def matches(head: Head) -> bool:
+    """Whether the file is an MCAP file."""
+    return head.data.startswith(MAGIC)
+
+
+def stream(
+    head: Head, columns: Sequence[int | str] | None, progress: Progress | None
+) -> LiveStream:
+    """Open a file whose head `matches`, to be read piece by piece."""
+    found = live_stream(LiveRecording.open(head.path), progress=progress)
+    if columns is None:
+        return found
+    keep = chosen(columns, found.like.counts.shape[1], head.path)
+    uid = found.like.uid
+    like = replace(
+        found.like, counts=found.like.counts[:, keep], uid=None if uid is None else uid[keep]
+    )
+    return replace(found, like=like, channel=found.channel[keep])
+
+
+def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
+    """Read a file whose head `matches`, as a whole."""
+    return collected_live(stream(head, columns, progress))

@@ -1,0 +1,230 @@
+"""What a live recording holds, in numbers: one pass over it."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import FileError, InputError
+from skinfield.files.mcap.live import LiveRecording
+from skinfield.files.mcap.reader import Scan, port_of, ports_of
+from skinfield.files.mcap.records import Damaged, Op, chunk_size, open_file
+from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
+
+Progress = Callable[[int, int], None]
+SHOWN = 200  # events and places of damage in a summary
+SHARES = {"p50": 0.5, "p99": 0.99, "p999": 0.999, "max": 1.0}
+
+
+def summary_of(recording: LiveRecording, progress: Progress | None = None) -> dict[str, Any]:
+    """Everything that `skinfield info` says, as plain values for JSON.
+
+    Parameters
+    ----------
+    recording : LiveRecording
+    progress : callable, optional
+        Called with bytes done and bytes in all.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read any more.
+    """
+    blocks, cycles = _Blocks(recording), _Cycles()
+    times: list[int] = []
+    sizes = {FIELDS: {"messages": 0, "bytes": 0}, FITS: {"answers": 0, "bytes": 0}}
+    for topic, at, message in recording.messages():
+        times = [min(times[0], message.time_ns), max(times[1], message.time_ns)] if times else (
+            [message.time_ns] * 2
+        )  # fmt: skip
+        if topic == BLOCKS:
+            blocks.add(at, message)
+        elif topic == CYCLES and (cycle := _cycle_of(recording, at, message)) is not None:
+            cycles.add(cycle)
+        elif topic in sizes:
+            its = sizes[topic]
+            its["answers" if topic == FITS else "messages"] += 1
+            its["bytes"] += len(message.data)
+        if progress is not None:
+            progress(at, recording.outline.size)
+    seconds = (times[1] - times[0]) * 1e-9 if times else 0.0
+    events = list(recording.events())
+    return {
+        "path": str(recording.path),
+        "finished": recording.finished,
+        "bytes": recording.outline.size,
+        "began_ns": times[0] if times else None,
+        "seconds": seconds,
+        **_skin_of(recording),
+        "patches": blocks.patches(seconds),
+        "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
+        **cycles.summary(seconds),
+        "fields": sizes[FIELDS],
+        "fit": sizes[FITS],
+        "settings": [event for event in events if event.get("kind") == "settings"],
+        "lost": _lost(events),
+        "events": dict(Counter(str(event.get("kind")) for event in events)),
+        "last_events": events[-SHOWN:],
+        "attachments": {name: len(each.data) for name, each in recording.attached.items()},
+        "chunks": _chunks(recording),
+        "damage": [{"byte": each.byte, "why": each.why} for each in recording.damage[:SHOWN]],
+    }
+
+
+def _cycle_of(recording: LiveRecording, at: int, message: Any) -> Cycle | None:
+    try:
+        return recording.cycle_of(at, message)
+    except FileError:  # its layout is damaged, which the message about cycles says
+        return None
+
+
+def _lost(events: list[dict[str, Any]]) -> dict[str, int]:
+    """What is not in the file, by what lost it."""
+
+    def total(kind: str, what: str) -> int:
+        values = [event.get(what) for event in events if event.get("kind") == kind]
+        return sum(value for value in values if isinstance(value, int))
+
+    return {
+        "messages": total("messages_lost", "messages"),
+        "overrun_bytes": total("log_overrun", "bytes"),
+        "overrun_cycles": total("cycle_overrun", "cycles"),
+        "dropped_bytes": total("dropped", "bytes"),
+        "dropped_cycles": total("dropped", "cycles"),
+    }
+
+
+def _skin_of(recording: LiveRecording) -> dict[str, Any]:
+    try:
+        skin = recording.skin
+    except FileError:
+        return {"skin": None, "taxels": None}
+    return {"skin": skin.name, "taxels": sum(map(len, skin))}
+
+
+def _chunks(recording: LiveRecording) -> dict[str, Any]:
+    count, packed, unpacked, names = 0, 0, 0, set()
+    with open_file(recording.path) as file:
+        for record in recording.outline.records:
+            if record.opcode == Op.CHUNK:
+                try:
+                    size = chunk_size(file, record)
+                except Damaged:
+                    continue
+                count, packed, unpacked = count + 1, packed + size.packed, unpacked + size.unpacked
+                names.add(size.compression or "none")
+    return {
+        "count": count,
+        "compression": ", ".join(sorted(names)),
+        "packed_bytes": packed,
+        "unpacked_bytes": unpacked,
+    }
+
+
+class _Blocks:
+    """Bytes of the log, and scans of each patch."""
+
+    def __init__(self, recording: LiveRecording) -> None:
+        self._recording = recording
+        self.bytes = self.missing = 0
+        self._end = -1
+        self._scans: list[tuple[str, int, Scan]] = []
+        self._rows: Counter[str] = Counter()
+        try:
+            ports = ports_of(recording)
+            total = sum(port.channels for port in ports)
+            for patch in recording.skin:
+                channel = patch.channel + port_of(patch, ports).first
+                self._scans.append((patch.name, len(patch), Scan(channel, total)))
+        except InputError:  # without layout or ports nobody knows whose counts they are
+            self._scans = []
+
+    def add(self, at: int, message: Any) -> None:
+        """Count one message."""
+        logged = self._recording.logged_of(at, message)
+        if logged is None:
+            return
+        if 0 <= self._end < logged.position:
+            self.missing += logged.position - self._end
+        self._end = logged.position + len(logged.data)
+        self.bytes += len(logged.data)
+        for name, _, scan in self._scans:
+            self._rows[name] += sum(len(stamps) for stamps, _ in scan.feed(logged.data))
+
+    def patches(self, seconds: float) -> list[dict[str, Any]]:
+        """Readings and rates."""
+        return list(self._patches(seconds))
+
+    def _patches(self, seconds: float) -> Iterator[dict[str, Any]]:
+        for name, taxels, scan in self._scans:
+            self._rows[name] += sum(len(stamps) for stamps, _ in scan.finish())
+            count = self._rows[name]
+            rate = count / seconds if seconds > 0 else None
+            yield {"name": name, "taxels": taxels, "readings": count, "rate": rate}
+
+
+def is_answered(cycle: Cycle) -> bool:
+    """Whether the engine answered any patch by then; True where the rows do not say."""
+    named = "answered_ns" in (cycle.patches.dtype.names or ())
+    return not named or bool(cycle.patches["answered_ns"].any())
+
+
+@dataclass
+class _Cycles:
+    """Counts and times of the cycles."""
+
+    wake: list[int] = field(default_factory=list)
+    ready: list[int] = field(default_factory=list)
+    flags: Counter[CycleFlag] = field(default_factory=Counter)
+    count: int = 0
+    first: int = 0
+    last: int = 0
+    touched: int = 0
+    most: int = 0
+    tracks: set[int] = field(default_factory=set)
+
+    def add(self, cycle: Cycle) -> None:
+        """Count one."""
+        if not self.count:
+            self.first = cycle.number
+        self.last = cycle.number
+        self.count += 1
+        if is_answered(cycle):  # an engine that starts has other times than later
+            self.wake.append(cycle.wake_ns - cycle.due_ns)
+            self.ready.append(cycle.done_ns - cycle.wake_ns)
+        for flag in CycleFlag:
+            self.flags[flag] += bool(cycle.flags & flag)
+        if len(cycle.contacts):
+            self.touched += 1
+            self.most = max(self.most, len(cycle.contacts))
+            if "track" in (cycle.contacts.dtype.names or ()):
+                self.tracks.update(cycle.contacts["track"].tolist())
+
+    def summary(self, seconds: float) -> dict[str, Any]:
+        """All of it."""
+        count = self.count
+        expected = self.last - self.first + 1 if count else 0
+        return {
+            "cycles": count,
+            "cycles_missing": max(expected - count, 0),
+            "cycle_rate": count / seconds if seconds > 0 else None,
+            "late": self.flags[CycleFlag.LATE],
+            "overrun": self.flags[CycleFlag.OVERRUN],
+            "restarts": self.flags[CycleFlag.RESTARTED],
+            "wake_us": _micros(self.wake),
+            "ready_us": _micros(self.ready),
+            "contacts": {
+                "cycles": self.touched,
+                "most_at_once": self.most,
+                "tracks": len(self.tracks),
+            },
+        }
+
+
+def _micros(times_ns: list[int]) -> dict[str, float] | None:
+    if not times_ns:
+        return None
+    found = np.quantile(np.array(times_ns), list(SHARES.values()), method="inverted_cdf") * 1e-3
+    return dict(zip(SHARES, found.tolist(), strict=True))

@@ -1,0 +1,451 @@
+"""Writer of recordings of a live skin: one MCAP file that holds all that a reader needs."""
+
+import json
+import math
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from skinfield.errors import FileError, InputError, check_choice, check_count
+from skinfield.files.mcap.container import (
+    COMPRESSIONS,
+    Bytes,
+    Compression,
+    Container,
+    FileOutput,
+    Output,
+)
+from skinfield.files.mcap.schema import (
+    BLOCKS,
+    CALIBRATION,
+    CONFIGURATION,
+    CYCLES,
+    DESCRIPTION,
+    EVENTS,
+    FIELDS,
+    FITS,
+    LAYOUT,
+    POSITION,
+    PROFILE,
+    TIMING,
+    CycleLayout,
+    Enclosed,
+    FitLayout,
+)
+from skinfield.files.mcap.schema import __doc__ as _RECORDED
+from skinfield.files.mcap.views import ViewMessage, Views
+from skinfield.signal import Calibration
+from skinfield.signal.block import __doc__ as _BLOCKS
+from skinfield.skin import Skin
+
+TEXT = "x-text"  # encoding of a schema that is prose
+NPZ, JSON = "application/x-npz", "application/json"
+_KINDS = """\
+Kinds, and their payloads: 1, 2, 3: counts as uint8, uint16, float32, one per channel. 4: a bit per
+channel, out of range. 5: int64, a source (its number stands for the channel) came up (1) or went
+down (0). 6: int64, messages of a source that are known to be lost.
+Status bits: 1 no answer, 2 not connected, 4 out of range, 8 invalid.
+"""
+_CYCLE = """\
+One cycle of the engine, little-endian:
+
+offset bytes what
+0      2     version of this layout (uint16), 1
+2      2     bytes of this head (uint16), 96
+4      4     flags (uint32): 2 late, 4 overrun, 8 first of a new engine process
+8      8     number (int64)
+16     8     due_ns (int64), monotonic clock
+24     8     wake_ns
+32     8     acquired_ns
+40     8     done_ns
+48     8     wall_ns, since the epoch
+56     8     position in the ring's log up to which blocks were applied (int64, bytes)
+64     8     0; in older files rows and columns (uint32 each) of int64 numbers behind the head
+72     4     contacts (uint32, as the following)
+76     4     bytes of a contact
+80     4     patches
+84     4     bytes of a patch
+88     8     0
+96           contacts, patches
+
+The fields of a contact and of a patch are in the channel's metadata as JSON.
+"""
+_MORE = "What these are is said in the schema of /skin/blocks.\n"
+_FIELD_HEAD = """\
+The head of a message of /skin/fields:
+
+offset bytes what
+0      2     version of this layout (uint16), 1
+2      2     bytes of this head (uint16), 40
+4      4     patches (uint32), P
+8      8     when the cycle began, ns since the epoch (int64)
+16     8     number of the cycle (int64)
+24     4     taxels (uint32, as the following), L
+28     4     nodes of the finest grid of a patch
+32     4     nodes with pressure in this message, M
+36     4     0
+40           sides of grids, how many nodes have pressure, nodes, pressures, counts, values, valid
+"""
+_FIT_HEAD = """\
+The head of a message of /skin/fit:
+
+offset bytes what
+0      2     version of this layout (uint16), 1
+2      2     bytes of this head (uint16), 56
+4      4     patches of the skin (uint32)
+8      8     when the fit published it, ns since the epoch (int64)
+16     8     number of the answer, counted by each fit from 1; 0: there is none any more (int64)
+24     4     nodes of the finest grid of a patch (uint32, as the following)
+28     4     contacts of a patch, at most
+32     4     patches in this message
+36     4     bytes of a patch
+40     4     contacts in this message
+44     4     bytes of a contact
+48     4     bytes of a form
+52     4     nodes with pressure in this message
+56           places, how many nodes have pressure, patches, contacts, forms, nodes, pressures
+
+The fields of a patch, a contact and a form are in the channel's metadata as JSON.
+"""
+
+
+def _object(title: str, **properties: object) -> bytes:
+    schema = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": title,
+        "type": "object",
+        "properties": properties,
+    }
+    return json.dumps(schema).encode()
+
+
+_QUANTILES = {
+    "type": "object",
+    "properties": {key: {"type": "number"} for key in ("p50", "p99", "p999", "max")},
+}
+BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}\n{_KINDS}".encode())
+CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
+FIELD_SCHEMA = ("skinfield.Field", TEXT, f"{_FIELD_HEAD}\n{_MORE}".encode())
+FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT_HEAD}\n{_MORE}".encode())
+TIMING_SCHEMA = (
+    "skinfield.Timing",
+    "jsonschema",
+    _object(
+        "skinfield.Timing",
+        wall_ns={"type": "integer"},
+        cycles={"type": "integer"},
+        late={"type": "integer"},
+        wake_us=_QUANTILES,
+        latency_us=_QUANTILES,
+        counters={"type": "object"},
+    ),
+)
+EVENT_SCHEMA = (
+    "skinfield.Event",
+    "jsonschema",
+    _object(
+        "skinfield.Event",
+        wall_ns={"type": "integer"},
+        kind={"type": "string"},
+        text={"type": "string"},
+    ),
+)
+
+
+@dataclass(frozen=True)
+class RecordingSettings:
+    """How a recording is written.
+
+    Parameters
+    ----------
+    compression : "zstd", "lz4" or "none"
+    chunk_bytes : int
+        A chunk is closed when it has as many; 256 kB to 1 MB are usual.
+    overwrite : bool
+        Whether a file of this name may be replaced.
+    """
+
+    compression: Compression = "zstd"
+    chunk_bytes: int = 1 << 19
+    overwrite: bool = False
+
+    def __post_init__(self) -> None:
+        check_choice("compression", self.compression, COMPRESSIONS, "of the file's chunks")
+        check_count("chunk_bytes", self.chunk_bytes, 1, 1 << 28, "what is compressed together")
+
+
+class RecordingWriter:
+    """Writes a recording; what was flushed survives the end of the process.
+
+    Parameters
+    ----------
+    path : str or Path
+        Written to from the beginning under this name, so that a crash leaves a file to recover.
+    enclosed : iterable of Enclosed
+        Layout, calibrations, configuration.
+    layout : CycleLayout
+        Of the cycles' rows.
+    fit : FitLayout, optional
+        Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
+    settings : RecordingSettings
+    output : Output, optional
+        Instead of a file of this path.
+    views : sequence of Views
+        Channels for programs that do not know skinfield; `show` writes them.
+
+    Raises
+    ------
+    InputError
+        If there is a file of this name already and `overwrite` is not set.
+    FileError
+        If it cannot be made.
+
+    Attributes
+    ----------
+    path : Path
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        enclosed: Iterable[Enclosed] = (),
+        *,
+        layout: CycleLayout,
+        fit: FitLayout | None = None,
+        settings: RecordingSettings | None = None,
+        output: Output | None = None,
+        views: Sequence[Views] = (),
+    ) -> None:
+        self.path = Path(path)
+        self.layout = layout
+        settings = settings or RecordingSettings()
+        self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
+        profile = next((each.profile for each in views if each.profile), PROFILE)
+        library = f"skinfield {version('skinfield')}"
+        self.container = Container(
+            self._output, settings.compression, settings.chunk_bytes, profile, library
+        )
+        add = self.container.add_channel
+        # Readers of ROS 2 bags refuse files with a schema whose language they do not know.
+        schema_of = _untyped if profile != PROFILE else _as_is
+        self._blocks = add(BLOCKS, "x-skinfield-blocks", schema_of(BLOCKS_SCHEMA))
+        self._cycles = add(
+            CYCLES, "x-skinfield-cycle", schema_of(CYCLE_SCHEMA), self.layout.metadata()
+        )
+        self._fields = add(FIELDS, "x-skinfield-field", schema_of(FIELD_SCHEMA))
+        self._timing = add(TIMING, "json", schema_of(TIMING_SCHEMA))
+        self._events = add(EVENTS, "json", schema_of(EVENT_SCHEMA))
+        self._fit: int | None = None
+        if fit is not None:
+            self._fit = add(FITS, "x-skinfield-fit", schema_of(FIT_SCHEMA), fit.metadata())
+        shown = [channel for each in views for channel in each.channels()]
+        self._views = {each.topic: add(*each) for each in shown}
+        self.open = True
+        for each in enclosed:
+            self.enclose(time.time_ns(), each)
+        own = [self._blocks, self._cycles, self._fields, self._timing, self._events]
+        own += [] if self._fit is None else [self._fit]
+        self._numbers = dict.fromkeys((*own, *self._views.values()), 0)
+        self.flush()
+
+    @property
+    def bytes_written(self) -> int:
+        """Of the file so far."""
+        return self._output.end
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that are not in the file yet."""
+        return self.container.waiting
+
+    def write_blocks(self, time_ns: int, position: int, data: Bytes) -> None:
+        """Add bytes of the ring's log.
+
+        Parameters
+        ----------
+        time_ns : int, ns
+            When they were taken from the log, since the epoch.
+        position : int, bytes
+            Of the first of them in the log.
+        data : bytes
+            Whole blocks.
+
+        Raises
+        ------
+        FileError
+            If a chunk could not be written. Nothing is lost: it waits, see `flush`.
+        """
+        self._add(self._blocks, time_ns, POSITION.pack(position), data)
+
+    def write_cycle(self, time_ns: int, record: Bytes) -> None:
+        """Add a cycle, as `CycleLayout.encode` makes it; raises as `write_blocks`."""
+        self._add(self._cycles, time_ns, record)
+
+    def write_field(self, time_ns: int, record: Bytes) -> None:
+        """Add a field, as `FieldRecord.encode` makes it; raises as `write_blocks`."""
+        self._add(self._fields, time_ns, record)
+
+    def write_fit(self, time_ns: int, record: Bytes) -> None:
+        """Add an answer of a fit, as `FitLayout.encode` makes it; raises as `write_blocks`."""
+        if self._fit is None:
+            raise InputError(f"{self.path} has no channel {FITS}, expected `fit` when it was made")
+        self._add(self._fit, time_ns, record)
+
+    def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
+        """Add what was measured of the last second; raises as `write_blocks`."""
+        self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
+
+    def show(self, message: ViewMessage) -> None:
+        """Add a message of one of `views`; raises as `write_blocks`."""
+        self._add(self._views[message.topic], message.time_ns, message.data)
+
+    def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
+        """Add a small file."""
+        add = self.container.add_attachment
+        add(enclosed.name, enclosed.media_type, enclosed.data, time_ns)
+
+    def event(self, time_ns: int, kind: str, text: str, **values: Any) -> None:
+        """Add something that happened; raises as `write_blocks`.
+
+        Parameters
+        ----------
+        kind : str
+            Such as "source_down", for programs.
+        text : str
+            A sentence.
+        values : numbers and texts
+            More of it, as JSON can hold it.
+        """
+        event = {"wall_ns": time_ns, "kind": kind, "text": text, **values}
+        self._add(self._events, time_ns, _json(event))
+
+    def flush(self) -> None:
+        """Close the chunk and hand everything to the system: a `kill -9` cannot take it any more.
+
+        Raises
+        ------
+        FileError
+            If it could not be written, such as on a full disk. Nothing is lost: call it again.
+        """
+        try:
+            self.container.flush()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def sync(self) -> None:
+        """Have the system write everything to the disk: not even power loss can take it then."""
+        try:
+            self.container.sync()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def close(self) -> None:
+        """Finish the file.
+
+        Raises
+        ------
+        FileError
+            If its end could not be written: `skinfield recover` makes a whole file of it.
+        """
+        if not self.open:
+            return
+        self.open = False
+        try:
+            self.container.finish()
+        except OSError as error:
+            raise self._failure(error) from error
+        finally:
+            self._output.close()
+
+    def _add(self, channel: int, time_ns: int, *parts: Bytes) -> None:
+        if not self.open:
+            raise InputError(f"{self.path} is closed, expected an open recording")
+        check_count("time_ns", time_ns, 0, (1 << 63) - 1, "ns since the epoch")
+        number = self._numbers[channel]
+        self._numbers[channel] = number + 1
+        try:
+            self.container.add_message(channel, number, time_ns, *parts)
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def _failure(self, error: OSError) -> FileError:
+        return FileError(
+            f"{self.path} cannot be written: {error.strerror or error}; "
+            f"{self.waiting} bytes wait, {self.bytes_written} are in the file"
+        )
+
+
+def _untyped(schema: tuple[str, str, bytes]) -> tuple[str, str, bytes]:
+    name, _, text = schema
+    return name, "", text
+
+
+def _as_is(schema: tuple[str, str, bytes]) -> tuple[str, str, bytes]:
+    return schema
+
+
+def _json(value: Mapping[str, Any]) -> bytes:
+    return json.dumps(_plain(value), separators=(",", ":")).encode()
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can hold; null for a number that is not finite, as JSON has none."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if hasattr(value, "tolist"):  # NumPy's
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, str | int):
+        return value
+    raise InputError(f"{value!r} cannot be written as JSON, expected numbers and texts")
+
+
+def enclosures(
+    skin: Skin | None = None,
+    calibrations: Mapping[str, Calibration] | None = None,
+    configuration: Mapping[str, Any] | None = None,
+    description: Mapping[str, Any] | None = None,
+) -> tuple[Enclosed, ...]:
+    """Layout, calibrations and configuration as the files that a recording encloses.
+
+    Parameters
+    ----------
+    skin : Skin, optional
+        As skinfield's own NPZ layout: nothing of it is lost.
+    calibrations : mapping of str to Calibration, optional
+        By patch.
+    configuration : mapping, optional
+        How the engine was run, as JSON can hold it.
+    description : mapping, optional
+        Of the ring, likewise.
+    """
+    return tuple(_enclosed(skin, calibrations or {}, configuration, description))
+
+
+def _enclosed(
+    skin: Skin | None,
+    calibrations: Mapping[str, Calibration],
+    configuration: Mapping[str, Any] | None,
+    description: Mapping[str, Any] | None,
+) -> Iterator[Enclosed]:
+    from skinfield.files.layouts import own_npz
+    from skinfield.signal import save_calibration
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "enclosed.npz"
+        if skin is not None:
+            own_npz.write(skin, path)
+            yield Enclosed(LAYOUT, NPZ, path.read_bytes())
+        for patch, calibration in calibrations.items():
+            save_calibration(calibration, path)
+            yield Enclosed(CALIBRATION.format(patch=patch), NPZ, path.read_bytes())
+    for name, value in ((CONFIGURATION, configuration), (DESCRIPTION, description)):
+        if value is not None:
+            yield Enclosed(name, JSON, json.dumps(value, indent=1).encode())

@@ -1,0 +1,135 @@
+"""Atomic results: written under another name and renamed at the end, so whole or not at all."""
+
+import os
+import secrets
+import shutil
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
+
+from skinfield.errors import FileError
+from skinfield.estimate import Estimate
+
+
+class Sink(Protocol):
+    """Anything that takes estimates, one or many at a time, until it is closed."""
+
+    def write(self, estimate: Estimate, /) -> None:
+        """Take the estimate of one reading or of a run of readings."""
+        ...
+
+    def close(self) -> None:
+        """Finish; the result has its name only now."""
+        ...
+
+
+class Closing(ABC):
+    """A `with` block around a sink: closed at its end, discarded on an error."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Finish."""
+
+    @abstractmethod
+    def discard(self) -> None:
+        """Give up: nothing is left, and what stood at the result's place stays."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.discard()
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A result that is being written: its place, and the name it has until then."""
+
+    target: Path
+    part: Path
+
+    def commit(self) -> None:
+        """Give the result its name; a result that was there before is replaced."""
+        with explained(self.target):
+            if self.target.is_dir():  # folders cannot be replaced in one step
+                old = self.part.with_name(self.part.name + ".old")
+                self.target.rename(old)
+                self.part.rename(self.target)
+                shutil.rmtree(old)
+            else:
+                self.part.replace(self.target)
+
+    def discard(self) -> None:
+        """Remove what was written."""
+        if self.part.is_dir():
+            shutil.rmtree(self.part, ignore_errors=True)
+        else:
+            self.part.unlink(missing_ok=True)
+
+
+def pending(path: str | Path) -> Pending:
+    """A result beside its place, in the same folder so that renaming does not copy.
+
+    Raises
+    ------
+    FileError
+        If there is no such folder, or a folder stands at the place of a file.
+    """
+    try:
+        target = Path(path).resolve()  # what a link points to is written, not the link
+    except ValueError as error:  # a zero byte
+        raise FileError(f"{str(path)!r} cannot be written: {error}; expected a path") from error
+    with explained(target):
+        folder = target.parent
+        if not folder.is_dir():
+            raise FileError(
+                f"{target} cannot be written: {folder} is no folder, expected one that is there"
+            )
+        own = any((target / name / "zarr.json").is_file() for name in (".", "results.zarr"))
+        if target.is_dir() and not own:
+            raise FileError(
+                f"{target} is a folder that is no Zarr store and no results, expected a new name"
+            )
+        if target.exists() and not (target.is_dir() or target.is_file()):
+            raise FileError(f"{target} is no file, expected the name of one: it cannot be replaced")
+        if not os.access(folder, os.W_OK):
+            raise FileError(f"{target} cannot be written: no permission to write into {folder}")
+    return Pending(target, folder / f".{target.name[:80]}.{secrets.token_hex(4)}.part")
+
+
+@contextmanager
+def explained(target: Path) -> Iterator[None]:
+    """Turn what the system says about files into FileError."""
+    try:
+        yield
+    except OSError as error:
+        raise FileError(
+            f"{target} cannot be written: {error.strerror or error}; expected a folder that can be "
+            "written to, with room"
+        ) from error
+
+
+def write_bytes(path: str | Path, data: bytes) -> None:
+    """Write a small file whole or not at all; raises FileError if it cannot be written."""
+    place = pending(path)
+    try:
+        with explained(place.target), place.part.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        place.commit()
+    except BaseException:
+        place.discard()
+        raise

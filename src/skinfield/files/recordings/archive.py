@@ -1,0 +1,118 @@
+"""NPZ recordings of one's own.
+
+Keys: `stamp_ns` (T,) whole numbers or `time_s` (T,); `counts` (T, C); and if there is more to say
+`uid` (C,), `unit` (one of `skinfield.skin.reading.UNITS`, else "count"), `source`.
+"""
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, Floats
+from skinfield.files.recordings.columns import chosen
+from skinfield.files.recordings.head import Head
+from skinfield.files.recordings.lines import Progress
+from skinfield.files.recordings.stamp import order_notes
+from skinfield.files.recordings.stream import Missing
+from skinfield.skin.reading import UNITS, Recording
+
+KEYS = ("stamp_ns", "time_s", "counts", "uid", "unit", "source")
+LAYOUT = "keys counts (T, C) and stamp_ns (T,) or time_s (T,), if needed uid (C,) and unit"
+
+
+def matches(head: Head) -> bool:
+    """Whether the file is a zip archive, as NPZ is."""
+    return head.data.startswith((b"PK\x03\x04", b"PK\x05\x06"))
+
+
+def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
+    """Read an archive whose head `matches`."""
+    found = _load(head)
+    if "counts" not in found or not {"stamp_ns", "time_s"} & set(found):
+        raise FileError(f"{head.path} lacks keys: expected {LAYOUT}")
+    counts = _floats(head, "counts", found["counts"])
+    if counts.ndim != 2 or not counts.size:
+        raise FileError(f"{head.path}: counts has shape {counts.shape}, expected (T, C), T, C >= 1")
+    stamps = _stamps(head, found)
+    if stamps.shape != counts.shape[:1]:
+        raise FileError(
+            f"{head.path}: {stamps.shape} stamps for {len(counts)} rows of counts, expected as many"
+        )
+    keep = chosen(columns, counts.shape[1], head.path)
+    uid = _uids(head, found, counts.shape[1])
+    counts, rows = counts[:, keep], np.arange(len(counts))
+    missing = Missing()
+    missing.mend(counts, rows)
+    notes = missing.notes(head.path) + order_notes(stamps, head.path.name, rows)
+    unit = str(found["unit"]) if "unit" in found else "count"
+    if unit not in UNITS:
+        raise FileError(
+            f"{head.path}: unit {unit[:20]!r} is not known, expected one of {', '.join(UNITS)}"
+        )
+    if "unit" not in found:
+        notes += ("no key `unit` is there: taken as count",)
+    source = f"{head.path} ({found['source']})" if "source" in found else str(head.path)
+    if progress is not None:
+        progress(head.size, head.size)
+    return Recording(stamps, counts, None if uid is None else uid[keep], unit, source, notes)
+
+
+def _load(head: Head) -> dict[str, NDArray[Any]]:
+    """Arrays under the known keys; whatever a damaged archive raises becomes a FileError."""
+    try:
+        with warnings.catch_warnings(), head.path.open("rb") as file:
+            warnings.simplefilter("ignore")
+            archive = np.load(file, allow_pickle=False)
+            names = list(archive.files)
+            found = {key: np.asarray(archive[key]) for key in KEYS if key in names}
+    except Exception as error:  # zip, zlib, struct and numpy each have errors of their own
+        raise FileError(
+            f"{head.path} cannot be read as NPZ ({type(error).__name__}: {str(error)[:120]}), "
+            f"expected {LAYOUT}"
+        ) from error
+    if "counts" not in found:
+        hint = ""
+        if "positions" in names and "pressure" not in names:
+            hint = ": it looks like a layout, give it as one"
+        elif "pressure" in names:
+            hint = ": it looks like fields that were computed from a recording"
+        shown = ", ".join(names[:8])[:200]
+        raise FileError(f"{head.path} holds the keys {shown}, expected {LAYOUT}{hint}")
+    return found
+
+
+def _floats(head: Head, key: str, values: NDArray[Any]) -> Floats:
+    if values.dtype.kind not in "fiub":
+        raise FileError(f"{head.path}: {key} holds {values.dtype}, expected numbers")
+    return np.array(values, np.float64)
+
+
+def _stamps(head: Head, found: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
+    if "stamp_ns" in found:
+        stamps = found["stamp_ns"]
+        if stamps.dtype.kind not in "iu" or (stamps.size and int(stamps.max()) >= 2**63):
+            raise FileError(f"{head.path}: stamp_ns holds {stamps.dtype}, expected int64")
+        return stamps.astype(np.int64)
+    time = _floats(head, "time_s", found["time_s"])
+    if not (np.abs(time) < 9.2e9).all():
+        raise FileError(
+            f"{head.path}: time_s holds a value that is not finite or beyond 292 years, "
+            "expected seconds"
+        )
+    return np.round(time * 1e9).astype(np.int64)
+
+
+def _uids(head: Head, found: dict[str, NDArray[Any]], columns: int) -> NDArray[np.uint64] | None:
+    if "uid" not in found:
+        return None
+    uid = found["uid"]
+    fits = uid.dtype.kind in "iu" and uid.shape == (columns,) and (uid.size and uid.min() >= 0)
+    if not fits:
+        raise FileError(
+            f"{head.path}: uid is {uid.dtype} {uid.shape}, expected ({columns},) whole numbers "
+            "from 0, one per column of counts"
+        )
+    return uid.astype(np.uint64)

@@ -1,0 +1,93 @@
+"""Logs of yarpdatadumper: `sequence time [time received] value value ...` of any port of numbers.
+
+A log is a folder that holds `data.log` and `info.log`. The time is the sender's where both are
+there. Brackets of nested lists are taken as spaces. Logs of skin ports are raw counts; a port of
+six numbers named `analog:o` is a force and torque.
+"""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from skinfield.errors import FileError
+from skinfield.files.recordings.columns import chosen
+from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
+from skinfield.files.recordings.lines import Grammar
+from skinfield.files.recordings.stream import Contents
+
+BRACKETS = "()"
+WRENCH = "N, N m"
+
+
+def matches(head: Head) -> bool:
+    """Whether most lines start with a whole number and a time, and hold a value."""
+    rows = head.rows(_preamble(head), None, BRACKETS)
+    width = usual_width(rows)
+    good = [r for r in rows if len(r) == width and is_whole(r[0]) and all(map(is_number, r[1:4]))]
+    return width >= 3 and 2 * len(good) > len(rows)
+
+
+def contents(head: Head, columns: Sequence[int | str] | None) -> Contents:
+    """What a log holds whose head `matches`."""
+    port, kind = _info(head)
+    if kind and not kind.startswith(("bottle", "vector")):
+        raise FileError(
+            f"{head.path} is a yarpdatadumper log of type {kind!r}, expected Bottle: "
+            "a recording holds numbers, not pictures"
+        )
+    rows = head.rows(_preamble(head), None, BRACKETS)
+    width, lead = usual_width(rows), 3 if _has_both_times(rows) else 2
+    _check_first(head, rows[0], width, lead)
+    grammar = Grammar(
+        width=width,
+        stamp=1,
+        expected=f"a sequence number, {lead - 1} time(s) and {width - lead} values",
+        blank=BRACKETS.encode(),
+        decimals=usual_decimals(rows),
+        skip=_preamble(head),
+    )
+    is_wrench = port.endswith("analog:o") and width - lead == 6
+    return Contents(
+        path=head.path,
+        grammar=grammar,
+        keep=lead + chosen(columns, width - lead, head.path),
+        unit=WRENCH if is_wrench else "count",
+        source=f"{head.path} (port {port})" if port else str(head.path),
+        sequenced=True,
+    )
+
+
+def _preamble(head: Head) -> int:
+    """Lines before the data: old versions wrote what is now `info.log` at the top of the log."""
+    known = ("Type:", "Source:", "Stamp:")
+    return next((k for k, line in enumerate(head.lines) if not line.startswith(known)), 0)
+
+
+def _info(head: Head) -> tuple[str, str]:
+    """Port and type from the `info.log` beside the log; empty where it does not say."""
+    try:
+        text = head.path.with_name("info.log").read_bytes()[:4096].decode("latin-1")
+    except OSError:
+        text = "\n".join(head.lines[: _preamble(head)])
+    port = re.search(r"(/\S+)\s+\[connected\]", text)
+    kind = re.search(r"^Type:\s*([^;\s]+)", text, re.MULTILINE)
+    return port.group(1) if port else "", kind.group(1).lower() if kind else ""
+
+
+def _has_both_times(rows: list[list[str]]) -> bool:
+    """Whether the third number is a second time of day, close to the first."""
+    pairs = [row[1:3] for row in rows if len(row) > 3 and all(map(is_number, row[1:3]))]
+    times = np.array(pairs, np.float64).reshape(-1, 2)
+    since_2001 = (times > 1e9).all(axis=1)  # s; no count is that large
+    return len(times) > 0 and bool((since_2001 & (np.abs(np.ptp(times, axis=1)) < 60)).all())
+
+
+def _check_first(head: Head, first: list[str], width: int, lead: int) -> None:
+    """Uids cannot be mistaken for a bad line: without them the columns have no meaning."""
+    if len(first) != width and len(first) > 2 and all(map(is_whole, first)):
+        raise FileError(
+            f"{head.path}:{head.numbered()[0][0]}: {len(first)} whole numbers stand above lines of "
+            f"{width}, expected {width - 2} uids (one per value, as CySkin writes them) "
+            f"or {width} numbers"
+        )

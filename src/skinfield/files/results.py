@@ -1,0 +1,442 @@
+"""Results folders: any slice of the fields of a recording as labelled arrays, computed lazily.
+
+`sinks.save_results` and `skinfield reconstruct -o run.skinfield` write them; `sinks.results` says
+what is in them.
+"""
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, Floats, SkinfieldError, check_count
+from skinfield.estimate import Estimate
+from skinfield.estimate.contact_table import Row, arrow_table, load_pyarrow, rows_from_estimate
+from skinfield.reconstruct import Reconstructor
+from skinfield.reconstruct.bulk import OUTPUTS, RUN, BulkFields
+from skinfield.reconstruct.serialisation import (
+    ARRAYS,
+    CONTACTS,
+    ReconstructorConfig,
+    results_from_attributes,
+)
+from skinfield.skin import Grid
+from skinfield.solve import Solver
+
+if TYPE_CHECKING:
+    import pyarrow
+    import xarray
+
+FEWEST, MOST = RUN, 8 * RUN  # readings of a chunk that is computed as a whole
+CHUNK_BYTES = 16 << 20  # of its pressure and displacement, about
+TEXTS = {
+    "pressure": ("Pa", "pressure, compression positive"),
+    "indentation": ("m", "displacement into the skin along its normal"),
+    "displacement": ("m", "displacement of the surface, in the patch's frame"),
+}
+_LOCK = threading.Lock()  # a reconstructor answers one at a time
+
+
+class Readings(Protocol):
+    """Readings of a patch that need not be in memory."""
+
+    def __len__(self) -> int: ...
+
+    def stamps(self, first: int, last: int) -> NDArray[np.int64]:
+        """Of readings first to last, ns."""
+        ...
+
+    def values(self, first: int, last: int) -> Floats:
+        """Readings first to last, (last - first, L), in the quantity's unit; NaN where invalid."""
+        ...
+
+
+@dataclass(eq=False)
+class Results:
+    """Readings of a recording and what reconstructs them; it can be pickled.
+
+    Attributes
+    ----------
+    config : ReconstructorConfig
+        Patch, grid, solver and so on.
+    readings : Readings
+    notes : tuple of str
+        What was assumed, found and left out when the readings were conditioned.
+    source : str
+        Where the readings come from.
+    stored : mapping
+        Zarr arrays of the fields that are stored, by their name.
+    """
+
+    config: ReconstructorConfig
+    readings: Readings
+    notes: tuple[str, ...] = ()
+    source: str = ""
+    stored: Mapping[str, Any] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.readings)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Settings and where the readings are; nothing that was prepared."""
+        return {name: vars(self)[name] for name in self.__dataclass_fields__}
+
+    @cached_property
+    def reconstructor(self) -> Reconstructor:
+        """Prepared when it is first needed."""
+        return self.config.reconstructor()
+
+    @cached_property
+    def _bulk(self) -> dict[Any, BulkFields]:
+        return {}
+
+    def bulk(
+        self, names: tuple[str, ...], precision: type[np.floating[Any]] = np.float32
+    ) -> BulkFields:
+        """What computes some of the fields of many readings."""
+        key = names, precision
+        if key not in self._bulk:
+            self._bulk[key] = BulkFields(self.reconstructor, names, precision)
+        return self._bulk[key]
+
+    def estimate(self, reading: int) -> Estimate:
+        """Everything of one reading, by the reconstructor itself and from nothing before.
+
+        Raises
+        ------
+        InputError
+            If there is no such reading.
+        """
+        check_count("reading", reading, -len(self), len(self) - 1, "one of the recording")
+        at = reading % len(self)
+        self.reconstructor.reset()
+        stamp = self.readings.stamps(at, at + 1)[0]
+        return self.reconstructor(self.readings.values(at, at + 1)[0], stamp_ns=stamp)
+
+    def estimates(self, first: int, last: int, names: tuple[str, ...] = ("pressure",)) -> Estimate:
+        """Readings first to last as one estimate, whose contacts are found when looked at."""
+        bulk = self.bulk(names)
+        start = first if bulk.is_linear else first - first % RUN
+        values, stamps = self.readings.values(start, last), self.readings.stamps(first, last)
+        return bulk.estimate(values, stamps, first - start)
+
+    def fields(
+        self, first: int, last: int, names: tuple[str, ...], precision: type[np.floating[Any]]
+    ) -> NDArray[Any]:
+        """Some fields of readings first to last, one after the other, (last - first, R)."""
+        with _LOCK:
+            bulk = self.bulk(names, precision)
+            start = first if bulk.is_linear else first - first % RUN
+            found = bulk(self.readings.values(start, last))
+        tables = [found[name].reshape(last - start, -1)[first - start :] for name in names]
+        return np.concatenate(tables, axis=1)
+
+    def dataset(self, precision: type[np.floating[Any]] = np.float32) -> "xarray.Dataset":
+        """See `open_results`."""
+        array, packages = _lazy_packages()
+        grid, count, patch = self.config.grid, len(self), self.config.patch
+        rows, columns = grid.shape
+        lazy = self._stored(array) if self.stored else self._lazy(array, precision)
+        dims = ("reading", "row", "column", "axis")
+        variables: dict[str, Any] = {
+            name: (dims[: values.ndim], values, {"units": unit, "long_name": text})
+            for name, values in lazy.items()
+            for unit, text in [TEXTS[name]]
+        }
+        force = lazy["pressure"].sum(axis=(1, 2), dtype=np.float64) * grid.cell_area
+        variables["normal_force"] = (
+            "reading", force, {"units": "N", "long_name": "sum of the pressure over the grid"},
+        )  # fmt: skip
+        size = self._chunk(4 * len(grid))
+        values = array.map_blocks(
+            _Block(self.readings.values), chunks=(_chunks(count, size), (len(patch),)),
+            dtype=np.float64, meta=np.empty((0, 0)),
+        )  # fmt: skip
+        quantity = self.config.quantity
+        said = {"units": quantity.unit, "long_name": f"{quantity.symbol} of the taxels"}
+        variables["readings"] = (("reading", "taxel"), values, said)
+        coords: dict[str, Any] = {
+            "reading": ("reading", np.arange(count)),
+            "stamp": ("reading", self.readings.stamps(0, count), {"units": "ns"}),
+            "taxel": ("taxel", np.arange(len(patch))),
+            "taxel_position": (("taxel", "axis"), patch.positions, {"units": "m"}),
+            "x": ("column", grid.origin[0] + np.arange(columns) * grid.pitch, {"units": "m"}),
+            "y": ("row", grid.origin[1] + np.arange(rows) * grid.pitch, {"units": "m"}),
+            "axis": ("axis", ["x", "y", "z"]),
+            "position": (dims[1:], grid.positions.reshape(rows, columns, 3), {"units": "m"}),
+        }
+        attributes = {
+            "patch": patch.name,
+            "cell_area_m2": grid.cell_area,
+            "solver": repr(self.config.solver),
+            "layer": repr(self.config.layer),
+            "source": self.source,
+            "notes": list(self.notes),
+        }
+        dataset: xarray.Dataset = packages.Dataset(variables, coords, attributes)
+        return dataset
+
+    def _lazy(self, array: Any, precision: type[np.floating[Any]]) -> dict[str, Any]:
+        """Fields that are computed: each by itself where one product answers, else all at once."""
+        linear, nodes = self.bulk(("pressure",)).is_linear, len(self.config.grid)
+        shape = (len(self), *self.config.grid.shape)
+        lazy = {}
+        together = None if linear else self._table(array, tuple(OUTPUTS), precision)
+        at = 0
+        for name, numbers in OUTPUTS.items():
+            tail = (3,) if numbers == 3 else ()
+            if together is None:
+                table = self._table(array, (name,), precision)
+            else:
+                table, at = together[:, at : at + numbers * nodes], at + numbers * nodes
+            lazy[name] = table.reshape(*shape, *tail)
+        return lazy
+
+    def _table(self, array: Any, names: tuple[str, ...], precision: type[np.floating[Any]]) -> Any:
+        width = len(self.config.grid) * sum(OUTPUTS[name] for name in names)
+        size = self._chunk(width) if self.bulk(names, precision).is_linear else RUN
+        return array.map_blocks(
+            _FieldsBlock(self, names, precision), chunks=(_chunks(len(self), size), (width,)),
+            dtype=precision, meta=np.empty((0, 0), precision),
+        )  # fmt: skip
+
+    def _stored(self, array: Any) -> dict[str, Any]:
+        """Fields as they are stored."""
+        found = {name: array.from_zarr(self.stored[name]) for name in ("pressure", "displacement")}
+        normals = self.config.grid.normals.reshape(*self.config.grid.shape, 3).astype(np.float32)
+        return {**found, "indentation": -(found["displacement"] * normals).sum(axis=-1)}
+
+    def _chunk(self, width: int) -> int:
+        """Readings whose chunk of so many numbers each is of a handy size."""
+        return int(np.clip(1 << max(CHUNK_BYTES // (4 * width), 1).bit_length() - 1, FEWEST, MOST))
+
+
+@dataclass(frozen=True)
+class _Block:
+    """A chunk of rows of an array, for `dask.array.map_blocks`."""
+
+    load: Any
+
+    def __call__(self, block_info: Any = None) -> NDArray[Any]:
+        first, last = block_info[None]["array-location"][0]
+        rows: NDArray[Any] = self.load(first, last)
+        return rows
+
+
+@dataclass(frozen=True)
+class _FieldsBlock:
+    """A chunk of fields, for `dask.array.map_blocks`."""
+
+    results: Results
+    names: tuple[str, ...]
+    precision: type[np.floating[Any]]
+
+    def __call__(self, block_info: Any = None) -> NDArray[Any]:
+        first, last = block_info[None]["array-location"][0]
+        return self.results.fields(first, last, self.names, self.precision)
+
+
+def open_results(
+    path: str | Path,
+    *,
+    solver: Solver | None = None,
+    grid: Grid | None = None,
+    precision: type[np.floating[Any]] = np.float32,
+) -> "xarray.Dataset":
+    """Open results: every field of every reading, computed when it is looked at.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder that was written, `run.skinfield`.
+    solver : Solver, optional
+        Answer the same readings by another one.
+    grid : Grid, optional
+        Answer on another one.
+    precision : numpy.float32 or numpy.float64
+        Of the fields.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over reading, row, column, axis and taxel, with units as attributes: `pressure` Pa,
+        `indentation` m, `displacement` m, `normal_force` N and `readings`, as arrays of Dask;
+        ``results.pressure[100:200].values`` computes what it needs. Its contacts: `load_contacts`.
+
+    Raises
+    ------
+    FileError
+        If it is no such folder, damaged, cut short, or of another version. Readings are checked
+        when they are first read.
+    SkinfieldError
+        If xarray, dask or zarr is not installed.
+    """
+    return read_results(path, solver=solver, grid=grid).dataset(precision)
+
+
+def load_contacts(path: str | Path, readings: slice = slice(None)) -> "pyarrow.Table":
+    """Contacts of some readings of results, from the folder, or found now where it has none.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder that was written, `run.skinfield`.
+    readings : slice
+        Such as ``slice(1000, 2000)``, of step 1.
+
+    Returns
+    -------
+    pyarrow.Table
+        One row per contact and reading, and one with `contact` -1 for a reading without contact;
+        units stand in the names of the columns. ``to_pandas()`` makes a data frame of it.
+
+    Raises
+    ------
+    FileError
+        As `open_results`.
+    SkinfieldError
+        If pyarrow or zarr is not installed.
+    """
+    results, arrow = read_results(path), load_pyarrow()
+    first, last, step = readings.indices(len(results))
+    check_count("readings.step", step, 1, 1, "readings in a row")
+    folder = Path(path) / CONTACTS
+    if folder.is_dir():
+        inside = [("reading", ">=", first), ("reading", "<", last)]
+        try:
+            return arrow.parquet.read_table(folder, filters=inside)
+        except (OSError, ValueError, arrow.ArrowException) as error:
+            raise FileError(f"{folder} cannot be read: {error}; is the folder whole?") from error
+    start_ns = int(results.readings.stamps(0, 1)[0])
+    rows: list[Row] = []
+    for begin in range(first, last, MOST):
+        estimate = results.estimates(begin, min(begin + MOST, last))
+        rows += rows_from_estimate(estimate, begin, start_ns)
+    return arrow_table(rows)
+
+
+def read_results(
+    path: str | Path,
+    *,
+    solver: Solver | None = None,
+    grid: Grid | None = None,
+    computed: bool = False,
+) -> Results:
+    """The readings of a folder of results, and what reconstructs them; see `open_results`.
+
+    With `computed`, stored fields are not looked at: they may be incomplete.
+    """
+    attributes, arrays = _opened(path)
+    config, notes, source = results_from_attributes(attributes, f"{path}/{ARRAYS}")
+    stamps, readings = (_checked(path, arrays, name) for name in ("stamp_ns", "readings"))
+    if readings.shape != (*stamps.shape, len(config.patch)) or not stamps.size:
+        raise FileError(
+            f"{path} holds {readings.shape} readings and {stamps.shape} stamps, expected one or "
+            f"more of {len(config.patch)} taxels: cut short, or of other results"
+        )
+    stored = {}
+    if "displacement" in arrays and not computed:
+        stored = {name: _checked(path, arrays, name) for name in ("pressure", "displacement")}
+    if solver is not None or grid is not None:
+        config = replace(
+            config,
+            solver=config.solver if solver is None else solver,
+            grid=config.grid if grid is None else grid.on(config.patch),
+            intervals=None,
+        )
+        stored = {}
+    return Results(config, StoredReadings(str(path), stamps, readings), notes, source, stored)
+
+
+@dataclass(frozen=True, eq=False)
+class StoredReadings:
+    """Readings in a folder of results; see `Readings`."""
+
+    path: str
+    stamp_ns: Any
+    readings: Any
+
+    def __len__(self) -> int:
+        return int(self.readings.shape[0])
+
+    def stamps(self, first: int, last: int) -> NDArray[np.int64]:
+        """Of readings first to last, ns."""
+        return np.asarray(self._rows(self.stamp_ns, first, last), np.int64)
+
+    def values(self, first: int, last: int) -> Floats:
+        """Readings first to last in the quantity's unit, (last - first, L)."""
+        return np.asarray(self._rows(self.readings, first, last), np.float64)
+
+    def _rows(self, array: Any, first: int, last: int) -> Any:
+        try:
+            return array[first:last]
+        except Exception as error:  # a codec raises what it likes
+            raise FileError(
+                f"{self.path}: readings {first} to {last} are not as they were written "
+                f"({type(error).__name__}: {str(error)[:120]}), expected them unchanged"
+            ) from error
+
+
+def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:
+    """Attributes and arrays of a folder."""
+    zarr = _zarr()
+    try:
+        folder = Path(path).absolute() / ARRAYS
+        if not (folder / "zarr.json").is_file():
+            raise FileError(
+                f"{folder} is no Zarr group, expected results that were written with "
+                "skinfield reconstruct -o run.skinfield"
+            )
+        group = zarr.open_group(folder, mode="r", zarr_format=3)
+        return group.attrs, dict(group.arrays())
+    except FileError:
+        raise
+    except Exception as error:  # a damaged text raises whatever zarr makes of it
+        raise FileError(
+            f"{str(path)!r} cannot be opened: {str(error)[:200]}; expected results"
+        ) from error
+
+
+def _checked(path: str | Path, arrays: Mapping[str, Any], name: str) -> Any:
+    """An array all of whose chunks are there."""
+    kind = {"stamp_ns": "int64", "readings": "float64"}.get(name, "float32")
+    array = arrays.get(name)
+    if array is None or str(array.dtype) != kind:
+        raise FileError(f"{path} holds no {name} of {kind}, expected them: is the folder whole?")
+    if array.nchunks_initialized != array.nchunks:
+        raise FileError(
+            f"{path}/{ARRAYS}/{name} has {array.nchunks_initialized} of {array.nchunks} chunks, "
+            "expected all: cut short"
+        )
+    return array
+
+
+def _chunks(count: int, size: int) -> tuple[int, ...]:
+    """Lengths of the chunks of so many readings."""
+    return tuple(min(size, count - first) for first in range(0, count, size))
+
+
+def _zarr() -> Any:
+    try:
+        import zarr
+    except ImportError as error:
+        raise SkinfieldError(_needed("zarr")) from error
+    return zarr
+
+
+def _lazy_packages() -> tuple[Any, Any]:
+    try:
+        import dask.array
+        import xarray
+    except ImportError as error:
+        raise SkinfieldError(_needed(str(error.name))) from error
+    return dask.array, xarray
+
+
+def _needed(package: str) -> str:
+    return f"results need {package}, which is not installed: pip install 'skinfield[batch]'"

@@ -1,0 +1,459 @@
+"""Engine process of a live skin, where nothing else runs: python -m skinfield.loop.engine_process.
+
+It reads its settings from its standard input and answers until it is told to stop. Whoever started
+it restarts it when it fails; the ring outlasts it.
+"""
+
+import os
+import pickle
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop.baseline import Baseline, BaselineCollector
+from skinfield.loop.binding import Binding, bind
+from skinfield.loop.control import Control
+from skinfield.loop.handover import GO, READY, Handover
+from skinfield.loop.intake import Intake
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.parent_watchdog import end_with
+from skinfield.loop.realtime.clock import EventWaiter, PeriodicClock, Waiter
+from skinfield.loop.realtime.timing import TimingTable
+from skinfield.loop.ring_fields import POLLED, known_baseline, open_ring, write_baseline
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.slots import Head, Slot, say_nothing
+from skinfield.loop.status_text import write_notes
+from skinfield.loop.update import RuntimeParameters, Updater
+from skinfield.ring import RingReader, State
+from skinfield.signal import Channels
+
+FIRST_LEAD = 0.25  # of a period
+MOST_LEAD = 0.5
+SPARE_NS = 30_000  # between the end of the work and the cycle
+COOLING = 0.999  # of the lead, from cycle to cycle
+
+
+class Prefetch:
+    """Wakes shortly before each cycle is due and does some work, within a time that it learns.
+
+    Parameters
+    ----------
+    clock : PeriodicClock
+    work : function
+        That would otherwise be done in the cycle.
+    """
+
+    def __init__(self, clock: PeriodicClock, work: Callable[[], None]) -> None:
+        self._clock, self._work = clock, work
+        self._most = MOST_LEAD * clock.period_ns
+        self._lead = FIRST_LEAD * clock.period_ns
+
+    def __call__(self) -> None:
+        """Do it, if there is time before the next cycle."""
+        if not self._clock.early(int(self._lead)):
+            return
+        start = time.monotonic_ns()
+        self._work()
+        took = time.monotonic_ns() - start + SPARE_NS
+        self._lead = min(max(COOLING * self._lead, took), self._most)
+
+
+class Preparation:
+    """Makes an `Updater` beside the loop, which goes on taking in readings.
+
+    Parameters
+    ----------
+    make : function that returns an Updater
+    """
+
+    def __init__(self, make: Callable[[], Updater]) -> None:
+        self._make = make
+        self._made: Updater | None = None
+        self._failed: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="prepare", daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._made = self._make()
+        except BaseException as error:
+            self._failed = error
+
+    def poll(self) -> Updater | None:
+        """The cycle, when it is ready; raises what making it raised."""
+        if self._thread.is_alive():
+            return None
+        self._thread.join()
+        if self._failed is not None:
+            raise self._failed
+        return self._made
+
+
+class Start:
+    """First the code that must be compiled, then a baseline, then the engine for its noise.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+    binding : Binding
+    known : Baseline, optional
+        Of an engine that ran before on this ring: no new baseline is taken, as something may lie
+        on the skin now.
+    tracks : (1,) int64 array
+        Contacts numbered so far, written in place.
+
+    Attributes
+    ----------
+    phase : str
+        What it does, for people: "loading", "taring" or "preparing".
+    progress : dict
+        Of "loading" and "preparing": `patches` that are ready, `of` how many, and `left_s`, how
+        long the others take, s, where that can be said; empty before the first.
+    baseline : Baseline or None
+        When there is one.
+    """
+
+    def __init__(
+        self, settings: LiveSettings, binding: Binding, known: Baseline | None, tracks: Ints
+    ) -> None:
+        self._settings, self._binding, self._tracks = settings, binding, tracks
+        self._model_config = ModelConfig.of(settings, binding.ports)
+        self._tare = BaselineCollector(settings, binding)  # begun anew once what must be loaded is
+        self.baseline = known
+        self.phase, self.progress = "loading", dict[str, float]()
+        self._began = time.monotonic()
+        self._preparation = Preparation(self._rehearsed if known is None else self._final)
+
+    def _rehearsed(self) -> Updater:
+        """With a typical noise: whatever must be compiled, is, before readings are waited for."""
+        taxels = len(self._binding.channel)
+        table = np.zeros((taxels, 4))
+        table[:, 1:] = 1.0
+        noise = np.full(taxels, self._settings.quantity.typical_noise)
+        return self._updater(table, noise, 1_000_000_000)
+
+    def _final(self) -> Updater:
+        assert self.baseline is not None  # by then it is known
+        return self._updater(
+            self.baseline.calibration, self.baseline.noise_std, self.baseline.stale_ns
+        )
+
+    def _updater(self, table: Floats, noise: Floats, stale_ns: int) -> Updater:
+        return Updater(
+            self._model_config, self._binding, table, noise, stale_ns, self._tracks, self._advance
+        )
+
+    def _advance(self, ready: int, patches: int) -> None:
+        """So many patches are ready."""
+        now = time.monotonic()
+        if ready == 0:
+            self._began = now
+        progress: dict[str, float] = {"patches": ready, "of": patches}
+        if ready:
+            progress["left_s"] = round((now - self._began) / ready * (patches - ready), 1)
+        self.progress = progress
+
+    def take(self, channels: Channels, now_ns: int) -> Updater | None:
+        """Take what is new; the cycle when it is ready to answer."""
+        if self.phase == "taring":
+            if self._tare.take(channels, now_ns):
+                self.baseline = self._tare.finish()
+                self.phase, self.progress = "preparing", {}
+                self._preparation = Preparation(self._final)
+            return None
+        made = self._preparation.poll()
+        if made is None:
+            return None
+        if self.baseline is None:
+            self.phase, self.progress = "taring", {}
+            self._tare = BaselineCollector(self._settings, self._binding)
+            self._tare.skip(channels)
+            return None
+        return made
+
+
+NS = 1e-9
+STARTING_NS = 2_000_000  # from cycle to cycle while there is no answer yet
+LISTEN = 8  # cycles from one look for orders to the next
+LATE, OVERRUN = int(CycleFlag.LATE), int(CycleFlag.OVERRUN)
+
+
+class EngineProcess:
+    """All that happens in the process.
+
+    Parameters
+    ----------
+    settings : LiveSettings
+    prepared : Binding and Updater, optional
+        To go on with at once from what the engine before published last.
+    """
+
+    def __init__(
+        self, settings: LiveSettings, prepared: tuple[Binding, Updater] | None = None
+    ) -> None:
+        self.settings, self.prepared = settings, prepared
+        self.intake = Intake(settings.sources, POLLED)
+        self.binding = bind(settings.skin, self.intake.ports)
+        self.model_config = ModelConfig.of(settings, self.intake.ports)
+        self.ring, fresh_ring = open_ring(settings, self.model_config)
+        self.slots: dict[int, Slot] = {}
+        self.intake.count_in(self.ring.status["sources"])
+        self.timing = TimingTable(
+            int(settings.period * 1e9),
+            int(settings.due_after * 1e9),
+            self.ring.status["times"],
+            self.ring.status["totals"],
+        )
+        self.parameters = RuntimeParameters(self.ring, settings, fresh_ring)
+        known = None if fresh_ring else known_baseline(self.ring)
+        if known is not None:
+            self.intake.resume()
+        self.start = Start(settings, self.binding, known, self.ring.status["tracks"])
+        self.control = Control(settings.name)
+        self.updater: Updater | None = None
+        self.flags = 0 if fresh_ring else int(CycleFlag.RESTARTED)
+        self.stopping, self.ending = False, State.STOPPED
+        self.waiter: Waiter = PeriodicClock(STARTING_NS)
+        self.reset = True  # whether the next answer begins without knowledge of those before
+        self.began = False
+        self.again: BaselineCollector | None = None
+        self.prefetch: Prefetch | None = None
+        self.taken = 0  # messages, before the cycle
+        self.said: list[str] = []
+        self.looks = max(int(1.0 / settings.period), 1)  # cycles between looks at the sources
+        self.notes: dict[str, object] = {"phase": self.start.phase, "progress": self.start.progress}
+        write_notes(self.ring.status["notes"], self.notes)
+
+    def run(self) -> None:
+        """Answer until told to stop."""
+        signal.signal(signal.SIGTERM, self._stop)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's, meant for our parent
+        self.ring.set_state(State.STARTING)
+        count = 0
+        try:
+            if self.prepared is not None and self.prepared[0].ports == self.binding.ports:
+                self._go_on(self.prepared[1])
+            while not self.stopping:
+                if self.prefetch is not None:
+                    self.prefetch()
+                due, wake = self.waiter.wait()
+                self.one(due, wake)
+                count += 1
+                if count % LISTEN == 0:
+                    self._obey(self.control.poll())
+                if count % self.looks == 0:
+                    self._listen_to_sources()
+            self.ring.set_state(self.ending)
+        except BaseException:
+            self.ending = State.FAILED
+            self.ring.set_state(self.ending)
+            raise
+        finally:
+            self.close()
+
+    def one(self, due: int, wake: int) -> None:
+        """One cycle."""
+        wall = time.time_ns()
+        ring, intake = self.ring, self.intake
+        messages, self.taken = intake.poll(wall) + self.taken, 0
+        slot = self._slot()
+        head = slot.head
+        if self.updater is None:
+            self._begin(wall)
+        elif self.again is not None and self.again.take(intake.channels, wall):
+            self._finish_tare(self.updater)
+        self._log()
+        acquired = time.monotonic_ns()
+        head[Head.DUE_NS], head[Head.WAKE_NS] = due, wake
+        head[Head.ACQUIRED_NS], head[Head.WALL_NS] = acquired, wall
+        head[Head.LOG_POSITION], head[Head.MESSAGES] = ring.log_end, messages
+        if self.updater is None or self.began:
+            self.began = False  # it took long to get ready: the next cycle is the first on time
+            self._without_answer(slot)
+            return
+        self._answer(self.updater, slot, wake, wall)
+
+    def _prefetch(self) -> None:
+        """Before a cycle is due: take in what is there already."""
+        self.taken += self.intake.poll(time.time_ns())
+        self._log()
+
+    def _log(self) -> None:
+        """Log what was taken in; what is logged is not logged again."""
+        blocks = self.intake.blocks
+        if blocks.end[0]:
+            self.ring.log(blocks.octets, int(blocks.end[0]) * 8)
+            blocks.clear()
+
+    def _answer(self, updater: Updater, slot: Slot, wake: int, wall: int) -> None:
+        head = slot.head
+        budget_ns = head[Head.BUDGET_NS] = self.parameters.budget_ns
+        reset, self.reset = self.reset, False
+        budget = budget_ns * NS
+        fresh = updater.answer(self.intake.channels, wall, slot, reset=reset, budget=budget)
+        head[Head.FLAGS] |= self.flags
+        self.flags = 0
+        due = int(head[Head.DUE_NS])
+        ready = time.monotonic_ns()
+        if ready - due > self.timing.deadline_ns:
+            head[Head.FLAGS] |= LATE
+        if ready - due > self.timing.period_ns:
+            head[Head.FLAGS] |= OVERRUN
+        head[Head.READY_NS] = ready
+        self.ring.publish()
+        published = time.monotonic_ns()
+        latency = -1
+        if fresh:
+            latency = max(wall + (published - wake) - updater.newest_ns, 0)
+        acquired = int(head[Head.ACQUIRED_NS])
+        self.timing.add(due, wake, acquired, published, time.monotonic_ns(), latency)
+        self.timing.set_skipped(self.waiter.skipped)
+        self.ring.heartbeat(published)
+
+    def _slot(self) -> Slot:
+        """The next slot, named; views are made once for each."""
+        arrays = self.ring.begin()
+        slot = self.slots.get(id(arrays))  # the ring keeps one mapping for each slot
+        if slot is None:
+            slot = self.slots[id(arrays)] = Slot.of(arrays)
+            slot.head[Head.GENERATION] = self.ring.generation
+        return slot
+
+    def _begin(self, wall: int) -> None:
+        """Go on with the start; from when there is a cycle on, answer."""
+        start = self.start
+        before = start.phase
+        updater = start.take(self.intake.channels, wall)
+        if start.progress is not self.notes["progress"]:
+            self._note(progress=start.progress)
+        if start.phase != before:
+            self.ring.set_state(State.CALIBRATING)
+            self._note(phase=start.phase)
+            if start.baseline is not None:
+                write_baseline(self.ring, start.baseline)
+                self._note(tare=list(start.baseline.notes))
+        if updater is not None:
+            self._go(updater)
+
+    def _go(self, updater: Updater) -> None:
+        """From here on nothing may wait."""
+        settings = self.settings
+        self.updater, self.reset, self.began = updater, True, True
+        updater.filters.tune(self.parameters.tuning)
+        granted = settings.real_time.apply()
+        self._note(phase="running", progress={}, granted=granted.as_dict())
+        if settings.rate is None:
+            self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
+        else:
+            self.waiter = clock = PeriodicClock(int(settings.period * 1e9))
+            if settings.early and granted.real_time:
+                self.prefetch = Prefetch(clock, self._prefetch)
+        self.ring.set_state(State.RUNNING)
+
+    def _go_on(self, updater: Updater) -> None:
+        """Take over from the engine before: contacts keep their numbers."""
+        updater.count_in(self.ring.status["tracks"])
+        with RingReader(self.settings.name) as reader:
+            last = reader.latest()
+        if last is not None:
+            updater.resume(Slot.of(last.arrays))
+        self._go(updater)
+        self.began = False
+
+    def _listen_to_sources(self) -> None:
+        """Tell what the sources say, where that is new."""
+        said = self.intake.said()
+        if said != self.said:
+            self.said = said
+            self._note(sources=said)
+
+    def _without_answer(self, slot: Slot) -> None:
+        """A slot that says that all patches are missing."""
+        say_nothing(slot, int(self.ring.status["tracks"][0]))
+        slot.head[Head.READY_NS] = time.monotonic_ns()
+        slot.counts[:] = self.intake.channels.counts[self.binding.channel]
+        self.ring.publish()
+        self.ring.heartbeat(time.monotonic_ns())
+
+    def _note(self, **more: object) -> None:
+        self.notes.update(more)
+        write_notes(self.ring.status["notes"], self.notes)
+
+    def _obey(self, order: str) -> None:
+        if order in ("stop", "hand over"):
+            self.stopping = True
+            self.ending = State.STOPPED if order == "stop" else State.STARTING
+        elif order == "tare" and self.updater is not None:
+            self._tare_again()
+        elif order == "set":
+            self._note(refused=self._tune(self.control.values))
+
+    def _tune(self, order: Mapping[str, Any]) -> str:
+        """Obey an order to change the tuning; why it was refused, or nothing."""
+        try:
+            self.parameters.tune(order.get("set"), self.updater)
+        except InputError as error:
+            return str(error)
+        return ""
+
+    def _tare_again(self) -> None:
+        """Take a new baseline of an untouched skin; answers go on by the old one until then."""
+        self.again = BaselineCollector(self.settings, self.binding)
+        self.again.skip(self.intake.channels)
+        self._note(tare=["a new baseline is being taken"])
+
+    def _finish_tare(self, updater: Updater) -> None:
+        """Take over a new baseline, at the cost of some cycles; noise and ages stay the same."""
+        tare, self.again = self.again, None
+        assert tare is not None  # whoever calls has looked
+        try:
+            found = tare.finish()
+        except InputError as error:  # of what came meanwhile: that must not end what works
+            self._note(tare=[f"the baseline stays as it was: {error}"])
+            return
+        noise_std = self.ring.status["noise_std"].copy()
+        baseline = replace(found, noise_std=noise_std, stale_ns=updater.stale_ns)
+        write_baseline(self.ring, baseline)
+        updater.calibrate(baseline.calibration)
+        self.reset = True
+        self._note(tare=list(baseline.notes))
+
+    def _stop(self, *_: object) -> None:
+        self.stopping = True
+
+    def close(self) -> None:
+        """Let go of everything; the ring stays for its readers."""
+        self.intake.close(leave=self.ending != State.STOPPED)
+        self.control.close()
+        self.ring.close()
+
+
+def main() -> None:
+    """Read the settings and run."""
+    end_with(int(sys.argv[1]) if len(sys.argv) > 1 else os.getppid())
+    asked, prepared = pickle.load(sys.stdin.buffer), None
+    if isinstance(asked, Handover):
+        prepared = asked.updater()
+        sys.stdout.buffer.write(READY)
+        sys.stdout.buffer.flush()
+        if sys.stdin.buffer.readline() != GO:
+            return  # it is not wanted any more
+        asked = asked.settings
+    if not isinstance(asked, LiveSettings):
+        raise InputError(f"settings are {type(asked).__name__}, expected LiveSettings")
+    engine = EngineProcess(asked, prepared)
+    engine.run()
+    if engine.ending != State.STOPPED:  # the next one waits for the end of this process
+        os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,252 @@
+"""Waiting for the next cycle: a periodic clock, and events on file descriptors."""
+
+import ctypes
+import select
+import selectors
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import Protocol
+
+from skinfield.errors import check_count
+from skinfield.loop.realtime import system
+
+MONOTONIC, ABSOLUTE = 1, 1  # CLOCK_MONOTONIC and TIMER_ABSTIME of Linux
+SECOND = 1_000_000_000
+
+
+class Waiter(Protocol):
+    """What a loop waits by, between two cycles."""
+
+    @property
+    def skipped(self) -> int:
+        """Periods since the start in which no cycle began."""
+        ...
+
+    def wait(self) -> tuple[int, int]:
+        """Sleep until the next cycle: when it was due and when it began, in ns."""
+        ...
+
+
+class Sleeper:
+    """Sleep until a time of `time.monotonic_ns`, without drift and without slack of one's own."""
+
+    def __init__(self) -> None:
+        self._until = _Time()
+        self._address = ctypes.byref(self._until)
+        self._nanosleep = getattr(system.LIBRARY, "clock_nanosleep", None)
+
+    def sleep_until(self, due_ns: int) -> None:
+        """Return at once if that is past; signals are handled meanwhile and do not end it."""
+        if self._nanosleep is None:
+            while (left := due_ns - time.monotonic_ns()) > 0:
+                time.sleep(1e-9 * left)
+            return
+        self._until.seconds, self._until.nanoseconds = divmod(due_ns, SECOND)
+        while self._nanosleep(MONOTONIC, ABSOLUTE, self._address, None):
+            pass  # EINTR: Python has handled the signal between two calls
+
+
+class _Time(ctypes.Structure):
+    """`struct timespec` of Linux on 64 bits."""
+
+    _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
+
+
+class PeriodicClock:
+    """Cycles at a fixed rate.
+
+    A cycle that lasts beyond the next due time is not made up for: the periods that it covered are
+    skipped and counted, and the next cycle begins at the first multiple of the period after it.
+    Cycles so keep their places in time and never follow each other in a burst. Due times are whole
+    multiples of the period, so that the loops of several processes keep their distances.
+
+    Parameters
+    ----------
+    period_ns : int, ns
+    first_ns : int, ns, optional
+        When the first cycle is due, by `time.monotonic_ns`; by default at the first multiple of the
+        period after `wait` is first called.
+
+    Attributes
+    ----------
+    skipped : int
+        Periods since the start in which no cycle began.
+    """
+
+    def __init__(self, period_ns: int, first_ns: int | None = None) -> None:
+        check_count("period_ns", period_ns, 1000, 1 << 40, "time from cycle to cycle in ns")
+        self.period_ns = period_ns
+        self.skipped = 0
+        self._sleeper = Sleeper()
+        self._due = None if first_ns is None else first_ns - period_ns
+        self._grace = 0
+
+    def early(self, lead_ns: int) -> bool:
+        """Sleep until `lead_ns` before the next cycle is due, to prepare for it.
+
+        What is done then may end somewhat late: `wait` then begins the cycle at once, rather than
+        skip it.
+
+        Returns
+        -------
+        bool
+            Whether there was time; else nothing should be done before `wait`.
+        """
+        if self._due is None:
+            return False
+        due = self._due + self.period_ns
+        if time.monotonic_ns() > due - lead_ns:
+            return False
+        self._grace = self.period_ns // 2
+        self._sleeper.sleep_until(due - lead_ns)
+        return True
+
+    def wait(self) -> tuple[int, int]:
+        """Sleep until the next cycle is due.
+
+        Returns
+        -------
+        due_ns, wake_ns : int, ns
+            When it was due and when it is, by `time.monotonic_ns`.
+        """
+        now = time.monotonic_ns()
+        last = now - now % self.period_ns if self._due is None else self._due
+        due = last + self.period_ns
+        behind, self._grace = now - due - self._grace, 0
+        if behind > 0:
+            behind = now - due
+            missed = -(-behind // self.period_ns)
+            self.skipped += missed
+            due += missed * self.period_ns
+        self._due = due
+        self._sleeper.sleep_until(due)
+        return due, time.monotonic_ns()
+
+
+NS = 1e-9
+AGAIN_NS = 1_000_000_000  # between two looks at which descriptors there are
+REST = 10  # a rest after each cycle is one of so many parts of its time
+
+
+class EventWaiter:
+    """Cycles as readings arrive, and at the latest after `longest_ns`.
+
+    What arrived stays reported until it is read. A descriptor that nobody reads, or that the other
+    end has closed, therefore wakes again and again; `shortest_ns` keeps such cycles, and those of
+    a source that sends more often than anyone needs, apart from each other. After a cycle it rests
+    for at least a tenth of what that took: under SCHED_FIFO nobody else would get the processor,
+    and Linux would stop a loop that never sleeps.
+
+    Parameters
+    ----------
+    filenos : iterable of int, or function that returns one
+        Descriptors that readings arrive at. A function is asked again once a second, for sources
+        that are opened anew.
+    longest_ns : int, ns
+        After the cycle before, when a cycle begins though nothing came; to a millisecond.
+    shortest_ns : int, ns
+        From cycle to cycle.
+
+    Attributes
+    ----------
+    skipped : int
+        Always 0: there are no periods to skip.
+    """
+
+    skipped = 0
+
+    def __init__(
+        self,
+        filenos: Iterable[int] | Callable[[], Iterable[int]],
+        longest_ns: int = 10_000_000,
+        shortest_ns: int = 200_000,
+    ) -> None:
+        check_count("longest_ns", longest_ns, 1000, 1 << 40, "longest time between cycles in ns")
+        check_count("shortest_ns", shortest_ns, 0, longest_ns, "shortest time between cycles in ns")
+        self.longest_ns, self.shortest_ns = longest_ns, shortest_ns
+        self._sleeper = Sleeper()
+        self._poll = _EPoll() if hasattr(select, "epoll") else _AnyPoll()
+        self._watched: tuple[int, ...] = ()
+        self._woke = self._asked = time.monotonic_ns()
+        self._ask = filenos if callable(filenos) else None
+        self.watch(filenos() if callable(filenos) else filenos)
+
+    def watch(self, filenos: Iterable[int]) -> None:
+        """Wait for these descriptors from now on: after a source was opened again."""
+        wanted = tuple(filenos)
+        for gone in set(self._watched) - set(wanted):
+            self._poll.forget(gone)
+        for each in wanted:  # all of them: a number may stand for another file now
+            self._poll.watch(each)
+        self._watched = wanted
+
+    def wait(self) -> tuple[int, int]:
+        """Sleep until something arrives, or the longest wait is over.
+
+        Returns
+        -------
+        due_ns, wake_ns : int, ns
+            By `time.monotonic_ns`. Where something arrived, both are the time of waking: when it
+            arrived is known to the source alone, and counts in the latency. Otherwise the first is
+            when the longest wait was over.
+        """
+        due = self._woke + self.longest_ns
+        now = time.monotonic_ns()
+        if self._ask is not None and now - self._asked > AGAIN_NS:
+            self._asked = now
+            self.watch(self._ask())
+        rested = now + (now - self._woke) // REST
+        self._sleeper.sleep_until(max(self._woke + self.shortest_ns, rested))
+        arrived = self._poll.wait((due - time.monotonic_ns()) * NS)
+        self._woke = now = time.monotonic_ns()
+        return (now if arrived else min(due, now)), now
+
+    def close(self) -> None:
+        """Give the system's object back; the descriptors stay open."""
+        self._poll.close()
+
+
+class _EPoll:
+    """Linux: nothing is built anew per wait."""
+
+    def __init__(self) -> None:
+        self._epoll = select.epoll()
+
+    def watch(self, fileno: int) -> None:
+        with suppress(FileExistsError):  # the same file as before
+            self._epoll.register(fileno, select.EPOLLIN)
+
+    def forget(self, fileno: int) -> None:
+        with suppress(OSError):  # a file that was closed has left by itself
+            self._epoll.unregister(fileno)
+
+    def wait(self, seconds: float) -> bool:
+        return bool(self._epoll.poll(max(seconds, 0.0), 1))
+
+    def close(self) -> None:
+        self._epoll.close()
+
+
+class _AnyPoll:
+    """Other systems."""
+
+    def __init__(self) -> None:
+        self._selector = selectors.DefaultSelector()
+
+    def watch(self, fileno: int) -> None:
+        self.forget(fileno)
+        self._selector.register(fileno, selectors.EVENT_READ)
+
+    def forget(self, fileno: int) -> None:
+        with suppress(KeyError):
+            self._selector.unregister(fileno)
+
+    def wait(self, seconds: float) -> bool:
+        if not self._selector.get_map():  # which Windows refuses to wait for
+            time.sleep(max(seconds, 0.0))
+            return False
+        return bool(self._selector.select(max(seconds, 0.0)))
+
+    def close(self) -> None:
+        self._selector.close()

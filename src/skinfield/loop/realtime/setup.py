@@ -1,0 +1,446 @@
+"""Real-time set-up of a process: what it requests of the system, what it got, and the way back.
+
+Each request is made where it is permitted; none is required.
+"""
+
+import errno
+import gc
+import os
+import struct
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from skinfield.errors import check_count
+from skinfield.loop.realtime import system
+from skinfield.loop.realtime.system import competitors, cpus_of, read_text
+
+
+@dataclass(frozen=True)
+class RealTimeStatus:
+    """What was granted, what was not and why, and what disturbs.
+
+    Attributes
+    ----------
+    scheduler : str
+        "SCHED_FIFO" where granted; else the name of the policy, such as "SCHED_OTHER".
+    priority : int
+        1 to 99; 0 without SCHED_FIFO.
+    cpu : int or None
+        To which the process is pinned.
+    isolated : bool
+        Whether the system keeps other work off that processor.
+    memory : str
+        "locked" (also what is allocated later), "locked so far" or "not locked".
+    heap_kept : bool
+        Whether freed memory stays with the process.
+    gc_frozen : bool
+    timer_slack_ns : int or None, ns
+        By which the system may delay wakes outside SCHED_FIFO; None where it cannot be set.
+    kept_awake : bool
+        Whether processors stay out of deep sleep.
+    kernel : str
+        Name and release, and how it is preempted where it says so.
+    refused : tuple of str
+        A sentence per thing that was not granted: which, why, and what to do.
+    disturbances : tuple of str
+        A sentence per property of this machine that makes times worse.
+    """
+
+    scheduler: str
+    priority: int
+    cpu: int | None
+    isolated: bool
+    memory: str
+    heap_kept: bool
+    gc_frozen: bool
+    timer_slack_ns: int | None
+    kept_awake: bool
+    kernel: str
+    refused: tuple[str, ...] = ()
+    disturbances: tuple[str, ...] = ()
+
+    @property
+    def real_time(self) -> bool:
+        """Whether the loop goes before all ordinary work."""
+        return self.priority > 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in asdict(self).items()
+        }
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "RealTimeStatus":
+        """Back from `as_dict`; keys of newer versions are passed over."""
+        known: dict[str, Any] = {
+            each.name: values[each.name] for each in fields(cls) if each.name in values
+        }
+        for name in ("refused", "disturbances"):
+            known[name] = tuple(known.get(name, ()))
+        return cls(**known)
+
+    def sentences(self) -> tuple[str, ...]:
+        """Everything as sentences: what was granted first."""
+        return (self._summary(), *self.refused, *self.disturbances)
+
+    def _summary(self) -> str:
+        parts = [f"ordinary scheduling ({self.scheduler})"]
+        if self.real_time:
+            parts = [f"{self.scheduler} at priority {self.priority}"]
+        if self.cpu is None:
+            parts.append("on any processor")
+        else:
+            parts.append(f"pinned to {'the isolated ' if self.isolated else ''}CPU {self.cpu}")
+        parts.append(f"memory {self.memory}")
+        parts.append("garbage collector frozen" if self.gc_frozen else "garbage collector running")
+        return f"{', '.join(parts)}; {self.kernel}"
+
+
+TRIM_THRESHOLD, MMAP_MAX = 128 * 1024, 65536  # defaults of the GNU C library
+CAP_IPC_LOCK = 14  # number of the capability, of linux/capability.h
+LATENCY = Path("/dev/cpu_dma_latency")
+_awake: list[int] = []  # the descriptor that keeps processors awake for as long as it is open
+
+
+@dataclass(eq=False)
+class Outcome:
+    """What was granted, by the names of `RealTimeStatus`, and what was refused."""
+
+    granted: dict[str, Any] = field(default_factory=dict)
+    refused: list[str] = field(default_factory=list)
+
+
+def request_all(wanted: "RealTime") -> Outcome:
+    """Make all requests of `wanted`."""
+    outcome = Outcome()
+    if not system.LINUX:
+        outcome.refused.append(
+            f"real time not granted: it is asked for on Linux only and this is {sys.platform}; "
+            "run the engine on a Linux machine for times that hold"
+        )
+    _pin(wanted, outcome)
+    _collect(wanted, outcome)
+    _lock(wanted, outcome)
+    _stay_awake(wanted, outcome)
+    _slack(outcome)
+    _schedule(wanted, outcome)  # last: the requests before may take milliseconds
+    return outcome
+
+
+def _schedule(wanted: "RealTime", outcome: Outcome) -> None:
+    outcome.granted.update(scheduler="of this system", priority=0)
+    if not system.LINUX:
+        return
+    outcome.granted.update(scheduler=_policy(), priority=os.sched_getparam(0).sched_priority)
+    if not wanted.priority:
+        return
+    error: OSError | None = None
+    for priority in dict.fromkeys((wanted.priority, min(_permitted_priority(), wanted.priority))):
+        if not priority:
+            continue
+        try:  # what this process starts later is ordinary again
+            os.sched_setscheduler(
+                0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(priority)
+            )
+        except OSError as refused:
+            error = refused
+            continue
+        outcome.granted.update(scheduler="SCHED_FIFO", priority=priority)
+        if priority < wanted.priority:
+            outcome.refused.append(
+                f"priority {wanted.priority} not granted, {priority} is: the limit `rtprio` is "
+                f"{priority}; {_remedy('rtprio 90', 'SYS_NICE')}"
+            )
+        return
+    reason = "no reason given" if error is None else error.strerror
+    outcome.refused.append(f"SCHED_FIFO not granted: {reason}; {_remedy('rtprio 90', 'SYS_NICE')}")
+
+
+def _remedy(limit: str, capability: str) -> str:
+    """How to get a limit, or the capability that stands for it."""
+    if hasattr(os, "geteuid") and os.geteuid() == 0:  # whom no limit binds
+        return f"root lacks CAP_{capability} here: start the container with --cap-add {capability}"
+    return (
+        f"put `@realtime - {limit}` into /etc/security/limits.d/skinfield.conf, join that group by "
+        "`sudo groupadd -f realtime` and `sudo usermod -aG realtime $USER`, and log in again"
+    )
+
+
+def _policy() -> str:
+    number = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+    names = ("SCHED_OTHER", "SCHED_FIFO", "SCHED_RR", "SCHED_BATCH", "SCHED_IDLE")
+    known = {getattr(os, name): name for name in names}
+    return known.get(number, f"policy {number}")
+
+
+def _permitted_priority() -> int:
+    """The highest that the limits of the process permit, once raised as far as they may be."""
+    soft, _ = _raise_limit("RLIMIT_RTPRIO")
+    return 99 if soft < 0 or soft > 99 else soft
+
+
+def _raise_limit(name: str) -> tuple[int, int]:
+    """Soft and hard limit after raising the soft one; below 0 for none."""
+    import resource
+
+    limit = getattr(resource, name)
+    soft, hard = resource.getrlimit(limit)
+    if soft != hard:
+        with suppress(OSError, ValueError):
+            resource.setrlimit(limit, (hard, hard))
+    return resource.getrlimit(limit)
+
+
+def _pin(wanted: "RealTime", outcome: Outcome) -> None:
+    outcome.granted.update(cpu=None, isolated=False)
+    if not system.LINUX:
+        return
+    allowed = os.sched_getaffinity(0)
+    isolated = cpus_of(read_text("/sys/devices/system/cpu/isolated"))
+    if wanted.cpu is not None:
+        choices = [wanted.cpu]
+    else:
+        wished = _isolated_choices(allowed, isolated)
+        taken = {each.cpu for each in competitors()}
+        choices = sorted(wished, reverse=True) + sorted(allowed - wished, reverse=True)
+        choices.sort(key=lambda cpu: (cpu in taken, cpu not in wished))  # else it stays as it is
+    for cpu in choices:
+        try:
+            os.sched_setaffinity(0, {cpu})
+        except OSError as error:
+            reason = error.strerror
+            continue
+        outcome.granted.update(cpu=cpu, isolated=cpu in isolated)
+        return
+    outcome.refused.append(
+        f"CPU {choices[-1]} not granted: {reason}; this process may use "
+        f"{', '.join(map(str, sorted(allowed)))}: choose one of them, or widen the set by "
+        "`taskset` or the container's `--cpuset-cpus`"
+    )
+
+
+def _isolated_choices(allowed: set[int], isolated: set[int]) -> set[int]:
+    """Isolated processors that the process may want.
+
+    The system leaves them out of what a process may use by default; if that is all that is left
+    out, they may be asked for. A narrower set is somebody's wish, and is kept to.
+    """
+    online = cpus_of(read_text("/sys/devices/system/cpu/online"))
+    return isolated if allowed | isolated >= online else isolated & allowed
+
+
+def _collect(wanted: "RealTime", outcome: Outcome) -> None:
+    if wanted.freeze_gc:
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+    outcome.granted["gc_frozen"] = wanted.freeze_gc
+
+
+def _lock(wanted: "RealTime", outcome: Outcome) -> None:
+    outcome.granted.update(memory="not locked", heap_kept=False)
+    if not wanted.lock_memory or not system.LINUX:
+        return
+    try:
+        for name, value in ((system.M_TRIM_THRESHOLD, -1), (system.M_MMAP_MAX, 0)):
+            if not system.call("mallopt", name, value):
+                raise OSError(0, "the C library refuses the setting")
+        outcome.granted["heap_kept"] = True
+    except OSError as error:
+        outcome.refused.append(f"freed memory goes back to the system: {error.strerror}")
+    # Under a limit, memory that is locked as it is allocated would make allocations fail.
+    free = _may_lock_all()
+    try:
+        _lock_all(system.MCL_CURRENT | (system.MCL_FUTURE if free else 0))
+    except OSError as error:
+        remedy = _remedy("memlock unlimited", "IPC_LOCK")
+        outcome.refused.append(f"memory not locked: {error.strerror}; {remedy}")
+        return
+    outcome.granted["memory"] = "locked" if free else "locked so far"
+    if not free:
+        remedy = _remedy("memlock unlimited", "IPC_LOCK")
+        outcome.refused.append(f"later memory not locked: the limit `memlock` is finite; {remedy}")
+
+
+def _lock_all(flags: int) -> None:
+    """Lock every page that was touched, and each other one when it is touched for the first time.
+
+    By then a rehearsal has touched what a cycle needs. Without the flag, which Linux has since 4.4,
+    libraries and rooms would be locked in whole, which takes twice as much memory.
+    """
+    try:
+        system.call("mlockall", flags | system.MCL_ONFAULT)
+    except OSError as error:
+        if error.errno != errno.EINVAL:
+            raise
+        system.call("mlockall", flags)
+
+
+def _may_lock_all() -> bool:
+    soft, _ = _raise_limit("RLIMIT_MEMLOCK")
+    return soft < 0 or bool(capabilities() >> CAP_IPC_LOCK & 1)
+
+
+def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:
+    outcome.granted["kept_awake"] = bool(_awake)
+    if not wanted.keep_awake or _awake or not system.LINUX:
+        return
+    try:
+        held = os.open(LATENCY, os.O_WRONLY | os.O_CLOEXEC)
+        os.write(held, struct.pack("i", 0))  # µs that waking may take; holds while it is open
+    except OSError as error:
+        outcome.refused.append(
+            f"processors may sleep deeply: {LATENCY} cannot be written ({error.strerror}); run "
+            f"`sudo chmod o+w {LATENCY}`, or start Linux with `processor.max_cstate=1 "
+            "intel_idle.max_cstate=0`; on a virtual machine the host decides"
+        )
+        return
+    _awake.append(held)
+    outcome.granted["kept_awake"] = True
+
+
+def let_sleep() -> None:
+    """Let processors sleep again."""
+    while _awake:
+        os.close(_awake.pop())
+
+
+def _slack(outcome: Outcome) -> None:
+    outcome.granted["timer_slack_ns"] = None
+    if not system.LINUX:
+        return
+    try:
+        system.call("prctl", system.PR_SET_TIMERSLACK, 1, 0, 0, 0)
+        slack = system.call("prctl", system.PR_GET_TIMERSLACK, 0, 0, 0, 0)
+        outcome.granted["timer_slack_ns"] = slack
+    except OSError as error:
+        outcome.refused.append(
+            f"timer slack not set: {error.strerror}; wakes come up to 50 µs late"
+        )
+
+
+def capabilities() -> int:
+    """Bits of the capabilities that this process has; 0 where that is not known."""
+    for line in read_text("/proc/self/status").splitlines():
+        if line.startswith("CapEff:"):
+            return int(line.split()[1], 16)
+    return 0
+
+
+@dataclass(frozen=True)
+class SchedulerState:
+    """What `restore` goes back to.
+
+    Attributes
+    ----------
+    policy, priority : int or None
+        Of the calling thread; None where the system has no such thing.
+    cpus : frozenset of int or None
+    slack_ns : int or None, ns
+    gc_enabled : bool
+    """
+
+    policy: int | None
+    priority: int
+    cpus: frozenset[int] | None
+    slack_ns: int | None
+    gc_enabled: bool
+
+    @classmethod
+    def now(cls) -> "SchedulerState":
+        """How things are."""
+        slack, policy, priority, cpus = None, None, 0, None
+        with suppress(OSError):
+            slack = system.call("prctl", system.PR_GET_TIMERSLACK, 0, 0, 0, 0)
+        if system.LINUX:
+            policy, priority = os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
+            cpus = frozenset(os.sched_getaffinity(0))
+        return cls(policy, priority, cpus, slack, gc.isenabled())
+
+    def restore(self) -> None:
+        """Go back; what cannot be taken back, such as the layout of the heap, stays."""
+        if self.policy is not None and self.cpus is not None:
+            usual = os.sched_param(self.priority)
+            try:
+                os.sched_setscheduler(0, self.policy, usual)
+            except PermissionError:  # only root may clear the flag
+                os.sched_setscheduler(0, self.policy | os.SCHED_RESET_ON_FORK, usual)
+            os.sched_setaffinity(0, self.cpus)
+        with suppress(OSError):
+            system.call("munlockall")
+        with suppress(OSError):
+            system.call("mallopt", system.M_TRIM_THRESHOLD, TRIM_THRESHOLD)
+            system.call("mallopt", system.M_MMAP_MAX, MMAP_MAX)
+        if self.slack_ns is not None:
+            system.call("prctl", system.PR_SET_TIMERSLACK, self.slack_ns, 0, 0, 0)
+        let_sleep()
+        gc.unfreeze()
+        if self.gc_enabled:
+            gc.enable()
+
+
+@dataclass(frozen=True)
+class RealTime:
+    """What a process asks for that must wake on time.
+
+    Each request is made where the system permits it. What is not granted is reported, with the
+    reason and the remedy, and the loop runs without it.
+
+    Parameters
+    ----------
+    priority : int
+        Of SCHED_FIFO, 1 to 99; a lower one is taken where only that is permitted. 0: not asked for.
+    cpu : int, optional
+        To pin the process to. By default an isolated one where the system has any, else the last
+        of those that the process may use; in either case, if it can be, one that no other program
+        is pinned to at real-time priority.
+    lock_memory : bool
+        Keep all memory in RAM, also what is allocated later, and freed memory in the process.
+    freeze_gc : bool
+        Collect garbage once, then never: a loop that allocates nothing leaves none.
+    keep_awake : bool
+        Keep the processors out of deep sleep, from which they take long to wake. Costs power.
+    """
+
+    priority: int = 80
+    cpu: int | None = None
+    lock_memory: bool = True
+    freeze_gc: bool = True
+    keep_awake: bool = True
+
+    def __post_init__(self) -> None:
+        check_count("priority", self.priority, 0, 99, "of SCHED_FIFO, 99 the highest; 0 for none")
+        if self.cpu is not None:
+            check_count("cpu", self.cpu, 0, 1 << 16, "number of a processor; None lets it choose")
+
+    def apply(self) -> RealTimeStatus:
+        """Ask for everything, for this process and the thread that calls.
+
+        Call it last, when everything is loaded, prepared and compiled: memory is locked and the
+        garbage collector frozen as they are then. Processes and threads that are started later are
+        not real-time themselves; they do inherit the processor.
+        """
+        from skinfield.loop.realtime.system import disturbances, kernel
+
+        outcome = request_all(self)
+        return RealTimeStatus(
+            **outcome.granted,
+            kernel=kernel(),
+            refused=tuple(outcome.refused),
+            disturbances=disturbances(outcome.granted["cpu"]),
+        )
+
+    @contextmanager
+    def during(self) -> Iterator[RealTimeStatus]:
+        """Ask, and give everything back at the end: for measurements within a longer process."""
+        before = SchedulerState.now()
+        try:
+            yield self.apply()
+        finally:
+            before.restore()

@@ -1,0 +1,72 @@
+"""Counting times, compiled. The layout is that of `timing`; the arrays are checked there."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import njit
+from skinfield.loop.realtime.layout import CYCLES, LATE, LONGEST, OCTAVE_BITS, OVERRUN, SUM, TOP
+
+Counts = NDArray[np.uint64]
+ONE = np.uint64(1)
+OCTAVE = 6  # as `layout.OCTAVE_BITS`: Numba takes globals as constants
+
+
+@njit
+def add_time(counts: Counts, time_ns: int) -> None:
+    """Count one time; below 0 counts as 0, beyond the last bin as the last bin.
+
+    Parameters
+    ----------
+    counts : (WORDS,) uint64 array
+    time_ns : int, ns
+    """
+    time = max(time_ns, 0)
+    rest, octave = min(time, TOP), 0
+    while rest >= 2 << OCTAVE:
+        rest >>= 1
+        octave += 1
+    exact = np.uint64(time)
+    counts[(octave << OCTAVE) + rest] += ONE
+    counts[SUM] += exact
+    if exact > counts[LONGEST]:
+        counts[LONGEST] = exact
+
+
+@njit
+def add_cycle(
+    times: NDArray[np.uint64],
+    totals: Counts,
+    period_ns: int,
+    deadline_ns: int,
+    due_ns: int,
+    wake_ns: int,
+    acquired_ns: int,
+    ready_ns: int,
+    done_ns: int,
+    latency_ns: int,
+) -> None:
+    """Count the times of one cycle.
+
+    Parameters
+    ----------
+    times : (5, WORDS) uint64 array
+        Rows as `timing.TIMES`.
+    totals : (4,) uint64 array
+        As `timing.TOTALS`.
+    latency_ns : int, ns
+        Below 0 where no new reading came: nothing is counted then.
+    """
+    add_time(times[0], wake_ns - due_ns)
+    add_time(times[1], acquired_ns - wake_ns)
+    add_time(times[2], ready_ns - wake_ns)
+    if latency_ns >= 0:
+        add_time(times[3], latency_ns)
+    add_time(times[4], done_ns - wake_ns)
+    totals[CYCLES] += ONE
+    if ready_ns - due_ns > deadline_ns:
+        totals[LATE] += ONE
+    if done_ns - due_ns > period_ns:
+        totals[OVERRUN] += ONE
+
+
+assert OCTAVE == OCTAVE_BITS

@@ -1,0 +1,241 @@
+"""Runtime parameters of an engine: what can be changed while it answers, within which limits."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError, check_choice, check_range, check_type
+from skinfield.ring import Field, RingReader
+
+AUTO: Literal["auto"] = "auto"
+SHORTEST = 20e-6  # s, for the reconstruction
+LARGEST = 0.9  # of a period
+HEAVIEST, SLOWEST = 5.0, 1.0  # N, s: thresholds and time constants up to these
+NUMBERS = ("resolution", "deadline", "threshold", "smoothing", "patch", "x0", "y0", "x1", "y1")
+FIELD = Field("tuning", "<f8", (len(NUMBERS),))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Focus:
+    """A window of a patch: what presses there is answered first, and on the finest grid.
+
+    Parameters
+    ----------
+    patch : str
+    low, high : pair of float, m
+        Its corners, in the plane of the patch.
+    """
+
+    patch: str
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        check_type("patch", self.patch, str, "the name of the patch to look at")
+        for name in ("low", "high"):
+            object.__setattr__(self, name, _corner(name, getattr(self, name)))
+        if not (self.low[0] < self.high[0] and self.low[1] < self.high[1]):
+            raise InputError(
+                f"high is {self.high}, expected more than low, {self.low}, along both axes"
+            )
+
+    @classmethod
+    def of(cls, plain: object) -> "Focus":
+        """Of a mapping with patch, low and high; raises InputError for anything else."""
+        if not isinstance(plain, Mapping) or set(plain) != {"patch", "low", "high"}:
+            raise InputError(f"focus is {plain!r:.80}, expected patch, low and high, or None")
+        return cls(patch=plain["patch"], low=plain["low"], high=plain["high"])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return {"patch": self.patch, "low": list(self.low), "high": list(self.high)}
+
+
+def _corner(name: str, given: object) -> tuple[float, float]:
+    try:
+        x, y = (float(each) for each in given)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {given!r:.80}, expected a pair of numbers, m") from None
+    for each in (x, y):
+        check_range(name, each, -1e3, 1e3, "m, in the plane of the patch")
+    return x, y
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tuning:
+    """What can be changed while an engine answers.
+
+    Parameters
+    ----------
+    resolution : "auto" or int
+        Nodes along the sides of the finest grid for answers; "auto": as fine as time allows.
+    deadline : float, s
+        For the reconstruction within one cycle.
+    threshold : float, N
+        Contacts of a smaller force are not told.
+    smoothing : float, s
+        Time constant of a first-order low-pass of what each taxel reads; 0: none.
+    focus : Focus, optional
+    """
+
+    resolution: int | Literal["auto"] = AUTO
+    deadline: float = 400e-6
+    threshold: float = 0.0
+    smoothing: float = 0.0
+    focus: Focus | None = None
+
+    def numbers(self, patches: Sequence[str]) -> Floats:
+        """As a row of `NUMBERS`; 0 stands for "auto", patch -1 for no focus."""
+        rung = 0 if self.resolution == AUTO else self.resolution
+        window = [-1.0, 0.0, 0.0, 0.0, 0.0]
+        if self.focus is not None:
+            place = list(patches).index(self.focus.patch)
+            window = [place, *self.focus.low, *self.focus.high]
+        return np.array([rung, self.deadline, self.threshold, self.smoothing, *window])
+
+    @classmethod
+    def from_numbers(cls, numbers: Floats, patches: Sequence[str]) -> "Tuning":
+        """Undo `numbers`.
+
+        Raises
+        ------
+        InputError
+            For what `numbers` never gives.
+        """
+        if numbers.shape != (len(NUMBERS),) or not np.isfinite(numbers).all():
+            raise InputError(f"a tuning is {numbers!r:.120}, expected {len(NUMBERS)} numbers")
+        rung, deadline, threshold, smoothing, patch, *window = numbers.tolist()
+        focus = None
+        if patch >= 0:
+            if int(patch) >= len(patches):
+                raise InputError(f"a focus is on patch {patch:g} of {len(patches)}")
+            name = patches[int(patch)]
+            focus = Focus(patch=name, low=(window[0], window[1]), high=(window[2], window[3]))
+        return cls(
+            resolution=int(rung) if rung > 0 else AUTO,
+            deadline=deadline,
+            threshold=max(threshold, 0.0),
+            smoothing=max(smoothing, 0.0),
+            focus=focus,
+        )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return vars(self) | {"focus": None if self.focus is None else self.focus.as_dict()}
+
+    def changed(self, changes: Mapping[str, Any]) -> "Tuning":
+        """With other values by name; a focus may be a mapping, as `Focus.of` takes it.
+
+        Raises
+        ------
+        InputError
+            For a name that is none of these; see `Limits.check` for values.
+        """
+        known = [each.name for each in fields(self)]
+        unknown = [name for name in changes if name not in known]
+        if unknown:
+            raise InputError(
+                f"{unknown[0]!r:.80} is no setting, expected one of {', '.join(known)}"
+            )
+        given = dict(changes)
+        if given.get("focus") is not None and not isinstance(given["focus"], Focus):
+            given["focus"] = Focus.of(given["focus"])
+        return replace(self, **given)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What a tuning may be of one engine.
+
+    Parameters
+    ----------
+    rungs : tuple of int
+        Nodes along the sides of its grids.
+    longest : float, s
+        For the reconstruction within one cycle.
+    patches : tuple of str
+    fixed : str
+        Why nothing can be changed; empty if it can.
+    """
+
+    rungs: tuple[int, ...]
+    longest: float
+    patches: tuple[str, ...]
+    fixed: str = ""
+
+    @classmethod
+    def of(cls, description: Mapping[str, Any]) -> "Limits":
+        """Of the engine whose ring has this description."""
+        longest = max(LARGEST * float(description["period"]), float(description["budget"]))
+        return cls(
+            rungs=tuple(description["rungs"]),
+            longest=longest,
+            patches=tuple(description["patches"]),
+            fixed=str(description.get("fixed", "")),
+        )
+
+    def check(self, tuning: Tuning) -> Tuning:
+        """The tuning itself, with plain numbers.
+
+        Raises
+        ------
+        InputError
+            If the engine cannot be tuned so.
+        """
+        if self.fixed:
+            raise InputError(f"nothing can be changed here: {self.fixed}")
+        if tuning.resolution != AUTO and not _is_one_of(tuning.resolution, self.rungs):
+            raise InputError(
+                f"resolution is {tuning.resolution!r:.80}, expected {AUTO!r} or one of "
+                f"{', '.join(map(str, self.rungs))}: the grids that are prepared"
+            )
+        for name, low, high, why in (
+            ("deadline", SHORTEST, self.longest, "s, of a cycle for its answers"),
+            ("threshold", 0.0, HEAVIEST, "N, of contacts that are told"),
+            ("smoothing", 0.0, SLOWEST, "s, a time constant; 0: none"),
+        ):
+            value = getattr(tuning, name)
+            check_range(name, np.nan if isinstance(value, bool) else value, low, high, why)
+        if tuning.focus is not None:
+            check_type("focus", tuning.focus, Focus, "a window, or None")
+            check_choice("focus.patch", tuning.focus.patch, self.patches, "a patch of the skin")
+        numbers = {name: float(getattr(tuning, name)) for name in NUMBERS[1:4]}
+        return replace(tuning, **numbers)  # type: ignore[arg-type]
+
+    def as_dict(self, tuning: Tuning) -> dict[str, Any]:
+        """Values, options and ranges in plain SI numbers; `off` says what cannot be changed."""
+        focus = None if tuning.focus is None else tuning.focus.as_dict()
+        names = [each.name for each in fields(tuning)]
+        return {
+            "resolution": {"value": tuning.resolution, "options": [AUTO, *self.rungs]},
+            "deadline": {"value": tuning.deadline, "range": [SHORTEST, self.longest]},
+            "threshold": {"value": tuning.threshold, "range": [0.0, HEAVIEST]},
+            "smoothing": {"value": tuning.smoothing, "range": [0.0, SLOWEST]},
+            "focus": {"value": focus, "options": list(self.patches)},
+            "off": dict.fromkeys([*names, "solver"], self.fixed) if self.fixed else {},
+        }
+
+
+def _is_one_of(value: object, rungs: tuple[int, ...]) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value in rungs
+
+
+def tuning_of(reader: RingReader) -> Tuning:
+    """What is in force in the engine that writes a ring, as its status tells.
+
+    Raises
+    ------
+    InputError
+        If the ring is not that of a live skin.
+    """
+    view = reader.status_view.get(FIELD.name)
+    if view is None:
+        raise InputError(f"ring {reader.name!r} tells no tuning, expected that of a live skin")
+    while True:  # its numbers are written one by one
+        numbers = view.copy()
+        if not numbers.any():  # of an engine that has only just begun
+            return Tuning()
+        if np.array_equal(view, numbers):
+            return Tuning.from_numbers(numbers, reader.description["patches"])

@@ -1,0 +1,140 @@
+"""What a live skin is made of; everything that its engine process needs to know."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity
+from skinfield.errors import InputError, check_offers, check_positive, check_range, check_type
+from skinfield.loop.realtime.setup import RealTime
+from skinfield.loop.runtime_parameters import HEAVIEST, SLOWEST, Tuning
+from skinfield.signal import Calibration, Convention, Source
+from skinfield.skin import Patch, Skin
+from skinfield.solve import NonNegative, Solver
+
+RUNGS = (10, 20, 40)
+LIVE_TOLERANCE = 1e-2  # relative gap: forces then differ by some thousandths, searches take 2/3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LiveSettings:
+    """A skin, where its readings come from, and how they are answered.
+
+    Parameters
+    ----------
+    skin : Skin or Patch
+    sources : tuple of Source
+        Their ports are counted one after the other.
+    name : str
+        By which readers find the ring.
+    layer : Layer
+    mechanics, quantity, solver
+        As `Engine` takes them; by default a `NonNegative` that searches to a gap of 1e-2.
+    rungs : tuple of int
+        Nodes along the sides of the grids, from coarse to fine.
+    board : Convention, optional
+        What a count means; default by the range of the counts.
+    gain : float, counts per unit of ΔC/C₀, optional
+        Default a guess for the board.
+    calibration : mapping from names of patches to Calibration
+        Patches without one take their baseline while the engine starts, of an untouched skin.
+    rate : float, 1/s, or None
+        Of cycles; None for a cycle whenever readings arrive.
+    budget : float, s, optional
+        For the reconstruction within one cycle. Default 0.4 of a period, at most 5 ms.
+    deadline : float, s, optional
+        After the beginning of a cycle, when its estimates must be there: later is counted as late.
+        Default one period, or 1 ms in event mode.
+    tare_seconds : float, s
+        For the baseline.
+    stale_after : float, s, optional
+        Age at which a taxel's reading is left out. Default five times the longest interval that is
+        usual for it, at least 50 ms.
+    rows : int
+        Contacts told of each patch, at most.
+    threshold : float, N
+        Contacts of a smaller force are not told.
+    smoothing : float, s
+        Time constant of a first-order low-pass of what each taxel reads; 0: none.
+    slots : int
+        Cycles that the ring holds.
+    log_bytes : int, optional
+        Of the ring's log of readings: a power of two. Default some seconds of all taxels at the
+        engine's rate, 16 to 256 MB.
+    real_time : RealTime
+    early : bool
+        Wake shortly before each cycle is due as well, and take in what is there already, so that
+        the estimate is ready sooner after it. Only at a rate, and where real time is granted.
+    """
+
+    skin: Skin
+    sources: tuple[Source, ...]
+    name: str = "skin"
+    layer: Layer = field(default_factory=Layer)
+    mechanics: Mechanics = field(default_factory=BondedLayer)
+    quantity: Quantity = field(default_factory=Capacitance)
+    solver: Solver = field(default_factory=lambda: NonNegative(tolerance=LIVE_TOLERANCE))
+    rungs: tuple[int, ...] = RUNGS
+    board: Convention | None = None
+    gain: float | None = None
+    calibration: Mapping[str, Calibration] = field(default_factory=dict)
+    rate: float | None = 1000.0
+    budget: float | None = None
+    deadline: float | None = None
+    tare_seconds: float = 1.0
+    stale_after: float | None = None
+    rows: int = 8
+    threshold: float = 0.0
+    smoothing: float = 0.0
+    slots: int | None = None
+    log_bytes: int | None = None
+    real_time: RealTime = field(default_factory=RealTime)
+    early: bool = True
+
+    def __post_init__(self) -> None:
+        if isinstance(self.skin, Patch):
+            object.__setattr__(self, "skin", Skin((self.skin,), name=self.skin.name))
+        check_type("skin", self.skin, Skin, "the patches, as load_layout returns them")
+        for source in self.sources:
+            check_offers("sources", source, ("open",), "objects such as PacketUdp()")
+        if not self.sources:
+            raise InputError("sources is empty, expected one or more: where readings come from")
+        if self.rate is not None:
+            check_positive("rate", self.rate, "cycles per second, or None: as readings arrive")
+        for name in ("budget", "deadline", "stale_after"):
+            if getattr(self, name) is not None:
+                check_positive(name, getattr(self, name), "seconds")
+        check_positive("tare_seconds", self.tare_seconds, "seconds")
+        check_range("threshold", self.threshold, 0.0, HEAVIEST, "N, of contacts that are told")
+        check_range("smoothing", self.smoothing, 0.0, SLOWEST, "s, a time constant; 0: none")
+        unknown = set(self.calibration) - {patch.name for patch in self.skin}
+        if unknown:
+            raise InputError(
+                f"calibration names {sorted(unknown)[0]!r}, expected patches of the skin: "
+                f"{', '.join(patch.name for patch in self.skin)}"
+            )
+
+    @property
+    def period(self) -> float:
+        """Of a cycle, s; in event mode the longest wait for a reading."""
+        return 0.05 if self.rate is None else 1.0 / self.rate
+
+    @property
+    def time_to_answer(self) -> float:
+        """For the reconstruction, s."""
+        if self.budget is not None:
+            return self.budget
+        return 500e-6 if self.rate is None else min(0.4 / self.rate, 5e-3)
+
+    @property
+    def tuning(self) -> Tuning:
+        """What the engine begins with, of what can be changed while it answers."""
+        return Tuning(
+            deadline=self.time_to_answer, threshold=self.threshold, smoothing=self.smoothing
+        )
+
+    @property
+    def due_after(self) -> float:
+        """When a cycle is late, s after it was due."""
+        if self.deadline is not None:
+            return self.deadline
+        return 1e-3 if self.rate is None else 1.0 / self.rate

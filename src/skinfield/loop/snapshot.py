@@ -1,0 +1,133 @@
+"""One cycle of a running skin, as its readers get it."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError
+from skinfield.estimate import Estimate
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop.model_config import ModelConfig, Models
+from skinfield.loop.slots import Head, Slot
+from skinfield.reconstruct.engine.state import Answer
+
+
+class Stale(InputError):
+    """No estimate that is young enough: nothing is ever returned in its place."""
+
+
+class Snapshot(Mapping[str, Estimate]):
+    """One cycle of a live skin: estimates by the names of the patches.
+
+    Attributes
+    ----------
+    number : int
+        Of the cycle.
+    age : float, s
+        Of the newest reading in it when it was fetched; infinite before the first.
+    stamp_ns : int, ns
+        Of that reading, since the epoch.
+    fresh : bool
+        Whether the cycle had a new reading; else it holds the answers of an earlier one.
+    contacts : structured (N,) array
+        On all patches, with `track`, `patch` (its number), `position` (m, in the patch's frame),
+        `normal_force` (N), `force_std` (N), `place_std` (m), `area` (m²) and more; see its dtype.
+    patches : structured (P,) array
+        What is known of each patch: answer, rung, gap, stamp_ns, fresh, force ...
+    """
+
+    def __init__(self, slot: Slot, number: int, models: Models, wall_ns: int) -> None:
+        self.number = number
+        self.slot, self._models = slot, models
+        self.patches: NDArray[Any] = slot.patches
+        self.contacts: NDArray[Any] = slot.used_contacts()
+        self.stamp_ns = int(slot.patches["stamp_ns"].max(initial=0))
+        self.age = (wall_ns - self.stamp_ns) * 1e-9 if self.stamp_ns else float("inf")
+        self.fresh = bool(slot.head[Head.FRESH])
+        self._names = [patch.name for patch in models.model_config.skin]
+        self._made: dict[str, Estimate] = {}
+
+    def __getitem__(self, name: str) -> Estimate:
+        if name not in self._names:
+            raise InputError(f"no patch is named {name!r}, expected one of {self._names}")
+        place = self._names.index(name)
+        if self.patches["answer"][place] == int(Answer.MISSING):
+            age = self.ages()[name]
+            raise Stale(
+                f"patch {name!r} has no answer: its newest reading is {age:.3g} s old; see "
+                "`skinfield status`"
+            )
+        if name not in self._made:
+            head = self.slot.head
+            took = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-9
+            late = bool(int(head[Head.FLAGS]) & CycleFlag.LATE)
+            self._made[name] = self._models.estimate(self.slot, place, took, late)
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        there = self.patches["answer"] != int(Answer.MISSING)
+        return (name for name, known in zip(self._names, there, strict=True) if known)
+
+    def __len__(self) -> int:
+        return int((self.patches["answer"] != int(Answer.MISSING)).sum())
+
+    def ages(self) -> dict[str, float]:
+        """Age of each patch's newest reading, s; infinite where none ever came."""
+        wall = self.stamp_ns + self.age * 1e9 if self.stamp_ns else 0.0
+        stamps = self.patches["stamp_ns"].tolist()
+        return {
+            name: (wall - stamp) * 1e-9 if stamp else float("inf")
+            for name, stamp in zip(self._names, stamps, strict=True)
+        }
+
+    @property
+    def model_config(self) -> ModelConfig:
+        """What the answers follow from."""
+        return self._models.model_config
+
+    @property
+    def prepared(self) -> bool:
+        """Whether deformation and uncertainty are there at once: the first time takes seconds."""
+        return self._models.prepared
+
+    def prepare(self) -> None:
+        """Prepare deformation and uncertainty, of this cycle and those after it; takes seconds."""
+        _ = self._models.engine
+
+    def indentation(self, name: str, pressure: Floats | None = None) -> Floats | None:
+        """Displacement into the skin, (K,) m; None until it is prepared.
+
+        Parameters
+        ----------
+        name : str
+            Of the patch.
+        pressure : (K,) array, Pa, optional
+            On the finest grid, such as a fit's, in place of the engine's own answer.
+        """
+        if not self.prepared:
+            return None
+        if pressure is None:
+            return self[name].indentation
+        place, nodes = self._names.index(name), self.model_config.rungs[-1]
+        normals = self._models.grid(place, nodes).normals
+        moved = self._models.moved(place, nodes, pressure)
+        return np.asarray(-np.einsum("kc,kc->k", moved, normals))
+
+    def taxels(self, name: str) -> tuple[NDArray[Any], NDArray[np.bool_], Floats]:
+        """Values, validity and noise of a patch's taxels, (L,) each, in the quantity's unit."""
+        place = self._names.index(name)
+        its = slice(self._models.starts[place], self._models.starts[place + 1])
+        valid = self.slot.valid[its].astype(np.bool_)
+        return self.slot.values[its], valid, self._models.noise_std[its]
+
+    @property
+    def readings(self) -> NDArray[np.float32]:
+        """Newest counts of all taxels, patch by patch, (L,)."""
+        return self.slot.counts
+
+    @property
+    def force(self) -> float:
+        """Sum of the normal forces of all contacts, N."""
+        return float(self.patches["force"].sum())

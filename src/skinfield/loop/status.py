@@ -1,0 +1,262 @@
+"""What a running skin says of itself: state, times, sources, patches, as plain numbers."""
+
+import json
+import time
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import InputError
+from skinfield.loop.model_config import configuration_of, state_of
+from skinfield.loop.realtime.timing import Timing
+from skinfield.loop.runtime_parameters import FIELD as TUNING
+from skinfield.loop.runtime_parameters import Limits, tuning_of
+from skinfield.loop.slots import Head, Slot
+from skinfield.loop.status_text import read_notes
+from skinfield.ring import RingReader
+from skinfield.ring.files import sidecar
+from skinfield.signal import Count
+
+SILENT = 3.0  # s without a word of a recorder, after which something is wrong
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """Counters of a ring at one time, to tell what happened between two of them."""
+
+    time: float
+    number: int
+    times: Array
+    totals: Array
+    sources: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Status:
+    """A look at a running skin.
+
+    Attributes
+    ----------
+    name : str
+    state : str
+        "starting", "calibrating", "running", "stopped" or "failed".
+    pid, generation : int
+        Of the engine's process; how many there were on this ring.
+    since : Timing
+        Since the engine's start.
+    lately : Timing
+        Since an earlier look: the one before, or that of a second ago, as the `Observer` has it.
+    seconds : float, s
+        Between both looks.
+    rate : float, 1/s
+        Cycles lately.
+    sources : dict of str to dict of str to int
+        What each source counted, by its kind.
+    sources_lately : dict of str to dict of str to int
+        The same, since the earlier look.
+    patches : list of dict
+        Name, answer, age (s), stale (whether the age is more than is usual), force (N), contacts,
+        invalid.
+    contacts : list of dict
+    notes : dict
+        What the engine says in words: phase, what was granted, how the baseline was taken.
+    beside : dict
+        Of the supervisor and the recorder, where there are any.
+    memory : dict
+        Of the engine's process: resident bytes.
+    tuning : dict
+        What can be changed, as `Limits.as_dict` tells it, and the solver; empty of another ring.
+    """
+
+    name: str
+    state: str
+    pid: int
+    generation: int
+    since: Timing
+    lately: Timing
+    seconds: float
+    rate: float
+    sources: dict[str, dict[str, int]]
+    sources_lately: dict[str, dict[str, int]]
+    patches: list[dict[str, Any]]
+    contacts: list[dict[str, Any]]
+    notes: dict[str, Any]
+    beside: dict[str, Any]
+    memory: dict[str, int]
+    tuning: dict[str, Any]
+
+    @property
+    def lost(self) -> int:
+        """Messages that are known to be missing, over all sources."""
+        return sum(each["lost"] + each["overflowed"] for each in self.sources.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON; times in µs."""
+        plain = {key: value for key, value in vars(self).items() if key not in ("since", "lately")}
+        return plain | {
+            "since_start": self.since.as_dict(),
+            "lately": self.lately.as_dict(),
+            "lost": self.lost,
+        }
+
+
+class Observer:
+    """Looks at a ring again and again.
+
+    Parameters
+    ----------
+    reader : RingReader
+        Of a live skin.
+    window : float, s
+        Each look tells what happened since the newest look that is at least as old as this, or
+        since the first one; 0: since the look before.
+    """
+
+    def __init__(self, reader: RingReader, window: float = 0.0) -> None:
+        if "skinfield_live" not in reader.description:
+            raise InputError(f"ring {reader.name!r} is of something else, expected a live skin's")
+        self._reader, self._window = reader, window
+        self._slot = reader.slot()
+        self._moments = deque([self._moment()])
+
+    def _moment(self) -> Moment:
+        status = self._reader.status_view
+        return Moment(
+            time.monotonic(),
+            self._reader.number,
+            status["times"].copy(),
+            status["totals"].copy(),
+            status["sources"].copy(),
+        )
+
+    def _earlier(self, now: Moment) -> Moment:
+        """The moment from which on things count as recent."""
+        moments = self._moments
+        if (now.totals < moments[-1].totals).any():  # of another ring under the same name
+            moments.clear()
+            nothing = now.times * 0, now.totals * 0, now.sources
+            moments.append(Moment(now.time, now.number, *nothing))
+        while len(moments) > 1 and moments[1].time <= now.time - self._window:
+            moments.popleft()
+        earlier = moments[0]
+        moments.append(now)
+        return earlier
+
+    @property
+    def _stale_ns(self) -> int:
+        return int(self._reader.status_view["stale_ns"][0])
+
+    def look(self) -> Status:
+        """What there is now, and what happened since the last look."""
+        reader, now = self._reader, self._moment()
+        before, told = self._earlier(now), reader.description
+        copied = reader.latest(self._slot)
+        slot = None if copied is None else Slot.of(copied.arrays)
+        seconds = max(now.time - before.time, 1e-9)
+        return Status(
+            name=reader.name,
+            state=state_of(reader).name.lower(),
+            pid=reader.pid,
+            generation=reader.generation,
+            since=Timing.of(now.times, now.totals),
+            lately=Timing.of(now.times, now.totals, (before.times, before.totals)),
+            seconds=seconds,
+            rate=(now.number - before.number) / seconds,
+            sources=_sources(told["sources"], now.sources),
+            sources_lately=_sources(told["sources"], now.sources - before.sources),
+            patches=[] if slot is None else _patches(told, slot, self._stale_ns),
+            contacts=[] if slot is None else contacts_of(told["patches"], slot),
+            notes=read_notes(reader.status_view["notes"]) or {},
+            beside={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
+            memory=_memory(reader.pid),
+            tuning=_tuning(reader),
+        )
+
+
+def _sources(names: list[str], counted: Array) -> dict[str, dict[str, int]]:
+    found = {}
+    for place, name in enumerate(names):
+        label = name if names.count(name) == 1 else f"{name} {place + 1}"
+        found[label] = {each.name.lower(): int(counted[place, each]) for each in Count}
+    return found
+
+
+def _patches(told: dict[str, Any], slot: Slot, stale_ns: int) -> list[dict[str, Any]]:
+    wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots make old readings
+    rows = []
+    for name, row in zip(told["patches"], slot.patches, strict=True):
+        stamp = int(row["stamp_ns"])
+        rows.append(
+            {
+                "name": name,
+                "answer": told["answers"][int(row["answer"])],
+                "age": (wall - stamp) * 1e-9 if stamp else None,
+                "stale": 0 < stale_ns < wall - stamp,
+                "force": float(row["force"]),
+                "contacts": int(row["contacts"]),
+                "invalid": int(row["invalid"]),
+                "rung": int(row["rung"]),
+                "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
+            }
+        )
+    return rows
+
+
+def contacts_of(patches: list[str], slot: Slot) -> list[dict[str, Any]]:
+    """Contacts of a slot as plain values, with the names of their patches."""
+    return plain_contacts(patches, slot.used_contacts())
+
+
+def plain_contacts(patches: list[str], contacts: Array) -> list[dict[str, Any]]:
+    """Rows of contacts as plain values, with the names of their patches."""
+    rows = []
+    for row in contacts:
+        plain = {name: _plain(row[name]) for name in row.dtype.names}
+        rows.append(plain | {"patch": patches[int(row["patch"])]})
+    return rows
+
+
+def _plain(value: Any) -> Any:
+    values = np.asarray(value).tolist()
+    if isinstance(values, float) and not np.isfinite(values):
+        return None
+    return values
+
+
+def _sidecar(name: str, what: str) -> Any:
+    path: Path = sidecar(name, what)
+    try:
+        told = json.loads(path.read_text())
+    except (OSError, ValueError):
+        return None
+    if isinstance(told, dict) and "told_ns" in told:  # every second, as long as it lives
+        age = (time.time_ns() - int(told["told_ns"])) * 1e-9
+        told["silent"] = bool(age > SILENT and not told.get("finished"))
+    return told
+
+
+def _tuning(reader: RingReader) -> dict[str, Any]:
+    """What is in force, and what it may be."""
+    if TUNING.name not in reader.status_view or "rungs" not in reader.description:
+        return {}
+    told = configuration_of(reader)
+    solver = None if told is None else type(told.solver).__name__
+    plain = Limits.of(reader.description).as_dict(tuning_of(reader))
+    return plain | {"solver": {"value": solver}}
+
+
+def _memory(pid: int) -> dict[str, int]:
+    """Resident bytes of a process, where the system tells."""
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except OSError:
+        return {}
+    for line in lines:
+        if line.startswith("VmRSS:"):
+            return {"resident": int(line.split()[1]) * 1024}
+    return {}

@@ -1,0 +1,495 @@
+"""Update of a live skin: newest counts to estimates in a slot, by the parameters in force."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, Ints, check_shape, check_type
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.loop.baseline import quantity_scale
+from skinfield.loop.binding import Binding
+from skinfield.loop.model_config import FIELD as CONFIGURATION
+from skinfield.loop.model_config import Configuration, ModelConfig, write_configuration
+from skinfield.loop.runtime_parameters import AUTO, Limits, Tuning
+from skinfield.loop.runtime_parameters import FIELD as TUNING
+from skinfield.loop.settings import LiveSettings
+from skinfield.loop.slots import PATCH, Head, Sizes, Slot
+from skinfield.reconstruct.engine import Engine, SkinContacts
+from skinfield.reconstruct.engine.engine import prefer
+from skinfield.ring import Ring
+from skinfield.signal import Channels, Convention
+
+RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger
+SURE = 6.0  # standard deviations, of boards that are noisier
+
+
+def lowest_change(board: Convention | None, calibration: Floats) -> float:
+    """Least ΔC/C₀ of counts that is believed.
+
+    A taxel that reads less was touched when its baseline was taken, or its baseline has gone.
+    Pressure cannot push it there: to explain it by what rises beside a press takes ten times the
+    force that was let go. So it is left out, as at the end of a board's scale: an iCub's ends 15
+    bytes beyond its rest. Boards that clip at their rest never read less.
+
+    Parameters
+    ----------
+    board : Convention or None
+        None where nobody says what a count means.
+    calibration : (N, 4) array
+        Of the taxels that live, see `Baseline`.
+    """
+    if not len(calibration):
+        return -np.inf
+    beyond = np.nan if board is None else _beyond_rest(board)
+    if beyond == 0.0:
+        return -np.inf
+    gain = np.abs(calibration[:, 1])
+    if np.isfinite(beyond):
+        return -beyond / float(gain.min())
+    return -max(RISEN, SURE * float(np.median(calibration[:, 2] / gain)))
+
+
+def _beyond_rest(board: Convention) -> float:
+    """Counts from a board's rest to the end of its scale on the unloaded side; NaN: not known."""
+    unloaded = board.highest if board.direction < 0 else board.lowest
+    return -board.direction * (unloaded - board.rest)
+
+
+class ContactPublisher(SkinContacts):
+    """The contacts of every patch, which can go on from what was published of them.
+
+    Parameters
+    ----------
+    engine : Engine
+    rows : int
+        Contacts per patch, at most.
+    tracks : (1,) int64 array
+        Contacts numbered so far.
+    """
+
+    def __init__(self, engine: Engine, rows: int, tracks: Ints) -> None:
+        super().__init__(engine, rows=rows, ids=tracks)
+
+    def resume(self, kept: Slot) -> None:
+        """Go on from the contacts of a cycle as it was published, and know nothing else.
+
+        A replay that begins in the middle has no more than that.
+        """
+        self.reset()
+        for row, contacts, memory in zip(kept.patches, kept.contacts, self.memory, strict=True):
+            count = int(row["contacts"])
+            told = contacts[:count]
+            for name in ("track", "x", "y"):
+                memory[name][:count] = told[name]
+            memory["last_ns"][:count] = row["stamp_ns"]
+            ages = np.rint(told["age"] * 1e9).astype(np.int64)
+            memory["first_ns"][:count] = row["stamp_ns"] - ages
+
+
+CONTACT_WORDS = CONTACT.itemsize // 8
+
+
+class RuntimeFilters:
+    """Low-pass, threshold and focus of a cycle; nothing is allocated between changes.
+
+    Parameters
+    ----------
+    engine : Engine
+    binding : Binding
+    stale_ns : int, ns
+        Age at which a reading is left out.
+    kept : Slot
+        Of the newest answers.
+
+    Attributes
+    ----------
+    smoothing, threshold : float, s, N
+        0: none.
+    watches : bool
+        Whether there is a focus.
+    """
+
+    def __init__(self, engine: Engine, binding: Binding, stale_ns: int, kept: Slot) -> None:
+        from skinfield.loop.update_kernel import drop_weak, presses_within, smooth
+
+        self._engine, self._stale_ns, self._kept = engine, stale_ns, kept
+        self._channel = binding.channel
+        self._smooth, self._drop_weak, self._within = smooth, drop_weak, presses_within
+        self._state: Floats = np.zeros(len(binding.channel))
+        self._at_ns: Ints = np.zeros(len(binding.channel), np.int64)
+        self.smoothing = self.threshold = 0.0
+        self._finest: int | None = None
+        self._window: tuple[int, float, float, float, float] | None = None
+        self._first: int | None = None
+        self.watches = False
+
+    def tune(self, tuning: Tuning) -> None:
+        """Go by this from now on.
+
+        Raises
+        ------
+        InputError
+            If there is no such grid or patch.
+        """
+        engine, focus, window = self._engine, tuning.focus, None
+        if tuning.resolution != AUTO and tuning.resolution not in engine.rungs:
+            raise InputError(f"resolution is {tuning.resolution}, expected one of {engine.rungs}")
+        if focus is not None:
+            if focus.patch not in engine.names:
+                raise InputError(f"focus is on {focus.patch!r}, expected one of {engine.names}")
+            window = (engine.names.index(focus.patch), *focus.low, *focus.high)
+        if tuning.smoothing == 0.0:
+            self.forget()
+        self.smoothing, self.threshold = tuning.smoothing, tuning.threshold
+        auto = tuning.resolution == AUTO
+        self._finest = None if auto else engine.rungs.index(int(tuning.resolution))
+        self._window, self._first, self.watches = window, None, window is not None
+        prefer(engine, self._finest, None)
+
+    def forget(self) -> None:
+        """Know of no reading."""
+        self._at_ns[:] = 0
+
+    def smooth(
+        self, stamps: Ints, valid: NDArray[np.bool_], given: NDArray[np.bool_], values: Floats
+    ) -> None:
+        """Low-pass of what was read; see `update_kernel.smooth`."""
+        self._smooth(
+            self._channel,
+            stamps,
+            valid,
+            given,
+            self._stale_ns,
+            self.smoothing,
+            values,
+            self._state,
+            self._at_ns,
+        )
+
+    def told(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
+        """Drop a patch's contacts below the threshold; how many are left."""
+        return int(self._drop_weak(rows, words[patch], CONTACT_WORDS, count, self.threshold))
+
+    def attend(self) -> None:
+        """Have what presses in the window come first, by the contacts of the newest answers."""
+        assert self._window is not None  # whoever calls has looked
+        patch, *corners = self._window
+        count = min(int(self._kept.patches["contacts"][patch]), self._kept.contacts.shape[1])
+        first = patch if self._within(self._kept.contacts[patch], count, *corners) else None
+        if first != self._first:
+            self._first = first
+            prefer(self._engine, self._finest, first)
+
+    def load(self) -> None:
+        """Load what is compiled; nothing changes."""
+        rows = self._kept.contacts[0].copy()
+        self._drop_weak(rows, rows.view(np.int64).reshape(-1), CONTACT_WORDS, 0, 0.0)
+        self._within(rows, 0, 0.0, 0.0, 0.0, 0.0)
+        nothing = np.zeros(len(self._state), np.bool_)
+        self.smooth(self._at_ns, nothing, nothing, self._state)
+
+
+HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
+MOST_PATIENCE_NS = 20_000_000
+
+
+class Updater:
+    """Prepared arrays of all patches; answers cycle after cycle into slots.
+
+    Parameters
+    ----------
+    model_config : ModelConfig
+    binding : Binding
+    calibration : (L, 4) array
+        See `Baseline`.
+    noise_std : (L,) array
+        In the quantity's unit.
+    stale_ns : int, ns
+        Age at which a reading is left out.
+    tracks : (1,) int64 array
+        Contacts numbered so far; may lie where others see it.
+    progress : function of two ints
+        Called while it is prepared: patches that are ready, and how many there are.
+
+    Attributes
+    ----------
+    engine : Engine
+    sizes : Sizes
+    tuned : RuntimeFilters
+        What can be changed while it answers.
+    """
+
+    def __init__(
+        self,
+        model_config: ModelConfig,
+        binding: Binding,
+        calibration: Floats,
+        noise_std: Floats,
+        stale_ns: int,
+        tracks: Ints | None = None,
+        progress: Callable[[int, int], None] = lambda ready, patches: None,
+    ) -> None:
+        from skinfield.loop.update_kernel import condition, copy_out, sum_up, take_over
+
+        self.model_config, self.stale_ns = model_config, stale_ns
+        self.engine: Engine = model_config.engine(noise_std, progress)
+        self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
+        taxels, patches = self.sizes.taxels, self.sizes.patches
+        self._binding, self._condition = binding, condition
+        self._take_over, self._sum_up, self._copy_out = take_over, sum_up, copy_out
+        self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
+        self._given = np.zeros(taxels, np.bool_)
+        self._sides = np.array(model_config.rungs, np.int64)
+        self._newest, self._arrived = np.zeros((2, patches), np.int64)
+        self._touched = np.zeros(patches, np.int64)
+        self._how, self._scale = quantity_scale(
+            model_config.quantity, model_config.layer, binding.unit
+        )
+        board = model_config.board
+        self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
+        self._kept = Slot.empty(self.sizes)
+        self._kept_words = self._kept.contact_words
+        self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
+        self._publisher = ContactPublisher(self.engine, model_config.rows, self.tracks)
+        self.filters = RuntimeFilters(self.engine, binding, stale_ns, self._kept)
+        self.calibrate(calibration)
+        self._rehearse()
+
+    @property
+    def newest_ns(self) -> int:
+        """Stamp of the newest reading of any patch, ns since the epoch."""
+        return int(self._newest.max())
+
+    def calibrate(self, table: Floats) -> None:
+        """Take a calibration (L, 4); see `Baseline`."""
+        check_shape("calibration", table, (self.sizes.taxels, 4), "baseline, gain, noise, alive")
+        self._baseline = np.ascontiguousarray(table[:, 0])
+        self._alive = np.ascontiguousarray(table[:, 3] > 0)
+        gain = np.where(self._alive, table[:, 1], 1.0)
+        self._per_gain = 1.0 / gain
+        self._lowest = self._lowest_of(table[self._alive])
+        self.filters.forget()
+
+    def _lowest_of(self, known: Floats) -> float:
+        """What no taxel reads, in the quantity's unit, by the calibration (N, 4) of the living."""
+        from skinfield.loop.update_kernel import STRAIN
+
+        lowest = float(self.model_config.quantity.lowest)
+        if self._binding.unit != "count":
+            return lowest
+        change = lowest_change(self.model_config.board, known)
+        if self._how == STRAIN:
+            change = change / (1.0 + change) if change > -1.0 else -np.inf
+        return max(lowest, change * self._scale)
+
+    def count_in(self, tracks: Ints) -> None:
+        """Number contacts in this array (1,) from now on."""
+        self.tracks = self._publisher.ids = tracks
+        for each in self._publisher.patches:
+            each.ids = tracks
+
+    def resume(self, slot: Slot) -> None:
+        """Take over the newest cycle of an engine before, for the reset after."""
+        if slot.patches["answered_ns"].any():
+            kept = self._kept
+            for name in ("patches", "contacts", "pressure"):
+                np.copyto(getattr(kept, name), getattr(slot, name))
+            self.tracks[0] = slot.patches["tracks"][0]
+
+    def answer(
+        self,
+        channels: Channels,
+        now_ns: int,
+        slot: Slot,
+        *,
+        reset: bool = False,
+        budget: float | None = None,
+    ) -> bool:
+        """Answer the patches that have a new reading; all others keep their answer and its stamp.
+
+        Parameters
+        ----------
+        channels : Channels
+            Their `fresh` is set back.
+        now_ns : int, ns
+            Since the epoch: decides which readings are too old.
+        slot : Slot
+            Receives everything but the times and the log's position.
+        reset : bool
+            Whether to forget the readings before first.
+        budget : float, s, optional
+
+        Returns
+        -------
+        bool
+            Whether any patch had a new reading.
+        """
+        if reset:
+            self.engine.reset()
+            self._publisher.resume(self._kept)
+        fresh = self._take(channels, now_ns)
+        head, kept = slot.head, self._kept
+        head[Head.FLAGS] = 0
+        head[Head.FRESH] = fresh
+        if self.filters.smoothing:
+            self.filters.smooth(channels.stamp_ns, self._valid, self._given, self._values)
+        if fresh:
+            if self.filters.watches:
+                self.filters.attend()
+            self.engine.run(self._values, self._given, budget=budget)
+        self._answered(now_ns)
+        head[Head.CONTACTS] = self._sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
+        self._publish(channels, slot)
+        return fresh > 0
+
+    def _take(self, channels: Channels, now_ns: int) -> int:
+        """Read the newest counts of all taxels; how many patches have new ones."""
+        return int(
+            self._condition(
+                self._binding.channel,
+                channels.counts,
+                channels.stamp_ns,
+                channels.status,
+                channels.fresh,
+                self._baseline,
+                self._per_gain,
+                self._alive,
+                self._clamps,
+                self._lowest,
+                self._how,
+                self._scale,
+                now_ns - self.stale_ns,
+                now_ns,
+                min(self.stale_ns // HALF_INTERVAL, MOST_PATIENCE_NS),
+                self._binding.starts,
+                self._values,
+                self._valid,
+                self._given,
+                self._newest,
+                self._arrived,
+            )
+        )
+
+    def _answered(self, now_ns: int) -> None:
+        """Keep the answers of the patches with a new reading, and drop what is too old."""
+        results, kept = self.engine.results, self._kept
+        count = self._take_over(
+            self._arrived,
+            self._newest,
+            results.answer,
+            results.rung,
+            results.gap,
+            results.iterations,
+            results.invalid,
+            self._sides,
+            now_ns,
+            now_ns - self.stale_ns,
+            kept.patches,
+            self._touched,
+        )
+        for patch in self._touched[:count].tolist():
+            pressure, rows = results.pressure_of(patch), kept.contacts[patch]
+            kept.pressure[patch, : len(pressure)] = pressure
+            found = self._publisher.find(patch, int(self._newest[patch]), rows)
+            count = min(found, len(rows))
+            if self.filters.threshold:
+                count = self.filters.told(patch, rows, self._kept_words, count)
+            kept.patches["contacts"][patch] = count
+
+    def _publish(self, channels: Channels, slot: Slot) -> None:
+        """Copy what is kept into the slot."""
+        kept = self._kept
+        self._copy_out(
+            kept.patches,
+            self._kept_words,
+            kept.pressure,
+            CONTACT_WORDS,
+            self._binding.channel,
+            channels.counts,
+            self._values,
+            self._valid,
+            slot.patches,
+            slot.contact_words,
+            slot.pressure,
+            slot.counts,
+            slot.values,
+            slot.valid,
+        )
+
+    def _rehearse(self) -> None:
+        """Load what is compiled, and know nothing afterwards."""
+        channels, slot = Channels(self._binding.channels), Slot.empty(self.sizes)
+        channels.counts[:] = 0.0
+        channels.fresh[:] = 1
+        before = int(self.tracks[0])
+        self.answer(channels, self.stale_ns, slot, reset=True)
+        self.answer(channels, self.stale_ns, slot)
+        self.filters.load()
+        self.forget()
+        self.tracks[0] = before
+
+    def forget(self) -> None:
+        """Know of no reading and no contact."""
+        self.engine.reset()
+        self.filters.forget()
+        self._kept.patches[:] = np.zeros(1, PATCH)
+        self._publisher.resume(self._kept)
+        self.tracks[0] = 0
+
+
+def _clamps(board: Convention) -> tuple[float, float]:
+    """Counts at or beyond which nothing is told; a scale that starts at rest has none there."""
+    lowest = np.array([board.lowest])
+    low = board.lowest if board.saturated(lowest)[0] else board.lowest - 1.0
+    return float(low), float(board.highest)
+
+
+class RuntimeParameters:
+    """What an engine goes by, and says in its ring's status; recordings hold its changes.
+
+    Parameters
+    ----------
+    ring : Ring
+    settings : LiveSettings
+    fresh : bool
+        Whether the ring is new; else the tuning in it stays in force.
+
+    Attributes
+    ----------
+    tuning : Tuning
+    budget_ns : int, ns
+        For the reconstruction.
+    """
+
+    def __init__(self, ring: Ring, settings: LiveSettings, fresh: bool) -> None:
+        self._ring = ring
+        self._patches = [patch.name for patch in settings.skin]
+        self._limits = Limits.of(ring.description)
+        self.tuning = settings.tuning
+        if not fresh and ring.status[TUNING.name].any():
+            self.tuning = Tuning.from_numbers(ring.status[TUNING.name], self._patches)
+        configuration = Configuration(ring.generation, settings.solver)
+        write_configuration(ring.status[CONFIGURATION.name], configuration)
+        self._take_over(None)
+
+    def tune(self, changes: object, updater: Updater | None) -> None:
+        """Change the tuning.
+
+        Raises
+        ------
+        InputError
+            For what this engine cannot be tuned to; nothing changed then.
+        """
+        check_type("changes", changes, Mapping, "values by the names of settings")
+        assert isinstance(changes, Mapping)
+        self.tuning = self._limits.check(self.tuning.changed(changes))
+        self._take_over(updater)
+
+    def _take_over(self, updater: Updater | None) -> None:
+        """From the next cycle on the tuning is in force."""
+        self.budget_ns = round(self.tuning.deadline * 1e9)
+        self._ring.status[TUNING.name][:] = self.tuning.numbers(self._patches)
+        if updater is not None:
+            updater.filters.tune(self.tuning)

@@ -1,0 +1,203 @@
+"""State of the page that all browsers share: scene layout, status, notices, and the work beside."""
+
+import asyncio
+import threading
+import time
+from collections import deque
+from collections.abc import Awaitable, Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import PurePath
+from typing import Any, TypeVar
+
+from skinfield.errors import SkinfieldError
+from skinfield.page.controller import Controller
+from skinfield.page.scene_layout import SceneLayout
+from skinfield.page.source import DataSource
+
+LOOK = 0.25  # s between looks at what runs
+SLOW = 2  # looks from status to status
+NOTICES = 20  # that a browser which comes later still gets
+PREPARES = 60.0  # s
+RETRY = 10.0  # s from one preparation of a source to the next
+TRUTH = 0.03  # s between questions for the truth
+T = TypeVar("T")
+
+
+class RateMeter:
+    """Counts updates and bytes to all browsers."""
+
+    def __init__(self) -> None:
+        self.updates = self.bytes = 0
+        self._before = (time.monotonic(), 0, 0)
+
+    def count(self, size: int) -> None:
+        """A message of so many bytes was sent."""
+        self.bytes += size
+
+    def look(self, clients: int) -> dict[str, Any]:
+        """Per second since the last look."""
+        now = (time.monotonic(), self.updates, self.bytes)
+        seconds = max(now[0] - self._before[0], 1e-9)
+        rates = {
+            "clients": clients,
+            "updates_per_s": (now[1] - self._before[1]) / seconds,
+            "bytes_per_s": (now[2] - self._before[2]) / seconds,
+        }
+        self._before = now
+        return rates
+
+
+def without_paths(status: dict[str, Any]) -> dict[str, Any]:
+    """The status of an engine; where on its machine it records is nobody else's business."""
+    beside = status.get("beside") or {}
+    recorder = beside.get("recorder")
+    if not isinstance(recorder, dict) or "path" not in recorder:
+        return status
+    recorder = {**recorder, "path": PurePath(recorder["path"]).name}
+    return {**status, "beside": {**beside, "recorder": recorder}}
+
+
+class PageState:
+    """What all browsers of a page share.
+
+    Parameters
+    ----------
+    sources : function that returns a sequence of DataSource
+        Called again and again: engines come and go. The same sources must be the same objects.
+    controller : Controller
+    """
+
+    def __init__(self, sources: Callable[[], Sequence[DataSource]], controller: Controller) -> None:
+        self.controller = controller
+        self._sources = sources
+        self.meter = RateMeter()
+        self.layout = SceneLayout(())
+        self.status: dict[str, Any] = {"state": "starting", "engines": []}
+        self.status_number = 0
+        self.controller_hello, self.controls = controller.hello(), controller.controls()
+        self.looking_on = Controller().controls()
+        self.truth: Sequence[Any] = ()
+        self.notices: deque[tuple[int, str, str]] = deque(maxlen=NOTICES)
+        self._noted = self._turn = 0
+        self._tried: dict[str, float] = {}
+        self.sessions = 0
+        self._update_pool = ThreadPoolExecutor(1, "page-updates")
+        self._command_pool = ThreadPoolExecutor(1, "page-commands")
+        self._query_pool = ThreadPoolExecutor(1, "page-queries")
+        self._preparing: threading.Thread | None = None
+
+    def shut_down(self) -> None:
+        """End the pools, once nothing is served any more."""
+        for pool in (self._update_pool, self._command_pool, self._query_pool):
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    async def update_work(self, function: Callable[..., T], *arguments: Any) -> T:
+        """Call what makes updates, beside the loop; one at a time, as they share what they use."""
+        return await asyncio.get_running_loop().run_in_executor(
+            self._update_pool, function, *arguments
+        )
+
+    async def command_work(self, function: Callable[[], T]) -> T:
+        """Call what a command needs, beside the loop; one after the other."""
+        return await asyncio.get_running_loop().run_in_executor(self._command_pool, function)
+
+    def submit(self, function: Callable[[], T]) -> Future[T]:
+        """As `command_work`, for what somebody must close though nobody waits for it any more."""
+        return self._command_pool.submit(function)
+
+    async def _query(self, function: Callable[[], T]) -> T:
+        return await asyncio.get_running_loop().run_in_executor(self._query_pool, function)
+
+    def tasks(self) -> list[asyncio.Task[None]]:
+        """What keeps it up to date, begun in the running loop."""
+        return [
+            asyncio.create_task(self._repeat("the page", self._watch, LOOK)),
+            asyncio.create_task(self._repeat("the virtual skin", self._query_truth, TRUTH)),
+        ]
+
+    async def _repeat(self, what: str, turn: Callable[[], Awaitable[None]], pause: float) -> None:
+        """Do something again and again; where it fails, that is said once, and it is tried on."""
+        noted = ""
+        while True:
+            try:
+                await turn()
+                noted = ""
+            except Exception as error:
+                known = isinstance(error, SkinfieldError)
+                why = f"{what}: {error}" if known else f"{what}: {type(error).__name__}: {error}"
+                if why != noted:
+                    self._notice("error", why)
+                noted = why
+            await asyncio.sleep(pause)
+
+    def _notice(self, level: str, text: str) -> None:
+        self._noted += 1
+        self.notices.append((self._noted, level, text))
+
+    async def _watch(self) -> None:
+        sources = await self._query(self._sources)
+        if tuple(sources) != self.layout.sources:
+            self.layout = await self.update_work(SceneLayout, sources)
+        if self._turn % SLOW == 0:
+            self.status = await self._query(self._look)
+            self.status_number += 1
+        self._turn += 1
+        await self.refresh()
+        for level, text in self.controller.notices():
+            self._notice(level, text)
+        await self._query(self._prepare)
+
+    async def refresh(self) -> None:
+        """Ask for what may have changed by a command."""
+        self.controls = await self._query(self.controller.controls)
+        hello = await self._query(self.controller.hello)
+        if hello != self.controller_hello:
+            self.controller_hello = hello
+            self.layout = await self.update_work(SceneLayout, self.layout.sources)
+
+    async def _query_truth(self) -> None:
+        if self.sessions or self.truth:
+            self.truth = await self._query(self.controller.truth)
+
+    def _look(self) -> dict[str, Any]:
+        """What all engines say of themselves, and the page."""
+        engines = []
+        for source in self.layout.sources:
+            try:
+                engines.append(without_paths(source.status()))
+            except SkinfieldError as error:
+                engines.append({"name": source.name, "state": "failed", "notes": [str(error)]})
+        states = {each["state"] for each in engines}
+        one = states.pop() if len(states) == 1 else ("mixed" if states else "starting")
+        return {"state": one, "engines": engines, "page": self.meter.look(self.sessions)}
+
+    def _prepare(self) -> None:
+        """See that deformation and uncertainty get prepared, beside everything else."""
+        if self._preparing is not None and self._preparing.is_alive():
+            return
+        now = time.monotonic()
+        for source in self.layout.sources:
+            if now - self._tried.get(source.name, -PREPARES) < RETRY:
+                continue  # others may be prepared meanwhile
+            with suppress(SkinfieldError):
+                snapshot = source.latest()
+                if snapshot is not None and not snapshot.prepared and snapshot.stamp_ns:
+                    self._tried[source.name] = now
+                    name = f"prepare-{source.name}"
+                    self._preparing = threading.Thread(
+                        target=_quietly, args=(snapshot.prepare,), name=name, daemon=True
+                    )
+                    self._preparing.start()
+                    return
+
+    def wait_prepared(self) -> None:
+        """Wait for a preparation that goes on: an interpreter that ends below it would crash."""
+        if self._preparing is not None:
+            self._preparing.join(PREPARES)
+
+
+def _quietly(function: Callable[[], None]) -> None:
+    """Call it; what is not there cannot be prepared, and the page says so by what it lacks."""
+    with suppress(SkinfieldError):
+        function()

@@ -1,0 +1,550 @@
+"""Replay of a recording on the page: as it was, at any pace and from any time on."""
+
+import math
+import threading
+import time
+from bisect import bisect_right
+from collections import deque
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from skinfield.errors import FileError, InputError, SkinfieldError, check_range
+from skinfield.files.mcap.schema import Cycle
+from skinfield.loop.model_config import ModelConfig
+from skinfield.loop.realtime import Timing, TimingTable
+from skinfield.loop.slots import Slot
+from skinfield.loop.snapshot import Snapshot
+from skinfield.loop.status import Status, contacts_of
+from skinfield.page.controller import Controller
+from skinfield.page.source import EngineView, merged_view
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.record.replay import Moment, Replay, ReplayFit
+from skinfield.skin import Skin
+
+SPEEDS = 0.1, 10.0
+LATE = 0.25  # s behind, from which on time is not made up for
+SHORTEST = 0.05  # s: gaps that are shorter are not worth a word
+ENDS = 10.0  # s for the thread to end
+BACK = 20  # cycles that a new reading is shown for, at the least: its times are those of an answer
+MARKS = 250_000_000  # ns between counts of what was
+RECENT = 1.0  # s that the status calls the last
+MISSING = int(Answer.MISSING)
+
+
+class Clock:
+    """When a cycle is due.
+
+    Where reading takes longer than the asked pace allows, time goes on as fast as it comes.
+
+    Parameters
+    ----------
+    playing : bool
+
+    Attributes
+    ----------
+    speed : float
+        Times its own pace.
+    behind : bool
+        Whether it goes slower than was asked.
+    """
+
+    def __init__(self, playing: bool) -> None:
+        self.playing, self.speed, self.behind = playing, 1.0, False
+        self._since: tuple[float, int] | None = None  # a moment, and the time that was shown then
+
+    def play(self) -> None:
+        """Let time go on."""
+        self.playing, self._since = True, None
+
+    def pause(self) -> None:
+        """Stop time."""
+        self.playing = self.behind = False
+
+    def set_speed(self, speed: float) -> None:
+        """Go on so many times as fast as it was."""
+        self.speed, self.behind, self._since = speed, False, None
+
+    def begin(self, time_ns: int) -> None:
+        """It is this time now."""
+        self.behind, self._since = False, (time.monotonic(), time_ns)
+
+    def left(self, time_ns: int) -> float:
+        """Seconds until it is this time, at most 0 if it is; infinite as long as it stands."""
+        if not self.playing:
+            return math.inf
+        now = time.monotonic()
+        if self._since is None:
+            self._since = now, time_ns
+        moment, shown = self._since
+        left = moment + (time_ns - shown) * 1e-9 / self.speed - now
+        if left > 0.0:
+            self.behind = False
+        elif left < -LATE:
+            self.behind, self._since = True, (now, time_ns)
+        return left
+
+
+@dataclass(frozen=True)
+class Times:
+    """What is when.
+
+    Attributes
+    ----------
+    first_ns : int, ns
+        Of the first cycle, since the epoch.
+    end_s : float, s
+        Of the last one, since the first.
+    gaps : tuple of pair of float, s
+        Spans of which cycles are missing.
+    """
+
+    first_ns: int
+    end_s: float
+    gaps: tuple[tuple[float, float], ...]
+
+    @classmethod
+    def of(cls, replay: Replay) -> Self:
+        """Of a recording."""
+        index, first = replay.index, replay.index.first_ns
+        spans = (((a - first) * 1e-9, (b - first) * 1e-9) for a, b in index.gaps)
+        gaps = tuple(each for each in spans if each[1] - each[0] > SHORTEST)
+        return cls(first, (index.last_ns - first) * 1e-9, gaps)
+
+    def seconds(self, time_ns: int) -> float:
+        """Of a time since the epoch, ns; those outside of the recording are at its ends."""
+        return min(max((time_ns - self.first_ns) * 1e-9, 0.0), self.end_s)
+
+    def nanoseconds(self, t_s: float) -> int:
+        """Since the epoch."""
+        return self.first_ns + round(min(max(t_s, 0.0), self.end_s) * 1e9)
+
+    def line(self, t_s: float) -> str:
+        """Where it is, and what is missing there or elsewhere."""
+        place = bisect_right(self.gaps, (t_s, float("inf")))
+        if place and self.gaps[place - 1][0] < t_s < self.gaps[place - 1][1]:
+            begin, end = self.gaps[place - 1]
+            return f"from {begin:.2f} s to {end:.2f} s cycles are missing in the file"
+        said = f"{t_s:.2f} s of {self.end_s:.2f} s"
+        if not self.gaps:
+            return said
+        spans = ", ".join(f"{begin:.2f} s to {end:.2f} s" for begin, end in self.gaps[:4])
+        more = f" and {len(self.gaps) - 4} more" if len(self.gaps) > 4 else ""
+        return f"{said}; cycles are missing from {spans}{more}"
+
+
+class Display:
+    """Keeps a copy of the newest cycle; one thread puts, others look.
+
+    Parameters
+    ----------
+    replay : Replay
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        Of the newest cycle, since the epoch.
+    """
+
+    def __init__(self, replay: Replay) -> None:
+        self.time_ns = 0
+        self._replay, self._sizes = replay, replay.sizes
+        self._lock = threading.Lock()
+        self._slot, self._number, self._wall_ns = Slot.empty(self._sizes), -1, 0
+        self._since = 0  # cycles since one was copied
+        self._snapshot: Snapshot | None = None
+        period = float(replay.recording.description.get("period", 1e-3))
+        self._timing = TimingTable(max(int(period * 1e9), 1))
+        self._marks: deque[tuple[int, Any, Any]] = deque()
+
+    def put(self, each: Moment, at_once: bool = False) -> None:
+        """Show a cycle; of those without a new reading only some, as they hold the same.
+
+        Parameters
+        ----------
+        each : Moment
+        at_once : bool
+            Whether exactly this one must be shown.
+        """
+        with self._lock:
+            self.time_ns = each.cycle.wall_ns
+            self._since += 1
+            if at_once or each.fresh or self._since >= BACK:
+                self._since, self._snapshot = 0, None
+                self._number, self._wall_ns = each.cycle.number, each.cycle.wall_ns
+                _copy(each.slot, self._slot)
+            self._count(each.cycle, each.fresh)
+
+    def _miss(self) -> None:
+        """All patches are missing."""
+        slot = self._slot
+        slot.patches[:] = np.zeros(1, slot.patches.dtype)
+        slot.patches["answer"], slot.patches["gap"] = MISSING, np.nan
+        slot.head[:] = 0
+        slot.counts[:], slot.values[:], slot.valid[:] = np.nan, 0.0, 0
+
+    def _count(self, recorded: Cycle, fresh: bool) -> None:
+        latency = -1
+        if fresh:
+            stamp = int(recorded.patches["stamp_ns"].max(initial=0))
+            latency = max(recorded.wall_ns + recorded.done_ns - recorded.wake_ns - stamp, 0)
+        done = recorded.done_ns
+        times = recorded.due_ns, recorded.wake_ns, recorded.acquired_ns, done, done
+        self._timing.add(*times, latency)
+        marks = self._marks
+        if not marks or recorded.wall_ns - marks[-1][0] >= MARKS:
+            timing = self._timing
+            marks.append((recorded.wall_ns, timing.times.copy(), timing.totals.copy()))
+            while len(marks) > 2 and marks[1][0] <= recorded.wall_ns - RECENT * 1e9:
+                marks.popleft()
+
+    def move(self) -> None:
+        """What comes next is of another time."""
+        with self._lock:
+            self._marks.clear()
+
+    def lose(self) -> None:
+        """Nothing can be shown any more."""
+        with self._lock:
+            self._miss()
+            self._snapshot = None
+
+    def snapshot(self) -> Snapshot | None:
+        """The cycle that is shown, in memory of its own; None before the first one."""
+        return self.now()[0]
+
+    def now(self) -> tuple[Snapshot | None, int]:
+        """The same, and what time it is there, ns since the epoch."""
+        with self._lock:
+            if self._snapshot is None and self._number >= 0:
+                own = Slot.empty(self._sizes)
+                _copy(self._slot, own)
+                models = self._replay.models(self._wall_ns)
+                self._snapshot = Snapshot(own, self._number, models, self._wall_ns)
+            return self._snapshot, self.time_ns
+
+    def status(self, name: str, state: str, notes: dict[str, Any]) -> Status:
+        """Of the time that is shown, as of a running skin."""
+        found = self.snapshot()
+        with self._lock:
+            timing = self._timing
+            since = Timing.of(timing.times, timing.totals)
+            now = (self.time_ns, timing.times, timing.totals)
+            at, *before = self._marks[0] if self._marks else now
+            lately = Timing.of(timing.times, timing.totals, (before[0], before[1]))
+            seconds = max((self.time_ns - at) * 1e-9, 1e-9)
+        names = [patch.name for patch in self._replay.model_config.skin]
+        return Status(
+            name=name,
+            state=state,
+            pid=0,
+            generation=1,
+            since=since,
+            lately=lately,
+            seconds=seconds,
+            rate=lately.cycles / seconds,
+            sources={},
+            sources_lately={},
+            patches=[] if found is None else _patches(found, names),
+            contacts=[] if found is None else contacts_of(names, found.slot),
+            notes=notes,
+            beside={},
+            memory={},
+            tuning={},
+        )
+
+
+def _copy(source: Slot, target: Slot) -> None:
+    for part in fields(Slot):
+        np.copyto(getattr(target, part.name), getattr(source, part.name))
+
+
+def _patches(found: Snapshot, names: list[str]) -> list[dict[str, Any]]:
+    """Of each patch what a running skin's status tells."""
+    rows, ages = [], found.ages()
+    for name, row in zip(names, found.patches, strict=True):
+        missing = int(row["answer"]) == MISSING
+        rows.append(
+            {
+                "name": name,
+                "answer": Answer(int(row["answer"])).name.lower(),
+                "age": ages[name] if np.isfinite(ages[name]) else None,
+                "stale": missing,
+                "force": float(row["force"]),
+                "contacts": int(row["contacts"]),
+                "invalid": int(row["invalid"]),
+                "rung": int(row["rung"]),
+                "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
+            }
+        )
+    return rows
+
+
+class ReplaySource:
+    """A recording of a live skin as a `DataSource`.
+
+    A thread reads the cycles as they were recorded; what is shown is the newest one, with the
+    contacts that a fit had found beside the engine by then.
+
+    Parameters
+    ----------
+    path : path
+        Of an MCAP file of a live skin, whole or cut.
+    playing : bool
+        Whether to play at once.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    start_s, end_s : float, s
+        Of the first cycle, which is 0, and of the last.
+    events : list of (float, str)
+        When what happened, s.
+    gaps : tuple of (float, float)
+        Spans, s, of which cycles are missing.
+
+    Raises
+    ------
+    FileError
+        If it is no recording of a live skin, or has nothing that can be shown.
+    """
+
+    def __init__(self, path: str | Path, *, playing: bool = True) -> None:
+        self.replay = opened(Path(path))
+        self.name = self.replay.recording.path.name
+        self._times = Times.of(self.replay)
+        self.start_s, self.end_s = 0.0, self._times.end_s
+        self.events = sorted(
+            (
+                self._times.seconds(event["wall_ns"]),
+                str(event.get("text") or event.get("kind") or ""),
+            )
+            for event in self.replay.index.events
+        )
+        self.gaps = self._times.gaps
+        self._display = Display(self.replay)
+        self._fit, self._fit_lock = ReplayFit(self.replay), threading.Lock()
+        self._changed = threading.Condition()
+        self._clock = Clock(playing)
+        self._target: int | None = None  # time to go to, ns
+        self._closed, self._at_end, self._failed = False, False, ""
+        self.seek(0.0)
+        self._thread = threading.Thread(target=self._run, name=f"replay-{self.name}", daemon=True)
+        self._thread.start()
+
+    @property
+    def skin(self) -> Skin:
+        """All its patches."""
+        return self.replay.model_config.skin
+
+    @property
+    def model_config(self) -> ModelConfig:
+        """What its answers followed from."""
+        return self.replay.model_config
+
+    @property
+    def time_s(self) -> float:
+        """Of the cycle that is shown, s since the first one."""
+        return self._times.seconds(self._display.time_ns)
+
+    @property
+    def playing(self) -> bool:
+        """Whether time goes on."""
+        return self._clock.playing
+
+    @property
+    def speed(self) -> float:
+        """Times its own pace."""
+        return self._clock.speed
+
+    @property
+    def sought(self) -> bool:
+        """Whether what is shown is what was asked for: no seek is under way."""
+        return self._target is None
+
+    def latest(self) -> Snapshot | None:
+        """The newest cycle, in memory of its own; None before the first one is there."""
+        return self._display.snapshot()
+
+    def view(self) -> EngineView:
+        """The same with the best contacts that were known at that time, as the live page has it."""
+        snapshot, time_ns = self._display.now()
+        with self._fit_lock:
+            found = None if snapshot is None else self._fit.at(time_ns)
+        return merged_view(snapshot, found)
+
+    def look(self) -> Status:
+        """Of the time that is shown; `state` is "playing", "paused" or "failed"."""
+        state = "playing" if self.playing else "paused"
+        return self._display.status(self.name, "failed" if self._failed else state, self._notes())
+
+    def status(self) -> dict[str, Any]:
+        """The same, as `Status.as_dict`."""
+        return self.look().as_dict()
+
+    def _notes(self) -> dict[str, Any]:
+        said = {"replay": self._times.line(self.time_s)}
+        damage = [str(each) for each in self.replay.recording.damage[:3]]
+        if self._failed:
+            said["failed"] = self._failed
+        if self._clock.behind:
+            said["pace"] = "slower than asked: it is read as fast as it can be here"
+        return said | ({"damage": damage} if damage else {})
+
+    def play(self) -> None:
+        """Go on; from the beginning, where it stands at the end."""
+        with self._changed:
+            if self._at_end:
+                self._target = self._times.nanoseconds(0.0)
+            self._clock.play()
+            self._changed.notify_all()
+
+    def pause(self) -> None:
+        """Stay at the cycle that is shown."""
+        with self._changed:
+            self._clock.pause()
+            self._changed.notify_all()
+
+    def seek(self, t_s: float) -> None:
+        """Go to a time; soon afterwards the first cycle from then on is shown.
+
+        Parameters
+        ----------
+        t_s : float, s
+            Since the first cycle; before it, or after the last one: there.
+        """
+        if not math.isfinite(t_s):
+            raise InputError(f"t_s is {t_s}, expected {self.start_s:g} to {self.end_s:g} s")
+        with self._changed:
+            self._target = self._times.nanoseconds(t_s)
+            self._changed.notify_all()
+
+    def set_speed(self, x: float) -> None:
+        """Play so many times as fast as it was, 0.1 to 10."""
+        check_range("speed", x, *SPEEDS, "times its own pace")
+        with self._changed:
+            self._clock.set_speed(float(x))
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """End the thread."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(ENDS)
+
+    # in the thread
+
+    def _run(self) -> None:
+        try:
+            while not self._closed:
+                self._play_from_target()
+        except SkinfieldError as error:
+            self._fail(str(error))
+        except Exception as error:
+            self._fail(f"{type(error).__name__}: {error}")
+            raise
+
+    def _fail(self, why: str) -> None:
+        with self._changed:
+            self._failed, self._target = why, None
+            self._clock.pause()
+        self._display.lose()
+
+    def _play_from_target(self) -> None:
+        """Show what was from the time that was asked for until another is, or the end."""
+        target = self._target
+        assert target is not None  # set before the thread starts, and waited for afterwards
+        self._display.move()
+        moments = self.replay.from_time(target)
+        first = next(moments, None)
+        if first is not None:
+            self._arrive(target, first)
+        for each in moments:
+            if not self._wait_until(each.cycle.wall_ns):
+                return
+            self._display.put(each)
+        self._rest(target)
+
+    def _arrive(self, target: int, each: Moment) -> None:
+        self._display.put(each, at_once=True)
+        with self._changed:
+            if self._target == target:
+                self._target = None
+            self._clock.begin(each.cycle.wall_ns)
+
+    def _wait_until(self, time_ns: int) -> bool:
+        """Wait for the time of a cycle; False if another order came meanwhile."""
+        with self._changed:
+            while not self._closed and self._target is None:
+                left = self._clock.left(time_ns)
+                if left <= 0.0:
+                    return True
+                self._changed.wait(None if math.isinf(left) else left)
+        return False
+
+    def _rest(self, target: int) -> None:
+        """Stay at the end until another time is asked for."""
+        with self._changed:
+            if self._target == target:
+                self._target = None
+            if self._target is None:
+                self._clock.pause()
+                self._at_end = True
+            self._changed.wait_for(lambda: self._closed or self._target is not None)
+            self._at_end = False
+
+
+def opened(path: Path) -> Replay:
+    """The replay of a file.
+
+    Raises
+    ------
+    FileError
+        If there is nothing to be shown; it says what else can be done with the file.
+    """
+    if not _is_other(path):
+        return Replay(path)
+    raise FileError(
+        f"{path} is a recording of counts alone, expected one of a live skin, as `skinfield "
+        "record` writes it: `skinfield reconstruct` makes contacts and fields of this one"
+    )
+
+
+def _is_other(path: Path) -> bool:
+    """Whether it is a recording of another kind, of those that can be read."""
+    from skinfield.files.mcap.records import MAGIC
+    from skinfield.files.recordings import stream_recording
+
+    try:
+        with path.open("rb") as file:
+            if file.read(len(MAGIC)) == MAGIC:
+                return False
+    except IsADirectoryError:
+        pass
+    except (OSError, ValueError):
+        return False
+    try:
+        stream_recording(path)
+    except SkinfieldError:
+        return False
+    return True
+
+
+class ReplayController(Controller):
+    """See `Controller`: all browsers play the same recording, and nothing else can be ordered.
+
+    Parameters
+    ----------
+    replay : ReplaySource
+    """
+
+    mode = "replay"
+
+    def __init__(self, replay: ReplaySource) -> None:
+        super().__init__()
+        self.shared = replay

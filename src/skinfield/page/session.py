@@ -1,0 +1,351 @@
+"""WebSocket session of one browser: what it is sent, and its commands, which are checked."""
+
+import asyncio
+import contextlib
+import json
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from skinfield.errors import InputError, SkinfieldError
+from skinfield.page.controller import Press
+from skinfield.page.page_state import PageState
+from skinfield.page.scene_layout import SceneLayout
+from skinfield.page.source import EngineView
+from skinfield.page.updates import Updates
+from skinfield.page.wire import VERSION
+
+LONGEST = 200  # characters
+FAR = 1e3  # m
+Command = Mapping[str, Any]
+
+
+def text(command: Command, key: str) -> str:
+    """A text of a command; raises InputError."""
+    value = command.get(key)
+    if not isinstance(value, str) or not 0 < len(value) <= LONGEST:
+        raise InputError(f"{key} is {value!r:.80}, expected text")
+    return value
+
+
+def flag(command: Command, key: str) -> bool:
+    """Yes or no; raises InputError."""
+    value = command.get(key)
+    if not isinstance(value, bool):
+        raise InputError(f"{key} is {value!r:.80}, expected true or false")
+    return value
+
+
+def number(command: Command, key: str, low: float, high: float, what: str) -> float:
+    """A number between two bounds; raises InputError."""
+    value = command.get(key)
+    good = isinstance(value, int | float) and not isinstance(value, bool)
+    if not good or not low <= value <= high:  # type: ignore[operator]
+        raise InputError(f"{key} is {value!r:.80}, expected {low:g} to {high:g}: {what}")
+    return float(value)  # type: ignore[arg-type]
+
+
+def press_of(command: Command, layout: SceneLayout, browser: int) -> Press:
+    """A press at a place of the picture; raises InputError."""
+    placed = layout[command.get("patch")]
+    place = command.get("position")
+    good = isinstance(place, list) and len(place) == 3
+    if not good or not all(_is_place(each) for each in place):  # type: ignore[union-attr]
+        raise InputError(f"position is {place!r:.80}, expected three numbers in metres")
+    x, y = placed.plane_of(np.array(place, float))
+    force = None if "force" not in command else number(command, "force", 0.0, 100.0, "newtons")
+    radius = None if "radius" not in command else number(command, "radius", 1e-4, 0.1, "metres")
+    shape = text(command, "shape") if "shape" in command else "ball"
+    name = f"{browser}-{text(command, 'id')}"[:40]
+    return Press(name, placed.patch.name, x, y, force, radius, shape)
+
+
+def _is_place(value: Any) -> bool:
+    real = isinstance(value, int | float) and not isinstance(value, bool)
+    return real and math.isfinite(value) and abs(value) < FAR
+
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from websockets.asyncio.server import ServerConnection
+
+    from skinfield.page.source import DataSource
+
+LOOK = 0.008  # s between looks for something new
+SHORTEST = 1 / 40  # s from one update to the next
+STILL = 0.5  # s after which an update comes though nothing is new: ages grow
+STATUS = 0.5  # s from status to status
+COMMANDS = 32  # of a browser that are not answered yet
+PRESSES = ("press", "move", "lift")  # may come with every movement of a pointer
+
+
+class Session:
+    """See the module; made for every connection.
+
+    Parameters
+    ----------
+    state : PageState
+    socket : ServerConnection
+    number : int
+        Of the browser.
+    """
+
+    def __init__(self, state: PageState, socket: "ServerConnection", number: int) -> None:
+        self._state, self._socket, self._number = state, socket, number
+        self._replay: Any = state.controller.shared  # a recording that this browser looks at
+        self._layout: SceneLayout | None = None
+        self._updates = Updates(SceneLayout(()))
+        self._awaited = 0  # number of the update that is in flight; 0: none
+        self._count = 0
+        self._last: tuple[Any, ...] = ()
+        self._sent_at = self._status_at = 0.0
+        self._controls = ""
+        self._status_number = 0
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._noted = state.notices[-1][0] if state.notices else 0
+
+    async def run(self) -> None:
+        """Talk and listen until the connection ends."""
+        from websockets.exceptions import ConnectionClosed
+
+        self._state.submit(self._state.controller.come)  # it is not waited for
+        listening = asyncio.create_task(self._listen())
+        try:
+            while not listening.done():
+                await self._talk()
+                await asyncio.sleep(LOOK)
+        except ConnectionClosed:
+            pass
+        finally:
+            for task in self._tasks:
+                task.cancel()
+            listening.cancel()
+            with contextlib.suppress(asyncio.CancelledError, ConnectionClosed):
+                await listening
+            try:
+                await self._state.command_work(
+                    lambda: self._state.controller.leave(f"{self._number}-")
+                )
+            finally:
+                await self._leave()
+
+    # what is sent
+
+    async def _send(self, message: str | bytes) -> None:
+        self._state.meter.count(len(message))
+        await self._socket.send(message)
+
+    async def _send_kind(self, kind: str, **more: Any) -> None:
+        await self._send(json.dumps({"kind": kind, **more}))
+
+    async def _talk(self) -> None:
+        """Whatever is due."""
+        state = self._state
+        if self._replay is state.controller.shared and self._layout is not state.layout:
+            await self._begin(state.layout)
+        controls = json.dumps(self._controls_now())
+        if controls != self._controls:
+            self._controls = controls
+            await self._send(controls)
+        now = time.monotonic()
+        if now - self._status_at >= STATUS and state.status_number != self._status_number:
+            self._status_at, self._status_number = now, state.status_number
+            await self._send_kind("status", **state.status)
+        for place, level, words in [each for each in state.notices if each[0] > self._noted]:
+            self._noted = place
+            await self._send_kind("notice", level=level, text=words)
+        if not self._awaited and now - self._sent_at >= SHORTEST:
+            await self._update(now)
+
+    async def _begin(self, layout: SceneLayout) -> None:
+        """Tell the page of another skin."""
+        self._layout, quantity = layout, self._updates.quantity
+        self._updates = Updates(layout)
+        self._updates.show(quantity)
+        self._awaited, self._last, self._controls = 0, (), ""
+        await self._send_kind("hello", **self._hello(layout))
+
+    def _hello(self, layout: SceneLayout) -> dict[str, Any]:
+        state, replay = self._state, self._replay
+        fields = {"wire": VERSION, "version": version("skinfield"), "patches": layout.describe()}
+        fields |= {"name": layout.name, "size": layout.size}
+        fields |= state.controller_hello | {"mode": state.controller.mode, "replay": None}
+        if replay is not None:
+            span = {"start_s": replay.start_s, "end_s": replay.end_s}
+            fields |= {"mode": "replay", "press": None, "record": False}
+            fields["replay"] = span | {"events": [list(each) for each in replay.events]}
+        return fields
+
+    def _controls_now(self) -> dict[str, Any]:
+        fields = {"kind": "controls", "quantity": self._updates.quantity, **self._state.controls}
+        replay = self._replay
+        if replay is not None:
+            fields |= self._state.looking_on
+            fields["replay"] = {
+                "playing": replay.playing,
+                "speed": replay.speed,
+                "name": replay.name,
+            }
+        return fields
+
+    async def _update(self, now: float) -> None:
+        """Send what is new, if anything is; the next one only when this one is drawn."""
+        updates = self._updates
+        made = await self._state.update_work(self._make, now - self._sent_at >= STILL)
+        if not made or updates is not self._updates:  # of what is not looked at any more
+            return
+        self._sent_at, self._awaited = now, self._count
+        for message in made:
+            await self._send(message)
+        self._state.meter.updates += 1
+
+    def _make(self, anyhow: bool) -> list[bytes]:
+        """The messages of an update; none if nothing is new."""
+        layout, state, replay = self._updates.layout, self._state, self._replay
+        views: list[EngineView]
+        truth: Sequence[Command] = ()
+        if replay is not None:
+            views = [replay.view()]
+        else:
+            views, truth = state.controller.views(layout.sources), state.truth
+        numbers = [None if s.snapshot is None else s.snapshot.number for s in views]
+        key = (numbers, [view.old for view in views], truth, self._updates.quantity)
+        if key == self._last and not anyhow:
+            return []
+        self._last = key
+        self._count += 1
+        time_s = None if replay is None else replay.time_s
+        return self._updates.make(self._count, views, truth, time_s)
+
+    # what it commands
+
+    async def _listen(self) -> None:
+        async for message in self._socket:
+            try:
+                command = json.loads(message)
+                if not isinstance(command, dict) or not isinstance(command.get("do"), str):
+                    raise ValueError("no object with `do`")
+            except (ValueError, RecursionError) as error:
+                await self._send_kind("notice", level="error", text=f"not understood: {error}")
+                continue
+            if command["do"] == "ack":
+                if command.get("number") == self._awaited:
+                    self._awaited = 0
+                continue
+            # what takes long must hold up no update
+            task = asyncio.create_task(self._obey(command))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+            if len(self._tasks) >= COMMANDS:
+                await asyncio.wait(self._tasks, return_when=asyncio.FIRST_COMPLETED)
+
+    async def _obey(self, command: Command) -> None:
+        """Obey a command and answer it; the controller gets them in their order."""
+        from websockets.exceptions import ConnectionClosed
+
+        fields: dict[str, Any] = {"tag": command.get("tag")}
+        try:
+            fields |= {"ok": True, **await self._run_command(command["do"], command)}
+        except SkinfieldError as error:
+            fields |= {"ok": False, "error": str(error)}
+        except Exception as error:  # of a part that failed: that is answered, and the page goes on
+            fields |= {"ok": False, "error": f"{type(error).__name__}: {error}"}
+        with contextlib.suppress(ConnectionClosed):
+            await self._send_kind("answer", **fields)
+
+    async def _run_command(self, do: str, command: Command) -> dict[str, Any]:
+        state, controller = self._state, self._state.controller
+        if do == "hello":
+            return {}
+        if do == "show":
+            self._updates.show(command.get("quantity"))
+            return {}
+        if do == "replay":
+            return await self._replay_command(command)
+        if self._replay is not None:
+            raise InputError(f"{do} is for a live skin, and this is a recording: go back to live")
+        commands: dict[str, Callable[[], dict[str, Any]]] = {
+            "set": lambda: controller.set(text(command, "what"), self._value(command)),
+            "tare": controller.tare,
+            "record": lambda: controller.record(flag(command, "on")),
+            "press": lambda: controller.press(
+                press_of(command, self._updates.layout, self._number)
+            ),
+            "move": lambda: controller.press(press_of(command, self._updates.layout, self._number)),
+            "lift": lambda: controller.lift(self._mine(command.get("id"))),
+            "scene": lambda: controller.scene(text(command, "name")),
+        }
+        if do not in commands:
+            raise InputError(f"do is {do[:40]!r}, expected one of {', '.join(commands)}")
+        reply = await state.command_work(commands[do])
+        if do not in PRESSES:
+            await state.refresh()
+        return reply
+
+    def _mine(self, id: Any) -> str | None:
+        return None if id is None else f"{self._number}-{id}"[:40]
+
+    def _value(self, command: Command) -> Any:
+        """The value of a setting; a window's patch by its name, for its engine."""
+        value = command.get("value")
+        if command.get("what") != "focus" or value is None:
+            return value
+        if not isinstance(value, dict):
+            raise InputError(f"focus is {value!r:.80}, expected patch, low and high")
+        return {**value, "patch": self._updates.layout[value.get("patch")].patch.name}
+
+    async def _replay_command(self, command: Command) -> dict[str, Any]:
+        state, what = self._state, text(command, "what")
+        if what == "open":
+            name = text(command, "value")
+            opening = state.submit(lambda: state.controller.recording(name))
+            try:
+                opened = await asyncio.wrap_future(opening)
+            except asyncio.CancelledError:  # the browser has gone, and nobody would close it
+                opening.add_done_callback(_close_result)
+                raise
+            await self._leave()
+            self._replay = opened
+            await self._begin(SceneLayout((opened,)))
+            return {}
+        replay = self._replay
+        if replay is None:
+            raise InputError(f"{what} is for a recording, and this is a live skin: open one first")
+        if what == "close":
+            if replay is state.controller.shared:
+                raise InputError("there is no live skin here, only the recording that is shown")
+            await self._leave()
+            await self._begin(state.layout)
+        elif what in ("play", "pause"):
+            await state.command_work(getattr(replay, what))
+        elif what == "seek":
+            place = number(
+                command, "value", replay.start_s, replay.end_s, "seconds of the recording"
+            )
+            await state.command_work(lambda: replay.seek(place))
+        elif what == "speed":
+            speed = number(command, "value", 0.1, 10.0, "times its own")
+            await state.command_work(lambda: replay.set_speed(speed))
+        else:
+            raise InputError(
+                f"what is {what[:40]!r}, expected open, close, play, pause, seek, speed"
+            )
+        self._last = ()
+        return {}
+
+    async def _leave(self) -> None:
+        """Let go of a recording that is looked at, if there is one."""
+        shared = self._state.controller.shared
+        replay, self._replay = self._replay, shared
+        if replay is not shared:
+            await self._state.command_work(replay.close)
+
+
+def _close_result(opening: "Future[DataSource]") -> None:
+    if not opening.cancelled() and opening.exception() is None:
+        opening.result().close()

@@ -1,0 +1,310 @@
+"""Updates of the page: what a cycle's fields, taxels and contacts become on the wire."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError
+from skinfield.files.mcap.schema import CycleFlag
+from skinfield.loop.slots import Head
+from skinfield.loop.snapshot import Snapshot
+from skinfield.page.scene_layout import PlacedPatch, SceneLayout
+from skinfield.page.source import EngineView
+from skinfield.page.wire import packed, scaled
+from skinfield.reconstruct.engine.state import Answer
+from skinfield.skin import Patch
+
+POINTS = 32
+
+
+def outline_of(patch: Patch, row: Any) -> Floats:
+    """Circle of a contact's area around its place, closed, (POINTS + 1, 3) m in the patch's frame.
+
+    Parameters
+    ----------
+    patch : Patch
+    row : record of CONTACT
+        With `x`, `y` in the patch's plane, m, and `area`, m².
+    """
+    area = float(row["area"])
+    radius = math.sqrt(max(area, 0.0) / math.pi) if math.isfinite(area) else 0.0
+    angle = np.linspace(0.0, 2.0 * math.pi, POINTS + 1)
+    plane = np.column_stack([np.cos(angle), np.sin(angle)]) * radius
+    plane += np.array([float(row["x"]), float(row["y"])])
+    return np.asarray(patch.surface.position_from_plane(plane))
+
+
+NEAR = 1.5e-3  # m: from the place of a contact to that of its outline
+
+
+def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
+    """Numbers of the cycle with the newest reading."""
+    if not snapshots:
+        return {"cycle": 0, "stamp_ns": 0, "age_s": None, "fresh": False, "late": False}
+    newest = max(snapshots, key=lambda each: each.stamp_ns)
+    head = newest.slot.head
+    ready = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-3
+    published = int(head[Head.WALL_NS]) + int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])
+    latency = (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None
+    return {
+        "cycle": newest.number,
+        "stamp_ns": newest.stamp_ns,
+        "age_s": finite(newest.age),
+        "fresh": newest.fresh,
+        "late": bool(int(head[Head.FLAGS]) & CycleFlag.LATE),
+        "ready_us": ready,
+        "latency_us": latency,
+    }
+
+
+def contact_of(row: Any, number: int, by: str) -> dict[str, Any]:
+    """A contact of patch `number`, found by the engine or the fit, without what is drawn."""
+    return {
+        "track": int(row["track"]),
+        "patch": number,
+        "by": by,
+        "x": float(row["x"]),
+        "y": float(row["y"]),
+        "force": float(row["normal_force"]),
+        "force_std": finite(row["force_std"]),
+        "place_std": finite(row["place_std"]),
+        "area": finite(row["area"]),
+        "peak": finite(row["peak_pressure"]),
+        "age_s": finite(row["age"]),
+        "speed": finite(row["speed"]),
+    }
+
+
+def outline_near(contacts: Any, position: Floats) -> Floats | None:
+    """Border of the contact that stands there."""
+    for each in contacts:
+        if float(np.linalg.norm(each.position - position)) < NEAR:
+            border: Floats = each.outline
+            return border if len(border) else None
+    return None
+
+
+def finite(value: Any) -> float | None:
+    """A number for JSON; None for what is none."""
+    found = float(value)
+    return found if math.isfinite(found) else None
+
+
+def plain(values: Floats) -> list[float]:
+    """Numbers for JSON."""
+    return [float(each) for each in values]
+
+
+Array = NDArray[Any]
+QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels": ""}
+DEAD = 255  # of a taxel that is left out; others reach 254
+FULL = 254
+STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
+BY_FIT = "fit"
+
+
+@dataclass
+class Parcel:
+    """What an update is made of, until it is packed."""
+
+    arrays: list[tuple[str, Array]] = field(default_factory=list)
+    geometry: list[bytes] = field(default_factory=list)
+    highest: float = 0.0
+
+    def put(self, name: str, array: Array) -> int:
+        """Add an array; its place among them."""
+        self.arrays.append((name, array))
+        return len(self.arrays) - 1
+
+
+class Updates:
+    """Makes the updates of one browser; knows what it has already.
+
+    Parameters
+    ----------
+    layout : SceneLayout
+    """
+
+    def __init__(self, layout: SceneLayout) -> None:
+        self.layout = layout
+        self.quantity = "pressure"
+        self._grids: set[tuple[int, int]] = set()
+        self._sent: dict[int, tuple[Any, ...]] = {}
+        self._strongest: dict[int, float] = {}
+
+    def show(self, quantity: Any) -> None:
+        """Choose what the colours mean.
+
+        Raises
+        ------
+        InputError
+            For none of `QUANTITIES`.
+        """
+        if quantity not in QUANTITIES:
+            raise InputError(f"quantity is {quantity!r}, expected one of {', '.join(QUANTITIES)}")
+        self.quantity = str(quantity)
+        self._sent.clear()
+
+    def make(
+        self,
+        number: int,
+        views: Sequence[EngineView],
+        truth: Sequence[Mapping[str, Any]],
+        time_s: float | None = None,
+    ) -> list[bytes]:
+        """Messages of one update: geometry that it needs, then the update itself.
+
+        Parameters
+        ----------
+        number : int
+            By which the page says that it has drawn it.
+        views : sequence of EngineView
+            As many as the layout has sources.
+        truth : sequence of dict
+            Presses of a virtual skin as it tells them.
+        time_s : float, s, optional
+            On the time bar of a replay.
+        """
+        parcel, patches, contacts = Parcel(), [], []
+        for place, each in enumerate(self.layout.placed):
+            its = views[self.layout.sources.index(each.source)]
+            if its.snapshot is None:
+                continue
+            row = self._patch(place, each, its, parcel)
+            if row is not None:
+                patches.append(row)
+            contacts += self._contacts(place, each, its)
+        head = newest_of([each.snapshot for each in views if each.snapshot is not None])
+        head |= {
+            "kind": "update",
+            "number": number,
+            "quantity": self.quantity,
+            "unit": self._unit(views),
+            "range": [0.0, parcel.highest],
+            "patches": patches,
+            "contacts": contacts,
+            "truth": [found for press in truth if (found := self._truth(press)) is not None],
+        }
+        if time_s is not None:
+            head["time_s"] = time_s
+        return [*parcel.geometry, packed(head, parcel.arrays)]
+
+    def _unit(self, views: Sequence[EngineView]) -> str:
+        if self.quantity != "taxels":
+            return QUANTITIES[self.quantity]
+        known = [each.snapshot for each in views if each.snapshot is not None]
+        return known[0].model_config.quantity.unit if known else ""
+
+    def _patch(
+        self, number: int, each: PlacedPatch, its: EngineView, parcel: Parcel
+    ) -> dict[str, Any] | None:
+        """Row of a patch with what changed of it; None where nothing did."""
+        snapshot = its.snapshot
+        assert snapshot is not None  # whoever calls has looked
+        row, name = snapshot.patches[each.place], each.patch.name
+        fitted = None if its.fit is None else its.fit.get(name)
+        answer = Answer(int(row["answer"]))
+        rung = int(row["rung"]) if fitted is None else snapshot.model_config.rungs[-1]
+        key = (int(row["stamp_ns"]), int(answer), rung, fitted is not None)
+        if fitted is None and self._sent.get(number) == key:
+            return None
+        self._sent[number] = key
+        shown = rung if answer >= Answer.LINEAR else snapshot.model_config.rungs[-1]
+        if (number, shown) not in self._grids:
+            first = not any(have == number for have, _ in self._grids)
+            parcel.geometry.append(self.layout.geometry(number, shown, first))
+            self._grids.add((number, shown))
+        gap = float(row["gap"])
+        fields: dict[str, Any] = {
+            "i": number,
+            "answer": "searched" if answer == Answer.FEASIBLE else answer.name.lower(),
+            "rung": shown,
+            "force": float(row["force"]),
+            "age_s": finite(snapshot.ages()[name]),
+            "gap": finite(gap),
+            "invalid": int(row["invalid"]),
+            "taxels": parcel.put("taxels", self._taxels(number, each, snapshot, parcel)),
+        }
+        fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
+        fields |= {"height": -1, "colour": -1, "height_scale": 0.0}
+        if answer >= Answer.LINEAR:
+            fields |= self._fields(name, snapshot, fitted, parcel)
+        return fields
+
+    def _fields(
+        self, name: str, snapshot: Snapshot, fitted: Floats | None, parcel: Parcel
+    ) -> dict[str, Any]:
+        """Deformation and colours of a patch that is touched."""
+        fields: dict[str, Any] = {}
+        heights = snapshot.indentation(name, fitted)
+        if heights is not None:
+            scale = float(max(heights.max(initial=0.0), 1e-9)) / 65535.0
+            fields["height_scale"] = scale
+            fields["height"] = parcel.put("height", scaled(heights, 0.0, 65535.0 * scale))
+        values = self._values(name, snapshot, fitted, heights)
+        if values is not None:
+            high = float(values.max(initial=0.0))
+            parcel.highest = max(parcel.highest, high)
+            fields |= {"colour_lo": 0.0, "colour_hi": high}
+            fields["colour"] = parcel.put("colour", scaled(values, 0.0, high))
+        return fields
+
+    def _values(
+        self, name: str, snapshot: Snapshot, fitted: Floats | None, heights: Floats | None
+    ) -> Floats | None:
+        if self.quantity == "pressure":
+            return snapshot[name].pressure if fitted is None else fitted
+        if self.quantity == "deformation":
+            return heights
+        if self.quantity == "uncertainty" and snapshot.prepared:
+            return np.asarray(snapshot[name].pressure_std)
+        return None
+
+    def _taxels(self, number: int, each: PlacedPatch, snapshot: Snapshot, parcel: Parcel) -> Array:
+        """Readings of a patch as bytes; full is the strongest one views, or far above the noise."""
+        values, valid, noise = snapshot.taxels(each.patch.name)
+        strength = np.abs(values)
+        floor = STRONG * float(np.median(noise))
+        strongest = float(strength[valid].max(initial=0.0))
+        full = self._strongest[number] = max(self._strongest.get(number, floor), strongest, floor)
+        if self.quantity == "taxels":
+            parcel.highest = max(parcel.highest, full)
+        shown = np.clip(strength * (FULL / full), 0, FULL) if full > 0 else np.zeros(len(strength))
+        return np.where(valid, np.nan_to_num(shown), DEAD).astype(np.uint8)
+
+    def _contacts(self, number: int, each: PlacedPatch, its: EngineView) -> list[dict[str, Any]]:
+        rows = []
+        for row, by in zip(its.contacts, its.by, strict=True):
+            if int(row["patch"]) != each.place:
+                continue
+            found = None
+            if by != BY_FIT and its.snapshot is not None and its.snapshot.prepared:
+                found = outline_near(its.snapshot[each.patch.name].contacts, row["position"])
+            border = outline_of(each.patch, row) if found is None else found
+            rows.append(contact_of(row, number, by) | {
+                "old": its.old,
+                "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
+                "position": plain(each.shown(row["position"][None])[0]),
+                "normal": plain(each.turned(row["normal"][None])[0]),
+                "outline": np.round(each.shown(border), 6).tolist(),
+            })  # fmt: skip
+        return rows
+
+    def _truth(self, press: Mapping[str, Any]) -> dict[str, Any] | None:
+        """A press as the picture shows it; None where its patch is none of the picture's."""
+        for number, each in enumerate(self.layout.placed):
+            if each.patch.name != press["patch"]:
+                continue
+            surface, plane = each.patch.surface, np.array([[press["x"], press["y"]]])
+            normal = surface.frame_from_plane(plane)[:, :, 2]
+            names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
+            return {name: press[name] for name in names} | {
+                "patch": number,
+                "position": plain(each.shown(surface.position_from_plane(plane))[0]),
+                "normal": plain(each.turned(normal)[0]),
+            }
+        return None

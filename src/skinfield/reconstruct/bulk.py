@@ -1,0 +1,274 @@
+"""Bulk reconstruction: chosen fields and contacts of many readings of one patch.
+
+What a linear solver answers is one matrix product per chunk of readings. Run it on one thread of
+the BLAS (``OPENBLAS_NUM_THREADS=1``): a chunk is too small to share; more cores are used by more
+processes, as `skinfield reconstruct --workers` does.
+"""
+
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, Ints, check_choice, check_shape
+from skinfield.estimate import Contact, Estimate
+from skinfield.reconstruct.plan import LinearPlan
+from skinfield.reconstruct.reconstructor import Reconstructor
+from skinfield.skin import Grid
+
+CHUNK = 512  # readings per product at most
+FEWEST = 64  # and at least
+CACHE_BYTES = 4 << 20  # of a chunk's outputs: more leave the cache before anybody looks at them
+RUN = 64  # readings that an iterative solver answers one from the other; the first starts anew
+MOST_SETS = 16  # of valid taxels that stay prepared
+OUTPUTS = {  # numbers per node; in the patch's frame, signs as in `Estimate`
+    "pressure": 1,
+    "indentation": 1,
+    "displacement": 3,
+}
+Fields = dict[str, NDArray[Any]]
+
+
+class BulkFields:
+    """Fields of many readings, in chunks; what is linear by one product per chunk.
+
+    Parameters
+    ----------
+    reconstructor : Reconstructor
+    outputs : iterable of str
+        Of `OUTPUTS`: what to compute of each reading.
+    precision : numpy.float32 or numpy.float64
+        Of the answers. A sum of L products in single precision is off by about 1e-6 of the
+        largest of them, far below the noise of any skin.
+
+    Attributes
+    ----------
+    run : int
+        Readings that belong together: a product's, or those that an iterative solver starts one
+        from the other. Runs begin at multiples of it, and each begins anew, so that what a reading
+        gives does not depend on which others are wanted.
+    """
+
+    def __init__(
+        self,
+        reconstructor: Reconstructor,
+        outputs: Iterable[str] = ("pressure", "indentation"),
+        precision: type[np.floating[Any]] = np.float32,
+    ) -> None:
+        self.reconstructor = reconstructor
+        self.outputs = checked_outputs(outputs)
+        self.precision = precision
+        plan = reconstructor.plans.whole
+        self._linear = plan if isinstance(plan, LinearPlan) else None
+        fitting = max(CACHE_BYTES // (self.width * np.dtype(precision).itemsize), 1)
+        chunk = min(CHUNK, max(FEWEST, 1 << fitting.bit_length() - 1))
+        self.run = RUN if self._linear is None else chunk
+        self._matrices: OrderedDict[bytes, NDArray[Any]] = OrderedDict()
+        self._sets: OrderedDict[bytes, Any] = OrderedDict()
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether one product answers."""
+        return self._linear is not None
+
+    @property
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Of each output of one reading: (K,), or (K, 3) for a vector field."""
+        nodes = len(self.reconstructor.grid)
+        return {name: (nodes, 3) if OUTPUTS[name] == 3 else (nodes,) for name in self.outputs}
+
+    @property
+    def width(self) -> int:
+        """Numbers that all outputs of one reading take."""
+        return len(self.reconstructor.grid) * sum(OUTPUTS[name] for name in self.outputs)
+
+    def __call__(self, readings: Floats) -> Fields:
+        """Fields of some readings.
+
+        Parameters
+        ----------
+        readings : (T, L) array, in the quantity's unit
+            NaN where a taxel did not answer; each with a valid taxel.
+
+        Returns
+        -------
+        dict
+            By the name of the output, (T, K) or (T, K, 3) arrays of the precision.
+        """
+        check_shape("readings", readings, (None, len(self.reconstructor.patch)), "one per taxel")
+        if self._linear is None:
+            parts = [self._of_estimate(estimate) for estimate in self.estimates(readings)]
+            return {name: np.concatenate([part[name] for part in parts]) for name in self.outputs}
+        out = np.empty((len(readings), self.width), self.precision)
+        for first in range(0, len(readings), self.run):
+            part = slice(first, first + self.run)
+            self._into(self._linear, readings[part], out[part])
+        ends = np.cumsum([int(np.prod(shape)) for shape in self.shapes.values()])[:-1]
+        tables = np.split(out, ends, axis=1)
+        return {
+            name: table.reshape(len(out), *shape)
+            for (name, shape), table in zip(self.shapes.items(), tables, strict=True)
+        }
+
+    def estimates(self, readings: Floats) -> Iterator[Estimate]:
+        """Everything of some readings, contacts too, as estimates of a run each."""
+        for first in range(0, len(readings), RUN):
+            self.reconstructor.reset()
+            yield self.reconstructor(readings[first : first + RUN])
+
+    def estimate(self, readings: Floats, stamp_ns: Ints, skip: int = 0) -> Estimate:
+        """One estimate of some readings; its contacts are found when they are looked at.
+
+        Parameters
+        ----------
+        readings : (T, L) array, in the quantity's unit
+        stamp_ns : (T - skip,) array, ns
+        skip : int
+            Readings at the start that an iterative solver only starts from.
+        """
+        if self._linear is not None:
+            readings, skip = readings[skip:], 0
+        same = self._same_valid(readings)
+        if self._linear is None or same is None:
+            return _joined(list(self.estimates(readings)), slice(skip, None), stamp_ns)
+        fields, grid = self(readings), self.reconstructor.grid
+        pressure = fields["pressure"]
+        rest: dict[str, Callable[[], Any]] = {
+            "contacts": partial(self.contacts, readings),
+            "displacement": lambda: fields["displacement"],
+            "traction": lambda: -pressure[..., None] * grid.normals,
+            "pressure_std": lambda: np.broadcast_to(self._plan(same).pressure_std, pressure.shape),
+            "residual": lambda: np.full(readings.shape, np.nan),
+        }
+        known = {"grid": grid, "pressure": pressure, "stamp_ns": stamp_ns}
+        return Estimate.later(rest, valid=~np.isnan(readings), **known)
+
+    def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
+        """Contacts of some readings (T, L), by the reconstructor's finder.
+
+        Of a linear solver by the pressure in double precision alone, where the same taxels are
+        valid in all of them.
+        """
+        same = self._same_valid(readings)
+        if self._linear is None or same is None:
+            return [each for estimate in self.estimates(readings) for each in estimate.contacts]
+        plan, intervals = self._plan(same), self.reconstructor.intervals
+        linear, contacts = self._linearised(readings[:, same]), []
+        for first in range(0, len(linear), RUN):
+            for pressure in np.dot(linear[first : first + RUN], plan.pressing.T.astype(np.float64)):
+                each = plan.contacts(pressure, plan.noise, plan.posterior)
+                contacts.append(each if intervals is None else intervals(each))
+        return contacts
+
+    def _into(self, plan: LinearPlan, readings: Floats, out: NDArray[Any]) -> None:
+        """Write all outputs of some readings (T, L), one after the other, into `out` (T, R)."""
+        mask = ~np.isnan(readings)
+        if (mask == mask[0]).all():
+            linear = self._linearised(readings if mask[0].all() else readings[:, mask[0]])
+            np.dot(linear.astype(self.precision), self._matrix(mask[0]), out=out)
+            return
+        patterns, which = np.unique(mask, axis=0, return_inverse=True)
+        which = which.ravel()
+        if plan.missing is None:
+            for number, pattern in enumerate(patterns):
+                rows = np.flatnonzero(which == number)
+                linear = self._linearised(readings[np.ix_(rows, pattern)])
+                out[rows] = linear.astype(self.precision) @ self._matrix(pattern)
+            return
+        key = np.packbits(patterns, axis=1).tobytes()
+        known = _recent(self._sets, key, partial(plan.missing.model.sets, patterns))
+        filled = known.filled(self._linearised(np.where(mask, readings, 0.0)), which)
+        every = np.ones(mask.shape[1], np.bool_)
+        np.dot(filled.astype(self.precision), self._matrix(every), out=out)
+
+    def _linearised(self, readings: Floats) -> Floats:
+        quantity = self.reconstructor.quantity
+        return quantity.linearise(readings, np.empty(readings.shape))
+
+    def _plan(self, valid: NDArray[np.bool_]) -> LinearPlan:
+        plan = self._linear if valid.all() else self.reconstructor.plans.of(valid)
+        assert isinstance(plan, LinearPlan)
+        return plan
+
+    def _matrix(self, valid: NDArray[np.bool_]) -> NDArray[Any]:
+        """From valid taxels (L') to all outputs (R): (L', R) of the precision."""
+
+        def make() -> NDArray[Any]:
+            rows = rows_of(self._plan(valid).operator, self.reconstructor.grid, self.outputs)
+            return np.ascontiguousarray(rows.T, dtype=self.precision)
+
+        matrix: NDArray[Any] = _recent(self._matrices, np.packbits(valid).tobytes(), make)
+        return matrix
+
+    def _of_estimate(self, estimate: Estimate) -> Fields:
+        return {
+            name: np.asarray(getattr(estimate, name), dtype=self.precision) for name in self.outputs
+        }
+
+    @staticmethod
+    def _same_valid(readings: Floats) -> NDArray[np.bool_] | None:
+        """Valid taxels (L,), where they are the same in all readings."""
+        mask = ~np.isnan(readings)
+        return np.asarray(mask[0]) if (mask == mask[0]).all() else None
+
+
+def rows_of(operator: NDArray[Any], grid: Grid, outputs: Iterable[str]) -> NDArray[Any]:
+    """Rows that give the chosen outputs, one after the other.
+
+    Parameters
+    ----------
+    operator : (4 K, L) array
+        Of a `Reconstructor`: pressure, then displacement x, y, z.
+    grid : Grid
+        Of the reconstructor: K nodes.
+    outputs : iterable of str
+        Of `OUTPUTS`: pressure (K) Pa; indentation (K) m, the displacement into the skin along its
+        normal; displacement (3 K) m, the three components of a node together.
+
+    Returns
+    -------
+    (R, L) array
+    """
+    nodes = len(grid)
+    check_shape("operator", operator, (4 * nodes, None), "pressure and displacement of each node")
+    moved = operator[nodes:].reshape(3, nodes, -1)
+    blocks: dict[str, Callable[[], NDArray[Any]]] = {
+        "pressure": lambda: operator[:nodes],
+        "indentation": lambda: -np.einsum("ckl,kc->kl", moved, grid.normals),
+        "displacement": lambda: moved.transpose(1, 0, 2).reshape(3 * nodes, -1),
+    }
+    return np.concatenate([blocks[name]() for name in checked_outputs(outputs)])
+
+
+def checked_outputs(outputs: Iterable[str]) -> tuple[str, ...]:
+    """The names as a tuple; raises InputError for one that is none, twice there, or for none."""
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    for name in names:
+        check_choice("outputs", name, OUTPUTS, "a field that a reading is turned into")
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"outputs is {names!r}, expected one name or more, each once")
+    return names
+
+
+def _joined(estimates: list[Estimate], part: slice, stamp_ns: Ints) -> Estimate:
+    def joined(name: str) -> Any:
+        return np.concatenate([getattr(each, name) for each in estimates])[part]
+
+    names = ("displacement", "pressure_std", "traction", "residual")
+    rest: dict[str, Callable[[], Any]] = {name: partial(joined, name) for name in names}
+    rest["contacts"] = lambda: [c for each in estimates for c in each.contacts][part]
+    known = {"grid": estimates[0].grid, "pressure": joined("pressure"), "stamp_ns": stamp_ns}
+    return Estimate.later(rest, valid=joined("valid"), **known)
+
+
+def _recent(cache: OrderedDict[bytes, Any], key: bytes, make: Callable[[], Any]) -> Any:
+    """What is made of a key, of which the last ones used stay."""
+    if key not in cache:
+        if len(cache) >= MOST_SETS:
+            cache.popitem(last=False)
+        cache[key] = make()
+    cache.move_to_end(key)
+    return cache[key]

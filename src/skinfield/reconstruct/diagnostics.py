@@ -1,0 +1,350 @@
+"""Diagnostics of a recording: whose counts, which faults, how much noise; counts to readings."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skinfield.elastic import BaseStress, Capacitance, Gap, Layer, Quantity
+from skinfield.errors import Floats, InputError, check_positive
+from skinfield.signal import (
+    Baseline,
+    Calibration,
+    Convention,
+    CySkinCount,
+    Faults,
+    Filter,
+    ICubByte,
+    NoFilter,
+    PlainCount,
+    estimate_baseline,
+    find_faults,
+    strain_from_relative_capacitance,
+    valid_from_counts,
+)
+from skinfield.signal.faults import merged_faults
+from skinfield.skin import Patch
+from skinfield.skin.reading import Recording
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditioning:
+    """How counts become a quantity.
+
+    Parameters
+    ----------
+    board : Convention, optional
+        What a count means; default by the range of the counts.
+    gain : float, counts per unit of ΔC/C₀, optional
+        Default a guess for the board.
+    calibration : Calibration, optional
+        Per taxel; takes the place of both.
+    filter : Filter
+        Over time, before the reconstruction.
+    noise_std : float, in the quantity's unit, optional
+        Default as measured in the recording's quietest stretch.
+    """
+
+    board: Convention | None = None
+    gain: float | None = None
+    calibration: Calibration | None = None
+    filter: Filter = field(default_factory=NoFilter)
+    noise_std: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.noise_std is not None:
+            check_positive("noise_std", self.noise_std, "no reading is exact")
+        if self.gain is not None and not (np.isfinite(self.gain) and self.gain):
+            raise InputError(
+                f"gain is {self.gain!r}, expected a finite number other than 0: counts per unit "
+                "of ΔC/C₀, negative where pressure lowers them"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Conditioner:
+    """What turns recorded numbers into readings in a quantity's unit.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    layer : Layer
+    calibration : Calibration, optional
+        Of counts; without it the numbers are in the quantity's unit already.
+    board : Convention, optional
+        That sent the counts.
+    """
+
+    quantity: Quantity
+    layer: Layer
+    calibration: Calibration | None = None
+    board: Convention | None = None
+
+    def __call__(self, counts: Floats) -> Floats:
+        """Readings (T, L) from counts (T, L); NaN where invalid."""
+        return self.counted(counts)[0]
+
+    def counted(self, counts: Floats) -> tuple[Floats, int]:
+        """Readings, and how many of them are too low for any skin: those are invalid, too."""
+        values = self._values(counts)
+        impossible = values <= self.quantity.lowest
+        count = int(impossible.sum())
+        return (np.where(impossible, np.nan, values) if count else values), count
+
+    def _values(self, counts: Floats) -> Floats:
+        if self.calibration is None:
+            return counts
+        if not np.isfinite(counts).any():
+            return np.full(counts.shape, np.nan)
+        change = self.calibration.relative_capacitance_from_counts(counts)
+        valid = valid_from_counts(counts, self.board, alive=self.calibration.alive)
+        return self.in_quantity(np.where(valid, change, np.nan))
+
+    def in_quantity(self, change: Floats) -> Floats:
+        """ΔC/C₀ as the quantity, each taxel by itself."""
+        if isinstance(self.quantity, Capacitance):
+            return change
+        strain = strain_from_relative_capacitance(change)
+        if isinstance(self.quantity, Gap):
+            return strain
+        return strain * self.layer.young_modulus
+
+    def noise_in_quantity(self, noise: Floats) -> Floats:
+        """Noise of ΔC/C₀ as that of the quantity, for small readings."""
+        if isinstance(self.quantity, BaseStress):
+            return noise * self.layer.young_modulus
+        if isinstance(self.quantity, Capacitance | Gap):
+            return noise
+        raise InputError(
+            f"quantity is {type(self.quantity).__name__}, expected Capacitance(), Gap() or "
+            "BaseStress(): give a recording in the quantity's own unit"
+        )
+
+
+Blocks = Callable[[], Iterator[Recording]]  # anew at each call
+ICUB_GAIN = -171.0  # bytes per unit of ΔC/C₀: 16 pF over 65536 counts, shift 2, a pad of 0.17 pF
+CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
+USUAL_RATE = 50.0  # 1/s, of recordings that do not tell theirs
+FEWEST = 16  # readings that tell a noise
+UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """What is known of a recording before any of its readings is conditioned.
+
+    Attributes
+    ----------
+    conditioner : Conditioner
+    noise_std : (L,) array
+        Of one reading in the quantity's unit, after the filter.
+    rate : float, 1/s
+    notes : tuple of str
+    """
+
+    conditioner: Conditioner
+    noise_std: Floats
+    rate: float
+    notes: tuple[str, ...]
+
+
+def survey(
+    blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: Conditioning
+) -> Survey:
+    """Look at all readings, block by block.
+
+    What needs many readings at once (the quietest stretch, faults) is found in each block and put
+    together; a recording of one block is looked at as a whole.
+
+    Parameters
+    ----------
+    blocks : callable
+        Each call gives an iterator over the blocks of the recording, in the order of the taxels.
+    patch, layer, quantity, how
+        See `condition`.
+
+    Raises
+    ------
+    InputError
+        If recording and quantity do not go together.
+    """
+    first = next(blocks())
+    rates = [block.rate for block in blocks() if np.isfinite(block.rate)]
+    rate = float(np.median(rates)) if rates else USUAL_RATE
+    readings = sum(map(len, blocks()))
+    if first.unit != "count":
+        _check_unit(first, quantity)
+        conditioner, (noise, _, notes) = Conditioner(quantity, layer), _noise(blocks, None, rate)
+        if how.board is not None or how.gain is not None or how.calibration is not None:
+            notes += (f"in {first.unit} already: board, gain and calibration are not used",)
+    else:
+        conditioner, noise, notes = _of_counts(blocks, patch, layer, quantity, how, rate)
+    if how.noise_std is not None:
+        noise = np.full(len(patch), how.noise_std)
+    if not isinstance(how.filter, NoFilter):
+        noise = noise * how.filter.noise_factor(rate)
+        notes += (f"filtered, {how.filter.delay(rate) * 1e3:.0f} ms behind",)
+    measured = noise[np.isfinite(noise) & (noise > 0)]
+    typical = float(np.median(measured)) if len(measured) else quantity.typical_noise
+    if readings >= FEWEST and not len(measured):
+        notes += (f"the readings hold no noise: a typical one, {typical:g}, is taken",)
+    noise = np.where(np.isfinite(noise) & (noise > 0.2 * typical), noise, typical)
+    return Survey(conditioner, noise, rate, notes)
+
+
+def untouched(recording: Recording, how: Conditioning) -> bool:
+    """Whether some stretch of a recording makes a baseline, as far as its board tells.
+
+    It does where nothing moves and no taxel rests on the pressed side of the board's rest, but for
+    those at the clamp, which are not heard. Where no baseline is measured (a calibration is there,
+    the board takes it off, or the numbers are no counts) there is nothing to wait for.
+    """
+    if recording.unit != "count" or how.calibration is not None:
+        return True
+    board = how.board if how.board is not None else _board_of(lambda: iter([recording]))[0]
+    if isinstance(board, CySkinCount) or len(recording) < FEWEST:
+        return True
+    rate = recording.rate if np.isfinite(recording.rate) else USUAL_RATE
+    found = estimate_baseline(recording.counts, rate, convention=board)
+    with np.errstate(invalid="ignore"):
+        heard = ~board.saturated(np.rint(found.baseline))
+    return found.stretch.still and not (found.loaded & heard).any()
+
+
+def _check_unit(recording: Recording, quantity: Quantity) -> None:
+    expected = UNIT_OF[recording.unit]
+    if not isinstance(quantity, expected):
+        raise InputError(
+            f"{recording.source} is in {recording.unit!r}, expected a quantity of "
+            f"{expected.__name__}(), got {type(quantity).__name__}(): a reading means what "
+            "its file says"
+        )
+
+
+def _of_counts(
+    blocks: Blocks, patch: Patch, layer: Layer, quantity: Quantity, how: Conditioning, rate: float
+) -> tuple[Conditioner, Floats, tuple[str, ...]]:
+    board, notes = (how.board, ()) if how.board is not None else _board_of(blocks)
+    faults = _faults(blocks, board, how.calibration)
+    notes += faults.sentences
+    calibration = how.calibration
+    if calibration is None:
+        gain = how.gain
+        if gain is None:
+            gain = icub_gain(board) if isinstance(board, ICubByte) else CYSKIN_GAIN
+            notes += (
+                f"gain not given: {gain:g} counts per unit of ΔC/C₀ is a guess, and every force "
+                "scales with it; loads that are known give the true one",
+            )
+        noise, baseline, said = _noise(blocks, board, rate)
+        notes += said
+        if baseline is not None and _measures(board, baseline):
+            calibration = Calibration.from_baseline(
+                patch, baseline, gain=gain, alive=faults.usable, even_if_loaded=True
+            )
+        else:
+            step = np.maximum(np.nan_to_num(noise), 12**-0.5)  # at least a count's own
+            calibration = Calibration.from_convention(
+                patch, board, gain=gain, noise_std=step, alive=faults.usable
+            )
+    else:
+        calibration = calibration.without(~faults.usable)
+    conditioner = Conditioner(quantity, layer, calibration, board)
+    return conditioner, conditioner.noise_in_quantity(calibration.quantity_std()), notes
+
+
+def _measures(board: Convention, baseline: Baseline) -> bool:
+    """Whether a baseline is better than the rest by convention, if there is one."""
+    if not np.isfinite(board.rest):
+        return True
+    return baseline.quiet and not isinstance(board, CySkinCount)
+
+
+def icub_gain(board: ICubByte) -> float:
+    """Guess of the bytes per unit of ΔC/C₀ of a board that drops so many bits."""
+    return float(ICUB_GAIN * 2.0 ** (ICubByte().shift - board.shift))
+
+
+def _faults(blocks: Blocks, board: Convention, calibration: Calibration | None) -> Faults:
+    """Of every block with a number in it, put together."""
+    found: list[Faults] = []
+    lengths: list[int] = []
+    for block in blocks():
+        if len(block) < FEWEST and found:  # the rest of a long recording tells nothing
+            continue
+        if np.isnan(block.counts).all() and (found or len(block) < FEWEST):
+            continue
+        found.append(find_faults(block.counts, board, calibration=calibration))
+        lengths.append(len(block))
+    if not found:  # whatever there is, or a word on what there is not
+        return find_faults(next(blocks()).counts, board, calibration=calibration)
+    return merged_faults(found, lengths)
+
+
+def _noise(
+    blocks: Blocks, board: Convention | None, rate: float
+) -> tuple[Floats, Baseline | None, tuple[str, ...]]:
+    """Noise of one reading (L,), NaN where it cannot be told; the baseline it belongs to; notes."""
+    best: tuple[Baseline, int] | None = None
+    before, first = 0, next(blocks())
+    for block in blocks():
+        enough = len(block) >= FEWEST and not (before and np.isnan(block.counts).all())
+        if enough:
+            on = f", {before} readings on" if before else ""
+            found = estimate_baseline(
+                block.counts, rate, convention=board, source=block.source + on
+            )
+            if best is None or _rank(found, board) < _rank(best[0], board):
+                best = found, before
+        before += len(block)
+    if best is None:
+        note = f"{before} readings are too few to measure their noise: a typical one is taken"
+        return np.full(first.counts.shape[1], np.nan), None, (note,)
+    baseline, start = best
+    notes = baseline.notes
+    if start:
+        notes = tuple(f"from reading {start} on: {note}" for note in notes)
+    return baseline.noise_std, baseline, notes
+
+
+def _rank(baseline: Baseline, board: Convention | None) -> tuple[bool, float, float]:
+    """By which the best of many stretches is chosen: still, then least loaded, then stillest."""
+    stretch = baseline.stretch
+    if stretch.still and board is not None:
+        load = board.direction * float(np.nanmean(baseline.baseline))
+        return False, load, stretch.ratio
+    return not stretch.still, float(stretch.moving.sum()), stretch.ratio
+
+
+def _board_of(blocks: Blocks) -> tuple[Convention, tuple[str, ...]]:
+    """Guess the board by the range of its counts, and say so.
+
+    CySkin's boards clip at their rest, so that taxels which nothing touches read 0 again and again.
+    Words of which most taxels never read 0 are of a board that rests elsewhere.
+    """
+    lowest = min(float(np.nanmin(b.counts, initial=np.inf)) for b in blocks())
+    highest = max(float(np.nanmax(b.counts, initial=-np.inf)) for b in blocks())
+    if lowest >= 0 and highest <= 255:
+        said = f"counts from {lowest:g} to {highest:g}: taken as iCub bytes that rest at 240"
+        return ICubByte(), (said,)
+    if lowest >= 0 and highest <= 65535 and not _clipped(blocks):
+        said = f"counts from {lowest:g} to {highest:g}, most never 0: each taxel has its own rest"
+        return PlainCount(), (said,)
+    if lowest >= 0 and highest <= 65535:
+        said = f"counts from {lowest:g} to {highest:g}: taken as CySkin counts that rest at 0"
+        return CySkinCount(), (said,)
+    raise InputError(
+        f"counts range from {lowest:g} to {highest:g}, expected 0 to 255 (iCub) or 0 to 65535 "
+        "(16 bits): say which board sent them (--board), or give a calibration (--calibration)"
+    )
+
+
+def _clipped(blocks: Blocks) -> bool:
+    """Whether at least half of the taxels that answer are 0 at times, or too few readings tell."""
+    least = np.full(next(blocks()).counts.shape[1], np.inf)
+    readings = 0
+    for block in blocks():
+        readings += len(block)
+        there = ~np.isnan(block.counts)
+        np.fmin(least, np.min(block.counts, axis=0, initial=np.inf, where=there), out=least)
+    return readings < FEWEST or bool(np.median(least[np.isfinite(least)]) <= 0.0)

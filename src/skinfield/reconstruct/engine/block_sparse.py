@@ -1,0 +1,184 @@
+"""Block-sparse product of a whole skin: all kinds of patches in one call, a map for each rung."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Ints
+from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.products import CUT, PROOF, Singles
+from skinfield.reconstruct.engine.search_operator import idle_test_of
+from skinfield.solve.tiles import SIDE, Tiles, aligned_blocks
+
+Ints32 = NDArray[np.int32]
+SCORES = 6  # patches whose products an idle test holds at once: `tiles_kernel.TOGETHER`
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """Tiles of all kinds of patches, end to end.
+
+    Attributes
+    ----------
+    values, taxels, firsts, cells : arrays
+        Of all stamps; see `Tiles`. Each kind has one entry of `firsts` and `cells` more than
+        tiles.
+    table : (G, 10) int array
+        Where the parts of each kind are; see `skinfield.reconstruct.engine.block_sparse_kernel.products`.
+    dropped : float32 array
+        Of all stamps: how far a product may be off, as part of the norm of a patch's readings.
+    thresholds : (G,) float32 array
+        Of an idle test.
+    scores : float32 array
+        To work in.
+    """
+
+    values: Singles
+    taxels: Ints32
+    firsts: Ints32
+    cells: Ints32
+    table: Ints
+    dropped: Singles
+    thresholds: Singles
+    scores: Singles
+
+    @classmethod
+    def of(
+        cls, stamps: Sequence[Tiles], counts: Sequence[int], thresholds: Sequence[float] = ()
+    ) -> "Atlas":
+        """Put stamps in float32 end to end.
+
+        Parameters
+        ----------
+        stamps : sequence of Tiles
+            Of each kind of patch.
+        counts : sequence of int
+            Patches of each kind; all arrays over patches have them side by side.
+        thresholds : sequence of float, optional
+            Of an idle test of each kind.
+        """
+        values = aligned_blocks(sum(len(each.values) for each in stamps), np.dtype(np.float32))
+        np.concatenate([each.values for each in stamps], out=values)
+        blocks = np.cumsum([0, *(len(each.values) for each in stamps)])[:-1]
+        none = np.zeros(1, np.int32)
+        dropped = np.concatenate([each.dropped for each in stamps])
+        return cls(
+            values=values,
+            taxels=np.concatenate([each.taxels for each in stamps]),
+            firsts=np.concatenate(
+                [each.firsts + first for each, first in zip(stamps, blocks, strict=True)]
+            ).astype(np.int32),
+            cells=np.concatenate([part for each in stamps for part in (each.cells, none)]),
+            table=_table(stamps, counts),
+            dropped=(dropped * (1.0 + 1e-6)).astype(np.float32),  # not less by its rounding
+            thresholds=np.asarray(thresholds, dtype=np.float32),
+            scores=np.zeros(SCORES * max(len(each.dropped) for each in stamps), np.float32),
+        )
+
+    @property
+    def nbytes(self) -> int:
+        """Of what is read in each call."""
+        return int(self.values.nbytes + self.taxels.nbytes)
+
+    @cached_property
+    def arrays(self) -> tuple[Any, ...]:
+        """All of them, as `cycle_kernel.test_idle` takes them."""
+        stamps = self.values, self.taxels, self.firsts, self.cells, self.table
+        return *stamps, self.dropped, self.thresholds, self.scores
+
+    @cached_property
+    def _kernels(self) -> tuple[Any, Any]:
+        from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches, products
+
+        return products, idle_patches
+
+    def apply(self, readings: Singles, out: Singles) -> None:
+        """Write the products of all patches' readings (N,) into `out` (M,), end to end."""
+        self._kernels[0](
+            self.values, self.taxels, self.firsts, self.cells, self.table, readings, out
+        )
+
+    def find_idle(self, readings: Singles, idle: NDArray[np.bool_]) -> None:
+        """Write into `idle` (P,) of which patches no product exceeds the threshold of its kind.
+
+        Of the whole matrices' products: what the stamps lack is added at its most.
+        """
+        self._kernels[1](
+            self.values,
+            self.taxels,
+            self.firsts,
+            self.cells,
+            self.table,
+            self.dropped,
+            self.thresholds,
+            readings,
+            self.scores,
+            idle,
+        )
+
+
+def _table(stamps: Sequence[Tiles], counts: Sequence[int]) -> Ints:
+    table: Ints = np.zeros((len(stamps), 10), dtype=np.int64)
+    tile = taxel = cell = bound = row = 0
+    for kind, (each, count) in enumerate(zip(stamps, counts, strict=True)):
+        tiles, size, width = len(each.cells), len(each.begins) - 1, len(each.dropped)
+        table[kind] = tile, tiles, each.shape[1], size, width, count, taxel, cell, bound, row
+        tile, bound, row = tile + tiles + 1, bound + width, row + count
+        taxel, cell = taxel + count * size, cell + count * width
+    return table
+
+
+def idle_tests(groups: Sequence[Group]) -> list[Atlas]:
+    """Tests of all patches on each rung; none where the answers are linear."""
+    counts, tests = [group.count for group in groups], []
+    for rung in range(len(groups[0].searches)):
+        stamps, thresholds = [], []
+        for group in groups:
+            operator = group.rungs.steps[rung].operator
+            assert operator is not None  # a group has searches of such alone
+            matrix = idle_test_of(group.searches[rung][0], len(group.kind.noise_std))
+            stamps.append(_stamps(matrix, group.rungs.steps[rung].grid.shape, PROOF))
+            thresholds.append(group.thresholds[rung])
+        tests.append(Atlas.of(stamps, counts, thresholds))
+    return tests
+
+
+def linear_answers(groups: Sequence[Group]) -> list[tuple[Atlas, Singles]]:
+    """Linear answers of all patches on each rung, and where they are written: `Group.fields`.
+
+    None where a grid is too coarse for tiles.
+    """
+    counts, answers = [group.count for group in groups], []
+    for rung, step in enumerate(groups[0].rungs.steps):
+        if min(step.grid.shape) < SIDE:
+            return []
+        stamps = [
+            _stamps(
+                group.rungs.steps[rung].matrix * group.kind.noise_std,
+                group.rungs.steps[rung].grid.shape,
+                CUT,
+            )
+            for group in groups
+        ]
+        field: Singles = np.zeros(sum(group.fields[rung].size for group in groups), np.float32)
+        at = 0
+        for group in groups:
+            size = group.fields[rung].size
+            group.fields[rung] = field[at : at + size].reshape(group.count, -1)
+            at += size
+        answers.append((Atlas.of(stamps, counts), field))
+    return answers
+
+
+def _stamps(matrix: NDArray[Any], shape: tuple[int, int], cut: float) -> Tiles:
+    """Tiles of a matrix (K, L); a grid that is too small for tiles is filled up with zeros."""
+    if min(shape) < SIDE:
+        rows = max(len(matrix), SIDE**2)
+        shape = (SIDE, -(-rows // SIDE))
+        missing = shape[0] * shape[1] - len(matrix)
+        matrix = np.concatenate([matrix, np.zeros((missing, matrix.shape[1]))])
+    return Tiles.of_cells(matrix, shape, cut)

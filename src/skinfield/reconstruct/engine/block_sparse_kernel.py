@@ -1,0 +1,114 @@
+"""Block-sparse products and idle tests of a whole skin, compiled."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Ints
+from skinfield.solve.tiles_kernel import TOGETHER, apply_tiles_many
+
+FAST = {"reassoc", "contract", "arcp", "nsz"}  # sums in any order; infinities stay what they are
+
+Ints32 = NDArray[np.int32]
+Numbers = NDArray[Any]
+
+
+@njit
+def products(
+    values: Numbers,
+    taxels: Ints32,
+    firsts: Ints32,
+    cells: Ints32,
+    table: Ints,
+    white: Numbers,
+    out: Numbers,
+) -> None:
+    """Write the products of whitened readings (N,) of all patches into `out` (M,).
+
+    `table` (G, 10) says of each kind of patch: its first tile and how many, cells of a row, taxels
+    and cells of a patch, patches, where its readings begin in `white`, its fields in `out`, its
+    bounds in those of an idle test, and its patches among all.
+    """
+    for kind in range(len(table)):
+        tile, tiles, pitch, size, width, count, taxel, cell, _, _ = table[kind]
+        apply_tiles_many(
+            values,
+            taxels,
+            firsts[tile : tile + tiles + 1],
+            cells[tile : tile + tiles],
+            pitch,
+            white[taxel : taxel + count * size].reshape((count, size)),
+            out[cell : cell + count * width].reshape((count, width)),
+        )
+
+
+@njit
+def idle_patches(
+    values: Numbers,
+    taxels: Ints32,
+    firsts: Ints32,
+    cells: Ints32,
+    table: Ints,
+    dropped: Numbers,
+    thresholds: Numbers,
+    white: Numbers,
+    scores: Numbers,
+    idle: NDArray[np.bool_],
+) -> None:
+    """Write into `idle` (P,) of which patches no product exceeds its kind's threshold.
+
+    Each product may be too small by its entry of `dropped` times the norm of the readings, which is
+    added. `scores` is room for the fields of the patches that are computed together.
+    """
+    for kind in range(len(table)):
+        tile, tiles, pitch, size, width, count, taxel, _, bound, row = table[kind]
+        given = white[taxel : taxel + count * size].reshape((count, size))
+        lacking = dropped[bound : bound + width]
+        for start in range(0, count, TOGETHER):
+            now = min(TOGETHER, count - start)  # scores stay in the first cache
+            room = scores[: now * width].reshape((now, width))
+            apply_tiles_many(
+                values,
+                taxels,
+                firsts[tile : tile + tiles + 1],
+                cells[tile : tile + tiles],
+                pitch,
+                given[start : start + now],
+                room,
+            )
+            for patch in range(now):
+                above = count_above(room[patch], lacking, given[start + patch], thresholds[kind])
+                idle[row + start + patch] = above == 0
+
+
+@njit(fastmath=FAST)
+def idle_without(rows: Numbers, valid: NDArray[np.bool_], white: Numbers, threshold: float) -> bool:
+    """Whether no row (K, L or more) of the valid taxels alone sees more than the threshold.
+
+    `white` (L,) are readings in units of their noise; a row's length is that of its valid part.
+    """
+    zero = rows.dtype.type(0)
+    for node in range(len(rows)):
+        seen, square, row = zero, zero, rows[node]
+        for taxel in range(len(white)):
+            value = row[taxel] if valid[taxel] else zero
+            seen += value * white[taxel]
+            square += value * value
+        if not seen <= threshold * np.sqrt(square):
+            return False
+    return True
+
+
+@inner
+def count_above(scores: Numbers, lacking: Numbers, readings: Numbers, threshold: float) -> int:
+    """Number of products that may be above the threshold; what is no number counts as such."""
+    square = 0.0
+    for value in readings:
+        square += value * value
+    norm, limit = scores.dtype.type(np.sqrt(square)), scores.dtype.type(threshold)
+    above = 0
+    for cell in range(len(scores)):
+        above += not (scores[cell] + lacking[cell] * norm <= limit)
+    return above

@@ -1,0 +1,206 @@
+"""Cache warm-up: a double of an engine between readings, and the times of its steps.
+
+What a processor has not used for some milliseconds it fetches anew, which takes longer than a cycle
+itself. The double runs the same code over the same prepared arrays, and answers into others.
+"""
+
+from collections.abc import Callable
+from copy import copy
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.reconstruct.engine.intake import Intake
+from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.results import Results
+from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM, State
+from skinfield.reconstruct.engine.timing_model import NS, CostModel
+from skinfield.reconstruct.engine.workspace import Clockwork
+
+if TYPE_CHECKING:
+    from skinfield.reconstruct.engine.engine import Engine
+
+
+LAPS = 9  # of each step; the first one, which loads what is compiled, does not count
+RADIUS = 1.0  # of a rehearsed touch, pitches of the taxels
+STRONG = 20.0  # standard deviations of the noise that it reads
+
+
+def measure(work: Clockwork) -> None:
+    """Start the cost model from laps of every step."""
+    rng = np.random.default_rng(0)
+    work.intake.white[:] = 0.0
+    for rung in range(work.rungs):
+        if work.tests:
+            _lap(work, work.groups[0], TEST, rung, partial(work.test_idle, rung))
+        if work.answers:
+            _lap(work, work.groups[0], PRODUCT, rung, partial(work.answer_all, rung))
+        for group in work.groups:
+            white = work.white[group.index]
+            if not work.answers:
+                _lap(work, group, PRODUCT, rung, partial(group.answer_all, rung, white))
+            _lap(work, group, ROW, rung, partial(group.answer_one, rung, 0, white))
+            if group.searches:
+                _lap(work, group, MASKED, rung, partial(work.is_idle, group.first, rung))
+                _searches(work, group, rung, rng)
+
+
+def run_in(engine: "Engine") -> None:
+    """Load what is compiled and time every step, so that the first cycle is as the next."""
+    measure(engine._work)
+    touch = rehearsed_cycle(engine._work)
+    for _ in range(3):
+        engine(touch, budget=60.0)
+    engine.run(np.zeros(len(engine._work.intake.given)), budget=60.0)
+    engine.reset()
+    engine.cycle = 0
+
+
+def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
+    """Readings of a touch on the first patch of each kind, by the names of patches."""
+    rng, names = np.random.default_rng(1), work.intake.names
+    readings = {}
+    for group in work.groups:
+        for place in range(group.count):
+            touch = np.zeros(len(group.kind.noise_std))
+            if place == 0 and not work.linear:
+                touch = rehearsed(group, work.rungs - 1, rng)
+            readings[names[group.first + place]] = touch
+    return readings
+
+
+def _lap(work: Clockwork, group: Group, step: int, rung: int, action: Callable[[], object]) -> None:
+    laps = []
+    for _ in range(LAPS + 1):
+        start = work.clock()
+        action()
+        laps.append((work.clock() - start) * NS)
+    work.times.start(work.times.which(step, group.index, rung), np.array(laps[1:]))
+
+
+def _searches(work: Clockwork, group: Group, rung: int, rng: "np.random.Generator") -> None:
+    """Time searches of rehearsed touches: of a new contact, and of the same a moment later."""
+    search, out = group.searches[rung][0], group.feasible[rung][0]
+    cold: list[float] = []
+    warm: list[float] = []
+    for _ in range(LAPS + 1):
+        touch = rehearsed(group, rung, rng)
+        search.reset()
+        for laps in (cold, warm):
+            noise = rng.normal(size=touch.shape) * group.kind.noise_std
+            start = work.clock()
+            search.apply(touch + noise, out, None)
+            laps.append((work.clock() - start) * NS)
+    search.reset()
+    out[:] = 0.0
+    work.times.start(work.times.which(COLD, group.index, rung), np.array(cold[1:]))
+    work.times.start(work.times.which(WARM, group.index, rung), np.array(warm[1:]))
+
+
+def rehearsed(group: Group, rung: int, rng: "np.random.Generator") -> Floats:
+    """Readings (L,) of a round touch at a random taxel, without noise."""
+    step = group.rungs.steps[rung]
+    model = step.model
+    assert model is not None  # searches have a model on each grid
+    centre = model.taxels[rng.integers(len(model.taxels))]
+    distance = np.linalg.norm(step.grid.plane - centre, axis=1)
+    reach = max(RADIUS * step.grid.patch.pitch, 0.75 * step.grid.pitch)
+    readings = model.matrix @ (distance <= reach).astype(np.float64)
+    highest = float(np.abs(readings / model.noise_std).max())
+    return np.asarray(readings * (STRONG / max(highest, 1e-300)))
+
+
+CHANGES = (1.0, 0.9, 1.05, 0.95)  # of the rehearsed touch, so that each has something to search
+
+
+class Shadow:
+    """The double of an engine, which answers rehearsed touches.
+
+    Parameters
+    ----------
+    engine : Engine
+    """
+
+    def __init__(self, engine: "Engine") -> None:
+        work = _double_of(engine._work)
+        self._double = copy(engine)
+        self._double.groups, self._double._work = list(work.groups), work
+        self._double._around = CostModel(engine._around.steps.copy())
+        rows = [work.intake.names.index(name) for name in engine.names]
+        self._double.results = Results(work, rows)
+        touch = rehearsed_cycle(work)
+        flat: Floats = np.concatenate([touch[name] for name in engine.names])
+        self._readings = [change * flat for change in CHANGES]
+        self._valid = np.ones(len(flat), np.bool_)
+        self._next, self._engine = 0, engine
+        self._octets = [each.reshape(-1).view(np.uint8) for each in _arrays_of(engine._work)]
+
+    def run(self, budget: float | None) -> None:
+        """Answer a rehearsed cycle, then touch what the engine itself will need."""
+        self._next = (self._next + 1) % len(self._readings)
+        self._double.run(self._readings[self._next], self._valid, budget=budget)
+        work = self._engine._work
+        for octets in self._octets:
+            work.kernel.touch(octets)
+        used = [last for group in work.groups for last in group._last if last is not None]
+        for each in (self._engine, work, work.state, work.intake, work.times, *used):
+            if hasattr(each, "__dict__"):
+                list(vars(each).values())  # counting references touches objects
+        for last in used:
+            for room in getattr(last, "rooms", ()):
+                work.kernel.touch(room)
+
+
+def _arrays_of(work: Clockwork) -> list[NDArray[Any]]:
+    """Small arrays of all patches."""
+    state, intake = work.state, work.intake
+    return [
+        state.integers,
+        state.numbers,
+        state.age,
+        intake.given,
+        intake.straight,
+        intake.linear,
+        intake.white,
+        work.times.both,
+        work.planned,
+    ]
+
+
+def _double_of(work: Clockwork) -> Clockwork:
+    double = copy(work)
+    double.groups = [_double_group(group) for group in work.groups]
+    double.places = [(group, place) for group in double.groups for place in range(group.count)]
+    double.intake, double.state = _double_intake(work.intake), State(work.state.group)
+    double.answers, double.log = [], []
+    for rung, (atlas, field) in enumerate(work.answers):
+        room, at = np.zeros_like(field), 0
+        for group in double.groups:
+            size = group.fields[rung].size
+            group.fields[rung] = room[at : at + size].reshape(group.count, -1)
+            at += size
+        double.answers.append((atlas, room))
+    double.renew(work)
+    return double
+
+
+def _double_group(group: Group) -> Group:
+    """With the same matrices; of the searches only that of the first patch has its own memory."""
+    double = copy(group)
+    double.fields = [np.zeros_like(each) for each in group.fields]
+    double.feasible = [np.zeros_like(each) for each in group.feasible]
+    double.rows_of_feasible = [list(fields) for fields in double.feasible]
+    double.searches = [[twins[0].twin(), *twins[1:]] for twins in group.searches]
+    double.duals = np.zeros_like(group.duals)
+    double._last = [None] * group.count
+    return double
+
+
+def _double_intake(intake: Intake) -> Intake:
+    double = copy(intake)
+    for name in ("raw", "linear", "straight", "given", "white", "valid", "present", "_asked"):
+        setattr(double, name, getattr(intake, name).copy())
+    return double

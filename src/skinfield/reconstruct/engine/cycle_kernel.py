@@ -1,0 +1,535 @@
+"""Bookkeeping of a cycle over all patches, compiled: each part in one call.
+
+`integers` and `numbers` are those of `State`; their rows are named below.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Floats, Ints
+from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
+from skinfield.reconstruct.engine.state import COLD, FEASIBLE, IDLE, LINEAR, MISSING, WARM
+from skinfield.reconstruct.engine.timing_model import FORGET
+
+PATCH, RUNG, GAP, LACKING, SETTLED, STEPS, COST, PREDICTED, START, END = range(10)  # of `found`
+ANSWER, ON, AT, ITERATIONS, KIND = range(5)  # of `State.integers`
+ITS_GAP, EXCESS, ENERGY, SPENT, EXPECTED = range(5)  # of `State.numbers`
+UP, DOWN, LEAST = range(3)  # of `CostModel.moves`
+NS = 1e-9
+
+
+@njit
+def take_in(
+    found: Floats,
+    group: Ints,
+    integers: Ints,
+    numbers: Floats,
+    settled: NDArray[np.bool_],
+    unresolved: Floats,
+    times: NDArray[np.float64],
+    moves: Floats,
+) -> None:
+    """Learn from searches, and keep their answers where they are better than what there is.
+
+    Parameters
+    ----------
+    found : (N, 10) array
+        Receives in `PREDICTED` what was predicted by the first of the two models.
+    group, integers, numbers, settled
+        Of `State`.
+    unresolved : (G, R) array
+    times : (2, G, kinds, R) array, s
+        Predictions of two cost models, which are corrected; of a search that was cut short only
+        upwards.
+    moves : (2, 3) array
+        Of both models.
+    """
+    for row in found:
+        patch, rung, seconds = int(row[PATCH]), int(row[RUNG]), NS * (row[END] - row[START])
+        its = times[:, group[patch], integers[KIND, patch], rung]
+        row[PREDICTED] = its[0]
+        for model in range(2):
+            slower = seconds > its[model]
+            if slower or row[SETTLED] > 0.0:
+                its[model] *= moves[model, UP if slower else DOWN]
+                its[model] = max(its[model], moves[model, LEAST])
+        keep(patch, rung, seconds, row, group, integers, numbers, settled, unresolved)
+
+
+@njit
+def keep(
+    patch: int,
+    rung: int,
+    seconds: float,
+    row: Floats,
+    group: Ints,
+    integers: Ints,
+    numbers: Floats,
+    settled: NDArray[np.bool_],
+    unresolved: Floats,
+) -> None:
+    """Keep what one search found, if it is better, and what it took."""
+    integers[ITERATIONS, patch] += int(row[STEPS])
+    integers[KIND, patch] = WARM
+    numbers[SPENT, patch] += seconds
+    numbers[EXPECTED, patch] += row[COST]
+    error = numbers[ENERGY, patch] * unresolved[group[patch], rung] + row[LACKING]
+    if integers[AT, patch] < 0 or error <= numbers[EXCESS, patch]:
+        integers[ANSWER, patch] = FEASIBLE
+        integers[ON, patch] = integers[AT, patch] = rung
+        numbers[ITS_GAP, patch], numbers[EXCESS, patch] = row[GAP], error
+        settled[patch] = row[SETTLED] > 0.0
+
+
+Flags = NDArray[np.bool_]
+
+
+@njit
+def take(
+    given: Floats, asked: Flags, places: Ints, lowest: float, raw: Floats, valid: Flags
+) -> bool:
+    """Gather readings, 0 for those that are not `valid`; whether all are."""
+    complete = True
+    for taxel in range(len(places)):
+        place = places[taxel]
+        value = given[place]
+        good = np.isfinite(value) and value > lowest and asked[place]
+        raw[taxel] = value if good else 0.0
+        valid[taxel] = good
+        complete &= good
+    return complete
+
+
+@njit
+def open_cycle(
+    straight: Floats,
+    per_noise: Floats,
+    valid: Flags,
+    starts: Ints,
+    fills: bool,
+    linear: Floats,
+    white: Any,
+    present: Flags,
+    invalid: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    settled: Flags,
+    was_hot: Flags,
+) -> None:
+    """Keep linearised readings, also in units of their noise, and forget the answers of before.
+
+    `present` (P,) stays so for patches with a valid taxel; without `fills`, with valid ones only.
+    """
+    for taxel in range(len(straight)):
+        linear[taxel] = straight[taxel]
+        white[taxel] = straight[taxel] * per_noise[taxel]
+    integers[:, :] = 0
+    numbers[:, :] = 0.0
+    for patch in range(len(present)):
+        first, last, missing = starts[patch], starts[patch + 1], 0
+        for taxel in range(first, last):
+            missing += not valid[taxel]
+        invalid[patch] = missing
+        present[patch] &= missing < last - first and (fills or missing == 0)
+        integers[ANSWER, patch], integers[KIND, patch] = MISSING, WARM if was_hot[patch] else COLD
+        integers[ON, patch] = integers[AT, patch] = -1
+        numbers[ITS_GAP, patch] = np.nan
+        settled[patch] = False
+
+
+@njit
+def take_and_open(
+    given: Floats,
+    asked: Flags,
+    places: Ints,
+    lowest: float,
+    strain: bool,
+    per_noise: Floats,
+    valid: Flags,
+    starts: Ints,
+    fills: bool,
+    straight: Floats,
+    linear: Floats,
+    white: Any,
+    present: Flags,
+    invalid: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    settled: Flags,
+    was_hot: Flags,
+) -> bool:
+    """`take` and `open_cycle`; between them readings c become c / (1 + c) if they are a `strain`'s.
+
+    Whether all readings are valid.
+    """
+    complete = take(given, asked, places, lowest, straight, valid)
+    if strain:
+        for taxel in range(len(straight)):
+            straight[taxel] /= straight[taxel] + 1.0
+    open_cycle(
+        straight,
+        per_noise,
+        valid,
+        starts,
+        fills,
+        linear,
+        white,
+        present,
+        invalid,
+        integers,
+        numbers,
+        settled,
+        was_hot,
+    )
+    return bool(complete)
+
+
+@njit
+def test_idle(
+    values: Any,
+    taxels: Any,
+    firsts: Any,
+    cells: Any,
+    table: Ints,
+    dropped: Any,
+    thresholds: Any,
+    scores: Any,
+    white: Any,
+    idle: Flags,
+    rung: int,
+    present: Flags,
+    invalid: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    masked: Ints,
+    before: Ints,
+) -> int:
+    """Idle test of all patches, by an `Atlas`, and `sort_idle`."""
+    idle_patches(values, taxels, firsts, cells, table, dropped, thresholds, white, scores, idle)
+    return int(sort_idle(idle, rung, present, invalid, integers, numbers, masked, before))
+
+
+@inner
+def sort_idle(
+    idle: Flags,
+    rung: int,
+    present: Flags,
+    invalid: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    masked: Ints,
+    before: Ints,
+) -> int:
+    """Take in an idle test of all patches that had no contact so far.
+
+    Those with missing taxels that are idle are listed in `masked`, with the rung on which they
+    were idle before; returns how many.
+    """
+    count = 0
+    for patch in range(len(idle)):
+        if not present[patch] or integers[ANSWER, patch] > IDLE:
+            continue
+        if idle[patch]:
+            if invalid[patch] > 0:
+                masked[count], before[count] = patch, integers[ON, patch]
+                count += 1
+            integers[ANSWER, patch], integers[ON, patch] = IDLE, rung
+            numbers[ITS_GAP, patch] = 0.0
+        else:
+            integers[ANSWER, patch], integers[ON, patch] = LINEAR, -1
+            numbers[ITS_GAP, patch] = np.nan
+    return count
+
+
+@njit
+def answered(
+    present: Flags, rung: int, integers: Ints, numbers: NDArray[np.float64], settled: Flags
+) -> None:
+    """Take in linear answers of all patches that are there."""
+    for patch in range(len(present)):
+        if present[patch]:
+            integers[ANSWER, patch] = LINEAR
+            integers[ON, patch] = integers[AT, patch] = rung
+            numbers[ITS_GAP, patch] = 0.0
+            settled[patch] = True
+
+
+@njit
+def list_touched(
+    white: Any, starts: Ints, integers: Ints, numbers: NDArray[np.float64], hot: Ints
+) -> int:
+    """List the patches with a contact; how many there are.
+
+    Of those whose contact was just seen, what an answer of 0 would cost is set.
+    """
+    count = 0
+    for patch in range(len(starts) - 1):
+        if integers[ANSWER, patch] < LINEAR:
+            continue
+        hot[count] = patch
+        count += 1
+        if numbers[ENERGY, patch] == 0.0:
+            square = 0.0
+            for taxel in range(starts[patch], starts[patch + 1]):
+                square += white[taxel] * white[taxel]
+            numbers[ENERGY, patch] = numbers[EXCESS, patch] = 0.5 * square
+    return count
+
+
+@njit
+def all_settled(hot: Ints, settled: Flags, integers: Ints, tops: Ints) -> bool:
+    """Whether all contacts are solved on the finest rung (P,) that each may have."""
+    settled_all = True
+    for patch in hot:
+        settled_all &= settled[patch] and integers[AT, patch] >= tops[patch]
+    return settled_all
+
+
+@njit
+def longest_waiting(hot: Ints, age: Ints) -> int:
+    """Patch in `hot` that waited longest; the first of several."""
+    found = hot[0]
+    for patch in hot:
+        if age[patch] > age[found]:
+            found = patch
+    return int(found)
+
+
+@njit
+def learn(
+    found: Floats,
+    group: Ints,
+    integers: Ints,
+    numbers: NDArray[np.float64],
+    settled: Flags,
+    unresolved: Floats,
+    times: Floats,
+    moves: Floats,
+    hot: Ints,
+    tops: Ints,
+) -> bool:
+    """`learning_kernel.take_in`, and `all_settled` then."""
+    take_in(found, group, integers, numbers, settled, unresolved, times, moves)
+    return bool(all_settled(hot, settled, integers, tops))
+
+
+@njit
+def close_cycle(
+    hot: Ints,
+    integers: Ints,
+    age: Ints,
+    was_hot: Flags,
+    steps: Floats,
+    base: Floats,
+    around: Floats,
+    around_base: Floats,
+) -> int:
+    """Remember which patches had a contact and which were served, and `relax` all predictions.
+
+    Returns how long the one waited that waited longest.
+    """
+    was_hot[:] = False
+    for patch in hot:
+        was_hot[patch] = True
+        age[patch] = 0 if integers[ANSWER, patch] == FEASIBLE else age[patch] + 1
+    longest = 0
+    for patch in range(len(age)):
+        if not was_hot[patch]:
+            age[patch] = 0
+        longest = max(longest, age[patch])
+    relax(steps, base)
+    relax(around, around_base)
+    return int(longest)
+
+
+@njit
+def relax(steps: Floats, base: Floats) -> None:
+    """Let predictions that are above their start come down a little."""
+    for step in range(len(steps)):
+        steps[step] = min(steps[step], max(FORGET * steps[step], base[step]))
+
+
+@njit
+def touch(octets: NDArray[np.uint8]) -> int:
+    """Read one of each 64 octets, so that the processor has them at hand."""
+    total = 0
+    for place in range(0, len(octets), 64):
+        total += octets[place]
+    return total
+
+
+Steps = NDArray[np.int64]
+UNKNOWN = -2  # in place of a rung: the patch's best upgrade is to be found anew
+
+
+@inner
+def best_upgrade(
+    target: int,
+    at: int,
+    top: int,
+    excess: float,
+    energy: float,
+    costs: Floats,
+    unresolved: Floats,
+    affordable: float,
+) -> tuple[int, float]:
+    """Rung up to `top` that gains most per second beyond `target`, and that ratio; -1: none."""
+    error = excess if target < 0 else energy * unresolved[target]
+    paid = 0.0 if target < 0 else costs[target]
+    best, ratio = -1, 0.0
+    first = max(at, 0) if target < 0 else target + 1
+    for rung in range(first, top + 1):
+        more = max(costs[rung] - paid, 1e-9)
+        gain = error - energy * unresolved[rung]
+        if gain > 0.0 and more <= affordable and gain > ratio * more:
+            best, ratio = rung, gain / more
+    return best, ratio
+
+
+@inner
+def most_gaining(hot: Steps, rungs: Steps, ratios: Floats) -> int:
+    """Patch whose upgrade gains most per second; -1 where none fits."""
+    chosen, highest = -1, 0.0
+    for patch in hot:
+        if rungs[patch] >= 0 and ratios[patch] > highest:
+            chosen, highest = patch, ratios[patch]
+    return chosen
+
+
+@njit
+def plan(
+    hot: Steps,
+    kind: Steps,
+    group: Steps,
+    at: Steps,
+    excess: Floats,
+    energy: Floats,
+    age: Steps,
+    tops: Steps,
+    weights: Floats,
+    costs: NDArray[np.float64],
+    unresolved: Floats,
+    left: float,
+    target: Steps,
+    order: Steps,
+    rungs: Steps,
+    ratios: Floats,
+) -> int:
+    """Choose a rung for as many of the patches in `hot` (H,) as the time pays; returns how many.
+
+    Parameters
+    ----------
+    hot : (H,) array
+        Patches, as rows of the arrays (P,) that follow.
+    kind, group : (P,) arrays
+        Of the step that the patch would take, and of the patch: where its costs stand.
+    at : (P,) array
+        Rung of the answer that there is; -1 where it is linear.
+    excess : (P,) array
+        By how much that answer's objective may be above the minimum.
+    energy : (P,) array
+        Objective of an answer of 0.
+    age : (P,) array
+        Cycles since the patch was served: weighs what it gains.
+    tops : (P,) array
+        Finest rung that each may have.
+    weights : (P,) array
+        Of what each gains.
+    costs : (G, kinds, R) array, s
+        Of a step on each rung.
+    unresolved : (G, R) array
+        Part of the energy that each rung leaves unresolved.
+    left : float, s
+    target : (P,) array
+        Receives the rung, or -1.
+    order : (P,) array
+        Receives the chosen patches, what gains most per second first.
+    rungs, ratios : (P,) arrays
+        To work in.
+
+    Notes
+    -----
+    Each patch takes one rung at most, and only that is paid: a knapsack with choices, filled by
+    the upgrade that gains most per further second until none fits.
+    """
+    count = 0
+    for patch in hot:
+        target[patch], rungs[patch], ratios[patch] = -1, UNKNOWN, 0.0
+    while True:
+        for patch in hot:
+            if rungs[patch] == UNKNOWN:
+                its, row = group[patch], costs[group[patch], kind[patch]]
+                rungs[patch], ratios[patch] = best_upgrade(
+                    target[patch],
+                    at[patch],
+                    tops[patch],
+                    excess[patch],
+                    energy[patch],
+                    row,
+                    unresolved[its],
+                    left,
+                )
+                ratios[patch] *= weights[patch] * (1.0 + age[patch])
+        chosen = most_gaining(hot, rungs, ratios)
+        if chosen < 0:
+            return count
+        before, paid = target[chosen], costs[group[chosen], kind[chosen]]
+        more = max(paid[rungs[chosen]] - (paid[before] if before >= 0 else 0.0), 1e-9)
+        if more <= left:
+            left -= more
+            target[chosen] = rungs[chosen]
+            if before < 0:
+                order[count] = chosen
+                count += 1
+        rungs[chosen] = UNKNOWN
+
+
+@njit
+def plan_within(
+    hot: Steps,
+    group: Steps,
+    integers: Steps,
+    numbers: NDArray[np.float64],
+    age: Steps,
+    tops: Steps,
+    weights: Floats,
+    times: NDArray[np.float64],
+    after: float,
+    unresolved: Floats,
+    left: float,
+    planned: NDArray[np.float64],
+    target: Steps,
+    order: Steps,
+    rungs: Steps,
+    ratios: Floats,
+) -> int:
+    """`plan` with costs that it writes into `planned` (G, kinds, R), from the two `times` of each.
+
+    Of N searches together a high quantile is nearer to what is typical than that of one, by a
+    square root of N, as they are slow independently. `after` is what each takes beside.
+    """
+    share = 1.0 / np.sqrt(max(len(hot), 1))
+    high, typical, out = times[0].ravel(), times[1].ravel(), planned.ravel()
+    for step in range(len(out)):
+        out[step] = typical[step] + share * (high[step] - typical[step]) + after
+    return plan(
+        hot,
+        integers[KIND],
+        group,
+        integers[AT],
+        numbers[EXCESS],
+        numbers[ENERGY],
+        age,
+        tops,
+        weights,
+        planned,
+        unresolved,
+        left,
+        target,
+        order,
+        rungs,
+        ratios,
+    )

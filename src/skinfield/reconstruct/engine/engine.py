@@ -1,0 +1,340 @@
+"""Engine of the whole skin: all patches of a cycle within one budget of time."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.elastic import Layer, Mechanics, Quantity, check_skin
+from skinfield.reconstruct.engine.intake import Intake
+from skinfield.reconstruct.engine.patch_kinds import Group, kinds_of
+from skinfield.reconstruct.engine.workspace import Clockwork
+from skinfield.reconstruct.multigrid_levels import prepare_rungs
+from skinfield.skin import Skin
+
+if TYPE_CHECKING:
+    from skinfield.solve import Solver
+import time
+from functools import lru_cache, partial
+
+from numpy.typing import NDArray
+
+from skinfield.elastic import BondedLayer, Capacitance
+from skinfield.errors import Floats, Ints, check_count, check_offers, check_positive
+from skinfield.estimate import ContactFinder, Estimate
+from skinfield.reconstruct.engine.cache_warmup import Shadow, run_in
+from skinfield.reconstruct.engine.intake import Readings
+from skinfield.reconstruct.engine.patch_kinds import check_names, one_skin
+from skinfield.reconstruct.engine.report import CycleReport, Snapshot
+from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_of
+from skinfield.reconstruct.engine.stages import (
+    answer_linearly,
+    begin_search,
+    finest_for_all,
+    refine_linearly,
+    spend,
+)
+from skinfield.reconstruct.engine.timing_model import NS, CostModel
+from skinfield.skin import Patch
+from skinfield.solve import NonNegative, Solver
+
+
+def groups_of(
+    skin: Skin,
+    layer: Layer | Mapping[str, Layer] | None,
+    noise_std: ArrayLike | Mapping[str, ArrayLike] | None,
+    rungs: Sequence[int],
+    mechanics: Mechanics,
+    quantity: Quantity,
+    solver: "Solver",
+    progress: Callable[[int, int], None],
+) -> list[Group]:
+    """Prepare each kind of patch once; see `Engine`.
+
+    `progress` is called before each kind with the patches that are ready, and how many there are.
+    """
+    typical = quantity.typical_noise
+    noise = typical if noise_std is None else noise_std
+    groups, first = [], 0
+    for index, kind in enumerate(kinds_of(skin, layer, noise, typical)):
+        progress(first, len(skin))
+        patch = kind.patches[0]
+        check_skin(patch, kind.layer, mechanics, quantity)
+        prepared = prepare_rungs(
+            patch, kind.layer, tuple(rungs), mechanics, quantity, solver, kind.noise_std
+        )
+        groups.append(Group(index, first, kind, prepared))
+        first += len(kind.patches)
+    return groups
+
+
+def clockwork_of(
+    groups: Sequence[Group], skin: Skin, quantity: Quantity, clock: Callable[[], int]
+) -> Clockwork:
+    """Arrays of all patches, those of one kind side by side."""
+    patches = [patch for group in groups for patch in group.kind.patches]
+    names = [patch.name for patch in skin]
+    noise = [np.tile(group.kind.noise_std, group.count) for group in groups]
+    order = [names.index(patch.name) for patch in patches]
+    return Clockwork(groups, Intake(patches, order, quantity, np.concatenate(noise)), clock)
+
+
+RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
+MOST_KEPT = 0.1  # of the budget, for each of these
+ENDLESS = 1e6  # s: no cycle takes longer, and its end fits into 64 bits of ns
+FOR_ALL = "seconds for all patches of a cycle"
+KEPT = 4096  # grids of patches that were asked for
+
+
+class Engine:
+    """All patches of a skin, reading after reading, within one budget of time.
+
+    Each cycle every patch first gets an idle test, and a coarse linear answer if it is touched.
+    What is left of the budget goes to the contacts, as iterations and as resolution, wherever they
+    gain most for their time. Times are predicted, and no step is begun that would not fit, but for
+    a contact that waited too long.
+
+    Parameters
+    ----------
+    skin : Skin or Patch
+    layer : Layer, or mapping from names of patches to Layer, optional
+        Default `Layer()` over all.
+    budget : float, s
+        Of one cycle, for all patches together.
+    rungs : sequence of int
+        Nodes along the sides of the grids, from coarse to fine.
+    mechanics : Mechanics, optional
+        Default `BondedLayer()`.
+    quantity : Quantity, optional
+        What a reading is. Default `Capacitance()`.
+    solver : Solver, optional
+        Default `NonNegative()`; a linear one answers all patches by matrix products.
+    noise_std : float or (L,) array, or mapping from names of patches to such, optional
+        In the quantity's unit. Default the quantity's `typical_noise`.
+    finder : ContactFinder, optional
+    clock : function that returns ns, optional
+        By which time is told. Default `time.perf_counter_ns`, which the solvers go by.
+
+    Raises
+    ------
+    InputError
+        For arguments that do not fit, and for a solver that has neither a linear operator nor a
+        search that can be cut short, such as `ContactFit`.
+
+    Notes
+    -----
+    Patches of equal geometry, layer and noise share one plan, and are evaluated as one matrix
+    product. An engine works in its own arrays: one thread at a time.
+    """
+
+    def __init__(
+        self,
+        skin: Skin | Patch,
+        layer: Layer | Mapping[str, Layer] | None = None,
+        *,
+        budget: float = 500e-6,
+        rungs: Sequence[int] = (10, 20, 40),
+        mechanics: Mechanics | None = None,
+        quantity: Quantity | None = None,
+        solver: Solver | None = None,
+        noise_std: ArrayLike | Mapping[str, ArrayLike] | None = None,
+        finder: ContactFinder | None = None,
+        clock: Callable[[], int] = time.perf_counter_ns,
+        progress: Callable[[int, int], None] = lambda ready, patches: None,
+    ) -> None:
+        check_positive("budget", budget, FOR_ALL)
+        self.skin, self.budget, self.rungs = one_skin(skin), float(budget), tuple(rungs)
+        self.mechanics = BondedLayer() if mechanics is None else mechanics
+        self.quantity = Capacitance() if quantity is None else quantity
+        self.solver = NonNegative() if solver is None else solver
+        self.finder = ContactFinder() if finder is None else finder
+        check_offers("solver", self.solver, ("prepare",), "one such as NonNegative()")
+        check_offers("finder", self.finder, ("__call__",), "one such as ContactFinder()")
+        for name, given in (("layer", layer), ("noise_std", noise_std)):
+            if isinstance(given, Mapping):
+                check_names(name, given, self.skin)
+        self.names = tuple(patch.name for patch in self.skin)
+        self.cycle = 0
+        self.groups = groups_of(
+            self.skin,
+            layer,
+            noise_std,
+            self.rungs,
+            self.mechanics,
+            self.quantity,
+            self.solver,
+            progress,
+        )
+        self._work = clockwork_of(self.groups, self.skin, self.quantity, clock)
+        self._ordered = tuple(self._work.intake.names)
+        self._around = CostModel(np.array([20e-6, 5e-6]))
+        self.results = Results(self._work, [self._ordered.index(name) for name in self.names])
+        self.spent = self.first = 0.0
+        self._grid_of = lru_cache(KEPT)(partial(grid_of, self._work))
+        self._shadow: Shadow | None = None
+        run_in(self)
+
+    def __call__(
+        self,
+        readings: Readings,
+        *,
+        valid: Mapping[str, ArrayLike] | None = None,
+        stamp_ns: int = 0,
+        budget: float | None = None,
+    ) -> Estimates:
+        """Answer one cycle.
+
+        Parameters
+        ----------
+        readings : mapping from names of patches to (L,) array, or sequence in the skin's order
+            In the quantity's unit. NaN, and numbers that no skin reads, mark taxels that did not
+            answer. A patch without a reading (not in the mapping, or None) is reported as missing.
+        valid : mapping from names of patches to (L,) bool array, optional
+            False for further taxels to leave out.
+        stamp_ns : int, ns
+        budget : float, s, optional
+            Of this cycle in place of the engine's own.
+
+        Returns
+        -------
+        Estimates
+            Mapping from names to `Estimate`, with the `report` of the cycle.
+
+        Raises
+        ------
+        InputError
+            For another number of taxels, or a name that no patch has.
+        """
+        start = self._begin(budget)
+        self._work.logging = True
+        self._work.begin(readings, valid)
+        hot, first = self._answer()
+        return Estimates(self, self.cycle + 1, self._close(hot, start, first), stamp_ns)
+
+    def run(
+        self,
+        readings: Floats,
+        valid: NDArray[np.bool_] | None = None,
+        *,
+        budget: float | None = None,
+    ) -> None:
+        """Answer one cycle into `results` alone: for loops that allocate nothing.
+
+        Parameters
+        ----------
+        readings : (N,) float64 array
+            Of all taxels, patch by patch in the skin's order. NaN, and numbers that no skin reads,
+            mark taxels that did not answer; a patch without any other is missing.
+        valid : (N,) bool array, optional
+            False for further taxels to leave out.
+        budget : float, s, optional
+
+        Raises
+        ------
+        InputError
+            For arrays of another shape or type.
+        """
+        start = self._begin(budget)
+        self._work.logging = False
+        self._work.begin_flat(readings, valid)
+        hot, first = self._answer()
+        self._finish(hot, start, first)
+
+    def _begin(self, budget: float | None) -> int:
+        """Set the end of a cycle; returns its start, ns."""
+        work, around = self._work, self._around
+        start = work.clock()
+        check_positive("budget", given := self.budget if budget is None else budget, FOR_ALL)
+        self._granted = given = float(given)
+        most = MOST_KEPT * given
+        reserve = min(around.predict(RETURN), most) + min(around.predict(BEYOND), most)
+        work.end = start + int((min(given, ENDLESS) - reserve) / NS)
+        return start
+
+    def _answer(self) -> tuple[Ints, int]:
+        """Patches with a contact, and when every patch had its first answer, ns."""
+        work = self._work
+        if work.linear:
+            answer_linearly(work, rung := finest_for_all(work))
+            first = work.clock()
+            return refine_linearly(work, rung), first
+        hot, first = begin_search(work), work.clock()
+        return spend(work, hot), first
+
+    def _close(self, hot: Ints, start: int, first: int) -> CycleReport:
+        """End a cycle and report."""
+        snapshot = self._finish(hot, start, first, report=True)
+        assert snapshot is not None
+        return CycleReport(
+            budget=self._granted,
+            spent=self.spent,
+            first=(first - start) * NS,
+            started=start,
+            overrun=self.spent > self._granted,
+            names=self._ordered,
+            _log=tuple(self._work.log),
+            _snapshot=snapshot,
+        )
+
+    def _finish(self, hot: Ints, start: int, first: int, report: bool = False) -> Snapshot | None:
+        """Remember who was served, and learn how long the end of a cycle takes."""
+        work, around = self._work, self._around
+        before, left = work.clock(), work.left
+        work.close(hot, around)
+        self.cycle += 1
+        self.results.update()
+        snapshot = Snapshot.of(work, left, self.rungs) if report else None
+        end = work.clock()
+        around.observe(RETURN, (end - before) * NS)
+        around.observe(BEYOND, max(-left, 0.0))
+        self.spent, self.first = (end - start) * NS, (first - start) * NS
+        return snapshot
+
+    def estimate_of(self, name: str, stamp_ns: int, report: CycleReport) -> Estimate:
+        """Estimate of one patch from the last cycle, whose report this is."""
+        patch = self._ordered.index(name)
+        return estimate_of(self._work, self.finder, patch, self._grid_of, stamp_ns, report)
+
+    def rehearse(self, budget: float | None = None) -> None:
+        """Answer a rehearsed touch elsewhere: nothing changes, and the next cycle is quick.
+
+        What a processor has not used for some milliseconds it fetches anew, which may take longer
+        than a cycle. For loops with more time than readings; the first call prepares it.
+        """
+        self._shadow = Shadow(self) if self._shadow is None else self._shadow
+        self._shadow.run(budget)
+
+    def reset(self) -> None:
+        """Forget the readings before, from which searches start; costs stay known."""
+        self._work.reset()
+
+
+def prefer(engine: "Engine", finest: int | None = None, first: int | None = None) -> None:
+    """Say how the next cycles spend their time.
+
+    Idle tests are made on every rung all the same: what touches the skin does not go unnoticed.
+
+    Parameters
+    ----------
+    engine : Engine
+    finest : int, optional
+        Rung beyond which no patch is answered, counted from the coarsest. Default the finest.
+    first : int, optional
+        Patch, in the skin's order, that is served before all others, and on any rung.
+
+    Raises
+    ------
+    InputError
+        If there is no such rung or patch.
+    """
+    work = engine._work
+    top = work.rungs - 1
+    if finest is not None:
+        check_count("finest", finest, 0, top, "rung, counted from the coarsest")
+        top = finest
+    row = -1
+    if first is not None:
+        check_count("first", first, 0, len(engine.names) - 1, "patch, in the skin's order")
+        row = engine.results.row_of(first)
+    work.prefer(top, row)

@@ -1,0 +1,244 @@
+"""Kinds of patches: those that are the same to a solver share what is prepared for one of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.elastic import Layer
+from skinfield.errors import Floats, InputError, as_floats, check_shape
+from skinfield.reconstruct.engine.products import SharedProduct, Singles, product_of
+from skinfield.reconstruct.engine.search_operator import ReducedSearch, SearchOperator, is_search
+from skinfield.reconstruct.multigrid_levels import FilledReadings, Rungs
+from skinfield.skin import Patch, Skin
+
+SAME = 1e-6  # of the pads' pitch: places that are one
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """Patches of equal geometry, layer and noise.
+
+    Attributes
+    ----------
+    patches : tuple of Patch
+        The first stands for all.
+    layer : Layer
+    noise_std : (L,) array, unit of the reading
+    """
+
+    patches: tuple[Patch, ...]
+    layer: Layer
+    noise_std: Floats
+
+
+def kinds_of(
+    skin: Skin,
+    layer: Layer | Mapping[str, Layer] | None,
+    noise_std: ArrayLike | Mapping[str, ArrayLike],
+    typical: float,
+) -> tuple[Kind, ...]:
+    """Sort the patches of a skin by kind.
+
+    Two are of one kind if their taxels stand at equal places of their planes, up to a shift, in
+    the same order, below the same layer, with pads and noise alike.
+
+    Parameters
+    ----------
+    skin : Skin
+    layer : Layer, or mapping from every patch's name to one
+    noise_std : float or (L,) array, or mapping from names of patches to such
+        Patches that a mapping leaves out have `typical`.
+    typical : float
+    """
+    found: list[Kind] = []
+    for patch in skin:
+        its = _layer_of(patch, layer)
+        noise = _noise_of(patch, noise_std, typical)
+        for place, kind in enumerate(found):
+            if _alike(kind, patch, its, noise):
+                found[place] = Kind((*kind.patches, patch), its, noise)
+                break
+        else:
+            found.append(Kind((patch,), its, noise))
+    return tuple(found)
+
+
+def check_names(name: str, given: Mapping[str, object], skin: Skin) -> None:
+    """Raise InputError for names that no patch has."""
+    known = [patch.name for patch in skin]
+    unknown = [each for each in given if each not in known]
+    if unknown:
+        raise InputError(
+            f"{name} names {unknown[0]!r}, expected names of patches: {', '.join(known[:8])}"
+            f"{', ...' if len(known) > 8 else ''}"
+        )
+
+
+def _layer_of(patch: Patch, layer: Layer | Mapping[str, Layer] | None) -> Layer:
+    if isinstance(layer, Mapping):
+        if patch.name not in layer:
+            raise InputError(
+                f"layer has no entry for patch {patch.name!r}, expected one for every patch: "
+                "what lies over it is not known otherwise"
+            )
+        return layer[patch.name]
+    return Layer() if layer is None else layer
+
+
+def _noise_of(
+    patch: Patch, noise_std: ArrayLike | Mapping[str, ArrayLike], typical: float
+) -> Floats:
+    given = noise_std.get(patch.name, typical) if isinstance(noise_std, Mapping) else noise_std
+    noise = as_floats("noise_std", given)
+    if noise.ndim:
+        check_shape("noise_std", noise, (len(patch),), f"one per taxel of {patch.name!r}")
+        return noise
+    return np.full(len(patch), float(noise))
+
+
+def _alike(kind: Kind, patch: Patch, layer: Layer, noise: Floats) -> bool:
+    first = kind.patches[0]
+    if len(first) != len(patch) or kind.layer != layer or first.pad_diameter != patch.pad_diameter:
+        return False
+    if not np.array_equal(kind.noise_std, noise):
+        return False
+    apart = (patch.plane - patch.plane[0]) - (first.plane - first.plane[0])
+    return bool(np.abs(apart).max() <= SAME * first.pitch)
+
+
+def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
+    """A skin, also of one patch alone."""
+    if isinstance(skin, Skin):
+        return skin
+    if isinstance(skin, Patch):
+        return Skin((skin,))
+    raise InputError(
+        f"skin is a {type(skin).__name__}, expected a Skin or a Patch: Skin((patch, ...)) of "
+        "patches that have distinct names"
+    )
+
+
+SHARED = object()  # in place of the search that a patch used last: its dual was copied
+
+
+@dataclass(eq=False)
+class Group:
+    """Prepared answers of P patches of one kind on R rungs.
+
+    Parameters
+    ----------
+    index : int
+        Among the groups.
+    first : int
+        Row of its first patch among all patches.
+    kind : Kind
+    rungs : Rungs
+
+    Attributes
+    ----------
+    products : R of SharedProduct
+        From whitened readings to the linear answer.
+    fields : R arrays (P, K) float32, Pa
+        Linear answers.
+    thresholds : R floats
+        Of idle tests; none where linear.
+    tolerances : R floats
+        Gaps at which searches end by themselves.
+    searches : R lists of P SearchOperator
+    feasible : R arrays (P, K), Pa
+        Their answers.
+    rows_of_feasible : R lists of P arrays (K,)
+        Each patch's part of them.
+    duals : (P, L) array
+        Where the last search of each patch ended, if it left taxels out.
+    filler : FilledReadings
+        Of whitened readings.
+    """
+
+    index: int
+    first: int
+    kind: Kind
+    rungs: Rungs
+    products: list[SharedProduct] = field(init=False)
+    fields: list[Singles] = field(init=False)
+    thresholds: list[float] = field(init=False)
+    tolerances: list[float] = field(init=False)
+    searches: list[list[SearchOperator]] = field(init=False)
+    feasible: list[Floats] = field(init=False)
+    rows_of_feasible: list[list[Floats]] = field(init=False)
+    duals: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
+        self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
+        self.fields = [np.zeros((count, len(step.grid)), np.float32) for step in steps]
+        self.thresholds, self.tolerances, self.searches, self.feasible = [], [], [], []
+        for step in steps:
+            if step.operator is None:
+                continue
+            if not is_search(step.operator):
+                raise InputError(
+                    f"the solver's {type(step.operator).__name__} can neither be cut short nor "
+                    "tell its gap, expected an operator such as that of NonNegative()"
+                )
+            self.thresholds.append(step.operator.problem.threshold)
+            self.tolerances.append(step.operator.problem.tolerance)
+            twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
+            self.searches.append(twins)
+            self.feasible.append(np.zeros((count, len(step.grid))))
+        self.rows_of_feasible = [list(fields) for fields in self.feasible]
+        self.duals = np.zeros((count, len(noise)))
+        self._last: list[Any] = [None] * count
+        self.filler = FilledReadings(self.rungs.weights * np.outer(noise, noise))
+        self._reduced = [ReducedSearch(twins[0], len(noise)) for twins in self.searches]
+
+    @property
+    def count(self) -> int:
+        """Number of patches."""
+        return len(self.kind.patches)
+
+    @property
+    def rows(self) -> slice:
+        """Its patches among all."""
+        return slice(self.first, self.first + self.count)
+
+    def answer_all(self, rung: int, white: Singles) -> None:
+        """Linear answers of all patches from whitened readings (P, L)."""
+        self.products[rung].apply(white, self.fields[rung])
+
+    def answer_one(self, rung: int, place: int, white: Singles) -> None:
+        """Linear answer of one patch, its readings among those (P, L) of all."""
+        here = slice(place, place + 1)
+        self.products[rung].apply(white[here], self.fields[rung][here])
+
+    def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
+        """Search of a patch, which goes on where the patch's last one ended.
+
+        If not all taxels are valid, it is one that all patches share.
+        """
+        last = self._last[place]
+        if valid is None:
+            operator = self.searches[rung][place]
+            if last is operator:
+                return self.searches[rung][place]
+        else:
+            operator = self._reduced[rung].mask(valid)
+        if last is not None:
+            operator.start_from(self.duals[place] if last is SHARED else last.dual)
+        self._last[place] = operator
+        return operator
+
+    def remember(self, place: int, shared: SearchOperator) -> None:
+        """Keep where a patch's search ended that another patch will use next."""
+        np.copyto(self.duals[place], shared.dual)
+        self._last[place] = SHARED
+
+    def reset(self) -> None:
+        """Forget the readings before."""
+        for twins in self.searches:
+            for each in twins:
+                each.reset()
+        self._last = [None] * self.count

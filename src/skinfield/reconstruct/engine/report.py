@@ -1,0 +1,238 @@
+"""Report of a cycle: what it did, step by step, and what it left undone."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.reconstruct.engine.state import Answer, Logged, LoggedStep, Step
+from skinfield.reconstruct.engine.workspace import Clockwork
+
+WORDS = {
+    Answer.MISSING: "missing",
+    Answer.IDLE: "idle",
+    Answer.LINEAR: "linear",
+    Answer.FEASIBLE: "non-negative",
+}
+
+
+@dataclass(frozen=True)
+class PatchReport:
+    """How one patch was answered in one cycle.
+
+    Attributes
+    ----------
+    name : str
+    answer : str
+        ``"idle"``: nothing stands out of the noise at the solver's false-alarm rate, so that 0 is
+        the exact minimum with the whole threshold as the penalty, see `NonNegative`; ``"linear"``:
+        of a linear solver, or the clipped start of an iterative one; ``"non-negative"``: searched,
+        with its gap; ``"missing"``: no reading.
+    rung : int
+        Nodes a side of the grid of the answer; 0 where there is none.
+    gap : float
+        Relative duality gap; NaN where none is known.
+    iterations : int
+    invalid : int
+        Taxels that were left out.
+    spent, predicted : float, s
+        Of the steps for this patch alone.
+    waited : int
+        Cycles since it was last searched, where it has a contact.
+    skipped : str
+        What more time would have brought, and why it was not done; empty if nothing.
+    """
+
+    name: str
+    answer: str
+    rung: int
+    gap: float
+    iterations: int
+    invalid: int
+    spent: float
+    predicted: float
+    waited: int
+    skipped: str
+
+
+@dataclass(frozen=True, eq=False)
+class CycleReport:
+    """How the budget of one cycle was spent; the report of a patch by its name.
+
+    Attributes
+    ----------
+    budget, spent : float, s
+    first : float, s
+        Until every patch had its idle test, or its first answer of a linear solver.
+    started : int, ns
+        Of the engine's clock.
+    overrun : bool
+        Whether more than the budget was spent.
+    names : tuple of str
+        Of the patches, as `LoggedStep.patch` counts them.
+    """
+
+    budget: float
+    spent: float
+    first: float
+    started: int
+    overrun: bool
+    names: tuple[str, ...]
+    _log: tuple[Logged, ...]
+    _snapshot: "Snapshot"
+
+    @cached_property
+    def steps(self) -> tuple[LoggedStep, ...]:
+        """All steps; those of one plan's searches in the order in which they were taken."""
+        return tuple(done for each in self._log for done in steps_of(each, self._snapshot.group))
+
+    def __getitem__(self, name: str) -> PatchReport:
+        if name not in self.names:
+            raise InputError(
+                f"no patch is named {name!r}, expected one of {', '.join(self.names[:8])}"
+            )
+        return self._snapshot.report(name, self.names.index(name))
+
+    def __iter__(self) -> Iterator[PatchReport]:
+        return (self[name] for name in self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Patches that were not answered: they gave no reading, or none that can be used."""
+        return self._named(Answer.MISSING)
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Patches on which nothing stands out of the noise, at the solver's false-alarm rate."""
+        return self._named(Answer.IDLE)
+
+    @property
+    def skipped(self) -> tuple[str, ...]:
+        """What was left undone, and why, in sentences."""
+        return tuple(f"{each.name}: {each.skipped}" for each in self if each.skipped)
+
+    @property
+    def predicted(self) -> float:
+        """What the steps that were taken were predicted to take, s."""
+        return sum(each.predicted for each in self.steps)
+
+    def _named(self, answer: Answer) -> tuple[str, ...]:
+        there = np.flatnonzero(self._snapshot.answer == answer)
+        return tuple(self.names[place] for place in there)
+
+
+def steps_of(logged: Logged, groups: Ints) -> Iterator[LoggedStep]:
+    """One step, or those of a plan's searches."""
+    if len(logged) == 7:
+        yield LoggedStep(*logged)
+        return
+    kinds, found = logged
+    for kind, row in zip(kinds.tolist(), found.tolist(), strict=True):
+        patch, rung, predicted, start, end = (row[i] for i in (0, 1, -3, -2, -1))
+        group = int(groups[int(patch)])
+        yield LoggedStep(kind, group, int(patch), int(rung), int(start), int(end), predicted)
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """Arrays (P,) as the cycle left them; see `State`."""
+
+    answer: Ints
+    rung: Ints
+    gap: Floats
+    iterations: Ints
+    invalid: Ints
+    age: Ints
+    spent: Floats
+    predicted: Floats
+    settled: Sequence[bool]
+    group: Ints
+    kind: Ints
+    costs: Floats
+    left: float
+    sides: Sequence[int]
+    linear: bool
+    why_missing: Mapping[int, str]
+
+    @classmethod
+    def of(cls, work: Clockwork, left: float, sides: Sequence[int]) -> "Snapshot":
+        """Copy what the next cycle changes."""
+        state, missing = work.state, {}
+        if not work.intake.present.all():
+            for place in np.flatnonzero(~work.intake.present).tolist():
+                missing[place] = _why(work, place)
+        return cls(
+            answer=state.answer.copy(),
+            rung=state.rung.copy(),
+            gap=state.gap.copy(),
+            iterations=state.iterations.copy(),
+            invalid=state.invalid.copy(),
+            age=state.age.copy(),
+            spent=state.spent.copy(),
+            predicted=state.predicted.copy(),
+            settled=state.settled.tolist(),
+            group=state.group,
+            kind=state.kind.copy(),
+            costs=work.costs.copy(),
+            left=left,
+            sides=sides,
+            linear=work.linear,
+            why_missing=missing,
+        )
+
+    def report(self, name: str, place: int) -> PatchReport:
+        """Report of one patch."""
+        rung = int(self.rung[place])
+        return PatchReport(
+            name=name,
+            answer=WORDS[Answer(self.answer[place])],
+            rung=self.sides[rung] if rung >= 0 else 0,
+            gap=float(self.gap[place]),
+            iterations=int(self.iterations[place]),
+            invalid=int(self.invalid[place]),
+            spent=float(self.spent[place]),
+            predicted=float(self.predicted[place]),
+            waited=int(self.age[place]),
+            skipped=self._skipped(place, rung),
+        )
+
+    def _skipped(self, place: int, rung: int) -> str:
+        answer, top = Answer(self.answer[place]), len(self.sides) - 1
+        if answer == Answer.MISSING:
+            return self.why_missing.get(place, "no reading")
+        step = Step(self.kind[place])
+        if answer == Answer.IDLE:
+            step, following, what = Step.TEST, rung + 1, "idle test on rung"
+        elif self.linear:
+            step, following, what = Step.ROW, rung + 1, "rung"
+        else:
+            done = answer == Answer.FEASIBLE and self.settled[place]
+            following = rung + 1 if done else max(rung, 0)
+            what = "search on rung" if answer == Answer.LINEAR else "rung"
+            what = what if done or answer == Answer.LINEAR else "more iterations on rung"
+        if following > top:
+            return ""
+        group = 0 if step == Step.TEST else self.group[place]  # one test of all
+        cost = float(self.costs[group, step, following])
+        return (
+            f"{what} {self.sides[following]}: {cost * 1e6:.0f} µs predicted, "
+            f"{max(self.left, 0.0) * 1e6:.0f} µs left"
+        )
+
+
+def _why(work: Clockwork, place: int) -> str:
+    """Why a patch was not answered."""
+    invalid = int(work.state.invalid[place])
+    if not invalid:
+        return "no reading"
+    if invalid == work.intake.sizes[place]:
+        return "no valid taxel"
+    return (
+        f"{invalid} taxels did not answer, and this solver cannot leave them out within a cycle: "
+        "GaussianField(), Tikhonov() and NonNegative() can"
+    )

@@ -1,0 +1,232 @@
+"""Results of a cycle: arrays that stay where they are, and estimates of each patch made of them."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats, InputError, Ints
+from skinfield.estimate import ContactFinder, Estimate
+from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.report import CycleReport
+from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
+from skinfield.reconstruct.engine.workspace import Clockwork
+from skinfield.reconstruct.multigrid import Rest, linear_beliefs, searched_beliefs
+from skinfield.skin import Grid
+
+if TYPE_CHECKING:
+    from skinfield.reconstruct.engine.engine import Engine
+
+
+class Results:
+    """Arrays (P,) over the patches in the skin's order, overwritten by each `Engine.run`.
+
+    Parameters
+    ----------
+    work : Clockwork
+    rows : sequence of int
+        Of each patch, in the skin's order, among those of `work`.
+
+    Attributes
+    ----------
+    answer : int64 array
+        Of `Answer`: 0 missing, 1 idle, 2 linear, 3 non-negative.
+    rung : int64 array
+        Of the answer, counted from the coarsest; -1 where there is none.
+    gap : array
+        Relative; NaN where none is known.
+    iterations : int64 array
+    invalid : int64 array
+        Taxels that were left out.
+    age : int64 array
+        Cycles since a touched patch was last searched.
+    """
+
+    def __init__(self, work: Clockwork, rows: Sequence[int]) -> None:
+        self._work, self._rows = work, list(rows)
+        self._order = None if self._rows == sorted(self._rows) else np.array(self._rows)
+        self._copied: list[tuple[NDArray[Any], NDArray[Any]]] = []
+        state = work.state
+        self.answer: Ints = self._in_order(state.answer)
+        self.rung: Ints = self._in_order(state.rung)
+        self.gap: Floats = self._in_order(state.gap)
+        self.iterations: Ints = self._in_order(state.iterations)
+        self.invalid: Ints = self._in_order(state.invalid)
+        self.age: Ints = self._in_order(state.age)
+        self._fields = [self._fields_of(row) for row in self._rows]
+        self._whites = [work.intake.white[work.intake.rows_of(row)] for row in self._rows]
+
+    def _in_order(self, array: NDArray[Any]) -> NDArray[Any]:
+        """The array itself, or room for its numbers in the skin's order."""
+        if self._order is None:
+            return array
+        self._copied.append((array, array.copy()))
+        return self._copied[-1][1]
+
+    def update(self) -> None:
+        """Bring the answers into the skin's order, where the engine has another."""
+        if self._order is not None:
+            for source, target in self._copied:
+                np.take(source, self._order, out=target, mode="clip")
+
+    def pressure_of(self, patch: int) -> NDArray[Any]:
+        """Pressure (K,) of a patch, counted in the skin's order: a view. 0 where it is missing.
+
+        Of a linear answer in float32, else in float64.
+        """
+        row = self._rows[patch]
+        linear, feasible, nothing = self._fields[patch]
+        answer, rung = self._work.state.answer[row], int(self._work.state.rung[row])
+        fields = linear if answer == LINEAR else feasible if answer == FEASIBLE else nothing
+        return fields[rung]
+
+    def whitened_of(self, patch: int) -> NDArray[Any]:
+        """Readings (L,) of a patch in units of their noise, 0 where not valid: a view."""
+        return self._whites[patch]
+
+    def row_of(self, patch: int) -> int:
+        """Where a patch, counted in the skin's order, stands among those of the engine's work."""
+        return self._rows[patch]
+
+    def _fields_of(
+        self, row: int
+    ) -> tuple[list[NDArray[Any]], list[NDArray[Any]], list[NDArray[Any]]]:
+        """Of a patch on each rung: where linear and searched answers are written, and zeros."""
+        group: Group = self._work.places[row][0]
+        place = row - group.first
+        zeros: list[NDArray[Any]] = [np.zeros(each.shape[1]) for each in group.fields]
+        for each in zeros:
+            each.setflags(write=False)
+        linear = [each[place] for each in group.fields]
+        return linear, [each[place] for each in group.feasible], zeros
+
+
+def grid_on(group: Group, place: int, rung: int) -> Grid:
+    """Nodes of a rung on one of the patches, which lie where those of the first do."""
+    first, patch = group.kind.patches[0], group.kind.patches[place]
+    grid = group.rungs.steps[rung].grid
+    return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
+
+
+def grid_of(work: Clockwork, patch: int, rung: int) -> Grid:
+    """Nodes of a rung on a patch, by its row."""
+    group, place = work.places[patch]
+    return grid_on(group, place, rung)
+
+
+def estimate_of(
+    work: Clockwork,
+    finder: ContactFinder,
+    patch: int,
+    grid_of: Callable[[int, int], Grid],
+    stamp_ns: int,
+    report: CycleReport,
+) -> Estimate:
+    """Copy a patch's answer out of the arrays; contacts and deformation follow when asked for."""
+    state, intake = work.state, work.intake
+    group = work.groups[state.group[patch]]
+    place, rung, answer = patch - group.first, int(state.rung[patch]), int(state.answer[patch])
+    step, grid, rows = group.rungs.steps[rung], grid_of(patch, rung), intake.rows_of(patch)
+    pressure, valid = _pressure(group, answer, rung, place), intake.valid[rows].copy()
+    filled = work.white[group.index][place] * group.kind.noise_std
+
+    def predicted() -> Floats:
+        if step.model is None:
+            return np.asarray(group.rungs.explained @ filled)
+        return np.asarray(step.model.matrix @ pressure)
+
+    linear = answer == LINEAR or step.operator is None
+    return Rest(
+        grid=grid,
+        pressure=pressure,
+        readings=intake.linear[rows].copy(),
+        valid=valid,
+        predicted=predicted,
+        moved=lambda: step.deformation.on(grid)(pressure),
+        beliefs=lambda: linear_beliefs(step) if linear else searched_beliefs(step),
+        finder=finder,
+    ).estimate(
+        latency=report.spent,
+        stamp_ns=stamp_ns,
+        gap=float(state.gap[patch]),
+        iterations=int(state.iterations[patch]),
+        deadline_met=not report.overrun,
+        notes=_notes(work, answer, valid),
+    )
+
+
+def _pressure(group: Group, answer: int, rung: int, place: int) -> Floats:
+    if answer == LINEAR:
+        return np.asarray(group.fields[rung][place], dtype=np.float64)
+    if answer == FEASIBLE:
+        return np.array(group.feasible[rung][place])
+    return np.zeros(len(group.rungs.steps[rung].grid))
+
+
+def _notes(work: Clockwork, answer: int, valid: NDArray[np.bool_]) -> tuple[str, ...]:
+    notes = []
+    if answer == LINEAR and not work.linear:
+        notes.append("no time to search: the clipped linear answer, without a certificate")
+    if not valid.all():
+        missing = int(len(valid) - valid.sum())
+        notes.append(f"{missing} taxels left out; pressure_std is that of all taxels")
+    return tuple(notes)
+
+
+class MissingPatch(InputError, KeyError):
+    """A patch that was not answered in a cycle."""
+
+    __str__ = Exception.__str__
+
+
+class Estimates(Mapping[str, Estimate]):
+    """Estimates of one cycle by the names of patches; those without an answer are not in it.
+
+    An estimate is copied out of the engine's arrays when it is first asked for, which must be
+    before the engine's next cycle; `keep` does so for all.
+
+    Attributes
+    ----------
+    report : CycleReport
+    """
+
+    def __init__(self, engine: "Engine", cycle: int, report: CycleReport, stamp_ns: int) -> None:
+        self.report = report
+        self._engine, self._cycle, self._stamp_ns = engine, cycle, stamp_ns
+        self._made: dict[str, Estimate] = {}
+
+    def __getitem__(self, name: str) -> Estimate:
+        if name not in self._made:
+            self._check(name)
+            self._made[name] = self._engine.estimate_of(name, self._stamp_ns, self.report)
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.report.names and name not in self.report.missing
+
+    def __iter__(self) -> Iterator[str]:
+        missing = set(self.report.missing)
+        return (name for name in self._engine.names if name not in missing)
+
+    def __len__(self) -> int:
+        return len(self.report.names) - len(self.report.missing)
+
+    def keep(self) -> "Estimates":
+        """Copy all estimates now, so that they outlast the engine's next cycle."""
+        for name in self:
+            self[name]
+        return self
+
+    def _check(self, name: str) -> None:
+        why = self.report[name].skipped
+        if name in self.report.missing:
+            raise MissingPatch(
+                f"patch {name!r} was not answered in this cycle: {why}; see `report.missing`"
+            )
+        if self._engine.cycle != self._cycle:
+            raise InputError(
+                f"the estimate of {name!r} was asked for after the engine's next cycle, expected "
+                "before: its arrays hold newer answers; take what you need, or call "
+                "`estimates.keep()`, before the next cycle"
+            )

@@ -1,0 +1,139 @@
+"""Contacts of all patches of an engine's cycle, as rows of numbers."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Ints, check_shape
+from skinfield.estimate.live_contacts import CONTACT, Habits, LiveContacts, level_of
+from skinfield.reconstruct.engine.engine import Engine
+from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.results import grid_on
+from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
+from skinfield.reconstruct.multigrid import Beliefs, linear_beliefs, searched_beliefs
+
+if TYPE_CHECKING:
+    from skinfield.estimate.live_contacts_kernel import Level
+
+
+class SkinContacts:
+    """The strongest contacts of each patch after each `Engine.run`, in rows that are handed in.
+
+    Parameters
+    ----------
+    engine : Engine
+    rows : int
+        Contacts that are told of each patch, at most.
+    habits : Habits, optional
+        By which a contact is known again.
+    ids : (1,) int64 array, optional
+        See below; may lie where others see it.
+
+    Attributes
+    ----------
+    patches : P of LiveContacts
+        In the skin's order.
+    memory : structured (P, M) array
+        Contacts of before. With `ids` it is all that lasts from cycle to cycle: what follows is the
+        same where both are put back.
+    ids : (1,) int64 array
+        The last number that was given to a contact; they are unique over the skin.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        *,
+        rows: int = 8,
+        habits: Habits | None = None,
+        ids: Ints | None = None,
+    ) -> None:
+        self._engine = engine
+        self._searched = 0 if engine.groups[0].rungs.linear else 1  # where their levels begin
+        self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
+        known = [_beliefs(group) for group in engine.groups]
+        self.patches: list[LiveContacts] = []
+        for index, patch in enumerate(engine.skin):
+            group, place = _place_of(engine, patch.name)
+            levels = [_level(engine, group, place, *each) for each in known[group.index]]
+            self.patches.append(
+                LiveContacts(levels, patch=index, rows=rows, habits=habits, ids=self.ids)
+            )
+        self.memory: NDArray[np.void] = np.stack([each.memory for each in self.patches])
+        for each, memory in zip(self.patches, self.memory, strict=True):
+            each.memory = memory
+        self._doubles = [np.zeros(side * side) for side in engine.rungs]
+        self._shape = (len(self.patches), rows)
+        self._run_in(rows)
+
+    def __call__(self, stamp_ns: int, out: NDArray[np.void], counts: Ints) -> None:
+        """Write the contacts of the last cycle.
+
+        Parameters
+        ----------
+        stamp_ns : int, ns
+            Of its readings.
+        out : structured (P, N) array of `CONTACT`
+        counts : (P,) int64 array
+            Receives how many contacts each patch has, which may be more than rows; rows beyond keep
+            what they had.
+        """
+        results = self._engine.results
+        if out.shape != self._shape or counts.shape != self._shape[:1]:
+            check_shape("out", out, self._shape, "rows of contacts for each patch")
+            check_shape("counts", counts, self._shape[:1], "one per patch")
+        counts[:] = 0
+        for patch in (results.answer >= LINEAR).nonzero()[0].tolist():
+            counts[patch] = self.find(patch, stamp_ns, out[patch])
+
+    def find(self, patch: int, stamp_ns: int, out: NDArray[np.void]) -> int:
+        """Write the contacts of one patch that was touched in the last cycle; how many."""
+        results = self._engine.results
+        rung, pressure = int(results.rung[patch]), results.pressure_of(patch)
+        if results.answer[patch] == FEASIBLE:
+            white = results.whitened_of(patch)
+            return self.patches[patch](self._searched + rung, pressure, stamp_ns, out, white)
+        double = self._doubles[rung]
+        np.copyto(double, pressure)
+        return self.patches[patch](rung, double, stamp_ns, out)
+
+    def reset(self) -> None:
+        """Forget the contacts of before; numbers go on."""
+        self.memory[:] = 0
+
+    def _run_in(self, rows: int) -> None:
+        """So that the first contact is as fast as the next."""
+        out = np.zeros(rows, CONTACT)
+        for each in self.patches:
+            for level, known in enumerate(each.levels):
+                each(level, np.zeros(len(known.std)), 0, out)
+
+
+def _place_of(engine: Engine, name: str) -> tuple[Group, int]:
+    """Kind of a patch, and its place there."""
+    for group in engine.groups:
+        for place, patch in enumerate(group.kind.patches):
+            if patch.name == name:
+                return group, place
+    raise AssertionError(name)
+
+
+def _beliefs(group: Group) -> list[tuple[int, Beliefs, bool]]:
+    """Rungs on which a patch may be answered, what is then known of it, whether it is searched."""
+    steps = group.rungs.steps
+    if group.rungs.linear:
+        return [(rung, linear_beliefs(step), False) for rung, step in enumerate(steps)]
+    searched = [(rung, searched_beliefs(step), True) for rung, step in enumerate(steps)]
+    return [(0, linear_beliefs(steps[0]), False), *searched]
+
+
+def _level(
+    engine: Engine, group: Group, place: int, rung: int, known: Beliefs, searched: bool
+) -> "Level":
+    grid, step = grid_on(group, place, rung), group.rungs.steps[rung]
+    told = (grid, known.noise, known.posterior, known.model_error, engine.finder)
+    if not searched or step.model is None:
+        return level_of(*told)
+    signatures = (step.model.matrix / group.kind.noise_std[:, None]).T
+    return level_of(*told, signatures=signatures, threshold=group.thresholds[rung])

@@ -1,0 +1,151 @@
+"""Timing model of a cycle's steps: measured at start-up, corrected by every step that is taken."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skinfield.errors import Floats, check_range
+from skinfield.reconstruct.engine.state import PRODUCT, TEST, Step
+
+FORGET = 0.99  # of a prediction above its start, per cycle
+LEAST = 1e-7  # s: the clock's own step
+
+
+@dataclass(eq=False)
+class CostModel:
+    r"""A high quantile of the time of each kind of step, followed online.
+
+    Parameters
+    ----------
+    steps : (N,) array, s
+        Times to start from, one for each kind of step; changed in place.
+    quantile : float
+        Part of the steps that should take less than what is predicted.
+    pace : float
+        How fast predictions follow.
+
+    Notes
+    -----
+    After a step that took x where q was predicted
+
+    .. math:: \log q \leftarrow \log q + \eta \, (\alpha - [x \le q])
+
+    with the quantile :math:`\alpha` and the pace :math:`\eta`: stochastic approximation of a
+    quantile (Robbins and Monro 1951), on the logarithm, so that it needs no scale. At rest a
+    part :math:`\alpha` of the steps takes less. One step that the system interrupted, however long,
+    moves it no more than any other. What was predicted too high to be done at all would stay so for
+    ever: `relax` lets it come back to where it started, in some hundred cycles.
+    """
+
+    steps: Floats
+    quantile: float = 0.9
+    pace: float = 0.1
+    base: Floats = field(init=False)
+    _up: float = field(init=False, default=1.0)
+    _down: float = field(init=False, default=1.0)
+
+    def __post_init__(self) -> None:
+        check_range("quantile", self.quantile, 0.5, 0.999, "steps that take less than predicted")
+        check_range("pace", self.pace, 1e-4, 1.0, "of the correction in one step")
+        self.base = self.steps.copy()
+        self._up = float(np.exp(self.pace * self.quantile))
+        self._down = float(np.exp(-self.pace * (1.0 - self.quantile)))
+
+    @property
+    def moves(self) -> tuple[float, float, float]:
+        """Factors of a prediction that was too low or too high, and the least one, s."""
+        return self._up, self._down, LEAST
+
+    def predict(self, step: int) -> float:
+        """Time that a step of this kind will hardly exceed, s."""
+        return float(self.steps[step])
+
+    def observe(self, step: int, seconds: float) -> None:
+        """Correct by a step that was taken to its end."""
+        steps = self.steps
+        slower = seconds > steps[step]
+        steps[step] = max(steps[step] * (self._up if slower else self._down), LEAST)
+
+    def at_least(self, step: int, seconds: float) -> None:
+        """Correct by a step that was cut off after `seconds`: it would have taken longer."""
+        if seconds >= self.steps[step]:
+            self.observe(step, np.inf)
+
+    def relax(self) -> None:
+        """Let predictions that are above their start come down a little, once a cycle."""
+        steps = self.steps
+        np.minimum(steps, np.maximum(FORGET * steps, self.base), out=steps)
+
+    def start(self, step: int, laps: Floats) -> None:
+        """Start from measured laps, s: their quantile, at most twice the median."""
+        high = float(np.quantile(laps, self.quantile))
+        self.steps[step] = max(min(high, 2.0 * float(np.median(laps))), LEAST)
+        self.base[step] = self.steps[step]
+
+
+GUESS = 20e-6  # s: of every step, until it is measured
+NS = 1e-9
+TYPICAL = 0.6  # quantile of a step's time that is about its mean, as few are much slower
+AFTER = 2e-6  # s: what is done about a search after it, until it is measured
+KINDS = len(Step)
+
+
+class Times:
+    """Predictions of each kind of step, for each kind of patch, on each rung.
+
+    Parameters
+    ----------
+    groups, rungs : int
+        How many.
+    together : bool
+        Whether linear answers of all patches are one step, as idle tests are.
+
+    Attributes
+    ----------
+    both : (2, G, kinds, R) array, s
+        `costs` and what is typical.
+    costs : (G, kinds of steps, R) array, s
+        Of a step for all patches in the first row, the others 0.
+    model, typical : CostModel
+        That they are predicted by.
+    moves : (2, 3) array
+        Of both.
+    after : CostModel
+        Of what is done about a search after it.
+    relaxing : pair of arrays
+        Predictions and where they started.
+    """
+
+    def __init__(self, groups: int, rungs: int, together: bool) -> None:
+        self.both = np.full((2, groups, KINDS, rungs), GUESS)
+        bases = self.both.reshape(2, -1).copy()
+        self.costs, typical = self.both
+        self.rungs = rungs
+        self.model = CostModel(self.costs.reshape(-1))
+        self.typical = CostModel(typical.reshape(-1), quantile=TYPICAL)
+        self.model.base, self.typical.base = bases
+        self.relaxing = self.both.reshape(-1), bases.reshape(-1)
+        self.moves = np.array([self.model.moves, self.typical.moves])
+        self.after = CostModel(np.array([AFTER]))
+        self.costs[1:, TEST] = 0.0
+        if together:
+            self.costs[1:, PRODUCT] = 0.0
+
+    def which(self, step: int, group: int, rung: int) -> int:
+        """Place of a step in the cost model."""
+        return (group * KINDS + step) * self.rungs + rung
+
+    def start(self, which: int, laps: Floats) -> None:
+        """Start predictions of a step from measured laps, s."""
+        self.model.start(which, laps)
+        self.typical.start(which, laps)
+
+    def observe(self, which: int, seconds: float) -> None:
+        """Learn from a step."""
+        self.model.observe(which, seconds)
+        self.typical.observe(which, seconds)
+
+    def start_as(self, other: "Times") -> None:
+        """Begin with the predictions of another."""
+        for mine, its in zip(self.relaxing, other.relaxing, strict=True):
+            mine[:] = its

@@ -1,0 +1,289 @@
+"""Workspace of a cycle: what its steps share, arrays, costs, the clock and the log."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import Floats, Ints
+from skinfield.reconstruct.engine.block_sparse import idle_tests, linear_answers
+from skinfield.reconstruct.engine.intake import Intake, Readings
+from skinfield.reconstruct.engine.patch_kinds import Group
+from skinfield.reconstruct.engine.state import Logged, State
+from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
+
+ROUNDS = 6  # of planning in a cycle, at most
+FOREMOST = 1e6  # weight of a patch that is served before all others
+
+
+@dataclass(eq=False)
+class Clockwork:
+    """Prepared arrays of an engine, and where a cycle stands.
+
+    Parameters
+    ----------
+    groups : sequence of Group
+    intake : Intake
+    clock : function that returns ns
+
+    Attributes
+    ----------
+    places : P pairs
+        Group of each patch, and its place there.
+    linear_rows, valid_rows : lists of P arrays (L,)
+        Each patch's part of what was taken in.
+    tests : R of Atlas
+        Idle tests of all patches; none where linear.
+    answers : R pairs of Atlas and array
+        Linear answers of all patches, where they are the answer; none on grids below 4 nodes.
+    tested : int
+        Rung of the last idle test.
+    costs : (G, kinds of steps, R) array, s
+        Of a step for all patches in the first row, the others 0.
+    unresolved : (G, R) array
+        Part of the energy that each rung leaves unresolved.
+    end : int, ns
+        When the cycle must be over.
+    planned : as `costs`
+        Of searches as the last plan took them to be.
+    top, finest : int
+        Finest rung of answers, but for a patch that is preferred; and with it.
+    tops, weights : (P,) arrays
+        Finest rung of each patch, and the weight of what it gains.
+    log : list of tuples
+        Of the steps of this cycle, see `LoggedStep`; of searches their kinds, and what they came
+        to. Kept while `logging`.
+    """
+
+    groups: Sequence[Group]
+    intake: Intake
+    clock: Callable[[], int]
+    state: State = field(init=False)
+    costs: Floats = field(init=False)
+    unresolved: Floats = field(init=False)
+    end: int = field(init=False, default=0)
+    log: list[Logged] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        counts = [group.count for group in self.groups]
+        first = self.groups[0].rungs
+        self.state = State(np.repeat(np.arange(len(counts)), counts))
+        self.rungs, self.linear, self.fills = len(first.steps), first.linear, first.bayesian
+        self.tests = idle_tests(self.groups)
+        self.answers = linear_answers(self.groups) if self.linear else []
+        self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
+        self.places = [(group, place) for group in self.groups for place in range(group.count)]
+        self._make_room(len(self.places))
+        self._make_views()
+        self._load()
+
+    def _make_views(self) -> None:
+        """What belongs to each kind and each patch."""
+        intake, state = self.intake, self.state
+        self.white = [intake.views(intake.white, group.first, group.count) for group in self.groups]
+        rows = [intake.rows_of(patch) for patch in range(len(intake.names))]
+        self.linear_rows = [intake.linear[each] for each in rows]
+        self.valid_rows = [intake.valid[each] for each in rows]
+        self.starts: Ints = np.array(intake.starts, dtype=np.int64)
+        self._lowest = float(intake.quantity.lowest)
+        self._whitening = intake.per_noise, intake.valid, self.starts, self.fills
+        arrays = state.invalid, state.integers, state.numbers, state.settled, state.was_hot
+        self._opened = intake.linear, intake.white, intake.present, *arrays
+
+    def _make_room(self, patches: int) -> None:
+        """Where a cycle stands, and room to work in."""
+        self.tested, self.waited, self.logging = 0, 0, True
+        self.times = Times(len(self.groups), self.rungs, bool(self.answers))
+        self.costs, self.planned = self.times.costs, self.times.costs.copy()
+        self.masked, self.before, self.hot = np.zeros((3, patches), dtype=np.int64)
+        self._target, self._order, self._rungs = np.zeros((3, patches), dtype=np.int64)
+        self._ratios, self._idle = np.zeros(patches), np.zeros(patches, np.bool_)
+        self._found = np.zeros((patches + 1, 10))
+        self.weights, self.tops = np.ones(patches), np.zeros(patches, np.int64)
+        self.prefer(self.rungs - 1, -1)
+
+    def prefer(self, top: int, first: int) -> None:
+        """Answer on rungs up to `top`; patch `first` on all of them, before others; -1: none."""
+        self.top, self.tops[:], self.weights[:] = top, top, 1.0
+        if first >= 0:
+            self.tops[first], self.weights[first] = self.rungs - 1, FOREMOST
+        self.finest = int(self.tops.max())
+
+    def renew(self, other: "Clockwork") -> None:
+        """Have costs and room of its own, as a copy of another that has its own groups and intake.
+
+        Costs begin as the other's.
+        """
+        self._make_room(len(self.places))
+        self._make_views()
+        self.times.start_as(other.times)
+
+    def _load(self) -> None:
+        """Compiled functions, which are slow to import again and again."""
+        from skinfield.reconstruct.engine import cycle_kernel
+        from skinfield.reconstruct.engine.block_sparse_kernel import idle_without
+        from skinfield.reconstruct.engine.cycle_kernel import plan_within
+
+        self.kernel: Any = cycle_kernel
+        self._plan, self._idle_without = plan_within, idle_without
+
+    def begin(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
+        """Take the readings of a cycle."""
+        self.log.clear()
+        self.intake.take(readings, valid)
+        self._open()
+
+    def begin_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
+        """Take the readings (N,) of a cycle, patch by patch in the skin's order."""
+        self.log.clear()
+        self.intake.take_flat(readings, valid)
+        self._open()
+
+    def _open(self) -> None:
+        """Linearise and whiten what was taken in, and forget the answers of the cycle before."""
+        intake = self.intake
+        if intake.how > 1:
+            intake.linearise()
+            self.kernel.open_cycle(intake.straight, *self._whitening, *self._opened)
+        else:
+            intake.all_valid = self.kernel.take_and_open(
+                intake.given,
+                intake.asked,
+                intake.places,
+                self._lowest,
+                intake.how == 1,
+                *self._whitening,
+                intake.straight,
+                *self._opened,
+            )
+
+    def close(self, hot: Ints, around: CostModel) -> None:
+        """Remember which patches had a contact, and let predictions come down a little."""
+        state = self.state
+        self.waited = self.kernel.close_cycle(
+            hot,
+            state.integers,
+            state.age,
+            state.was_hot,
+            *self.times.relaxing,
+            around.steps,
+            around.base,
+        )
+        state.unforced += 1
+
+    def reset(self) -> None:
+        """Forget the readings before; what steps take stays known."""
+        self.state.reset()
+        self.waited = 0
+        for group in self.groups:
+            group.reset()
+
+    @property
+    def left(self) -> float:
+        """Time until the end, s."""
+        return (self.end - self.clock()) * NS
+
+    def test_idle(self, rung: int) -> int:
+        """Sort patches by an idle test; how many are in `masked`: see `sort_idle`."""
+        state = self.state
+        return int(
+            self.kernel.test_idle(
+                *self.tests[rung].arrays,
+                self.intake.white,
+                self._idle,
+                rung,
+                self.intake.present,
+                state.invalid,
+                state.integers,
+                state.numbers,
+                self.masked,
+                self.before,
+            )
+        )
+
+    def touched(self) -> Ints:
+        """Patches with a contact: a view, until this is asked again."""
+        state = self.state
+        count = self.kernel.list_touched(
+            self.intake.white, self.starts, state.integers, state.numbers, self.hot
+        )
+        return self.hot[:count]
+
+    def is_idle(self, patch: int, rung: int) -> bool:
+        """Whether nothing stands out of the noise on a patch, by its valid taxels alone."""
+        group, place = self.places[patch]
+        rows, valid = group.searches[rung][0].problem.rows, self.valid_rows[patch]
+        white = self.white[group.index][place]
+        return bool(self._idle_without(rows, valid, white, group.thresholds[rung]))
+
+    def answer_all(self, rung: int) -> None:
+        """Linear answers of all patches."""
+        atlas, fields = self.answers[rung]
+        atlas.apply(self.intake.white, fields)
+
+    def predict(self, step: int, group: int, rung: int) -> float:
+        """Time that a step will hardly exceed, s."""
+        return self.times.model.predict(self.times.which(step, group, rung))
+
+    def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
+        """Log a step that began at `start`, and learn from it; returns its time, s."""
+        end, which = self.clock(), self.times.which(step, group, rung)
+        if self.logging:
+            predicted = self.times.model.predict(which)
+            self.log.append((step, group, patch, rung, start, end, predicted))
+        seconds = (end - start) * NS
+        self.times.observe(which, seconds)
+        return seconds
+
+    def searched(self, each: Sequence[tuple[float, ...]], hot: Ints) -> bool:
+        """As `done`, of searches, and keep their answers; see `learning_kernel` for the columns.
+
+        Whether all of the patches in `hot` are then solved on the finest rung.
+        """
+        state, found = self.state, self._found[: len(each)]
+        for row, one in enumerate(each):
+            found[row] = one
+        kinds = state.kind[found[:, 0].astype(np.int64)] if self.logging else None
+        settled = self.kernel.learn(
+            found,
+            state.group,
+            state.integers,
+            state.numbers,
+            state.settled,
+            self.unresolved,
+            self.times.both,
+            self.times.moves,
+            hot,
+            self.tops,
+        )
+        if kinds is not None:
+            self.log.append((kinds, found.copy()))
+        return bool(settled)
+
+    def plan(self, hot: Ints, left: float) -> tuple[Ints, Ints]:
+        """Patches to serve, in order, and the rung of each patch; see `spending_kernel.plan`.
+
+        Times are those of `planned`.
+        """
+        state = self.state
+        count = self._plan(
+            hot,
+            state.group,
+            state.integers,
+            state.numbers,
+            state.age,
+            self.tops,
+            self.weights,
+            self.times.both,
+            0.0 if self.linear else self.times.after.predict(0),
+            self.unresolved,
+            left,
+            self.planned,
+            self._target,
+            self._order,
+            self._rungs,
+            self._ratios,
+        )
+        return self._order[:count], self._target

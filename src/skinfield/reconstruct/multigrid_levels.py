@@ -1,0 +1,430 @@
+"""Multigrid levels: one patch prepared at several resolutions."""
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity
+from skinfield.errors import Floats, InputError, Ints, check_count
+from skinfield.estimate import ModelError, PressureNoise, PressurePosterior
+from skinfield.skin import Grid, Patch
+from skinfield.solve import (
+    ContactOperator,
+    FieldOperator,
+    GaussianField,
+    InverseOperator,
+    NonNegative,
+    Solver,
+    TaxelSets,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Restriction:
+    r"""Pressure on coarse cells as the average of what lies on fine cells below.
+
+    .. math:: p_c = \sum_f \frac{|c \cap f|}{|c|} \, p_f
+
+    Coarse cells that hold all fine ones conserve the force: the sum of pressure times cell area.
+    The area of an intersection is a product of two lengths, so two small matrices do it.
+
+    Attributes
+    ----------
+    down : (coarse rows, fine rows) array
+    across : (coarse columns, fine columns) array
+        Parts of a coarse cell's side that each fine cell covers.
+    """
+
+    down: Floats
+    across: Floats
+
+    @classmethod
+    def between(cls, fine: Grid, coarse: Grid) -> "Restriction":
+        """Of two grids in one plane."""
+        parts = [
+            _parts(fine.origin[axis], fine.pitch, count, coarse.origin[axis], coarse.pitch, wanted)
+            for axis, count, wanted in zip(
+                (1, 0), fine.shape, coarse.shape, strict=True
+            )  # rows lie along y
+        ]
+        return cls(*parts)
+
+    def __call__(self, fields: Floats) -> Floats:
+        """Fields (..., K fine) on the coarse cells, (..., K coarse)."""
+        pictures = fields.reshape(*fields.shape[:-1], self.down.shape[1], self.across.shape[1])
+        coarse = self.down @ pictures @ self.across.T
+        return np.asarray(coarse.reshape(*fields.shape[:-1], -1))
+
+    def transposed(self, weights: Floats) -> Floats:
+        """Weights (..., K coarse) of a sum, as those of fine cells, (..., K fine)."""
+        pictures = weights.reshape(*weights.shape[:-1], len(self.down), len(self.across))
+        fine = self.down.T @ pictures @ self.across
+        return np.asarray(fine.reshape(*weights.shape[:-1], -1))
+
+
+@dataclass(frozen=True, eq=False)
+class RestrictedPosterior:
+    """Covariance of coarse cells, exactly: that of the sums of fine cells that they are.
+
+    Attributes
+    ----------
+    fine : PressurePosterior
+    restriction : Restriction
+    cells : (K,) int array
+        Which of the coarse cells, by their numbers on the coarse grid.
+    """
+
+    fine: PressurePosterior
+    restriction: Restriction
+    cells: NDArray[np.int64]
+
+    def on(self, nodes: NDArray[np.int64]) -> "RestrictedPosterior":
+        """Of some of the cells, in their order."""
+        return replace(self, cells=self.cells[nodes])
+
+    @cached_property
+    def std(self) -> Floats:
+        """Standard deviation of each coarse cell, (K,) Pa."""
+        each, one = np.arange(len(self.cells))[:, None], np.ones((1, 1))
+        variance = [self.covariance_of_sums(cell, one)[0, 0] for cell in each]
+        return np.sqrt(np.maximum(variance, 0.0))
+
+    @cached_property
+    def felt(self) -> int:
+        """Number of cells of which anything is left open."""
+        return int(np.count_nonzero(self.std))
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        restriction = self.restriction
+        places, count = self.cells[cells], len(restriction.down) * len(restriction.across)
+        sums = [np.bincount(places, weight, count) for weight in weights]  # cells may come again
+        coarse = np.asarray(sums, dtype=np.float64)
+        fine = restriction.transposed(coarse)
+        used = np.flatnonzero(fine.any(axis=0))
+        return self.fine.covariance_of_sums(used, fine[:, used])
+
+
+def _parts(fine: float, step: float, count: int, coarse: float, side: float, wanted: int) -> Floats:
+    """Parts of coarse cells of one axis that fine cells cover, (wanted, count)."""
+    low = fine + (np.arange(count) - 0.5) * step
+    start = coarse + (np.arange(wanted) - 0.5) * side
+    last = np.minimum(low + step, (start + side)[:, None])
+    return np.asarray(np.maximum(last - np.maximum(low, start[:, None]), 0.0) / side)
+
+
+FINEST = 400  # nodes a side: beyond, one matrix of 72 taxels holds 46 MB
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """One resolution of a patch.
+
+    Attributes
+    ----------
+    nodes : int
+        Along each side of the grid.
+    grid : Grid
+    deformation : Deformation
+    matrix : (K, L) array, Pa per unit of the reading
+        The linear answer: that of the finest rung, averaged over this one's cells.
+    noise : PressureNoise
+        Of the linear answer.
+    posterior : PressurePosterior, RestrictedPosterior or None
+        Of a Bayesian solver, averaged alike.
+    model_error : ModelError
+    model : ObservationModel or None
+        On this grid, where the solver is iterative.
+    operator : FieldOperator or None
+        Of an iterative solver, prepared on this grid.
+    """
+
+    nodes: int
+    grid: Grid
+    deformation: Deformation
+    matrix: Floats
+    noise: PressureNoise
+    posterior: PressurePosterior | RestrictedPosterior | None
+    model_error: ModelError
+    model: ObservationModel | None = None
+    operator: FieldOperator | None = None
+
+    @cached_property
+    def pressure_std(self) -> Floats:
+        """One standard deviation of the linear answer, (K,) Pa."""
+        return self.noise.std if self.posterior is None else self.posterior.std
+
+
+@dataclass(frozen=True, eq=False)
+class Rungs:
+    """All resolutions of one patch, from coarse to fine, with what they share.
+
+    Attributes
+    ----------
+    steps : tuple of Rung
+    explained : (L, L) array
+        From linearised readings to what the linear answer predicts of them, on any rung.
+    noise_std : (L,) array, unit of the reading
+    start : InverseOperator
+        The linear answer on the finest rung.
+    model : ObservationModel
+        On the finest rung.
+    linear : bool
+        Whether the linear answer is the solver's own.
+    bayesian : bool
+        Whether the linear answer is a posterior mean.
+    """
+
+    steps: tuple[Rung, ...]
+    explained: Floats
+    noise_std: Floats
+    start: InverseOperator
+    model: ObservationModel
+    linear: bool
+    bayesian: bool
+
+    @cached_property
+    def weights(self) -> Floats:
+        r"""Inverse covariance of the readings that prior and noise let expect, (L, L).
+
+        With A Q Aᵀ + Σ = S the answer is p = Q Aᵀ S⁻¹ y, so it predicts A p = (1 - Σ S⁻¹) y, and
+
+        .. math:: S^{-1} = \\Sigma^{-1} (1 - A M), \\qquad p = M y.
+        """
+        unexplained = np.eye(len(self.explained)) - self.explained
+        weights = unexplained / np.square(self.noise_std)[:, None]
+        return np.asarray(0.5 * (weights + weights.T))
+
+    @cached_property
+    def unresolved(self) -> tuple[float, ...]:
+        """Part of the finest linear answer's squared norm that each rung averages away."""
+        finest = self.steps[-1]
+        kept = [_power(step.matrix * self.noise_std, step.grid) for step in self.steps]
+        whole = _power(finest.matrix * self.noise_std, finest.grid)
+        return tuple(max(1.0 - each / whole, 0.0) if whole else 0.0 for each in kept)
+
+
+def _power(matrix: Floats, grid: Grid) -> float:
+    return float(np.square(matrix).sum()) * grid.cell_area
+
+
+def prepare_rungs(
+    patch: Patch,
+    layer: Layer,
+    sides: Sequence[int],
+    mechanics: Mechanics,
+    quantity: Quantity,
+    solver: Solver,
+    noise_std: Any,
+) -> Rungs:
+    """Prepare the finest grid, and derive the others from it.
+
+    Raises
+    ------
+    InputError
+        For rungs out of order, or a solver that finds contacts by itself.
+    """
+    check_sides(sides)
+    grids = [Grid.square(patch, nodes) for nodes in sides]
+    finest = ObservationModel.of(patch, layer, grids[-1], mechanics, quantity, noise_std)
+    top = _prepared(solver, finest)
+    linear = isinstance(top, InverseOperator)
+    start = top if isinstance(top, InverseOperator) else linear_start(solver).prepare(finest)
+    steps = []
+    for nodes, grid in zip(sides, grids, strict=True):
+        step = linear_rung(nodes, Deformation(grid, layer, mechanics), start, finest)
+        if not linear:
+            model = finest
+            if grid is not grids[-1]:
+                model = ObservationModel.of(patch, layer, grid, mechanics, quantity, noise_std)
+            step = replace(step, model=model, operator=_iterative(solver, model, finest, top))
+        steps.append(step)
+    return Rungs(
+        steps=tuple(steps),
+        explained=finest.matrix @ start.matrix,
+        noise_std=finest.noise_std,
+        start=start,
+        model=finest,
+        linear=linear,
+        bayesian=start.posterior is not None,
+    )
+
+
+def _iterative(
+    solver: Solver,
+    model: ObservationModel,
+    finest: ObservationModel,
+    top: InverseOperator | FieldOperator,
+) -> FieldOperator:
+    operator = top if model is finest else _prepared(solver, model)
+    assert not isinstance(operator, InverseOperator)  # a solver is linear on all grids or none
+    return operator
+
+
+def check_sides(sides: Sequence[int]) -> None:
+    """Raise InputError unless the rungs rise."""
+    for nodes in sides:
+        check_count("rungs", nodes, 2, FINEST, "nodes along a side of each grid")
+    if not sides or any(a >= b for a, b in pairwise(sides)):
+        raise InputError(
+            f"rungs is {tuple(sides)!r}, expected one or more, from coarse to fine: (10, 20, 40)"
+        )
+
+
+def linear_start(solver: Solver) -> GaussianField:
+    """The linear solver of the same prior: an iterative one's answer before its first step."""
+    if isinstance(solver, NonNegative):
+        return GaussianField(snr=solver.snr, length_scale=solver.length_scale)
+    return GaussianField()
+
+
+def _prepared(solver: Solver, model: ObservationModel) -> InverseOperator | FieldOperator:
+    operator = solver.prepare(model)
+    if isinstance(operator, ContactOperator):
+        raise InputError(
+            f"solver is {type(solver).__name__}(), which finds contacts by itself and has no "
+            "resolution to choose, expected a solver of fields: NonNegative() or GaussianField(); "
+            "for contacts use a Reconstructor with a deadline"
+        )
+    return operator
+
+
+def linear_rung(
+    nodes: int, deformation: Deformation, finest: InverseOperator, model: ObservationModel
+) -> Rung:
+    """Derive a resolution's linear answer from the finest one's, prepared for a model."""
+    grid, posterior, matrix = deformation.grid, finest.posterior, finest.matrix
+    error: PressurePosterior | RestrictedPosterior | None = posterior
+    if grid.shape != model.grid.shape:
+        restriction, every = Restriction.between(model.grid, grid), np.arange(len(grid))
+        matrix = np.ascontiguousarray(restriction(matrix.T).T)
+        error = None if posterior is None else RestrictedPosterior(posterior, restriction, every)
+    noise = PressureNoise(matrix * model.noise_std)
+    return Rung(nodes, grid, deformation, matrix, noise, error, finest.model_error)
+
+
+KEPT = 64  # sets of missing taxels whose maps stay at hand
+SETS = 16  # of valid taxels whose matrices stay at hand
+Map = tuple[Ints, Ints, Floats]
+
+
+class FilledReadings:
+    r"""Readings in place of missing ones, with which the linear answer is that of the valid taxels.
+
+    Parameters
+    ----------
+    weights : (L, L) array
+        Inverse covariance :math:`S^{-1}` of the readings that prior and noise let expect.
+
+    Notes
+    -----
+    A Bayesian linear answer is :math:`p = Q A^T w` with :math:`w = S^{-1} y`. With
+
+    .. math:: y_I = -\left((S^{-1})_{II}\right)^{-1} (S^{-1})_{IV} \, y_V
+
+    the weights of the missing taxels I vanish, and those of the valid ones V become
+    :math:`(S_{VV})^{-1} y_V` (inverse of a partitioned matrix): exactly the answer of an operator
+    that was prepared without I. It is the mean of :math:`y_I` given :math:`y_V`.
+    """
+
+    def __init__(self, weights: Floats) -> None:
+        self.weights = weights
+        self._maps: OrderedDict[bytes, Map] = OrderedDict()
+
+    def fill(self, readings: NDArray[np.floating], valid: NDArray[np.bool_]) -> None:
+        """Overwrite what is not `valid` (L,) in `readings` (L,); at least one must be."""
+        key = valid.tobytes()
+        if key not in self._maps:
+            if len(self._maps) >= KEPT:
+                self._maps.popitem(last=False)
+            self._maps[key] = self._map(valid)
+        missing, given, expected = self._maps[key]
+        self._maps.move_to_end(key)
+        readings[missing] = expected @ readings[given]
+
+    def _map(self, valid: NDArray[np.bool_]) -> Map:
+        missing: Ints = np.flatnonzero(~valid).astype(np.int64)
+        given: Ints = np.flatnonzero(valid).astype(np.int64)
+        rows = self.weights[missing]
+        return missing, given, np.asarray(-np.linalg.solve(rows[:, missing], rows[:, given]))
+
+
+class ValidTaxels:
+    """A ladder's linear answer from some of its taxels, as a solver prepares it for them alone.
+
+    Parameters
+    ----------
+    rungs : Rungs
+    solver : Solver
+        Linear.
+    valid : (L,) bool array
+    """
+
+    def __init__(self, rungs: Rungs, solver: Solver, valid: NDArray[np.bool_]) -> None:
+        self.valid, self._rungs, self._solver = valid, rungs, solver
+        gaussian = rungs.start.gaussian
+        self._set: TaxelSets | None = None if gaussian is None else gaussian.sets(valid[None])
+        self._steps: dict[int, Rung] = {}
+
+    def readings(self, linear: Floats) -> Floats:
+        """Linearised readings (L,), missing ones 0, as those that `matrix` is for."""
+        if self._set is None:
+            return linear
+        return np.asarray(self._set.filled(linear[None], np.zeros(1, dtype=np.int64))[0])
+
+    def matrix(self, step: Rung) -> Floats:
+        """From these to the pressure on a rung, (K, L)."""
+        return step.matrix if self._set is not None else self.on(step).matrix
+
+    @cached_property
+    def explained(self) -> Floats:
+        """From these to what the answer predicts of them, (L, L)."""
+        if self._set is not None:
+            return self._rungs.explained
+        return np.asarray(self._rungs.model.matrix @ self._widened(self._prepared.matrix))
+
+    def on(self, step: Rung) -> Rung:
+        """What a rung would be, had the patch the valid taxels alone; 0 for the others."""
+        if step.nodes not in self._steps:
+            model = self._rungs.model.subset(self.valid)
+            made = linear_rung(step.nodes, step.deformation, self._prepared, model)
+            self._steps[step.nodes] = replace(made, matrix=self._widened(made.matrix))
+        return self._steps[step.nodes]
+
+    @cached_property
+    def _prepared(self) -> InverseOperator:
+        without = self._rungs.start.without(self.valid)
+        if without is not None:
+            return without
+        operator = self._solver.prepare(self._rungs.model.subset(self.valid))
+        assert isinstance(operator, InverseOperator)  # as it is of all taxels
+        return operator
+
+    def _widened(self, matrix: Floats) -> Floats:
+        wide = np.zeros((len(matrix), len(self.valid)))
+        wide[:, self.valid] = matrix
+        return wide
+
+
+class ValidSets:
+    """Sets of valid taxels of a linear ladder, of which the last stay prepared."""
+
+    def __init__(self, rungs: Rungs, solver: Solver) -> None:
+        self._made_of = rungs, solver
+        self._kept: OrderedDict[bytes, ValidTaxels] = OrderedDict()
+
+    def of(self, valid: NDArray[np.bool_]) -> ValidTaxels:
+        """Of a mask (L,), with at least one taxel."""
+        key = valid.tobytes()
+        if key not in self._kept:
+            if len(self._kept) >= SETS:
+                self._kept.popitem(last=False)
+            self._kept[key] = ValidTaxels(*self._made_of, valid.copy())
+        self._kept.move_to_end(key)
+        return self._kept[key]

@@ -1,0 +1,405 @@
+"""Reconstruction of one patch: from readings to fields and contacts, wherever a taxel sees."""
+
+import copy
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.elastic import (
+    BondedLayer,
+    Capacitance,
+    Deformation,
+    Layer,
+    Mechanics,
+    ObservationModel,
+    Quantity,
+    check_skin,
+)
+from skinfield.errors import (
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_offers,
+    check_positive,
+    check_shape,
+    check_type,
+)
+from skinfield.estimate import ContactFinder, Estimate
+from skinfield.reconstruct.intervals import Intervals
+from skinfield.reconstruct.plan import MOST, LinearPlan, Results, Setting
+from skinfield.reconstruct.plans import DeadlineMargin, Plans
+from skinfield.skin import Grid, Patch
+from skinfield.solve import GaussianField, Solver
+
+SIGHT = 5.0  # thicknesses beyond a pad's rim at which a press is no longer seen
+
+
+def support_of(grid: Grid, layer: Layer) -> tuple[Grid, Ints]:
+    """Lattice that carries pressure under every taxel, and the grid's nodes in it.
+
+    A window that leaves taxels out would have to explain their readings by pressure inside it.
+    The answer is wanted in the window, but pressure is sought wherever a taxel sees.
+
+    Returns
+    -------
+    support : Grid
+        The grid itself where its cells hold all taxels.
+    nodes : (K,) int array
+        Where the grid's nodes stand in the support.
+
+    Raises
+    ------
+    InputError
+        If no taxel sees any of the grid's nodes.
+    """
+    _check_sight(grid, layer)
+    taxels = grid.patch.plane
+    last = grid.plane[-1]
+    margin = grid.pitch * (0.5 + 1e-9)  # a cell holds what lies within half a pitch of its node
+    before = np.ceil(np.maximum(grid.origin - margin - taxels.min(axis=0), 0.0) / grid.pitch)
+    after = np.ceil(np.maximum(taxels.max(axis=0) - margin - last, 0.0) / grid.pitch)
+    left, low = before.astype(int).tolist()
+    right, high = after.astype(int).tolist()
+    if not any((left, low, right, high)):
+        return grid, np.arange(len(grid))
+    rows, columns = grid.shape
+    shape = (low + rows + high, left + columns + right)
+    origin = grid.origin - np.array([left, low]) * grid.pitch
+    row, column = np.divmod(np.arange(len(grid)), columns)
+    return Grid(grid.patch, shape, grid.pitch, origin), (row + low) * shape[1] + column + left
+
+
+def _check_sight(grid: Grid, layer: Layer) -> None:
+    from scipy.spatial import cKDTree
+
+    patch = grid.patch
+    nearest = float(np.min(cKDTree(patch.plane).query(grid.plane)[0]))
+    sight = patch.pad_diameter / 2 + SIGHT * layer.thickness + grid.pitch
+    if nearest > sight:
+        raise InputError(
+            f"the grid's nearest node is {nearest * 1e3:.1f} mm from any taxel of {patch.name!r}, "
+            f"expected within {sight * 1e3:.1f} mm: nothing is measured there; move the window"
+        )
+
+
+class Reconstructor:
+    """Prepared reconstruction of one patch; call it with readings.
+
+    Parameters
+    ----------
+    patch : Patch
+    layer : Layer, optional
+        Default `Layer()`: 2 mm of incompressible silicone of 150 kPa.
+    grid : Grid, optional
+        Where the answer is wanted. Default 40 x 40 nodes over the patch. Pressure outside of a
+        window is sought as well, so that the window need not explain it.
+    mechanics : Mechanics, optional
+        Default `BondedLayer()`; `HalfSpace()` as in the paper.
+    quantity : Quantity, optional
+        What a reading is: `Capacitance()` (default), `BaseStress()` or `Gap()`.
+    solver : Solver, optional
+        How readings become pressure. Default `GaussianField()`.
+    noise_std : float or (L,) array, in the quantity's unit, optional
+        Standard deviation of one reading. Default the quantity's `typical_noise`.
+    finder : ContactFinder, optional
+        How pressure becomes contacts.
+    precision : numpy.float64 or numpy.float32
+        Of the prepared matrix; float32 halves the time per reading.
+    intervals : Intervals, optional
+        Of `calibrated`, learnt before for such a reconstructor.
+
+    Raises
+    ------
+    InputError
+        For an argument that is something else, or that no skin can have.
+    """
+
+    def __init__(
+        self,
+        patch: Patch,
+        layer: Layer | None = None,
+        grid: Grid | None = None,
+        *,
+        mechanics: Mechanics | None = None,
+        quantity: Quantity | None = None,
+        solver: Solver | None = None,
+        noise_std: ArrayLike | None = None,
+        finder: ContactFinder | None = None,
+        precision: type[np.floating[Any]] = np.float64,
+        intervals: Intervals | None = None,
+    ) -> None:
+        self.patch = patch
+        self.layer = Layer() if layer is None else layer
+        self.mechanics = BondedLayer() if mechanics is None else mechanics
+        self.quantity = Capacitance() if quantity is None else quantity
+        self.solver = GaussianField() if solver is None else solver
+        self.finder = ContactFinder() if finder is None else finder
+        check_skin(patch, self.layer, self.mechanics, self.quantity)
+        check_parts(self.solver, self.finder, grid, intervals)
+        self.grid = Grid.square(patch) if grid is None else grid.on(patch)
+        self.precision = precision
+        noise = self.quantity.typical_noise if noise_std is None else noise_std
+        support, nodes = support_of(self.grid, self.layer)
+        self.model = ObservationModel.of(
+            patch, self.layer, support, self.mechanics, self.quantity, noise
+        )
+        self.deformation = Deformation(support, self.layer, self.mechanics)
+        made = (self.model, self.deformation, nodes, self.grid, self.quantity, self.finder)
+        setting = Setting(*made, precision, model_errors=intervals is None)
+        self.intervals = intervals
+        if intervals is not None:
+            intervals.check(*self.kind)
+        self._plans = Plans(setting, self.solver)
+        self._linear = np.empty(len(patch), precision)
+        self._margin = DeadlineMargin()
+        self._run_in()
+
+    @property
+    def plan(self) -> LinearPlan:
+        """What is prepared for all taxels, of a linear solver."""
+        whole = self._plans.whole
+        if not isinstance(whole, LinearPlan):
+            raise InputError(
+                f"{type(self.solver).__name__} is not linear, so it has no matrix: call the "
+                "reconstructor with readings, or use a linear solver such as GaussianField()"
+            )
+        return whole
+
+    @property
+    def plans(self) -> Plans:
+        """What is prepared, for all taxels and for those sets of them that came."""
+        return self._plans
+
+    @property
+    def operator(self) -> NDArray[Any]:
+        """The prepared matrix (4 K, L): pressure, then displacement x, y, z; all taxels valid."""
+        return self.plan.operator
+
+    def apply(self, readings: NDArray[Any], out: NDArray[Any]) -> None:
+        """Write pressure and displacement of one reading into `out`; allocates nothing.
+
+        Parameters
+        ----------
+        readings : (L,) array of `precision`, in the quantity's unit
+            All taxels valid: nothing is checked here.
+        out : (4 K,) array of `precision`
+            Pressure (K) Pa, then displacement x, y, z (K each) m.
+        """
+        np.dot(self.plan.operator, self.quantity.linearise(readings, self._linear), out=out)
+
+    def __call__(
+        self,
+        readings: ArrayLike,
+        *,
+        valid: ArrayLike | None = None,
+        stamp_ns: ArrayLike = 0,
+        deadline: float | None = None,
+    ) -> Estimate:
+        """Reconstruct one reading or a run of them.
+
+        Parameters
+        ----------
+        readings : (L,) or (T, L) array, in the quantity's unit
+            NaN marks a taxel that did not answer: it is left out, as if it were not there.
+        valid : (L,) or (T, L) bool array, optional
+            False for further taxels to leave out.
+        stamp_ns : int or (T,) array, ns
+        deadline : float, s, optional
+            For each reading: an iterative solver then stops with its best answer so far.
+
+        Returns
+        -------
+        Estimate
+            With a leading axis T where the readings had one.
+
+        Raises
+        ------
+        InputError
+            For a wrong number of taxels, an infinite reading, or none that is valid.
+        """
+        start = time.perf_counter_ns()
+        table, mask = checked_readings(readings, valid, self.patch, self.quantity)
+        if deadline is not None:
+            check_positive("deadline", deadline, "seconds for each reading")
+        stamps = np.asarray(stamp_ns, dtype=np.int64)
+        if stamps.shape not in ((), (len(table),)):
+            raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
+        if np.ndim(readings) == 1:
+            prompt = self._prompt(table[0], mask[0], stamps, start, deadline)
+            if prompt is not None:
+                return prompt
+        out = Results.empty(len(table), len(self.patch), len(self.grid))
+        self._plans.solve(table, mask, out, deadline)
+        nodes, learnt = len(self.grid), self.intervals
+        pressure = out.fields[:, :nodes]
+        estimate = Estimate(
+            grid=self.grid,
+            pressure=pressure,
+            traction=-pressure[:, :, None] * self.grid.normals,
+            displacement=np.moveaxis(out.fields[:, nodes:].reshape(len(table), 3, nodes), 1, 2),
+            pressure_std=out.pressure_std,
+            contacts=tuple(found if learnt is None else learnt(found) for found in out.contacts),
+            residual=out.residual,
+            valid=mask,
+            stamp_ns=stamps,
+            latency=(time.perf_counter_ns() - start) * 1e-9,
+            notes=tuple(out.notes),
+            gap=out.gap,
+            iterations=out.iterations,
+            deadline_met=out.in_time,
+        )
+        return estimate[0] if np.ndim(readings) == 1 else estimate
+
+    def _prompt(
+        self,
+        reading: Floats,
+        valid: NDArray[np.bool_],
+        stamps: NDArray[np.int64],
+        start: int,
+        deadline: float | None,
+    ) -> Estimate | None:
+        """Answer one reading with its pressure, the rest to be computed when asked for.
+
+        None where the plan computes all at once, as one that finds contacts does.
+        """
+        end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
+        answer = self._plans.prompt(reading, valid, self._margin.before(end))
+        if answer is None:
+            return None
+        pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
+        rest["traction"] = lambda: -pressure[:, None] * self.grid.normals
+        if learnt is not None:
+            found = rest["contacts"]
+            rest["contacts"] = lambda: learnt(found())
+        estimate = Estimate.later(
+            rest,
+            grid=self.grid,
+            pressure=pressure.copy(),  # what is computed later is of what was found
+            valid=valid,
+            stamp_ns=stamps.ravel()[0],
+            gap=answer.gap,
+            iterations=answer.iterations,
+        )
+        acted = answer.iterations > 0  # without a step it could not have been any earlier
+        vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
+        in_time = (
+            self._margin.learn(start, end)
+            if acted
+            else end is None or time.perf_counter_ns() <= end
+        )
+        vars(estimate)["deadline_met"] = in_time
+        return estimate
+
+    def calibrated(
+        self, presses: int = 300, seed: int = 0, bodies: Sequence[Any] | None = None
+    ) -> "Reconstructor":
+        """Learn from simulated presses how often contacts are how far off; some seconds.
+
+        Parameters
+        ----------
+        presses : int
+            Each at a place, with a load and with noise of its own; see
+            `pipeline.interval_training`.
+        seed : int
+        bodies : sequence of Indenter, optional
+            Default balls, flats, a cone and a bar.
+
+        Returns
+        -------
+        Reconstructor
+            One that shares what is prepared. By the covariance of its contacts, 1.645 deviations
+            each way hold 90 % of the forces, and the ellipse of squared radius 4.605 as many
+            places; any level by `force_interval`, `place_radius` and `area_interval`. Its
+            `intervals` can be saved, and handed to a reconstructor that is made anew.
+
+        Raises
+        ------
+        InputError
+            For too few presses, or a quantity that the simulator does not know.
+        """
+        from skinfield.reconstruct.interval_training import intervals_of
+
+        return self.with_intervals(intervals_of(self, presses, seed, bodies))
+
+    def with_intervals(self, intervals: Intervals | None) -> "Reconstructor":
+        """Share what is prepared; with None, contacts state not even the solver's model error."""
+        if intervals is not None:
+            intervals.check(*self.kind)
+        other = copy.copy(self)
+        other.intervals = intervals
+        other._plans = self._plans.within(replace(self._plans.setting, model_errors=False))
+        return other
+
+    @property
+    def kind(self) -> tuple[str, str, int, float]:
+        """What intervals are learnt for: solver, what is read, number of taxels, mean noise."""
+        name, noise = type(self.solver).__name__, float(self.model.noise_std.mean())
+        return name, self.quantity.symbol, len(self.patch), noise
+
+    def reset(self) -> None:
+        """Forget the readings before, from which some solvers start the next."""
+        self._plans.reset()
+
+    def _run_in(self) -> None:
+        """Load what is compiled, so that the first reading is as fast as the next."""
+        self(np.zeros(len(self.patch)))
+        self.reset()
+        self._plans.run_in()
+
+
+def check_parts(solver: object, finder: object, grid: object, intervals: object) -> None:
+    """Raise InputError, with what to hand in, for a part that is something else."""
+    why = "a solver such as GaussianField() or ContactFit()"
+    check_offers("solver", solver, ("prepare",), why)
+    check_offers("finder", finder, ("__call__",), "one such as ContactFinder()")
+    if grid is not None:
+        check_type("grid", grid, Grid, "such as Grid.square(patch, nodes=40)")
+    if intervals is not None:
+        check_type("intervals", intervals, Intervals, "those of a calibrated reconstructor")
+
+
+def checked_readings(
+    readings: ArrayLike, valid: ArrayLike | None, patch: Patch, quantity: Quantity
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Readings (T, L), and which of them to use (T, L), or InputError for what no skin reads."""
+    table = np.atleast_2d(as_floats("readings", readings))
+    check_shape("readings", table, (None, len(patch)), f"one per taxel of {patch.name!r}")
+    if not len(table):
+        raise InputError("readings is empty, expected one reading or more")
+    if valid is None and np.isfinite(table).all() and (table > quantity.lowest).all():
+        return table, np.ones(table.shape, dtype=np.bool_)
+    if np.isinf(table).any():
+        row, taxel = np.argwhere(np.isinf(table))[0]
+        raise InputError(
+            f"readings[{row}, {taxel}] is {table[row, taxel]}, expected finite numbers: "
+            "mark a taxel that did not answer with NaN"
+        )
+    impossible = np.argwhere(table <= quantity.lowest)
+    if len(impossible):
+        row, taxel = impossible[0]
+        raise InputError(
+            f"readings[{row}, {taxel}] is {table[row, taxel]}, expected above "
+            f"{quantity.lowest:g} ({len(impossible)} are not): no skin reads that; mark "
+            "such taxels with NaN, and check the gain"
+        )
+    mask = ~np.isnan(table)
+    if valid is not None:
+        given = np.atleast_2d(np.asarray(valid, dtype=np.bool_))
+        if given.shape not in (mask.shape, (1, mask.shape[1])):
+            raise InputError(
+                f"valid has shape {np.shape(valid)}, expected {mask.shape[1:]} or "
+                f"{mask.shape}: one per taxel, or one per reading and taxel"
+            )
+        mask &= given
+    empty = np.flatnonzero(~mask.any(axis=1))
+    if len(empty):
+        raise InputError(
+            f"readings[{empty[0]}] has no valid taxel ({len(empty)} of {len(table)} readings), "
+            "expected at least one: drop such readings"
+        )
+    return table, mask

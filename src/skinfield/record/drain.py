@@ -1,0 +1,589 @@
+"""Drain of a ring into a recorder's queue: readings, cycles, fields, settings, events, views."""
+
+import contextlib
+import io
+import json
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import FileError, InputError, SkinfieldError
+from skinfield.estimate.live_contacts import CONTACT
+from skinfield.files.mcap import RecordingWriter, enclosures
+from skinfield.files.mcap.schema import (
+    CONFIGURATION,
+    FIT_HEAD,
+    TARE,
+    CycleLayout,
+    Enclosed,
+    FieldRecord,
+    FitRecord,
+    FitSizes,
+)
+from skinfield.files.mcap.views import PatchView, ViewMessage, Views, in_link, turned_to_link
+from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
+from skinfield.loop.model_config import FIELD as SOLVER
+from skinfield.loop.model_config import ModelConfig, configuration_of
+from skinfield.loop.realtime.timing import Timing
+from skinfield.loop.runtime_parameters import FIELD as TUNING
+from skinfield.loop.runtime_parameters import tuning_of
+from skinfield.loop.slots import Head, Slot
+from skinfield.loop.status_text import HEAD as CHECKED
+from skinfield.reconstruct.serialisation import plain_from_value
+from skinfield.record.queue import Item, Queue, event_item
+from skinfield.ring import RingReader, State
+from skinfield.signal import Calibration
+from skinfield.signal.block import HEADER, WORD, Kind
+from skinfield.skin import Skin
+
+SILENT = 1.0  # s without a sign of life of the engine until it is told
+JSON, NPZ = "application/json", "application/x-npz"
+Array = NDArray[Any]
+
+
+def layout_of(reader: RingReader) -> CycleLayout:
+    """Rows of the ring's cycles; raises FileError if it is no live skin's."""
+    said = reader.description
+    if "contact_row" not in said or "patch_row" not in said:
+        raise FileError(f"{reader.path} is no ring of a live skin, expected that of an engine")
+    metadata = {"contact": said["contact_row"], "patch": said["patch_row"]}
+    return CycleLayout.from_metadata({key: json.dumps(row) for key, row in metadata.items()})
+
+
+def enclosed_of(reader: RingReader) -> tuple[Enclosed, ...]:
+    """Everything that makes the recording self-contained."""
+    said = dict(reader.description)
+    text = said.pop("model_config", None)
+    skin = skin_of(reader)
+    made: list[Enclosed] = []
+    if isinstance(text, str):
+        made.append(Enclosed(CONFIGURATION, JSON, text.encode()))
+    status = reader.status
+    calibrations = {}
+    if skin is not None and int(status["tares"][0]) > 0:
+        calibrations = calibrations_of(skin, status["calibration"])
+        made.append(tare_of(status))
+    return (*enclosures(skin, calibrations, None, said), *made)
+
+
+def skin_of(reader: RingReader) -> Skin | None:
+    """The skin that a ring says it is of; None where it does not say."""
+    text = reader.description.get("model_config")
+    return ModelConfig.from_json(text).skin if isinstance(text, str) else None
+
+
+def tare_of(status: dict[str, Array]) -> Enclosed:
+    """The engine's own calibration, as it is in the ring's status."""
+    buffer = io.BytesIO()
+    names = ("calibration", "noise_std", "stale_ns", "tares")
+    np.savez(buffer, allow_pickle=False, **{name: status[name] for name in names})
+    return Enclosed(TARE.format(number=int(status["tares"][0])), NPZ, buffer.getvalue())
+
+
+def calibrations_of(skin: Skin, table: Array) -> dict[str, Calibration]:
+    """Calibrations by patch, of rows baseline, gain, noise_std and alive for all taxels."""
+    calibrations, start = {}, 0
+    for patch in skin:
+        baseline, gain, noise_std, alive = table[start : start + len(patch)].T.copy()
+        start += len(patch)
+        with contextlib.suppress(InputError):  # a patch that never answered has no baseline
+            calibrations[patch.name] = Calibration(
+                baseline, gain, noise_std, alive > 0, patch.uid, patch_name=patch.name
+            )
+    return calibrations
+
+
+class StatusWatch:
+    """Looks at a ring once a second.
+
+    Parameters
+    ----------
+    reader : RingReader
+    queue : Queue
+    tares : int
+        Calibrations so far that are enclosed already.
+    """
+
+    def __init__(self, reader: RingReader, queue: Queue, tares: int = 0) -> None:
+        self._reader, self._queue, self._skin = reader, queue, skin_of(reader)
+        status = reader.status
+        self._before = (status["times"], status["totals"])
+        Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
+        self._tares = tares
+        self._state: State | None = reader.state
+        self._silent = False
+
+    def look(self) -> None:
+        """Tell the last second's timing, and what has changed."""
+        now = time.time_ns()
+        status = self._reader.status
+        told: dict[str, object] = dict(
+            Timing.of(status["times"], status["totals"], self._before).as_dict()
+        )
+        self._before = (status["times"], status["totals"])
+        names = self._reader.description.get("source_counters", [])
+        told["counters"] = [
+            dict(zip(names, row, strict=False)) for row in status["sources"].tolist()
+        ]
+        self._queue.tell(Item(now, 0, lambda writer: writer.timing(now, told)))
+        if int(status["tares"][0]) != self._tares:
+            self._tares = int(status["tares"][0])
+            for each in self._calibrated(status):
+                enclose = partial(RecordingWriter.enclose, time_ns=now, enclosed=each)
+                self._queue.tell(Item(now, 0, enclose))
+            self._tell("calibrated", "the baseline was taken anew", tares=self._tares)
+        self._engine()
+
+    def _calibrated(self, status: dict[str, Array]) -> Iterator[Enclosed]:
+        """What was enclosed of the calibration before stands for what was read until then."""
+        if self._skin is not None:
+            yield from enclosures(calibrations=calibrations_of(self._skin, status["calibration"]))
+        yield tare_of(status)
+
+    def _engine(self) -> None:
+        try:
+            state: State | None = self._reader.state
+        except SkinfieldError:
+            state = None
+        if state != self._state and state is not None:
+            self._tell("engine_state", f"the engine is {state.name.lower()}", state=state.name)
+        self._state = state
+        age = (time.monotonic_ns() - self._reader.heartbeat_ns) * 1e-9
+        silent = age > SILENT and state in (State.RUNNING, State.CALIBRATING)
+        if silent and not self._silent:
+            self._tell(
+                "engine_silent", f"no sign of life of the engine for {age:.1f} s", seconds=age
+            )
+        elif self._silent and not silent:
+            self._tell("engine_back", "the engine gives signs of life again")
+        self._silent = silent
+
+    def _tell(self, kind: str, text: str, **values: object) -> None:
+        self._queue.tell(event_item(time.time_ns(), kind, text, values))
+
+
+class SkinViews:
+    """Messages of a cycle for other programs.
+
+    Parameters
+    ----------
+    skin : Skin or None
+        None where there are no views.
+    views : sequence of Views
+    """
+
+    def __init__(self, skin: Skin | None, views: Sequence[Views]) -> None:
+        self._skin, self.views = skin, views
+        self._starts = np.cumsum([0, *map(len, skin or ())])
+
+    @classmethod
+    def of(cls, reader: RingReader, kinds: Sequence[Callable[[Skin], Views]]) -> Self:
+        """Of these kinds, of a ring's skin.
+
+        Raises
+        ------
+        FileError
+            If the ring does not say which skin it is of.
+        """
+        if not kinds:
+            return cls(None, ())
+        skin = ModelConfig.from_json(str(reader.description.get("model_config"))).skin
+        return cls(skin, [make(skin) for make in kinds])
+
+    def messages(self, time_ns: int, slot: Slot) -> Iterator[ViewMessage]:
+        """All messages of one cycle."""
+        patches = list(self._patches(slot))
+        for views in self.views:
+            yield from views.messages(time_ns, patches)
+
+    def _patches(self, slot: Slot) -> Iterator[PatchView]:
+        contacts = slot.used_contacts()
+        for place, patch in enumerate(self._skin or ()):
+            its = contacts[contacts["patch"] == place]
+            part = slice(self._starts[place], self._starts[place + 1])
+            # contacts press inwards, against the outward normal
+            forces = -its["normal_force"][:, None] * its["normal"]
+            yield PatchView(
+                patch,
+                slot.values[part].copy(),
+                slot.valid[part] > 0,
+                in_link(patch, its["position"]),
+                turned_to_link(patch, forces),
+                its["area"].copy(),
+                its["track"].copy(),
+            )
+
+
+PIECE = 1 << 20  # bytes of the log in one message, about
+SPARE = 4  # a fourth of the slots, which the engine may write while the others are taken
+OLDEST_NS = 10_000_000_000  # of an answer of a fit that is taken: its own stamp is wrong beyond
+NOTHING = np.zeros(0, np.uint32)
+# Bits per channel of a block.
+BITS: dict[int, int] = {Kind.BYTES: 8, Kind.SHORTS: 16, Kind.FLOATS: 32, Kind.STATUS: 1}
+
+
+class Place(NamedTuple):
+    """The cycles after `number` are recorded, and the log from `position` on.
+
+    Attributes
+    ----------
+    number : int
+    position : int, bytes
+        Of the log, with all readings of the first cycle behind it.
+    """
+
+    number: int
+    position: int
+
+
+def place_now(reader: RingReader) -> Place:
+    """Behind the newest cycle; of an engine that starts, before all that is there."""
+    number = reader.number  # before the log's end is looked at: no cycle without its readings
+    return Place(number, reader.log_end if number else 0)
+
+
+def place_since(reader: RingReader, since_ns: int) -> Place:
+    """Before the last cycle that was not after a time, or as far back as the ring goes.
+
+    Parameters
+    ----------
+    reader : RingReader
+    since_ns : int, ns
+        Since the epoch.
+
+    Returns
+    -------
+    Place
+        `place_now` if readings since then are not there any more.
+    """
+    now, slot = place_now(reader), reader.slot()
+    found, head, wall_ns = now, slot["head"], 0
+    for number in range(now.number, max(now.number - reader.slots + reader.slots // SPARE, 0), -1):
+        if not reader.part(number, slot, ("head",)):
+            break
+        found = Place(number, int(head[Head.LOG_POSITION]))
+        if wall_ns and wall_ns <= since_ns:
+            break
+        wall_ns = int(head[Head.WALL_NS])
+    _, lost = reader.log_reader(found.position).read()
+    return now if lost else found
+
+
+def source_blocks(data: bytes) -> Iterator[tuple[int, int, int, int]]:
+    """Stamp, source, kind and number of each block of SOURCE and LOST, of blocks of a log."""
+    words, at = memoryview(data).cast("B").cast("q"), 0
+    while at + HEADER // WORD < len(words):
+        second = words[at + 1]
+        kind, count = second >> 48 & 0xFF, second >> 32 & 0xFFFF
+        if kind in BITS:
+            at += HEADER // WORD - (-BITS[Kind(kind)] * count // 64)
+        elif kind in (Kind.SOURCE, Kind.LOST):
+            yield words[at], second & 0xFFFFFFFF, kind, words[at + 2]
+            at += HEADER // WORD + 1
+        else:
+            return
+
+
+class Drain:
+    """Reads the log and the slots of a ring into a queue.
+
+    Parameters
+    ----------
+    reader : RingReader
+    queue : Queue
+    layout : CycleLayout
+    views : SkinViews
+    view_rate : float, 1/s
+        Of pressure fields and views.
+    begin : Place
+
+    Attributes
+    ----------
+    bytes_read, cycles : int
+    overrun_bytes, overrun_cycles : int
+        That the ring had overwritten.
+    """
+
+    def __init__(
+        self,
+        reader: RingReader,
+        queue: Queue,
+        layout: CycleLayout,
+        views: SkinViews,
+        view_rate: float,
+        begin: Place,
+    ) -> None:
+        self._reader, self._queue, self._layout, self._views = reader, queue, layout, views
+        self._sources = [str(each) for each in reader.description.get("sources", [])]
+        self._every, self._shown = int(1e9 / view_rate), 0
+        self._number = begin.number
+        self._log = reader.log_reader(begin.position)
+        self._slot = reader.slot()
+        self._cycle = Slot.of(self._slot.arrays)
+        self.generation = reader.generation
+        self.bytes_read = self.cycles = self.overrun_bytes = self.overrun_cycles = 0
+        self._put_blocks(time.time_ns(), self._log.position, b"")
+        self._first = self._log.position
+        self._settings = b""
+        self.fit = fit_drain_of(reader, queue)
+        self._lost: Counter[int] = Counter()
+
+    def take(self) -> None:
+        """Take all that is new."""
+        head = self._reader.number
+        self._take_log()
+        self._take_settings(head)
+        missing: list[int] = []
+        for number in range(self._number + 1, head + 1):
+            slot = self._reader.get(number, self._slot)
+            if slot is None:
+                missing.append(number)
+                continue
+            cycle = self._cycle.recorded(number)
+            if cycle.log_position >= self._first:
+                data = self._layout.encode(cycle)
+                write = partial(RecordingWriter.write_cycle, time_ns=cycle.wall_ns, record=data)
+                self._queue.put(Item(cycle.wall_ns, len(data), write, cycle=True))
+                self.cycles += 1
+                due = not 0 <= cycle.wall_ns - self._shown < self._every
+                if due and self._cycle.head[Head.FRESH]:
+                    self._show(number, cycle.wall_ns)
+        self._number = max(head, self._number)
+        if missing:
+            self._tell_missing(missing)
+        if self._reader.generation != self.generation:
+            self._restarted()
+        self.fit.take()
+
+    def close(self) -> None:
+        """Let go of the fit's ring; the engine's is the caller's."""
+        self.fit.close()
+
+    def _show(self, number: int, time_ns: int) -> None:
+        """Offer what the cycle read, its pressure, and its views."""
+        self._shown, slot = time_ns, self._cycle
+        taxels = slot.counts.copy(), slot.values.copy(), slot.valid.copy()
+        sides = np.maximum(slot.patches["rung"], 0)
+        data = FieldRecord.of(number, time_ns, sides, slot.pressure, taxels).encode()
+        write = partial(RecordingWriter.write_field, time_ns=time_ns, record=data)
+        self._queue.offer(Item(time_ns, len(data), write))
+        for message in self._views.messages(time_ns, slot):
+            show = partial(RecordingWriter.show, message=message)
+            self._queue.offer(Item(time_ns, len(message.data), show))
+
+    def _take_settings(self, number: int) -> None:
+        """Tell which settings are in force, where they are others than before."""
+        view = self._reader.status_view
+        if TUNING.name not in view or SOLVER.name not in view:
+            return
+        now = view[TUNING.name].tobytes() + view[SOLVER.name][:CHECKED].tobytes()
+        if now == self._settings:
+            return
+        configuration = configuration_of(self._reader)
+        if configuration is None and view[SOLVER.name].any():
+            return  # it is being written: the next look sees it
+        self._settings = now
+        values: dict[str, object] = {
+            "cycle": number + 1,
+            "tuning": tuning_of(self._reader).as_dict(),
+        }
+        if configuration is not None:
+            values["solver"] = plain_from_value("solver", configuration.solver)
+            values["generation"] = configuration.generation
+        text = f"settings that are in force from cycle {number + 1} on"
+        self._queue.tell(event_item(time.time_ns(), "settings", text, values))
+
+    def _put_blocks(self, time_ns: int, position: int, data: bytes) -> None:
+        write = partial(RecordingWriter.write_blocks, time_ns=time_ns, position=position, data=data)
+        self._queue.put(Item(time_ns, len(data), write))
+
+    def _take_log(self) -> None:
+        while True:
+            data, lost = self._log.read(PIECE)
+            now = time.time_ns()
+            if lost:
+                self.overrun_bytes += lost
+                text = f"the ring came round: {lost} bytes of readings were overwritten unread"
+                values: dict[str, object] = {"bytes": lost, "position": self._log.position}
+                self._queue.tell(event_item(now, "log_overrun", text, values))
+            if not data:
+                return
+            self._put_blocks(now, self._log.position - len(data), data)
+            self.bytes_read += len(data)
+            self._tell_sources(data)
+
+    def _tell_missing(self, missing: list[int]) -> None:
+        self.overrun_cycles += len(missing)
+        text = f"the ring came round: {len(missing)} cycles were overwritten unread"
+        values: dict[str, object] = {
+            "cycles": len(missing),
+            "first": missing[0],
+            "last": missing[-1],
+        }
+        self._queue.tell(event_item(time.time_ns(), "cycle_overrun", text, values))
+
+    def _tell_sources(self, data: bytes) -> None:
+        for stamp, source, kind, number in source_blocks(data):
+            if kind == Kind.LOST:
+                self._lost[source] += number
+                continue
+            text = f"{self._name(source)} is {'connected' if number else 'gone'}"
+            what = "source_up" if number else "source_down"
+            self._queue.tell(event_item(stamp, what, text, {"source": source}))
+
+    def tell_lost(self) -> None:
+        """Tell what was lost since the last call: answers of the fit, and messages of a bad bus."""
+        self.fit.tell_missed()
+        for source, number in self._lost.items():
+            text = f"{self._name(source)}: {number} messages were lost"
+            values: dict[str, object] = {"source": source, "messages": number}
+            self._queue.tell(event_item(time.time_ns(), "messages_lost", text, values))
+        self._lost.clear()
+
+    def _name(self, source: int) -> str:
+        return self._sources[source] if source < len(self._sources) else f"source {source}"
+
+    def _restarted(self) -> None:
+        before, self.generation = self.generation, self._reader.generation
+        text = f"the engine was started again: process {self._reader.pid} goes on with the ring"
+        values: dict[str, object] = {
+            "generation": self.generation,
+            "before": before,
+            "pid": self._reader.pid,
+        }
+        self._queue.tell(event_item(time.time_ns(), "engine_restarted", text, values))
+
+
+def fit_drain_of(reader: RingReader, queue: Queue) -> "FitDrain":
+    """Of the fit beside the engine of a ring."""
+    text = reader.description.get("model_config")
+    if not isinstance(text, str):  # nobody can tell of which skin it is
+        return FitDrain(reader.name, queue, (), 0)
+    model_config = ModelConfig.from_json(text)
+    names = tuple(patch.name for patch in model_config.skin)
+    return FitDrain(reader.name, queue, names, max(model_config.rungs) ** 2)
+
+
+class FitDrain:
+    """Reads the answers of a fit's ring into a queue; whatever is wrong with it, that goes on.
+
+    Parameters
+    ----------
+    name : str
+        Of the live skin.
+    queue : Queue
+    patches : tuple of str
+        Of the skin that is recorded: answers for another one are left out.
+    nodes : int
+        Of the finest grid of a patch.
+
+    Attributes
+    ----------
+    answers : int
+        That were taken.
+    missed : int
+        That were overwritten unread, damaged, or too much for the disk.
+    """
+
+    def __init__(self, name: str, queue: Queue, patches: tuple[str, ...], nodes: int) -> None:
+        self._fit, self._queue = FitReader(name), queue
+        self._patches, self._nodes = patches, nodes
+        self._sizes = FitSizes(max(len(patches), 1), nodes, 1)
+        self._before = b""  # what the file says last, without its head
+        self.answers = self.missed = 0
+        self._told_missed = 0
+
+    def take(self) -> None:
+        """Take all that is new."""
+        try:
+            if self._fit.names == self._patches:
+                for number, found in self._fit.following():
+                    self._take(number, found)
+            else:
+                self._end()
+        except (SkinfieldError, ValueError, LookupError, OSError):  # of a ring that is damaged
+            self.missed += 1
+            self._fit.close()
+
+    def _take(self, number: int, found: FitSlot | None) -> None:
+        if found is None or found.sizes.nodes != self._nodes:
+            self.missed += 1
+            return
+        try:
+            record = record_of(found, number)
+            data = LAYOUT.encode(record)
+        except InputError:  # its numbers cannot be
+            self.missed += 1
+            return
+        self._sizes = record.sizes
+        self._put(data)
+
+    def _end(self) -> None:
+        """Say that there is no fit any more, if there was one that knew something."""
+        if self._before:
+            now, none = time.time_ns(), NOTHING
+            rows = np.zeros(0, PATCH), np.zeros(0, CONTACT), np.zeros(0, FORM)
+            field = none, np.zeros(0, np.float32)
+            self._put(LAYOUT.encode(FitRecord(now, 0, self._sizes, none, none, *rows, *field)))
+
+    def _put(self, data: bytes) -> None:
+        """Hand it over unless it is what was said last; what is not taken is said with the next."""
+        said = data[FIT_HEAD.size :]
+        if said == self._before:
+            return
+        now = time.time_ns()
+        write = partial(RecordingWriter.write_fit, time_ns=now, record=data)
+        if self._queue.offer(Item(now, len(data), write)):
+            self._before = said
+            self.answers += 1
+        else:
+            self.missed += 1
+
+    def tell_missed(self) -> None:
+        """Tell of the answers that were missed since the last call."""
+        missed, self._told_missed = self.missed - self._told_missed, self.missed
+        if missed:
+            text = f"{missed} answers of the contact fit could not be recorded"
+            self._queue.tell(event_item(time.time_ns(), "fit_missed", text, {"answers": missed}))
+
+    def close(self) -> None:
+        """Let go of the fit's ring."""
+        self._fit.close()
+
+
+def record_of(slot: FitSlot, number: int) -> FitRecord:
+    """What a recording keeps of an answer: of the patches that something touches, or may touch.
+
+    Raises
+    ------
+    InputError
+        If its counts of contacts are none.
+    """
+    now, told = time.time_ns(), int(slot.told_ns[0])
+    sizes, states, counts = slot.sizes, slot.patches["state"], slot.patches["contacts"]
+    if ((counts < 0) | (counts > sizes.rows)).any():
+        raise InputError(f"a fit has {counts} contacts, expected 0 to {sizes.rows} of each patch")
+    places = np.flatnonzero(states != int(Fitted.NOTHING))
+    kept = np.arange(sizes.rows) < counts[places][:, None]
+    fields = [
+        np.flatnonzero(slot.pressure[place].view(np.uint32)) if done else NOTHING
+        for place, done in zip(places, states[places] == int(Fitted.DONE), strict=True)
+    ]
+    pressure = [slot.pressure[place][nodes] for place, nodes in zip(places, fields, strict=True)]
+    return FitRecord(
+        told if 0 <= now - told <= OLDEST_NS else now,
+        number,
+        sizes,
+        places.astype(np.uint32),
+        np.array([len(nodes) for nodes in fields], np.uint32),
+        slot.patches[places],
+        slot.contacts[places][kept],
+        slot.forms[places][kept],
+        np.concatenate([NOTHING, *fields]).astype(np.uint32),
+        np.concatenate([np.zeros(0, np.float32), *pressure]),
+    )

@@ -1,0 +1,335 @@
+"""Queue of a recorder, and the thread that writes: it may wait for the disk as long as it likes."""
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from skinfield.errors import FileError
+from skinfield.files.mcap import RecordingWriter
+
+RETRY = 0.2  # s between attempts to write to a disk that refuses
+LAST_CHANCE = 1.0  # s that a full disk gets at the end
+SLOW = 0.5  # s that one write or sync may take before it is told
+
+
+class Item(NamedTuple):
+    """Something to be written.
+
+    Attributes
+    ----------
+    time_ns : int, ns
+        Since the epoch.
+    size : int, bytes
+    write : function of the writer
+    cycle : bool
+        Whether it is a cycle; other readings are counted in bytes where they are dropped.
+    """
+
+    time_ns: int
+    size: int
+    write: Callable[[RecordingWriter], None]
+    cycle: bool = False
+
+
+def event_item(time_ns: int, kind: str, text: str, values: dict[str, object]) -> Item:
+    """An event, see `RecordingWriter.event`."""
+    return Item(time_ns, 0, lambda writer: writer.event(time_ns, kind, text, **values))
+
+
+@dataclass
+class Dropped:
+    """What did not fit, since it was last told.
+
+    Attributes
+    ----------
+    bytes, cycles : int
+    since_ns, until_ns : int, ns
+    """
+
+    bytes: int = 0
+    cycles: int = 0
+    since_ns: int = 0
+    until_ns: int = 0
+
+    def add(self, item: Item) -> None:
+        """Count one."""
+        self.cycles += item.cycle
+        self.bytes += 0 if item.cycle else item.size
+        self.since_ns = self.since_ns or item.time_ns
+        self.until_ns = item.time_ns
+
+
+class Queue:
+    """Bounded: whoever puts never waits, but loses what does not fit.
+
+    Parameters
+    ----------
+    most : int, bytes
+
+    Attributes
+    ----------
+    dropped : Dropped
+        Since `take_dropped`.
+    dropped_bytes, dropped_cycles : int
+        In all.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._items: deque[Item] = deque()
+        self._bytes = 0
+        self._ready = threading.Condition()
+        self._ended = False
+        self.dropped = Dropped()
+        self.dropped_bytes = self.dropped_cycles = 0
+
+    @property
+    def waiting(self) -> int:
+        """Bytes in it."""
+        return self._bytes
+
+    @property
+    def oldest_ns(self) -> int:
+        """When its oldest item came, ns since the epoch; 0 if it is empty."""
+        with self._ready:
+            return self._items[0].time_ns if self._items else 0
+
+    def put(self, item: Item) -> bool:
+        """Append readings or a cycle, if they fit.
+
+        Once something did not fit, nothing more does until half of the room is free again: a few
+        long gaps can be told and understood, thousands of short ones cannot.
+        """
+        with self._ready:
+            room = self._most // 2 if self.dropped.since_ns else self._most
+            if self._bytes + item.size > room:
+                self.dropped.add(item)
+                self.dropped_bytes += 0 if item.cycle else item.size
+                self.dropped_cycles += item.cycle
+                return False
+            if self.dropped.since_ns:
+                self._tell_dropped()
+            self._items.append(item)
+            self._bytes += item.size
+            self._ready.notify()
+            return True
+
+    def tell(self, item: Item) -> None:
+        """Append an event, a second's timing or a small file: always kept."""
+        with self._ready:
+            self._items.append(item)
+            self._ready.notify()
+
+    def offer(self, item: Item) -> bool:
+        """Append something that comes after all readings, if there is room enough for those."""
+        with self._ready:
+            if self.dropped.since_ns or self._bytes + item.size > self._most // 2:
+                return False
+            self._items.append(item)
+            self._bytes += item.size
+            return True
+
+    def take(self, timeout: float) -> list[Item]:
+        """Everything that is there, as soon as there is something; empty after `timeout` s."""
+        with self._ready:
+            if not self._items and not self._ended:
+                self._ready.wait(timeout)
+            found = list(self._items)
+            self._items.clear()
+            self._bytes = 0
+            return found
+
+    def end(self) -> None:
+        """Say that nothing more comes."""
+        with self._ready:
+            if self.dropped.since_ns:
+                self._tell_dropped()
+            self._ended = True
+            self._ready.notify()
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more comes; something may still be there."""
+        return self._ended
+
+    def _tell_dropped(self) -> None:
+        """Leave a word where the gap is."""
+        lost, self.dropped = self.dropped, Dropped()
+        text = (
+            f"the disk did not keep up: {lost.bytes} bytes of readings and {lost.cycles} cycles "
+            "were dropped"
+        )
+        values: dict[str, object] = dict(vars(lost))
+        self._items.append(event_item(lost.until_ns, "dropped", text, values))
+
+
+@dataclass
+class DiskState:
+    """What others may know of it.
+
+    Attributes
+    ----------
+    failing_since : float, s
+        Monotonic time; 0 while writing works.
+    failure : str
+        What the system said last.
+    failures : int
+        Times that it began to fail.
+    last_flush, last_sync : float, s
+        Monotonic time.
+    longest : float, s
+        That one write or sync took.
+    lost : int
+        Messages that were given up at the end.
+    finished : bool
+        Whether the file has its end.
+    """
+
+    failing_since: float = 0.0
+    failure: str = ""
+    failures: int = 0
+    last_flush: float = 0.0
+    last_sync: float = 0.0
+    longest: float = 0.0
+    lost: int = 0
+    finished: bool = False
+
+
+class Disk(threading.Thread):
+    """Takes from the queue, writes, flushes and syncs in time, and closes the file at the end.
+
+    Parameters
+    ----------
+    writer : RecordingWriter
+    queue : Queue
+    flush, sync : float, s
+
+    Attributes
+    ----------
+    state : DiskState
+    """
+
+    def __init__(self, writer: RecordingWriter, queue: Queue, flush: float, sync: float) -> None:
+        super().__init__(name="disk", daemon=True)
+        self._writer, self._queue, self._flush_every, self._sync_every = writer, queue, flush, sync
+        now = time.monotonic()
+        self.state = DiskState(last_flush=now, last_sync=now)
+        self._slow_told = 0.0
+        self._crash: BaseException | None = None
+
+    def run(self) -> None:
+        """Work until the queue has ended."""
+        try:
+            while not self._queue.ended:
+                self._round()
+            self._finish()
+        except BaseException as error:
+            self._crash = error
+
+    def stop(self) -> None:
+        """Wait for its end; raises what went wrong with it."""
+        self._queue.end()
+        self.join()
+        if self._crash is not None:
+            raise self._crash
+
+    @property
+    def crashed(self) -> bool:
+        """Whether it ended too early."""
+        return self._crash is not None
+
+    def _round(self) -> None:
+        """Write what came, unless the disk refuses: then what comes waits in the queue."""
+        state = self.state
+        if state.failing_since:
+            time.sleep(RETRY)
+        else:
+            due = state.last_flush + self._flush_every - time.monotonic()
+            self._put_all(max(due, 0.0))
+        if state.failing_since or time.monotonic() - state.last_flush >= self._flush_every:
+            self._flush()
+        if not state.failing_since and time.monotonic() - state.last_sync >= self._sync_every:
+            self._sync()
+
+    def _put_all(self, timeout: float) -> None:
+        for item in self._queue.take(timeout):
+            self._put(item)
+
+    def _put(self, item: Item) -> None:
+        try:
+            item.write(self._writer)
+        except FileError as error:  # it waits in the writer
+            self._failed(error)
+
+    def _flush(self) -> None:
+        began = time.monotonic()
+        try:
+            self._writer.flush()
+        except FileError as error:
+            self._failed(error)
+            return
+        self._took(began, "write")
+        if self.state.failing_since:
+            self._works_again()
+        self.state.last_flush = time.monotonic()
+
+    def _sync(self) -> None:
+        began = time.monotonic()
+        try:
+            self._writer.sync()
+        except FileError as error:
+            self._failed(error)
+            return
+        self._took(began, "sync")
+        self.state.last_sync = time.monotonic()
+
+    def _failed(self, error: FileError) -> None:
+        state = self.state
+        state.failure = str(error)
+        if not state.failing_since:
+            state.failing_since = time.monotonic()
+            state.failures += 1
+
+    def _works_again(self) -> None:
+        state = self.state
+        seconds = time.monotonic() - state.failing_since
+        state.failing_since = 0.0
+        text = f"nothing could be written for {seconds:.1f} s ({state.failure}); now it works again"
+        self._put(event_item(time.time_ns(), "disk_failed", text, {"seconds": round(seconds, 3)}))
+
+    def _took(self, began: float, what: str) -> None:
+        took = time.monotonic() - began
+        self.state.longest = max(self.state.longest, took)
+        if took > SLOW and began - self._slow_told > 1.0:
+            self._slow_told = began
+            text = f"a {what} took {took:.1f} s: the disk is slow"
+            self._put(event_item(time.time_ns(), "disk_slow", text, {"seconds": round(took, 3)}))
+
+    def _give_up(self) -> None:
+        """Let go of what cannot be written; a word about it may still fit."""
+        self.state.lost = sum(self._writer.container.give_up_waiting().values())
+        text = f"{self.state.lost} messages could not be written at the end: {self.state.failure}"
+        self._put(event_item(time.time_ns(), "given_up", text, {"messages": self.state.lost}))
+        try:
+            self._writer.flush()
+        except FileError:
+            self._writer.container.give_up_waiting()
+
+    def _finish(self) -> None:
+        """Close the file; a disk that is still full gets a last chance, then data is given up."""
+        end = time.monotonic() + LAST_CHANCE
+        self._put_all(0.0)
+        self._flush()
+        while self.state.failing_since and time.monotonic() < end:
+            time.sleep(RETRY)
+            self._flush()
+        if self.state.failing_since:
+            self._give_up()
+        try:
+            self._writer.close()
+            self.state.finished = True
+        except FileError as error:
+            self._failed(error)

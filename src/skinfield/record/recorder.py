@@ -1,0 +1,554 @@
+"""Recorder of a running skin, in a process of its own: python -m skinfield.record.recorder.
+
+Two threads. One takes everything new out of the ring every few milliseconds: it reads shared memory
+and nothing else, so the engine never waits for it. The other writes: it may wait for the disk as
+long as the disk likes, as a bounded queue lies between them. What the queue cannot hold is dropped,
+counted, and published in the file, in the state beside the ring and to whoever listens.
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from skinfield.errors import FileError, InputError, SkinfieldError, check_count, check_range
+from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RecordingWriter, RosViews
+from skinfield.files.mcap.container import Output
+from skinfield.loop.fit_ring import LAYOUT as FIT
+from skinfield.loop.parent_watchdog import end_with
+from skinfield.record.drain import (
+    Drain,
+    SkinViews,
+    StatusWatch,
+    enclosed_of,
+    layout_of,
+    place_now,
+    place_since,
+)
+from skinfield.record.queue import Disk, Queue, event_item
+from skinfield.ring import RingReader
+from skinfield.ring.files import sidecar
+
+
+@dataclass
+class RecorderState:
+    """How a recording is going.
+
+    Attributes
+    ----------
+    pid : int
+    path : str
+        Of the file.
+    began_ns, told_ns : int, ns
+        When it began, and when this was written; since the epoch.
+    seconds : float, s
+        It has been going on.
+    bytes_written : int
+        Of the file.
+    bytes_read, cycles : int
+        Of the ring's log, and of its slots.
+    overrun_bytes, overrun_cycles : int
+        Overwritten in the ring before they could be read.
+    dropped_bytes, dropped_cycles : int
+        That the disk was too slow for.
+    given_up : int
+        Messages that could not be written at the end.
+    queue_bytes : int
+        That wait for the disk.
+    lag : float, s
+        Age of the oldest reading that waits.
+    since_flush, since_sync : float, s
+    longest : float, s
+        That one write or sync took.
+    failing : bool
+        Whether nothing can be written now.
+    failure : str
+        Why, or why it could not last time.
+    finished : bool
+        Whether the file has its end.
+    ended : str
+        Why the recording ended; empty while it goes on.
+    """
+
+    pid: int = 0
+    path: str = ""
+    began_ns: int = 0
+    told_ns: int = 0
+    seconds: float = 0.0
+    bytes_written: int = 0
+    bytes_read: int = 0
+    cycles: int = 0
+    overrun_bytes: int = 0
+    overrun_cycles: int = 0
+    dropped_bytes: int = 0
+    dropped_cycles: int = 0
+    given_up: int = 0
+    queue_bytes: int = 0
+    lag: float = 0.0
+    since_flush: float = 0.0
+    since_sync: float = 0.0
+    longest: float = 0.0
+    failing: bool = False
+    failure: str = ""
+    finished: bool = False
+    ended: str = ""
+
+    @property
+    def lost(self) -> int:
+        """Bytes of readings that are not in the file, for whatever reason."""
+        return self.overrun_bytes + self.dropped_bytes
+
+    def write(self, name: str) -> None:
+        """Tell others, in one step; quietly not where the folder is full."""
+        path = state_path(name)
+        new = path.with_name(f"{path.name}.{os.getpid()}")
+        try:
+            new.write_text(json.dumps(asdict(self)))
+            new.replace(path)
+        except OSError:
+            new.unlink(missing_ok=True)
+
+
+def state_path(name: str) -> Path:
+    """Where the recorder of the ring `name` tells of itself."""
+    return sidecar(name, "recorder")
+
+
+def read_state(name: str) -> RecorderState | None:
+    """What the recorder of the ring `name` last told; None if there is none.
+
+    Of one that was killed, `ended` says so.
+
+    Raises
+    ------
+    FileError
+        If the file is something else.
+    """
+    path = state_path(name)
+    try:
+        state = RecorderState(**json.loads(path.read_text()))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, TypeError) as error:
+        raise FileError(f"{path} is no state of a recorder: {error}") from error
+    if not state.ended and not _lives(state.pid):
+        state.ended = f"its process {state.pid} is gone: skinfield recover mends the file"
+    return state
+
+
+def _lives(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # another user's
+        return True
+    return True
+
+
+def forget_state(name: str) -> None:
+    """Remove what this process told."""
+    state_path(name).unlink(missing_ok=True)
+
+
+PAUSE = 0.005  # s between looks at the ring
+SECOND = 1.0  # s between looks at everything else
+LOWEST = 1  # of the real-time priorities
+NICE = -10  # where that is not granted
+READY = b"ready\n"  # told on the standard output by one that waits
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderSettings:
+    """Which skin, into which file, and how.
+
+    Parameters
+    ----------
+    name : str
+        Of the ring.
+    path : Path
+        Ends in .mcap by custom.
+    file : RecordingSettings
+    since_ns : int, ns
+        Time since the epoch from which on to record, as far as the ring still has it; 0: now.
+    flush : float, s
+        After so long what was read is handed to the system, and survives a `kill -9`.
+    sync : float, s
+        After so long it is on the disk, and survives power loss.
+    queue_bytes : int
+        That may wait for the disk; what comes beyond is dropped and counted.
+    views : tuple of classes
+        Channels for other programs: `RosViews`, `FoxgloveViews`.
+    view_rate : float, 1/s
+        Of these, and of the fields of pressure.
+    """
+
+    name: str
+    path: Path
+    file: RecordingSettings = field(default_factory=RecordingSettings)
+    since_ns: int = 0
+    flush: float = 0.15
+    sync: float = 1.5
+    queue_bytes: int = 1 << 26
+    views: tuple[type[RosViews] | type[FoxgloveViews], ...] = ()
+    view_rate: float = 20.0
+
+    def __post_init__(self) -> None:
+        check_range("view_rate", self.view_rate, 1e-3, 1e3, "messages a second")
+        check_range("flush", self.flush, 0.0, 60.0, "seconds until data is out of the process")
+        check_range("sync", self.sync, 0.0, 3600.0, "seconds until data is on the disk")
+        check_count("since_ns", self.since_ns, 0, 1 << 62, "nanoseconds since the epoch")
+        check_count("queue_bytes", self.queue_bytes, 1 << 12, 1 << 36, "that wait for the disk")
+
+
+class Recorder:
+    """A recording that is going on.
+
+    Parameters
+    ----------
+    settings : RecorderSettings
+    say : function of a sentence
+        Told what goes wrong, and when it is well again.
+    output : Output, optional
+        Instead of a file.
+    first : bool
+        Whether this thread and the one that writes shall come before ordinary work from now on,
+        where that is permitted.
+    rehearsal : bool
+        Whether this is only to load what is needed: nobody is told.
+
+    Raises
+    ------
+    InputError
+        If there is no such ring, or the file is there already.
+    FileError
+        If it cannot be made.
+
+    Attributes
+    ----------
+    state : RecorderState
+        Made anew every second.
+    """
+
+    def __init__(
+        self,
+        settings: RecorderSettings,
+        say: Callable[[str], None] = lambda text: None,
+        output: Output | None = None,
+        *,
+        first: bool = False,
+        rehearsal: bool = False,
+    ) -> None:
+        self.settings, self._say, self._rehearsal = settings, say, rehearsal
+        self._reader = RingReader(settings.name)
+        self._began, self._began_ns = time.monotonic(), time.time_ns()
+        layout = layout_of(self._reader)
+        tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
+        enclosed = enclosed_of(self._reader)
+        views = SkinViews.of(self._reader, settings.views)
+        self._writer = RecordingWriter(
+            settings.path,
+            enclosed,
+            layout=layout,
+            fit=FIT,
+            settings=settings.file,
+            output=output,
+            views=views.views,
+        )
+        self._queue = Queue(settings.queue_bytes)
+        self._watch = StatusWatch(self._reader, self._queue, tares)
+        since_ns = settings.since_ns
+        begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
+        self._drain = Drain(self._reader, self._queue, layout, views, settings.view_rate, begin)
+        self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
+        self._said: dict[str, str] = {}
+        self._ended = ""
+        text = f"recording {settings.name} of process {self._reader.pid}"
+        self._queue.tell(event_item(self._began_ns, "recording_started", text, {}))
+        if first:  # now, as all that must be loaded is: the other thread inherits it
+            come_first()
+        self._disk.start()
+        self._next = self._began
+        self.state = self._state()
+
+    def _write_state(self) -> None:
+        if not self._rehearsal:
+            self.state.write(self.settings.name)
+
+    def run(
+        self,
+        stop: threading.Event,
+        seconds: float | None = None,
+        told: Callable[[RecorderState], None] = lambda state: None,
+    ) -> RecorderState:
+        """Record until `stop` is set, the time is over, or the ring is taken away.
+
+        `told` gets each new state, once a second.
+        """
+        end = None if seconds is None else self._began + seconds
+        known = self.state
+        while not self._ended:
+            self.step()
+            if self.state is not known:
+                known = self.state
+                told(known)
+            if stop.wait(PAUSE):
+                self._ended = "it was told to stop"
+            elif end is not None and time.monotonic() >= end:
+                self._ended = "its time is over"
+        return self.close()
+
+    def step(self) -> None:
+        """Take what is new; once a second, look at all else and tell of it."""
+        self._drain.take()
+        if time.monotonic() < self._next:
+            return
+        self._next += SECOND
+        self._drain.tell_lost()
+        self._watch.look()
+        self.state = self._state()
+        self._write_state()
+        self._say_changes()
+        if self._disk.crashed:
+            self._ended = "the thread that writes has failed"
+        elif self._reader.replaced():
+            self._ended = "the ring was taken away: the skin was stopped"
+
+    def close(self) -> RecorderState:
+        """Take what is left, finish the file, and tell how it went."""
+        self._drain.take()
+        self._drain.tell_lost()
+        self._watch.look()
+        text = f"the recording ends: {self._ended or 'closed'}"
+        self._queue.tell(event_item(time.time_ns(), "recording_ended", text, self._totals()))
+        try:
+            self._disk.stop()
+        finally:
+            self._drain.close()
+            self._reader.close()
+        self._ended = self._ended or "closed"
+        self.state = self._state()
+        self._write_state()
+        self._say_changes()
+        return self.state
+
+    def _totals(self) -> dict[str, object]:
+        drain, queue = self._drain, self._queue
+        return {
+            "bytes_read": drain.bytes_read,
+            "cycles": drain.cycles,
+            "overrun_bytes": drain.overrun_bytes,
+            "overrun_cycles": drain.overrun_cycles,
+            "dropped_bytes": queue.dropped_bytes,
+            "dropped_cycles": queue.dropped_cycles,
+        }
+
+    def _state(self) -> RecorderState:
+        disk, now, now_ns = self._disk.state, time.monotonic(), time.time_ns()
+        oldest = self._queue.oldest_ns
+        return RecorderState(
+            pid=os.getpid(),
+            path=str(self.settings.path),
+            began_ns=self._began_ns,
+            told_ns=now_ns,
+            seconds=now - self._began,
+            bytes_written=self._writer.bytes_written,
+            bytes_read=self._drain.bytes_read,
+            cycles=self._drain.cycles,
+            overrun_bytes=self._drain.overrun_bytes,
+            overrun_cycles=self._drain.overrun_cycles,
+            dropped_bytes=self._queue.dropped_bytes,
+            dropped_cycles=self._queue.dropped_cycles,
+            given_up=disk.lost,
+            queue_bytes=self._queue.waiting,
+            lag=(now_ns - oldest) * 1e-9 if oldest else 0.0,
+            since_flush=now - disk.last_flush,
+            since_sync=now - disk.last_sync,
+            longest=disk.longest,
+            failing=bool(disk.failing_since),
+            failure=disk.failure,
+            finished=disk.finished,
+            ended=self._ended,
+        )
+
+    def _say_changes(self) -> None:
+        """Say what is new since the last second."""
+        state = self.state
+        dropped = f"{state.dropped_bytes} bytes and {state.dropped_cycles} cycles"
+        overrun = f"{state.overrun_bytes} bytes and {state.overrun_cycles} cycles"
+        sentences = {
+            "dropped": f"the disk does not keep up: {dropped} dropped so far",
+            "overrun": f"the recorder does not keep up: {overrun} overwritten unread so far",
+            "failing": f"nothing can be written: {state.failure}",
+            "given_up": f"{state.given_up} messages could not be written at the end",
+        }
+        now = {
+            "dropped": bool(state.dropped_bytes or state.dropped_cycles),
+            "overrun": bool(state.overrun_bytes or state.overrun_cycles),
+            "failing": state.failing,
+            "given_up": bool(state.given_up),
+        }
+        for what, text in sentences.items():
+            if now[what] and self._said.get(what) != text:
+                self._said[what] = text
+                self._say(text)
+            elif what == "failing" and not now[what] and self._said.pop(what, ""):
+                self._say("the file can be written again")
+
+
+def come_first() -> str:
+    """Have this thread come before ordinary work, where that is permitted.
+
+    The ring holds a limited number of cycles, and on a busy machine an ordinary process may wait
+    longer than that for a processor. It sleeps most of the time, and the engine's priority is far
+    above.
+
+    Returns
+    -------
+    str
+        What was granted.
+    """
+    with contextlib.suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(LOWEST))
+        return f"SCHED_FIFO {LOWEST}"
+    with contextlib.suppress(OSError, AttributeError):
+        os.setpriority(os.PRIO_PROCESS, 0, NICE)
+        return f"nice {NICE}"
+    return "ordinary"
+
+
+class Nowhere:
+    """An output for a recording that nobody wants."""
+
+    end = 0
+
+    def append(self, piece: bytes | bytearray | memoryview) -> None:
+        """See `Output`."""
+        self.end += len(piece)
+
+    def sync(self) -> None:
+        """See `Output`."""
+
+    def close(self) -> None:
+        """See `Output`."""
+
+
+def order_of(path: Path, since_ns: int) -> bytes:
+    """What a recorder that waits is told on its standard input.
+
+    Parameters
+    ----------
+    path : Path
+    since_ns : int, ns
+        As of `RecorderSettings`.
+    """
+    return json.dumps({"path": str(path.absolute()), "since_ns": since_ns}).encode() + b"\n"
+
+
+def main() -> None:
+    """Record until SIGTERM or Ctrl-C."""
+    given = _given()
+    if given.parent is not None:
+        end_with(given.parent)
+    try:
+        path, since_ns = given.path, given.since_ns
+        if given.wait:
+            if rehearse(given.name):
+                come_first()  # now, as all is loaded: on a busy machine the order is read at once
+            ordered = _wait()
+            if ordered is None:
+                return  # it is not wanted any more
+            path, since_ns = ordered
+        settings = RecorderSettings(name=given.name, path=path, since_ns=since_ns)
+        good = _record(settings, given.seconds)
+    except SkinfieldError as error:
+        raise SystemExit(f"recorder: {error}") from error
+    raise SystemExit(0 if good else 1)
+
+
+def _given() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m skinfield.record.recorder")
+    parser.add_argument("name")
+    parser.add_argument("path", type=Path, nargs="?")
+    parser.add_argument("--seconds", type=float)
+    parser.add_argument(
+        "--since-ns",
+        type=int,
+        default=0,
+        help="Time since the epoch to begin at, if the ring goes back.",
+    )
+    parser.add_argument(
+        "--wait", action="store_true", help="Get ready; the path comes on the standard input."
+    )
+    parser.add_argument("--parent", type=int, help="Process with which it ends.")
+    given = parser.parse_args()
+    if given.wait == (given.path is not None):
+        parser.error("expected either a path or --wait")
+    return given
+
+
+def rehearse(name: str) -> bool:
+    """Record a moment into nowhere: all that a recording needs is loaded afterwards.
+
+    Nothing of the ring is kept, as it may be another one until a recording is wanted.
+
+    Returns
+    -------
+    bool
+        False if there is no such ring now: less is loaded then.
+    """
+    settings = RecorderSettings(name=name, path=Path(os.devnull), since_ns=1)
+    try:
+        recorder = Recorder(settings, output=Nowhere(), rehearsal=True)
+    except SkinfieldError:  # it is being made anew
+        return False
+    try:
+        recorder.step()
+    finally:
+        recorder.close()
+    return True
+
+
+def _wait() -> tuple[Path, int] | None:
+    """Where to record, and since when; None if whoever would have said so is gone."""
+    with contextlib.suppress(BrokenPipeError):  # nobody waits for that any more
+        os.write(sys.stdout.fileno(), READY)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing has begun that would have to be finished
+    line = sys.stdin.buffer.readline()
+    return read_order(line) if line else None
+
+
+def read_order(line: bytes) -> tuple[Path, int]:
+    """The path and the time, ns, of `order_of`; raises InputError."""
+    try:
+        order = json.loads(line)
+        return Path(order["path"]), int(order["since_ns"])
+    except (ValueError, TypeError, KeyError) as error:
+        raise InputError(f"order is {line[:80]!r}, expected JSON of path and since_ns") from error
+
+
+def _record(settings: RecorderSettings, seconds: float | None) -> bool:
+    """Record until told to stop; whether all that was taken is in the file, and it is whole."""
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    state = Recorder(settings, _say, first=True).run(stop, seconds)
+    forget_state(settings.name)
+    return state.finished and not state.given_up
+
+
+def _say(text: str) -> None:
+    with contextlib.suppress(OSError):  # the terminal is gone: the file is not
+        sys.stderr.write(f"recorder: {text}\n")
+        sys.stderr.flush()
+
+
+if __name__ == "__main__":
+    main()

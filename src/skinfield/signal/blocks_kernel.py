@@ -1,0 +1,235 @@
+"""Writing and applying blocks, compiled. The layout is that of `block`.
+
+Kernels get the same memory twice: as words (int64) and as octets (uint8). Numba checks no bounds,
+so each function checks before it writes.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Floats, Ints
+from skinfield.signal.block import Octets, Words
+
+BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST = 1, 2, 3, 4, 5, 6  # as `Kind`
+OUT_OF_RANGE = 4  # as `Status`
+HEADER_WORDS = 2
+LATE_NS = (
+    1_000_000_000  # counts older than their channel's by less are late; by more, a clock was set
+)
+FULL = -1
+
+
+@inner(inline="always")
+def payload_words(kind: int, count: int) -> int:
+    """Words of a payload; -1 for an unknown kind."""
+    if kind == BYTES:
+        return (count + 7) >> 3
+    if kind == SHORTS:
+        return (count + 3) >> 2
+    if kind == FLOATS:
+        return (count + 1) >> 1
+    if kind == STATUS:
+        return (((count + 7) >> 3) + 7) >> 3
+    if kind in (SOURCE, LOST):
+        return 1
+    if kind == 7:  # from here on as `RETIRED` of `block`
+        return 6 * count
+    if kind == 8:
+        return count
+    if kind == 9:
+        return 2 * count
+    if kind == 10:
+        return (count + 7) >> 3
+    return -1
+
+
+@njit
+def begin_block(
+    words: Words, end: Words, stamp_ns: int, channel: int, count: int, kind: int, status: int
+) -> int:
+    """Begin a block at word `end[0]` and move that behind it; payload is all zeros.
+
+    Parameters
+    ----------
+    words : (W,) int64 array
+    end : (1,) int64 array
+        Words used.
+
+    Returns
+    -------
+    int
+        Index of the payload's first octet, or -1 if the block does not fit; then nothing changed.
+    """
+    at, size = end[0], payload_words(kind, count)
+    if size < 0 or at + HEADER_WORDS + size > len(words):
+        return FULL
+    words[at] = stamp_ns
+    words[at + 1] = (
+        (channel & 0xFFFFFFFF) | ((count & 0xFFFF) << 32) | ((kind & 0xFF) << 48) | (status << 56)
+    )
+    for i in range(at + HEADER_WORDS, at + HEADER_WORDS + size):
+        words[i] = 0
+    end[0] = at + HEADER_WORDS + size
+    return int((at + HEADER_WORDS) * 8)
+
+
+@njit
+def put_octets(
+    words: Words,
+    octets: Octets,
+    end: Words,
+    stamp_ns: int,
+    channel: int,
+    kind: int,
+    status: int,
+    source: Octets,
+    start: int,
+    count: int,
+) -> bool:
+    """Append a block of `count` channels whose payload is `source[start:]`; False if full."""
+    at = begin_block(words, end, stamp_ns, channel, count, kind, status)
+    if at < 0:
+        return False
+    width = 1 if kind == BYTES else 2 if kind == SHORTS else 4
+    for i in range(count * width):
+        octets[at + i] = source[start + i]
+    return True
+
+
+@njit
+def put_status(
+    words: Words,
+    octets: Octets,
+    end: Words,
+    stamp_ns: int,
+    channel: int,
+    count: int,
+    status: int,
+    out_of_range: int,
+) -> bool:
+    """Append the status of up to 64 channels; bit i of `out_of_range` is channel + i."""
+    at = begin_block(words, end, stamp_ns, channel, count, STATUS, status)
+    if at < 0:
+        return False
+    for i in range((count + 7) >> 3):
+        octets[at + i] = (out_of_range >> (8 * i)) & 0xFF
+    return True
+
+
+@njit
+def put_number(
+    words: Words, end: Words, stamp_ns: int, source: int, kind: int, number: int
+) -> bool:
+    """Append a block of SOURCE or LOST; False if full."""
+    at = begin_block(words, end, stamp_ns, source, 0, kind, 0)
+    if at < 0:
+        return False
+    words[at >> 3] = number
+    return True
+
+
+@njit
+def apply_blocks(
+    words: Words,
+    octets: Octets,
+    shorts: NDArray[np.uint16],
+    singles: NDArray[np.float32],
+    start: int,
+    stop: int,
+    counts: Floats,
+    stamps: Ints,
+    status: Octets,
+    fresh: Octets,
+) -> int:
+    """Apply the blocks in `words[start:stop]`: the newest counts, stamps and status per channel.
+
+    Parameters
+    ----------
+    words, octets, shorts, singles : arrays
+        One memory, as int64, uint8, uint16 and float32.
+    start, stop : int
+        Words; whole blocks.
+    counts : (C,) float64 array
+        Written where a block brings counts, but for those that a later reading overtook; NaN
+        where it says that a taxel did not answer.
+    stamps : (C,) int64 array, ns
+    status : (C,) uint8 array
+        Of `Status`.
+    fresh : (C,) uint8 array
+        Set to 1 where a block brings counts.
+
+    Returns
+    -------
+    int
+        Blocks that were applied; minus the word at which something is no block, less 1.
+    """
+    at, applied, channels = start, 0, len(counts)
+    while at < stop:
+        if at + HEADER_WORDS > stop:
+            return -at - 1
+        head = words[at + 1]
+        first, count = head & 0xFFFFFFFF, (head >> 32) & 0xFFFF
+        kind, bits = (head >> 48) & 0xFF, (head >> 56) & 0xFF
+        size = payload_words(kind, count)
+        if size < 0 or at + HEADER_WORDS + size > stop:
+            return -at - 1
+        if kind <= STATUS:
+            if first + count > channels:
+                return -at - 1
+            take(
+                words,
+                octets,
+                shorts,
+                singles,
+                at,
+                first,
+                count,
+                kind,
+                bits,
+                counts,
+                stamps,
+                status,
+                fresh,
+            )
+        applied += 1 if kind <= LOST else 0
+        at += HEADER_WORDS + size
+    return applied
+
+
+@njit
+def take(
+    words: Words,
+    octets: Octets,
+    shorts: NDArray[np.uint16],
+    singles: NDArray[np.float32],
+    at: int,
+    first: int,
+    count: int,
+    kind: int,
+    bits: int,
+    counts: Floats,
+    stamps: Ints,
+    status: Octets,
+    fresh: Octets,
+) -> None:
+    """Apply one block of counts or of status, whose bounds were checked."""
+    stamp, payload = words[at], at + HEADER_WORDS
+    if kind == STATUS:
+        for i in range(count):
+            beyond = (octets[8 * payload + (i >> 3)] >> (i & 7)) & 1
+            status[first + i] = bits | (OUT_OF_RANGE if beyond else 0)
+        return
+    for i in range(count):
+        if 0 < stamps[first + i] - stamp < LATE_NS:
+            continue  # it was overtaken on its way
+        if kind == BYTES:
+            counts[first + i] = np.float64(octets[8 * payload + i])
+        elif kind == SHORTS:
+            counts[first + i] = np.float64(shorts[4 * payload + i])
+        else:
+            counts[first + i] = np.float64(singles[2 * payload + i])
+        stamps[first + i] = stamp
+        fresh[first + i] = 1
+        if bits:
+            status[first + i] = bits

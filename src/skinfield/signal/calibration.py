@@ -1,0 +1,426 @@
+"""Calibration per taxel: counts to ΔC/C₀ and back; on disk as NPZ for programs, TOML for people."""
+
+import struct
+import tomllib
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import FileError, Floats, InputError, as_floats, check_shape
+from skinfield.signal.baseline import Baseline
+from skinfield.signal.boards import Bools, Convention
+from skinfield.skin import Patch
+
+
+def _first_row(bad: Bools) -> int:
+    return int(np.flatnonzero(bad)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What turns counts of each taxel of one patch into ΔC/C₀.
+
+    counts = baseline + gain · ΔC/C₀, per taxel. Rows are the rows of the patch.
+
+    Parameters
+    ----------
+    baseline : (L,) array, counts
+        Of the unloaded taxel.
+    gain : (L,) array, counts per unit of ΔC/C₀
+        Its sign included: negative where pressure lowers the count, as iCub's bytes do.
+    noise_std : (L,) array, counts
+        Standard deviation of one reading.
+    alive : (L,) bool array
+        False for a taxel that must be left out; its other columns may then be NaN.
+    uid : (L,) uint64 array
+        Of the taxels that the rows belong to.
+    patch_name : str
+    unit : str
+        Of the counts.
+    basis : str
+        What the figures were made from, in a sentence: file, stretch, method.
+    """
+
+    baseline: Floats
+    gain: Floats
+    noise_std: Floats
+    alive: Bools
+    uid: NDArray[np.uint64]
+    patch_name: str = field(default="patch", kw_only=True)
+    unit: str = field(default="count", kw_only=True)
+    basis: str = field(default="not said", kw_only=True)
+
+    def __post_init__(self) -> None:
+        uid = np.array(self.uid, dtype=np.uint64)
+        if uid.ndim != 1 or len(uid) == 0:
+            raise InputError(f"uid has shape {uid.shape}, expected (taxels,) with at least one")
+        columns: dict[str, NDArray] = {  # type: ignore[type-arg]
+            name: np.array(as_floats(name, getattr(self, name)))
+            for name in ("baseline", "gain", "noise_std")
+        }
+        columns |= {"alive": np.array(self.alive, dtype=bool), "uid": uid}
+        for name, column in columns.items():
+            check_shape(name, column, uid.shape, "one per taxel, as uid has")
+            column.setflags(write=False)
+            object.__setattr__(self, name, column)
+        self._check_usable("baseline", np.isfinite(self.baseline), "a finite number")
+        self._check_usable(
+            "gain", np.isfinite(self.gain) & (self.gain != 0), "a finite number other than 0"
+        )
+        self._check_usable(
+            "noise_std",
+            np.isfinite(self.noise_std) & (self.noise_std > 0),
+            "a finite number above 0: quantisation alone gives 0.29 counts",
+        )
+
+    def _check_usable(self, name: str, good: Bools, expected: str) -> None:
+        bad = self.alive & ~good
+        if bad.any():
+            row = _first_row(bad)
+            raise InputError(
+                f"{name}[{row}] is {getattr(self, name)[row]}, expected {expected} "
+                f"({int(bad.sum())} of {len(bad)} are not): set alive[{row}] to False to leave "
+                "the taxel out"
+            )
+
+    def __len__(self) -> int:
+        return len(self.uid)
+
+    def __repr__(self) -> str:
+        noise = np.median(self.quantity_std()[self.alive]) if self.alive.any() else np.nan
+        return (
+            f"Calibration({self.patch_name!r}, {int(self.alive.sum())} of {len(self)} taxels "
+            f"alive, median noise {noise:.3g} in ΔC/C₀, basis: {self.basis})"
+        )
+
+    @classmethod
+    def identity(cls, patch: Patch, *, noise_std: ArrayLike) -> "Calibration":
+        """For readings that are ΔC/C₀ already; `noise_std` in ΔC/C₀, one for all or (L,)."""
+        return cls._of(patch, 0.0, 1.0, noise_std, unit="1", basis="readings are ΔC/C₀ already")
+
+    @classmethod
+    def from_convention(
+        cls,
+        patch: Patch,
+        convention: Convention,
+        *,
+        gain: ArrayLike,
+        noise_std: ArrayLike,
+        alive: Bools | None = None,
+    ) -> "Calibration":
+        """Baseline by the maker's convention: for a recording without an unloaded stretch.
+
+        Parameters
+        ----------
+        convention : Convention
+            Its `rest` becomes the baseline of every taxel, 240 for ``ICubByte()``.
+        gain : float or (L,) array, counts per unit of ΔC/C₀
+        noise_std : float or (L,) array, counts
+        alive : (L,) bool array, optional
+            As `find_faults` gives it; default all.
+
+        Raises
+        ------
+        InputError
+            If the convention has no rest, or `gain` has the other sign than its direction.
+        """
+        if not np.isfinite(convention.rest):
+            raise InputError(
+                f"convention.rest is {convention.rest}, expected a count: {convention!r} has no "
+                "rest by convention, estimate a baseline from an unloaded stretch"
+            )
+        wrong = np.sign(as_floats("gain", gain)) == -convention.direction
+        if np.any(wrong):
+            raise InputError(
+                f"gain is {gain!r}, expected the sign {convention.direction:+d}: pressure moves "
+                f"the counts of {convention!r} that way"
+            )
+        basis = f"rest {convention.rest:g} of {convention!r}, not measured"
+        return cls._of(patch, convention.rest, gain, noise_std, alive=alive, basis=basis)
+
+    @classmethod
+    def from_baseline(
+        cls,
+        patch: Patch,
+        baseline: Baseline,
+        *,
+        gain: ArrayLike,
+        alive: Bools | None = None,
+        even_if_loaded: bool = False,
+    ) -> "Calibration":
+        """Baseline and noise as measured; taxels without a baseline are not alive.
+
+        Parameters
+        ----------
+        gain : float or (L,) array, counts per unit of ΔC/C₀
+        alive : (L,) bool array, optional
+            As `find_faults` gives it; default all.
+        even_if_loaded : bool
+            Take a baseline that is not quiet for what it is, as a tare.
+
+        Raises
+        ------
+        InputError
+            If the baseline is not quiet and `even_if_loaded` is False.
+        """
+        if not (baseline.quiet or even_if_loaded):
+            raise InputError(
+                f"baseline is not of a quiet, unloaded stretch: {'; '.join(baseline.notes)}. "
+                "Record the untouched skin, use Calibration.from_convention, or pass "
+                "even_if_loaded=True to count the standing load as zero"
+            )
+        check_shape("baseline", baseline.baseline, (len(patch),), "one per taxel of the patch")
+        if alive is not None:
+            check_shape("alive", np.asarray(alive), (len(patch),), "one per taxel of the patch")
+        return cls._of(
+            patch,
+            np.where(baseline.measured, baseline.baseline, np.nan),
+            gain,
+            baseline.noise_std,
+            alive=baseline.measured if alive is None else baseline.measured & alive,
+            basis=baseline.basis,
+        )
+
+    @classmethod
+    def _of(
+        cls,
+        patch: Patch,
+        baseline: ArrayLike,
+        gain: ArrayLike,
+        noise_std: ArrayLike,
+        *,
+        alive: Bools | None = None,
+        unit: str = "count",
+        basis: str,
+    ) -> "Calibration":
+        def column(name: str, values: ArrayLike) -> Floats:
+            array = as_floats(name, values)
+            return np.full(len(patch), array) if array.ndim == 0 else array
+
+        return cls(
+            baseline=column("baseline", baseline),
+            gain=column("gain", gain),
+            noise_std=column("noise_std", noise_std),
+            alive=np.ones(len(patch), bool) if alive is None else alive,
+            uid=patch.uid,
+            patch_name=patch.name,
+            unit=unit,
+            basis=basis,
+        )
+
+    @cached_property
+    def _divisor(self) -> Floats:
+        return np.where(self.alive, self.gain, np.nan)
+
+    def relative_capacitance_from_counts(
+        self, counts: ArrayLike, out: Floats | None = None
+    ) -> Floats:
+        """ΔC/C₀ from counts, (L,) or (T, L); NaN for a taxel that is not alive or not valid.
+
+        With `out` nothing is allocated.
+
+        Raises
+        ------
+        InputError
+            If the last axis is not one count per taxel.
+        """
+        counts = self._checked("counts", counts)
+        out = np.subtract(counts, self.baseline, out=out)
+        return np.divide(out, self._divisor, out=out)
+
+    def counts_from_relative_capacitance(
+        self, relative_capacitance: ArrayLike, out: Floats | None = None
+    ) -> Floats:
+        """Counts from ΔC/C₀, (L,) or (T, L), unrounded; NaN for a taxel that is not alive."""
+        change = self._checked("relative_capacitance", relative_capacitance)
+        out = np.multiply(change, self._divisor, out=out)
+        return np.add(out, self.baseline, out=out)
+
+    def _checked(self, name: str, values: ArrayLike) -> Floats:
+        array = as_floats(name, values)
+        if array.ndim not in (1, 2) or array.shape[-1] != len(self):
+            raise InputError(
+                f"{name} has shape {array.shape}, expected ({len(self)},) or "
+                f"(readings, {len(self)}): one column per taxel of {self.patch_name!r}; pick the "
+                "columns of the port with sources.readings_for"
+            )
+        return array
+
+    def quantity_std(self) -> Floats:
+        """Noise of one reading in ΔC/C₀, (L,); infinite where not alive: it tells nothing."""
+        noise = np.full(len(self), np.inf)
+        np.divide(self.noise_std, np.abs(self.gain), out=noise, where=self.alive)
+        return noise
+
+    def without(self, dead: Bools) -> "Calibration":
+        """Calibration that leaves out the taxels marked in `dead`, (L,) bool, as well."""
+        check_shape("dead", np.asarray(dead), (len(self),), "one per taxel")
+        return replace(self, alive=self.alive & ~np.asarray(dead, dtype=bool))
+
+    def check_patch(self, patch: Patch) -> None:
+        """Raise InputError unless the rows are those of `patch`, by uid."""
+        if len(patch) != len(self):
+            raise InputError(
+                f"calibration of {self.patch_name!r} has {len(self)} taxels, expected "
+                f"{len(patch)} as in patch {patch.name!r}: it belongs to another layout"
+            )
+        bad = patch.uid != self.uid
+        if bad.any():
+            row = _first_row(bad)
+            raise InputError(
+                f"uid[{row}] of the calibration of {self.patch_name!r} is {self.uid[row]}, "
+                f"expected {patch.uid[row]} as in patch {patch.name!r} ({int(bad.sum())} of "
+                f"{len(bad)} differ): it was made for another layout or another order of taxels"
+            )
+
+
+FORMAT = "skinfield-calibration"
+VERSION = 1
+_COLUMNS = ("baseline", "gain", "noise_std", "alive", "uid")
+_TEXTS = ("patch_name", "unit", "basis")
+_BROKEN_NPZ = (  # what zipfile, zlib and NumPy's header reader raise on garbage
+    ArithmeticError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    MemoryError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
+
+def save_calibration(calibration: Calibration, path: Path | str) -> None:
+    """Write `calibration` to `path`, ``.npz`` or ``.toml`` by its ending.
+
+    Raises
+    ------
+    FileError
+        If the ending is another, or the file cannot be written.
+    """
+    path = Path(path)
+    try:
+        if _ending(path) == ".npz":
+            columns = {name: getattr(calibration, name) for name in (*_COLUMNS, *_TEXTS)}
+            with path.open("wb") as file:
+                np.savez(file, format=FORMAT, version=VERSION, **columns)
+        else:
+            path.write_text(_toml_from_calibration(calibration), encoding="utf-8")
+    except OSError as error:
+        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+
+
+def load_calibration(path: Path | str, patch: Patch | None = None) -> Calibration:
+    """Read a calibration; with `patch`, one that must be that patch's, by uid.
+
+    Raises
+    ------
+    FileError
+        If the file is missing, of another format or version, broken, or of another patch.
+    """
+    path = Path(path)
+    read = _read_npz if _ending(path) == ".npz" else _read_toml
+    try:
+        content = read(path)
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
+    _check_head(path, content)
+    missing = [name for name in (*_COLUMNS, *_TEXTS) if name not in content]
+    if missing:
+        raise FileError(f"{path} lacks {', '.join(missing)}: expected as save_calibration writes")
+    try:
+        columns = {name: _column(name, content[name]) for name in _COLUMNS}
+        patch_name, unit, basis = (str(content[name]) for name in _TEXTS)
+        calibration = Calibration(**columns, patch_name=patch_name, unit=unit, basis=basis)
+        if patch is not None:
+            calibration.check_patch(patch)
+    except (InputError, ValueError, TypeError, OverflowError) as error:
+        raise FileError(f"{path}: {error}") from error
+    return calibration
+
+
+def _ending(path: Path) -> str:
+    if path.suffix not in (".npz", ".toml"):
+        raise FileError(f"{path} ends in {path.suffix!r}, expected .npz or .toml")
+    return path.suffix
+
+
+def _check_head(path: Path, content: Mapping[str, Any]) -> None:
+    if str(content.get("format")) != FORMAT:
+        raise FileError(
+            f"{path} has format {str(content.get('format'))[:40]!r}, expected {FORMAT!r}: "
+            "this is not a calibration"
+        )
+    if str(content.get("version")) != str(VERSION):
+        raise FileError(
+            f"{path} has version {str(content.get('version'))[:40]}, expected {VERSION}: "
+            "it was written by another release"
+        )
+
+
+def _column(name: str, values: Any) -> Any:
+    if name == "uid":
+        # hexadecimal text, as TOML's integers end at 63 bits
+        return np.array([_uid(value) for value in np.asarray(values).tolist()], dtype=np.uint64)
+    array = np.asarray(values)
+    wanted = "b" if name == "alive" else "if"
+    if array.dtype.kind not in wanted:
+        raise InputError(
+            f"{name} holds {str(values)[:40]}, expected "
+            f"{'true or false' if name == 'alive' else 'numbers'}, one per taxel"
+        )
+    return array
+
+
+def _uid(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise InputError(f"uid holds {value!r}, expected whole numbers or hexadecimal text")
+    return int(value, 16) if isinstance(value, str) else value
+
+
+def _read_npz(path: Path) -> Mapping[str, Any]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except _BROKEN_NPZ as error:
+        raise FileError(f"{path} is not an NPZ file that can be read: {error}") from error
+
+
+def _read_toml(path: Path) -> Mapping[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise FileError(f"{path} is not TOML: {error}") from error
+
+
+def _toml_from_calibration(calibration: Calibration) -> str:
+    lines = [f'format = "{FORMAT}"', f"version = {VERSION}"]
+    lines += [f"{name} = {_toml_text(getattr(calibration, name))}" for name in _TEXTS]
+    lines += ["", "# counts = baseline + gain * relative change of capacitance; a row per taxel"]
+    for name in ("baseline", "gain", "noise_std"):
+        lines.append(_toml_list(name, [repr(float(v)) for v in getattr(calibration, name)]))
+    lines.append(_toml_list("alive", ["true" if v else "false" for v in calibration.alive]))
+    lines.append(_toml_list("uid", [f'"{int(v):#x}"' for v in calibration.uid]))
+    return "\n".join(lines) + "\n"
+
+
+def _toml_list(name: str, items: list[str]) -> str:
+    rows = (", ".join(items[i : i + 12]) for i in range(0, len(items), 12))
+    return f"{name} = [\n  " + ",\n  ".join(rows) + ",\n]"
+
+
+def _toml_text(text: str) -> str:
+    """Basic string of TOML: quotes, backslashes and control characters escaped."""
+    safe = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c >= " " and c != "\x7f" else f"\\u{ord(c):04x}" for c in safe) + '"'

@@ -1,0 +1,395 @@
+"""Contacts of atoms: outlines, areas, moments and their covariance."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import njit
+from skinfield.errors import Floats
+from skinfield.estimate import Contact
+from skinfield.skin import Grid
+from skinfield.solve.atoms.render_kernels import SIZE, Mesh, Surface, Workspace, mesh_of, render
+from skinfield.solve.atoms.table import FLAT
+
+POINTS = 32  # of an outline, before the first comes again
+TURN = np.linspace(-np.pi / 2, np.pi / 2, POINTS // 2)
+CIRCLE = np.linspace(0.0, 2.0 * np.pi, POINTS + 1)
+COSINE, SINE = np.cos(CIRCLE), np.sin(CIRCLE)
+END_COSINE, END_SINE = np.cos(TURN), np.sin(TURN)
+
+
+def outline_of(atom: Floats) -> Floats:
+    """Closed polygon (33, 2) m around an atom (6,), anticlockwise."""
+    x, y, _, radius, half, angle = atom
+    if half <= 0.0:
+        out = np.empty((POINTS + 1, 2))
+        out[:, 0] = x + radius * COSINE
+        out[:, 1] = y + radius * SINE
+        return out
+    return drawn_out(x, y, radius, half, angle, END_COSINE, END_SINE)
+
+
+def drawn_out(
+    x: float, y: float, radius: float, half: float, angle: float, cosine: Floats, sine: Floats
+) -> Floats:
+    """Polygon of two half circles, each given by cosine and sine of its points."""
+    count = len(cosine)
+    along, across = np.empty(2 * count + 1), np.empty(2 * count + 1)
+    along[:count] = half + radius * cosine
+    along[count:-1] = -along[:count]
+    across[:count] = radius * sine
+    across[count:-1] = -across[:count]
+    along[-1], across[-1] = along[0], across[0]
+    east, north = np.cos(angle), np.sin(angle)
+    return np.column_stack([x + east * along - north * across, y + north * along + east * across])
+
+
+def area_of(atom: Floats) -> float:
+    """Of an atom, m²."""
+    return float(np.pi * atom[3] ** 2 + 4.0 * atom[3] * atom[4])
+
+
+def semi_axes(atom: Floats) -> tuple[float, float]:
+    """Of the ellipse with the second moments of an atom's area, m, the longer first."""
+    a, c = atom[3], atom[4]
+    if c <= 0.0:
+        return float(a), float(a)
+    end = (np.pi / 4 - 16 / (9 * np.pi)) * a**4 + np.pi * a**2 * (c + 4 * a / (3 * np.pi)) ** 2
+    along, across = 4 / 3 * a * c**3 + end, 4 / 3 * c * a**3 + np.pi / 4 * a**4
+    size = area_of(atom)
+    return float(2.0 * np.sqrt(along / size)), float(2.0 * np.sqrt(across / size))
+
+
+def bodies(atoms: Floats) -> list[list[int]]:
+    """Atoms (N, 6) that overlap, directly or through others: lists of rows, together all."""
+    rows: list[list[float]] = atoms.tolist()
+    owner = list(range(len(rows)))  # number of the body that each belongs to
+    for i, one in enumerate(rows):
+        for j, other in enumerate(rows[:i]):
+            if owner[i] != owner[j] and _square_apart(one, other) < (one[3] + other[3]) ** 2:
+                old, new = max(owner[i], owner[j]), min(owner[i], owner[j])
+                owner = [new if name == old else name for name in owner]
+    return [[n for n, its in enumerate(owner) if its == name] for name in dict.fromkeys(owner)]
+
+
+def _square_apart(first: list[float], second: list[float]) -> float:
+    """Squared distance in m² of the segments of two atoms."""
+    east, north = first[4] * math.cos(first[5]), first[4] * math.sin(first[5])
+    other_east, other_north = second[4] * math.cos(second[5]), second[4] * math.sin(second[5])
+    x, y = second[0] - first[0], second[1] - first[1]
+    cross = east * other_north - north * other_east
+    if cross != 0.0:
+        along = (x * other_north - y * other_east) / cross
+        other_along = (x * north - y * east) / cross
+        if abs(along) <= 1.0 and abs(other_along) <= 1.0:
+            return 0.0
+    nearest = math.inf
+    for side in (-1.0, 1.0):  # else an end is nearest
+        away = _square_from(x + side * other_east, y + side * other_north, east, north)
+        other = _square_from(side * east - x, side * north - y, other_east, other_north)
+        nearest = min(nearest, away, other)
+    return nearest
+
+
+def _square_from(x: float, y: float, east: float, north: float) -> float:
+    """Squared distance of a point from a segment to both sides of the origin."""
+    square = east * east + north * north
+    share = min(max((x * east + y * north) / square, -1.0), 1.0) if square > 0.0 else 0.0
+    return (x - share * east) ** 2 + (y - share * north) ** 2
+
+
+FEW = 4  # atoms that are drawn with the finer outline
+FINE, COARSE = 96, 48  # points of an atom
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Several atoms as one.
+
+    Attributes
+    ----------
+    outline : (N, 2) array, m
+        Closed, anticlockwise; without holes, and around all parts where there are several.
+    area : float, m²
+        That is covered, holes left out.
+    axes : (2,) array, m
+        Semi-axes of the ellipse of equal second moments, the longer first.
+    angle : float, rad
+        Of the longer axis.
+    moves : (atoms, 2) array, m
+        How the area grows with each atom's radius and half-length.
+    """
+
+    outline: Floats
+    area: float
+    axes: Floats
+    angle: float
+    moves: Floats
+
+
+def body_of(atoms: Floats) -> Body:
+    """Union of atoms (N, 6)."""
+    count = FINE if len(atoms) <= FEW else COARSE
+    polygons = np.stack([_polygon(atom, count) for atom in atoms])
+    free = _free(polygons, atoms)
+    radius, half = atoms[:, 3], atoms[:, 4]
+    around = np.column_stack([2.0 * np.pi * radius + 4.0 * half, 4.0 * radius])
+    loops = _loops(_arcs(polygons, free))
+    sizes, spread = _moments(loops)
+    variance, direction = np.linalg.eigh(spread)
+    angle = float(np.arctan2(direction[1, 1], direction[0, 1]))
+    return Body(
+        outline=_around([loop for loop, size in zip(loops, sizes, strict=True) if size > 0.0]),
+        area=float(sizes.sum()),
+        axes=2.0 * np.sqrt(variance[::-1]),
+        angle=(angle + np.pi / 2) % np.pi - np.pi / 2,
+        moves=free.mean(axis=1)[:, None] * around,
+    )
+
+
+def _polygon(atom: Floats, count: int) -> Floats:
+    """Points (count, 2) m around an atom, anticlockwise."""
+    x, y, _, radius, half, angle = atom
+    if half > 0.0:
+        turn = np.linspace(-np.pi / 2, np.pi / 2, count // 2)
+        return drawn_out(x, y, radius, half, angle, np.cos(turn), np.sin(turn))[:-1]
+    turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    return np.asarray(atom[:2] + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+
+
+@njit
+def _free(polygons: Floats, atoms: Floats) -> Any:
+    """Which points (N, P, 2) of each atom lie in no other, (N, P)."""
+    free = np.ones(polygons.shape[:2], dtype=np.bool_)
+    for m in range(len(atoms)):
+        east, north = np.cos(atoms[m, 5]), np.sin(atoms[m, 5])
+        half, square = atoms[m, 4], (atoms[m, 3] * (1.0 - 1e-9)) ** 2
+        for n in range(len(atoms)):
+            if n == m:
+                continue
+            for i in range(polygons.shape[1]):
+                x, y = polygons[n, i, 0] - atoms[m, 0], polygons[n, i, 1] - atoms[m, 1]
+                along = min(max(x * east + y * north, -half), half)
+                x, y = x - along * east, y - along * north
+                if x * x + y * y < square:
+                    free[n, i] = False
+    return free
+
+
+def _arcs(polygons: Floats, free: NDArray[np.bool_]) -> list[Floats]:
+    """Parts of closed polygons (N, P, 2) that are free, in their sense."""
+    count = free.shape[1]
+    twice, on = np.hstack([polygons, polygons]), np.hstack([free, free])
+    covered = np.where(on, 2 * count, np.arange(2 * count))
+    ends = np.minimum.accumulate(covered[:, ::-1], axis=1)[:, ::-1]  # the next that is not free
+    rows, starts = np.nonzero(free & ~np.roll(free, 1, axis=1))
+    whole = [polygons[row] for row in np.flatnonzero(free.all(axis=1))]
+    return whole + [
+        twice[row, start : ends[row, start]] for row, start in zip(rows, starts, strict=True)
+    ]
+
+
+def _loops(arcs: list[Floats]) -> list[Floats]:
+    """Closed polygons of arcs, each continued by the one that starts nearest to its end."""
+    starts = np.array([arc[0] for arc in arcs])
+    used = np.zeros(len(arcs), dtype=bool)
+    loops = []
+    for first in range(len(arcs)):
+        if used[first]:
+            continue
+        way, at = [], first
+        while not used[at]:
+            way.append(arcs[at])
+            used[at] = True
+            apart = np.square(starts - arcs[at][-1]).sum(axis=1)
+            apart[used] = np.inf
+            apart[first] = np.square(starts[first] - arcs[at][-1]).sum()
+            at = int(np.argmin(apart))
+        loops.append(np.vstack([*way, way[0][:1]]))
+    return loops
+
+
+def _moments(loops: list[Floats]) -> tuple[Floats, Floats]:
+    """Area of each loop, negative around a hole, and second moments (2, 2) of all per area."""
+    middle = loops[0].mean(axis=0)
+    sizes, first, second = np.zeros(len(loops)), np.zeros(2), np.zeros((2, 2))
+    for index, loop in enumerate(loops):
+        here, there = loop[:-1] - middle, loop[1:] - middle
+        cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
+        both = here + there
+        sizes[index] = cross.sum() / 2.0
+        first += cross @ both / 6.0
+        second += sum((part.T * cross) @ part for part in (here, there, both)) / 24.0
+    centre = first / sizes.sum()
+    return sizes, np.asarray(second / sizes.sum() - np.outer(centre, centre))
+
+
+def _around(loops: list[Floats]) -> Floats:
+    """The one loop, or the convex hull of several."""
+    if len(loops) == 1:
+        return loops[0]
+    from scipy.spatial import ConvexHull
+
+    points = np.vstack(loops)
+    corners = ConvexHull(points).vertices
+    return np.asarray(points[np.append(corners, corners[0])])
+
+
+LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
+
+
+def _inside(atoms: Floats, mesh: Mesh) -> NDArray[np.int64]:
+    """Nodes in any of the atoms, sorted; else the nearest one."""
+    reach = np.abs(atoms[:, 4] * np.sin(atoms[:, 5])) + atoms[:, 3]
+    low, high = (atoms[:, 1] - reach).min(), (atoms[:, 1] + reach).max()
+    first = max(math.ceil((low - mesh.y) / mesh.pitch), 0)
+    last = min(math.floor((high - mesh.y) / mesh.pitch), mesh.rows - 1)
+    y = mesh.y + np.arange(first, last + 1)[:, None] * mesh.pitch
+    x = mesh.x + np.arange(mesh.columns) * mesh.pitch
+    covered = np.zeros((len(y), mesh.columns), dtype=np.bool_)
+    for at_x, at_y, _, radius, half, angle in atoms.tolist():
+        east, north = math.cos(angle), math.sin(angle)
+        away_x, away_y = x - at_x, y - at_y
+        along = np.clip(away_x * east + away_y * north, -half, half)
+        covered |= (away_x - along * east) ** 2 + (away_y - along * north) ** 2 <= radius * radius
+    if covered.any():
+        return np.asarray(np.flatnonzero(covered) + first * mesh.columns)
+    row, column = (
+        round((atoms[0, 1] - mesh.y) / mesh.pitch),
+        round((atoms[0, 0] - mesh.x) / mesh.pitch),
+    )
+    row, column = min(max(row, 0), mesh.rows - 1), min(max(column, 0), mesh.columns - 1)
+    return np.array([row * mesh.columns + column])
+
+
+@dataclass(frozen=True, eq=False)
+class ContactBuilder:
+    """From atoms to contacts on a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+    surface : Surface
+        What round contacts look like.
+    workspace : Workspace
+    """
+
+    grid: Grid
+    surface: Surface
+    workspace: Workspace
+
+    @cached_property
+    def _flat(self) -> tuple[Floats, Floats] | None:
+        """Origin (3,) and frame (3, 3) of a flat patch; None of a curved one."""
+        shape, zero = self.grid.patch.surface, np.zeros((1, 2))
+        if not shape.is_flat:
+            return None
+        return shape.position_from_plane(zero)[0], np.array(shape.frame_from_plane(zero)[0])
+
+    def contact(self, atoms: Floats, family: NDArray[np.int64], covariance: Floats) -> Contact:
+        """Contact of atoms (N, 6) that are one body, with the covariance (6 N, 6 N) of them all."""
+        force = atoms[:, 2]
+        total = float(force.sum())
+        share = force / total if total > 0.0 else np.full(len(atoms), 1.0 / len(atoms))
+        centre = share @ atoms[:, :2]
+        moves = _moves(atoms, share, centre, total)
+        space, surface, mesh = self.workspace, self.surface, mesh_of(self.grid)
+        peak = render(
+            atoms, family, surface, mesh, space.first, space.boxes[0], space.cells, space.room
+        )
+        cells = _inside(atoms, mesh)
+        shape = _shape_of(atoms, int(family[0]))
+        places = self._position(np.vstack([centre, shape.outline]))  # at once: it is slow if curved
+        normal, push, moment = self._resultant(places[0], centre, total, space.first)
+        return Contact(
+            position=places[0],
+            force=push,
+            moment=moment,
+            normal=normal,
+            area=shape.area,
+            peak_pressure=peak,
+            covariance=moves @ covariance @ moves.T,
+            area_std=_area_std(shape.moves, covariance),
+            radius=shape.radius,
+            shape=shape.name,
+            outline=places[1:],
+            axes=shape.axes,
+            angle=shape.angle,
+            cells=cells,
+        )
+
+    def _position(self, plane: Floats) -> Floats:
+        if self._flat is None:
+            return self.grid.patch.surface.position_from_plane(plane)
+        return np.asarray(self._flat[0] + plane @ self._flat[1][:, :2].T)
+
+    def _resultant(
+        self, position: Floats, centre: Floats, total: float, pressure: Floats
+    ) -> tuple[Floats, Floats, Floats]:
+        """Outward normal, force and moment about the position, (3,) each.
+
+        On a curved patch the force is the sum over the cells, less what lies off the grid.
+        """
+        if self._flat is not None:
+            normal = self._flat[1][:, 2]
+            return normal, 0.0 - total * normal, np.zeros(3)
+        normal = self.grid.patch.surface.frame_from_plane(centre[None])[0, :, 2]
+        cells = np.flatnonzero(pressure)
+        weight = pressure[cells] * self.grid.cell_area
+        forces = -weight[:, None] * self.grid.normals[cells]
+        lever = self.grid.positions[cells] - position
+        return normal, forces.sum(axis=0), np.cross(lever, forces).sum(axis=0)
+
+
+def _moves(atoms: Floats, share: Floats, centre: Floats, total: float) -> Floats:
+    """How the place and force of a body move with all parameters of its atoms, (3, 6 N)."""
+    out = np.zeros((3, len(atoms), SIZE))
+    out[0, :, 0] = out[1, :, 1] = share
+    out[2, :, 2] = 1.0
+    if len(atoms) > 1 and total > 0.0:
+        out[:2, :, 2] = (atoms[:, :2] - centre).T / total
+    return out.reshape(3, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    outline: Floats
+    area: float
+    axes: Floats
+    angle: float
+    radius: float
+    name: str
+    moves: Floats
+
+
+def _shape_of(atoms: Floats, family: int) -> _Shape:
+    """How a body of atoms looks in the plane."""
+    if len(atoms) > 1:
+        body = body_of(atoms)
+        radius = float(np.sqrt(body.area / np.pi))
+        return _Shape(body.outline, body.area, body.axes, body.angle, radius, "other", body.moves)
+    atom = atoms[0]
+    radius, half = float(atom[3]), float(atom[4])
+    drawn_out = half > LINE * radius
+    area = area_of(atom)
+    return _Shape(
+        outline=outline_of(atom),
+        area=area,
+        axes=np.array(semi_axes(atom)),
+        angle=float((atom[5] + np.pi / 2) % np.pi - np.pi / 2) if half > 0.0 else 0.0,
+        radius=radius if half == 0.0 else float(np.sqrt(area / np.pi)),
+        name="line" if drawn_out else "flat" if family == FLAT else "sphere",
+        moves=np.array([[2.0 * np.pi * radius + 4.0 * half, 4.0 * radius]]),
+    )
+
+
+def _area_std(moves: Floats, covariance: Floats) -> float:
+    """Standard deviation of an area that grows by `moves` (N, 2) with radius and half-length."""
+    by_all = np.zeros((len(moves), SIZE))
+    by_all[:, 3:5] = moves
+    variance = float(by_all.ravel() @ covariance @ by_all.ravel())
+    return float(np.sqrt(max(variance, 0.0)))

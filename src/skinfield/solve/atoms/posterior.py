@@ -1,0 +1,299 @@
+"""Posterior of atoms: covariance by exploring what fits about as well.
+
+Between taxels the posterior of a contact is no ellipsoid but a curved valley, along which another
+place is made up for by another force and radius. It is walked on a lattice of places: at each,
+force and radius (and half-length) are refined and then integrated out by Laplace's approximation,
+as in the nested approximations of Rue, Martino and Chopin (2009).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Given, refined
+from skinfield.solve.atoms.search import RARER, AtomSet, Problem
+from skinfield.solve.atoms.table import BALL, FLAT, RING
+
+REACH = 14  # steps of the lattice each way
+STEPS = 4  # of refinement at each place
+SETTLED = 1e-2  # gain in cost of the last of them
+DEEP = 6.0  # in cost: places that are worse than the best by more do not count
+ROUND_OFF = 1e-9, 1e-12  # of a Hessian's diagonal, and beside it: what is added so that it inverts
+
+
+class Lattice(NamedTuple):
+    """Places at `origin` (2,) plus integers times the rows of `axes` (2, 2), within `places`."""
+
+    axes: Floats
+    origin: Floats
+    places: Floats
+
+
+class Found(NamedTuple):
+    """Atom at each place (C, 6), covariance of what is refined there (C, 6, 6), ln weight (C,)."""
+
+    atoms: Floats
+    inner: Floats
+    weight: Floats
+
+
+class Queue:
+    """Steps along the axes still to visit, each with the atom to start from; none twice."""
+
+    def __init__(self) -> None:
+        self.waiting: list[tuple[int, int, Floats]] = []
+        self._seen: set[tuple[int, int]] = set()
+
+    def put(self, i: int, j: int, atom: Floats) -> None:
+        """Put a place at the end, if it is new and near."""
+        if abs(i) <= REACH and abs(j) <= REACH and (i, j) not in self._seen:
+            self._seen.add((i, j))
+            self.waiting.append((i, j, atom))
+
+    def take(self, most: int) -> list[tuple[int, int, Floats]]:
+        """The first of them."""
+        first, self.waiting = self.waiting[:most], self.waiting[most:]
+        return first
+
+
+def explore(
+    seeds: Floats, family: int, free: NDArray[np.bool_], lattice: Lattice, given: Given, most: int
+) -> Found:
+    """Walk over places from the seeds (M, 6) while the cost stays near the least.
+
+    `free` (6,) says what is refined at each place beside it; `most` places are found at most.
+    """
+    queue, best = Queue(), np.inf
+    for seed, (i, j) in zip(seeds, _steps(seeds, lattice), strict=True):
+        queue.put(int(i), int(j), seed)
+    atoms: list[Floats] = []
+    hessians: list[Floats] = []
+    costs: list[float] = []
+    while queue.waiting and len(costs) < most:
+        for i, j, atom, cost, hessian in _wave(
+            queue.take(most - len(costs)), family, free, lattice, given
+        ):
+            if cost > best + DEEP:
+                continue
+            best = min(best, cost)
+            atoms.append(atom)
+            costs.append(cost)
+            hessians.append(hessian)
+            for way in range(9):
+                queue.put(i + way // 3 - 1, j + way % 3 - 1, atom)
+    inner, half = inverses(np.array(hessians).reshape(-1, 6, 6), free)
+    return Found(np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half)
+
+
+def _steps(seeds: Floats, lattice: Lattice) -> Floats:
+    """Of the places nearest to seeds (M, 6), (M, 2)."""
+    return np.round(np.linalg.solve(lattice.axes.T, (seeds[:, :2] - lattice.origin).T).T)
+
+
+def _wave(
+    places: list[tuple[int, int, Floats]],
+    family: int,
+    free: NDArray[np.bool_],
+    lattice: Lattice,
+    given: Given,
+) -> Iterator[tuple[int, int, Floats, float, Floats]]:
+    """Steps, refined atom, cost and its Hessian of each place that lies on the patch."""
+    atoms = np.array([atom for _, _, atom in places])
+    steps = np.array([(i, j) for i, j, _ in places])
+    atoms[:, :2] = lattice.origin + steps[:, :1] * lattice.axes[0] + steps[:, 1:] * lattice.axes[1]
+    low, high = lattice.places
+    on = np.flatnonzero(((atoms[:, :2] >= low) & (atoms[:, :2] <= high)).all(axis=1))
+    atoms = atoms[on]
+    moves = np.zeros((len(on), 1, 6), dtype=np.bool_)
+    moves[:, 0, 2:] = free[2:]
+    kinds = np.full((len(on), 1), family)
+    made = refined(atoms[:, None], kinds, moves, given, STEPS, SETTLED)
+    for n, (i, j) in enumerate(steps[on].tolist()):
+        yield i, j, atoms[n], float(made.cost[n]), made.hessian[n]
+
+
+def inverses(hessians: Floats, free: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Inverses (C, 6, 6) over what is free beside the place, else 0.
+
+    And half the logarithm of the determinants (C,), infinite where one is not positive.
+    """
+    index = np.flatnonzero(free[2:]) + 2
+    rows = np.ix_(np.arange(len(hessians)), index, index)
+    part = hessians[rows]
+    diagonal = np.arange(len(index))
+    part[:, diagonal, diagonal] *= 1.0 + ROUND_OFF[0]
+    part[:, diagonal, diagonal] += ROUND_OFF[1]
+    sign, size = np.linalg.slogdet(part)
+    part[sign <= 0.0] = np.eye(len(index))
+    out = np.zeros_like(hessians)
+    out[rows] = np.linalg.inv(part)
+    return out, np.where(sign > 0.0, 0.5 * size, np.inf)
+
+
+SHORTEST, LONGEST = 0.004, 0.35  # thicknesses between them
+LEAST = 1e-6  # of all weights: a family with less has no radius of its own
+CERTAIN = 0.05  # thicknesses: deviation of the place up to which the minimum's curvature tells all
+SURE = 0.15  # thicknesses: deviation up to which other minima are not looked for
+AROUND = 3.0  # thicknesses beyond what the atom reaches, within which taxels count
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Weighted places of one contact, with what would press there.
+
+    Attributes
+    ----------
+    atoms : (C, 6) array
+        See `kernel`.
+    family : (C,) int array
+    inner : (C, 6, 6) array
+        Covariance of the parameters beside the place, at each place.
+    weights : (C,) array
+        Of sum 1.
+    """
+
+    atoms: Floats
+    family: NDArray[np.int64]
+    inner: Floats
+    weights: Floats
+
+    def mean(self, family: int) -> Floats:
+        """Of all parameters, (6,): of place and ln force whatever presses, else if it is a family.
+
+        A ball and a flat end that are read alike have another radius.
+        """
+        mean = self.weights @ self.atoms
+        same = self.family == family
+        share = float(self.weights[same].sum())
+        if share > LEAST:
+            mean[3:] = self.weights[same] @ self.atoms[same, 3:] / share
+        return np.asarray(mean)
+
+    @property
+    def covariance(self) -> Floats:
+        """Of all parameters, (6, 6)."""
+        off = self.atoms - self.weights @ self.atoms
+        spread = (off * self.weights[:, None]).T @ off
+        return np.asarray(spread + np.einsum("c,cij->ij", self.weights, self.inner))
+
+
+def stated(atom: Floats, covariance: Floats, thickness: float) -> tuple[Floats, Floats]:
+    """An atom and its covariance as x m, y m, force N, radius m, half-length m and angle rad."""
+    half, angle = float(np.hypot(atom[4], atom[5])), float(np.arctan2(atom[5], atom[4]))
+    force, radius = float(np.exp(atom[2])), float(np.exp(atom[3])) * thickness
+    by = np.zeros((PARAMETERS, PARAMETERS))
+    by[0, 0] = by[1, 1] = thickness
+    by[2, 2], by[3, 3] = force, radius
+    if half > 0.0:
+        along, across = np.cos(angle), np.sin(angle)
+        by[4, 4], by[4, 5] = thickness * along, thickness * across
+        by[5, 4], by[5, 5] = -across / half, along / half
+    place = atom[:2] * thickness
+    return np.array([*place, force, radius, half * thickness, angle]), by @ covariance @ by.T
+
+
+def laplace(problem: Problem, found: AtomSet, index: int) -> Belief:
+    """One atom by the curvature of the cost at its minimum, all others moving along.
+
+    Places that no reading tells are even over the patch: their variance is its width squared / 12.
+    """
+    free = found.free.ravel()
+    hessian = found.hessian.copy()
+    width = problem.places[1] - problem.places[0]
+    for axis in (0, 1):
+        rows = np.arange(len(found)) * PARAMETERS + axis
+        hessian[rows, rows] += 12.0 / width[axis] ** 2
+    whole = np.zeros((free.size, free.size))
+    part = hessian[np.ix_(free, free)]
+    try:
+        whole[np.ix_(free, free)] = np.linalg.inv(part)
+    except np.linalg.LinAlgError:  # something moves no reading and has no prior
+        whole[np.ix_(free, free)] = np.linalg.pinv(part)
+    own = slice(PARAMETERS * index, PARAMETERS * (index + 1))
+    one = slice(index, index + 1)
+    return Belief(found.atoms[one], found.family[one], whole[own, own][None], np.ones(1))
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is spent on what a reading leaves open.
+
+    Attributes
+    ----------
+    places : int
+        That are tried at most, for each family.
+    starts : int
+        Places where further minima are sought.
+    both : bool
+        Whether the other family is tried, too.
+    step : float
+        Standard deviations between places.
+    """
+
+    places: int
+    starts: int
+    both: bool
+    step: float
+
+
+def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> Belief:
+    """What the reading leaves open about one atom, the others being where they are."""
+    own, free, family = found.atoms[index], found.free[index], int(found.family[index])
+    first = laplace(problem, found, index)
+    variance, direction = np.linalg.eigh(first.inner[0, :2, :2])
+    widest = float(np.sqrt(max(variance[1], 0.0)))
+    if widest < CERTAIN or problem.late:
+        return first
+    step = np.clip(effort.step * np.sqrt(np.maximum(variance, 0.0)), SHORTEST, LONGEST)
+    axes = np.ascontiguousarray((direction * step).T)
+    others = np.arange(len(found)) != index
+    offset = problem.offset(found.predicted)
+    left = problem.readings - problem.alone(found, others) - offset
+    seeds = own[None]
+    if not free[4] and family != RING and effort.starts and widest > SURE:
+        seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, effort.starts)])
+    kinds = (BALL, FLAT) if effort.both and family != RING else (family,)
+    near = _near(problem, own, axes)
+    walks = [_walk(problem, seeds, kind, free, axes, left, near, effort.places) for kind in kinds]
+    atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
+    families = np.repeat(kinds, [len(walk.weight) for walk in walks])
+    if not len(atoms):
+        return first
+    weight = np.exp(log_weight - log_weight.max())
+    return Belief(atoms, families, inner, weight / weight.sum())
+
+
+def _near(problem: Problem, own: Floats, axes: Floats) -> NDArray[np.int64]:
+    """Taxels that an atom may be read by, wherever the walk takes it."""
+    reach = (
+        np.exp(own[3])
+        + np.hypot(own[4], own[5])
+        + problem.tables.pad_radius
+        + problem.tables.sight
+        + AROUND
+    )
+    square = np.square(problem.taxels - own[:2]).sum(axis=1)
+    return np.flatnonzero(square <= reach**2)
+
+
+def _walk(
+    problem: Problem,
+    seeds: Floats,
+    kind: int,
+    free: NDArray[np.bool_],
+    axes: Floats,
+    left: Floats,
+    near: NDArray[np.int64],
+    places: int,
+) -> Found:
+    """Places, covariance beside them, and logarithm of their weights, for one family."""
+    given = problem.given._replace(
+        readings=left[near], white=problem.white[near], taxels=problem.taxels[near], shared=0.0
+    )
+    lattice = Lattice(axes, seeds[0, :2], problem.places)
+    found = explore(seeds, kind, free, lattice, given, places)
+    return found._replace(weight=found.weight - RARER[kind])

@@ -1,0 +1,332 @@
+"""Rendering of atoms on a grid: pressure, displacement, deviations and contacts."""
+
+from collections.abc import Hashable, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.elastic import Layer, Mechanics
+from skinfield.errors import Floats, InputError, check_finite
+from skinfield.estimate import Contact
+from skinfield.estimate.ranking import by_falling_force
+from skinfield.skin import Grid
+from skinfield.solve.atoms.contacts import ContactBuilder, bodies
+from skinfield.solve.atoms.render_kernels import (
+    COUNT,
+    NODE,
+    WEIGHT,
+    Mesh,
+    Surface,
+    Workspace,
+    _blend,
+    held,
+    mesh_of,
+    points_along,
+    pressure_std,
+    render,
+    surface_of,
+)
+from skinfield.solve.atoms.render_tables import (
+    FOLD,
+    INNER,
+    LARGEST,
+    OUTER,
+    DisplacementTable,
+    displacement_table,
+    pressure_table,
+)
+from skinfield.solve.atoms.table import BALL, FLAT
+
+NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points counts
+FAR_POINTS = 4  # along the segment, for nodes farther away
+
+
+class Moves(NamedTuple):
+    """A `DisplacementTable` as compiled functions take it."""
+
+    displacement: Floats
+    reach: float
+
+
+def moves_of(table: DisplacementTable) -> Moves:
+    """Arrays of a table."""
+    return Moves(table.displacement, table.reach)
+
+
+@inner
+def _near(atom: Floats, radius: float, surface: Surface, mesh: Mesh, box: Any) -> None:
+    """First row and column and those behind the last, of the nodes near an atom."""
+    wide = abs(atom[4] * np.cos(atom[5])) + radius + NEAR * surface.thickness
+    high = abs(atom[4] * np.sin(atom[5])) + radius + NEAR * surface.thickness
+    box[0] = int(np.ceil((atom[1] - high - mesh.y) / mesh.pitch))
+    box[1] = int(np.ceil((atom[0] - wide - mesh.x) / mesh.pitch))
+    box[2] = int(np.floor((atom[1] + high - mesh.y) / mesh.pitch)) + 1
+    box[3] = int(np.floor((atom[0] + wide - mesh.x) / mesh.pitch)) + 1
+
+
+@inner
+def _radial_terms(
+    radius: float,
+    force: float,
+    family: int,
+    surface: Surface,
+    moves: Moves,
+    terms: Floats,
+    room: Floats,
+) -> None:
+    """Coefficients (2, COUNT) of one radius and force."""
+    first = _blend(radius, surface, room)
+    scale = force / radius
+    b0, b1, b2, b3 = scale * room[0], scale * room[1], scale * room[2], scale * room[3]
+    for part in range(2):
+        t0 = moves.displacement[family, first, part]
+        t1 = moves.displacement[family, first + 1, part]
+        t2 = moves.displacement[family, first + 2, part]
+        t3 = moves.displacement[family, first + 3, part]
+        for j in range(COUNT):
+            terms[part, j] = b0 * t0[j] + b1 * t1[j] + b2 * t2[j] + b3 * t3[j]
+
+
+@njit(inline="always")
+def _response(
+    normal: Floats, radial: Floats, r2: float, square: float, fold: float
+) -> tuple[float, float]:
+    """Displacement outwards, and away from the axis over the distance, at a squared distance."""
+    if r2 < square:
+        t = np.sqrt(1.0 - r2 / square)
+        up, away = normal[INNER - 1], radial[INNER - 1]
+        for j in range(INNER - 2, -1, -1):
+            up = up * t + normal[j]
+            away = away * t + radial[j]
+    else:
+        s = np.sqrt(r2 - square)
+        place = OUTER * s / (s + fold)
+        i = min(int(place), OUTER - 1)
+        t = place - i
+        c = INNER + 4 * i
+        up = ((normal[c] * t + normal[c + 1]) * t + normal[c + 2]) * t + normal[c + 3]
+        away = ((radial[c] * t + radial[c + 1]) * t + radial[c + 2]) * t + radial[c + 3]
+    return up, away
+
+
+@inner
+def _add_round(
+    x: float,
+    y: float,
+    radius: float,
+    share: float,
+    terms: Floats,
+    thickness: float,
+    reach: float,
+    mesh: Mesh,
+    box: Any,
+    inside: bool,
+    out: Floats,
+) -> None:
+    """Add a round atom's displacement along the axes of the plane and outwards, (K, 3).
+
+    To the nodes inside the box, or to those outside.
+    """
+    far = min(radius + reach, 1e9)
+    pitch = mesh.pitch
+    first_row = max(int(np.ceil((y - far - mesh.y) / pitch)), 0)
+    first_column = max(int(np.ceil((x - far - mesh.x) / pitch)), 0)
+    end_row = min(int(np.floor((y + far - mesh.y) / pitch)) + 1, mesh.rows)
+    end_column = min(int(np.floor((x + far - mesh.x) / pitch)) + 1, mesh.columns)
+    if inside:
+        first_row, first_column = max(first_row, box[0]), max(first_column, box[1])
+        end_row, end_column = min(end_row, box[2]), min(end_column, box[3])
+    square, limit, fold = radius * radius, far * far, FOLD * thickness
+    normal, radial = terms[0], terms[1]
+    for row in range(first_row, end_row):
+        away_y = mesh.y + row * pitch - y
+        skipped = end_column, end_column  # columns that are left out
+        if not inside and box[0] <= row < box[2]:
+            skipped = max(box[1], first_column), max(box[3], first_column)
+        for start, end in ((first_column, min(skipped[0], end_column)), (skipped[1], end_column)):
+            for column in range(start, end):
+                away_x = mesh.x + column * pitch - x
+                r2 = away_x * away_x + away_y * away_y
+                if r2 <= limit:
+                    up, away = _response(normal, radial, r2, square, fold)
+                    k = row * mesh.columns + column
+                    out[k, 0] += share * away * away_x
+                    out[k, 1] += share * away * away_y
+                    out[k, 2] += share * up
+
+
+@njit
+def displacement(
+    atoms: Floats,
+    family: Any,
+    surface: Surface,
+    moves: Moves,
+    mesh: Mesh,
+    frames: Floats,
+    out: Floats,
+    box: Any,
+    terms: Floats,
+    room: Floats,
+) -> None:
+    """Write the displacement of the nodes in the patch's frame, (K, 3) m.
+
+    `frames` (K, 3, 3), or (1, 3, 3) where all are the same.
+    """
+    out[:] = 0.0
+    thickness, reach = surface.thickness, moves.reach
+    for n in range(len(atoms)):
+        radius = held(atoms[n, 3], surface)
+        _radial_terms(radius, atoms[n, 2], family[n], surface, moves, terms, room)
+        _near(atoms[n], radius, surface, mesh, box)
+        east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
+        near = points_along(radius, atoms[n, 4])
+        for inside, count in ((True, near), (False, min(near, FAR_POINTS))):
+            for q in range(count):
+                x, y = atoms[n, 0] + NODE[count, q] * east, atoms[n, 1] + NODE[count, q] * north
+                share = WEIGHT[count, q]
+                _add_round(x, y, radius, share, terms, thickness, reach, mesh, box, inside, out)
+    for k in range(len(out)):
+        frame = frames[k if len(frames) > 1 else 0]
+        u, v, w = out[k, 0], out[k, 1], out[k, 2]
+        for i in range(3):
+            out[k, i] = frame[i, 0] * u + frame[i, 1] * v + frame[i, 2] * w
+
+
+Family = NDArray[np.int64]
+
+
+class AtomRenderer:
+    """Fields and contacts of atoms on one grid, prepared once; for one thread at a time.
+
+    Atoms are (N, 6) arrays of x m, y m (in the patch's plane), force N, radius m, half-length m
+    and angle rad; their families are (N,) int arrays of `profiles.BALL` or `profiles.FLAT`. Radii
+    are rendered from 0.15 to 8 thicknesses; others as the nearest of these.
+
+    Parameters
+    ----------
+    grid : Grid
+    layer : Layer
+    mechanics : Mechanics
+    """
+
+    def __init__(self, grid: Grid, layer: Layer, mechanics: Mechanics) -> None:
+        self.grid, self._layer, self._mechanics = grid, layer, mechanics
+        self._surface = surface_of(pressure_table(layer, cast(Hashable, mechanics)))
+        self._mesh = mesh_of(grid)
+        self._space = Workspace(len(grid))
+        self._builder = ContactBuilder(grid, self._surface, self._space)
+
+    @cached_property
+    def _moves(self) -> Moves:
+        """What displacements are made of: tabulated when the first one is asked for."""
+        return moves_of(displacement_table(self._layer, cast(Hashable, self._mechanics)))
+
+    @cached_property
+    def _frames(self) -> Floats:
+        """Of all nodes (K, 3, 3), or (1, 3, 3) where all are the same."""
+        flat = self.grid.patch.surface.is_flat
+        return np.array(self.grid.frames[:1] if flat else self.grid.frames)
+
+    def pressure(self, atoms: Floats, family: Family, out: Floats) -> None:
+        """Write the mean pressure on each cell into `out` (K,), Pa.
+
+        The cells share the whole force of an atom as far as they lie on the grid. Means over cells
+        move the centre of pressure a little; the shares are tilted to bring it back, as far as the
+        atom covers several cells.
+        """
+        space = self._prepared(atoms, family)
+        render(
+            atoms, family, self._surface, self._mesh, out, space.boxes[0], space.cells, space.room
+        )
+
+    def displacement(self, atoms: Floats, family: Family, out: Floats) -> None:
+        """Write the displacement of the nodes in the patch's frame into `out` (K, 3), m."""
+        space = self._prepared(atoms, family)
+        displacement(
+            atoms,
+            family,
+            self._surface,
+            self._moves,
+            self._mesh,
+            self._frames,
+            out,
+            space.boxes[0],
+            space.terms,
+            space.room,
+        )
+
+    def pressure_std(self, atoms: Floats, family: Family, covariance: Floats, out: Floats) -> None:
+        """Write one standard deviation of each cell's pressure into `out` (K,), Pa.
+
+        `covariance` (N, 6, 6) is of the parameters of each atom.
+        """
+        longer = LARGEST * self._surface.thickness + 3.0 * _largest(np.sqrt(covariance[:, 4, 4]))
+        space = self._prepared(atoms, family, longer)
+        pressure_std(
+            atoms,
+            family,
+            covariance,
+            self._surface,
+            self._mesh,
+            out,
+            space.boxes,
+            space.cells,
+            space.room,
+            space.pictures,
+            space.small,
+        )
+
+    def contacts(
+        self,
+        atoms: Floats,
+        family: Family,
+        covariance: Floats,
+        groups: Sequence[Sequence[int]] | None = None,
+    ) -> tuple[Contact, ...]:
+        """Contacts of atoms, by falling normal force.
+
+        Parameters
+        ----------
+        atoms : (N, 6) array
+        family : (N,) int array
+        covariance : (N, 6, 6) or (6 N, 6 N) array
+            Of the parameters of each atom, or of all of them together.
+        groups : sequence of sequences of int, optional
+            Atoms of each contact; by default those that overlap belong to one.
+        """
+        self._prepared(atoms, family)
+        found = []
+        for group in bodies(atoms) if groups is None else groups:
+            rows = np.asarray(group)
+            found.append(self._builder.contact(atoms[rows], family[rows], _joint(covariance, rows)))
+        return by_falling_force(found)
+
+    def _prepared(self, atoms: Floats, family: Family, longer: float = 0.0) -> Workspace:
+        """Workspace with room for atoms that reach farther by `longer` m than they say."""
+        if not np.isfinite(atoms.sum()):
+            check_finite("atoms", atoms, "of these nothing can be drawn")
+        if _largest(family) > FLAT:
+            raise InputError(f"family is {family}, expected {BALL} (ball) or {FLAT} (flat end)")
+        widest = min(_largest(atoms[:, 3]), LARGEST * self._surface.thickness)
+        self._space.make_room(self._mesh, widest + _largest(atoms[:, 4]) + longer)
+        return self._space
+
+
+def _largest(values: Floats | Family) -> float:
+    """Largest of some values, 0 at least."""
+    return float(values.max(initial=0))
+
+
+def _joint(covariance: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Covariance (6 n, 6 n) of some atoms."""
+    size = 6 * len(rows)
+    if covariance.ndim == 3:
+        out = np.zeros((size, size))
+        for at, row in enumerate(rows):
+            out[6 * at : 6 * at + 6, 6 * at : 6 * at + 6] = covariance[row]
+        return out
+    index = (6 * rows[:, None] + np.arange(6)).ravel()
+    return np.asarray(covariance[np.ix_(index, index)])

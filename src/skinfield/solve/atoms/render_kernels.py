@@ -1,0 +1,462 @@
+"""Rendering of atoms, compiled: pressure, its deviation and displacement on nodes.
+
+A row of `atoms` (N, 6) has x m, y m, force N, radius m, half-length m, angle rad. The contact is
+drawn out along a segment where the half-length is not 0: a mixture of round ones.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Floats
+from skinfield.skin import Grid
+from skinfield.solve.atoms.render_tables import (
+    INNER,
+    LARGEST,
+    LOG_STEP,
+    OUTER,
+    SMALLEST,
+    TERMS,
+    PressureTable,
+)
+from skinfield.solve.atoms.table import FLAT
+
+STEEPEST = 0.5  # change of a cell's share at most, to put the centre of pressure right
+FEWEST, MOST = 5, 15  # round atoms along a segment
+FINE, COARSE = 8, 4  # Gauss-Legendre nodes across a row of cells
+NARROW = 0.3  # radii: rows for which the coarse rule will do, if the edge is not sharp
+COUNT = OUTER * 4 + INNER
+
+
+def _along() -> tuple[Floats, Floats]:
+    """Gauss-Legendre nodes and weights, those of n points in row n, weights adding up to 1."""
+    node, weight = np.zeros((MOST + 1, MOST)), np.zeros((MOST + 1, MOST))
+    for count in range(1, MOST + 1):
+        x, w = np.polynomial.legendre.leggauss(count)
+        node[count, :count], weight[count, :count] = x, w / 2.0
+    return node, weight
+
+
+NODE, WEIGHT = _along()
+
+
+class Surface(NamedTuple):
+    """A `PressureTable` as compiled functions take it."""
+
+    pressure: Floats
+    first_log: float
+    thickness: float
+
+
+class Mesh(NamedTuple):
+    """A `Grid` as compiled functions take it."""
+
+    x: float
+    y: float
+    pitch: float
+    rows: int
+    columns: int
+
+
+def surface_of(table: PressureTable) -> Surface:
+    """Arrays of a table."""
+    return Surface(table.pressure, table.first_log, table.thickness)
+
+
+def mesh_of(grid: Grid) -> Mesh:
+    """Where the cells are."""
+    return Mesh(float(grid.origin[0]), float(grid.origin[1]), grid.pitch, *grid.shape)
+
+
+@inner
+def held(radius: float, surface: Surface) -> float:
+    """The radius, brought to where it is tabulated."""
+    return min(max(radius, SMALLEST * surface.thickness), LARGEST * surface.thickness)
+
+
+@inner
+def points_along(radius: float, half: float) -> int:
+    """How many round atoms make up one: dense enough that they overlap."""
+    if half <= 0.0:
+        return 1
+    return min(max(int(np.ceil(3.0 + 2.0 * half / radius)), FEWEST), MOST)
+
+
+@inner
+def _blend(radius: float, surface: Surface, basis: Floats) -> int:
+    """Cubic B-splines (4,) over ln(radius); returns the first of the four nodes."""
+    place = (np.log(radius / surface.thickness) - surface.first_log) / LOG_STEP
+    at = int(place)
+    t = place - at
+    s = 1.0 - t
+    basis[0] = s * s * s / 6.0
+    basis[1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
+    basis[2] = (3.0 * s * s * s - 6.0 * s * s + 4.0) / 6.0
+    basis[3] = t * t * t / 6.0
+    return at - 1
+
+
+@inner
+def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -> None:
+    """Coefficients of the pressure of 1 N, times pi a², into `room` (2 TERMS,)."""
+    basis = room[TERMS:]
+    first = _blend(radius, surface, basis)
+    table = surface.pressure[family]
+    for j in range(TERMS):
+        room[j] = (
+            basis[0] * table[first, j]
+            + basis[1] * table[first + 1, j]
+            + basis[2] * table[first + 2, j]
+            + basis[3] * table[first + 3, j]
+        )
+
+
+@inner
+def _chord(square: float, family: int, terms: Floats, chord: Floats) -> float:
+    r"""Prepare integrals of the pressure along a chord of half-length s.
+
+    With q = s² - x², I_e = :math:`\int_0^x q^e dx` is (x q^e + 2e s² I_(e-1)) / (2e + 1): the sum
+    of terms is c I_(-1/2) + x sqrt(q) times a polynomial in q; returns c, and writes the
+    polynomial's coefficients into `chord`.
+    """
+    carried = 0.0
+    exponent = TERMS - 0.5 - family
+    for j in range(TERMS - 1, family - 1, -1):
+        carried += terms[j]
+        chord[j - family] = carried / (2.0 * exponent + 1.0)
+        carried = chord[j - family] * 2.0 * exponent * square
+        exponent -= 1.0
+    return carried + (terms[0] if family == 1 else 0.0)
+
+
+@inner
+def _add_round(
+    x: float,
+    y: float,
+    radius: float,
+    share: float,
+    family: int,
+    terms: Floats,
+    mesh: Mesh,
+    box: Any,
+    cells: Floats,
+) -> None:
+    """Add a round atom's force per cell to the cells of a box (first row, column, rows, columns).
+
+    Along x each chord is integrated in closed form, so that its parts add up exactly; across, the
+    whole chords are a polynomial, which the rule integrates exactly.
+    """
+    chord = terms[TERMS:]
+    pitch = mesh.pitch / radius
+    low_x = (mesh.x + (box[1] - 0.5) * mesh.pitch - x) / radius
+    low_y = (mesh.y + (box[0] - 0.5) * mesh.pitch - y) / radius
+    count = COARSE if pitch < NARROW and family == 0 else FINE
+    for row in range(box[2]):
+        low, high = max(low_y + row * pitch, -1.0), min(low_y + (row + 1) * pitch, 1.0)
+        if high <= low:
+            continue
+        for q in range(count):
+            place = (low + high) / 2.0 + (high - low) / 2.0 * NODE[count, q]
+            square = 1.0 - place * place
+            half = np.sqrt(square)
+            weight = share * WEIGHT[count, q] * (high - low) / np.pi
+            whole = _chord(square, family, terms, chord)
+            before = -whole * np.pi / 2.0
+            for column in range(max(int((-half - low_x) / pitch), 0), box[3]):
+                edge = low_x + (column + 1) * pitch
+                now = whole * np.pi / 2.0
+                if edge < half:
+                    left = square - edge * edge
+                    total = 0.0
+                    for j in range(TERMS - 1 - family, -1, -1):
+                        total = total * left + chord[j]
+                    root = np.sqrt(left)
+                    now = whole * np.arctan2(edge, root) + edge * root * total
+                cells[row * box[3] + column] += weight * (now - before)
+                before = now
+                if edge >= half:
+                    break
+
+
+@inner
+def _centre(x: float, y: float, mesh: Mesh, box: Any, cells: Floats, moments: Floats) -> None:
+    """Tilt of the shares (2,), per pitch, and their centre (2,), pitches from the box's first cell.
+
+    A mean over cells moves the centre of pressure a little; the tilt brings it back to x and y.
+    """
+    moments[:] = 0.0
+    total, mean_x, mean_y = 0.0, 0.0, 0.0
+    for row in range(box[2]):
+        for column in range(box[3]):
+            share = cells[row * box[3] + column]
+            total += share
+            mean_x += share * column
+            mean_y += share * row
+    if total <= 0.0:
+        return
+    mean_x /= total
+    mean_y /= total
+    xx, xy, yy = 0.0, 0.0, 0.0
+    for row in range(box[2]):
+        for column in range(box[3]):
+            share = cells[row * box[3] + column] / total
+            xx += share * (column - mean_x) ** 2
+            xy += share * (column - mean_x) * (row - mean_y)
+            yy += share * (row - mean_y) ** 2
+    away_x = (x - mesh.x) / mesh.pitch - box[1] - mean_x
+    away_y = (y - mesh.y) / mesh.pitch - box[0] - mean_y
+    det = xx * yy - xy * xy
+    if det > 0.01 * xx * yy and min(xx, yy) > 1e-6:
+        tilt_x, tilt_y = (yy * away_x - xy * away_y) / det, (xx * away_y - xy * away_x) / det
+    else:
+        tilt_x = away_x / xx if xx > 1e-6 else 0.0
+        tilt_y = away_y / yy if yy > 1e-6 else 0.0
+    far_x, far_y = max(mean_x, box[3] - 1 - mean_x), max(mean_y, box[2] - 1 - mean_y)
+    steep = abs(tilt_x) * far_x + abs(tilt_y) * far_y
+    shrink = min(1.0, STEEPEST / steep) if steep > 0.0 else 0.0
+    moments[0], moments[1], moments[2], moments[3] = (
+        shrink * tilt_x,
+        shrink * tilt_y,
+        mean_x,
+        mean_y,
+    )
+
+
+@inner
+def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
+    """First row and column, and rows and columns, that an atom covers; False if all are off."""
+    wide = abs(atom[4] * np.cos(atom[5])) + radius
+    high = abs(atom[4] * np.sin(atom[5])) + radius
+    box[1] = int(np.floor((atom[0] - wide - mesh.x) / mesh.pitch + 0.5))
+    box[0] = int(np.floor((atom[1] - high - mesh.y) / mesh.pitch + 0.5))
+    box[3] = int(np.floor((atom[0] + wide - mesh.x) / mesh.pitch + 0.5)) - box[1] + 1
+    box[2] = int(np.floor((atom[1] + high - mesh.y) / mesh.pitch + 0.5)) - box[0] + 1
+    return bool(
+        box[0] < mesh.rows and box[1] < mesh.columns and box[0] + box[2] > 0 and box[1] + box[3] > 0
+    )
+
+
+@inner
+def add_pressure(
+    atom: Floats,
+    family: int,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    box: Any,
+    cells: Floats,
+    room: Floats,
+) -> bool:
+    """Add an atom's mean pressure on each cell, (K,) Pa. False if it lies off the grid.
+
+    `box` (4,) int becomes the cells it covers, also those off the grid, which `cells` has room for.
+    """
+    radius = held(atom[3], surface)
+    if not box_of(atom, radius, mesh, box):
+        return False
+    size = box[2] * box[3]
+    cells[:size] = 0.0
+    pressure_terms(radius, family, surface, room)
+    count = points_along(radius, atom[4])
+    east, north = atom[4] * np.cos(atom[5]), atom[4] * np.sin(atom[5])
+    for q in range(count):
+        node = NODE[count, q]
+        x, y = atom[0] + node * east, atom[1] + node * north
+        _add_round(x, y, radius, WEIGHT[count, q], family, room, mesh, box, cells)
+    moments = room[TERMS:]
+    _centre(atom[0], atom[1], mesh, box, cells, moments)
+    scale = atom[2] / (mesh.pitch * mesh.pitch)
+    for row in range(max(0, -box[0]), min(box[2], mesh.rows - box[0])):
+        for column in range(max(0, -box[1]), min(box[3], mesh.columns - box[1])):
+            tilt = moments[0] * (column - moments[2]) + moments[1] * (row - moments[3])
+            k = (box[0] + row) * mesh.columns + box[1] + column
+            out[k] += scale * (1.0 + tilt) * cells[row * box[3] + column]
+    return True
+
+
+@inner
+def pressure(
+    atoms: Floats,
+    family: Any,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    box: Any,
+    cells: Floats,
+    room: Floats,
+) -> None:
+    """Write the mean pressure on each cell, (K,) Pa."""
+    out[:] = 0.0
+    for n in range(len(atoms)):
+        add_pressure(atoms[n], family[n], surface, mesh, out, box, cells, room)
+
+
+@inner
+def _pressure_at(
+    atoms: Floats, family: Any, surface: Surface, x: float, y: float, room: Floats
+) -> float:
+    """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
+    total = 0.0
+    for n in range(len(atoms)):
+        radius = held(atoms[n, 3], surface)
+        pressure_terms(radius, family[n], surface, room)
+        count = points_along(radius, atoms[n, 4])
+        east, north = atoms[n, 4] * np.cos(atoms[n, 5]), atoms[n, 4] * np.sin(atoms[n, 5])
+        for q in range(count):
+            away_x = x - atoms[n, 0] - NODE[count, q] * east
+            away_y = y - atoms[n, 1] - NODE[count, q] * north
+            square = 1.0 - (away_x * away_x + away_y * away_y) / (radius * radius)
+            if square <= 0.0:
+                continue
+            value = 0.0
+            for j in range(TERMS - 1, -1, -1):
+                value = value * square + room[j]
+            root = np.sqrt(square)
+            value = value / max(root, 0.5) if family[n] == FLAT else value * root
+            total += WEIGHT[count, q] * atoms[n, 2] * value / (np.pi * radius * radius)
+    return total
+
+
+@njit
+def render(
+    atoms: Floats,
+    family: Any,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    box: Any,
+    cells: Floats,
+    room: Floats,
+) -> float:
+    """Write the mean pressure of atoms on each cell, (K,) Pa; returns the peak of it, Pa.
+
+    It is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.
+    """
+    pressure(atoms, family, surface, mesh, out, box, cells, room)
+    peak = 0.0
+    for k in range(len(out)):
+        peak = max(peak, out[k])
+    for n in range(len(atoms)):
+        peak = max(peak, _pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1], room))
+    return peak
+
+
+SIZE = 6  # parameters of an atom
+NEGLIGIBLE = 1e-12  # of a variance: what of it is left over by those before
+
+
+@inner
+def _root(covariance: Floats, factor: Floats) -> int:
+    """Lower triangle whose square is the covariance, in columns without zeros; their number."""
+    count = 0
+    for j in range(SIZE):
+        pivot = covariance[j, j]
+        for k in range(count):
+            pivot -= factor[j, k] * factor[j, k]
+        if not pivot > NEGLIGIBLE * covariance[j, j]:
+            continue
+        root = np.sqrt(pivot)
+        for i in range(SIZE):
+            value = covariance[i, j]
+            for k in range(count):
+                value -= factor[i, k] * factor[j, k]
+            factor[i, count] = value / root if i >= j else 0.0
+        count += 1
+    return count
+
+
+@inner
+def _move(atom: Floats, step: Floats, factor: float, moved: Floats) -> None:
+    """Atom at the end of a step; the radius grows by its logarithm, so that it stays positive."""
+    for i in range(SIZE):
+        moved[i] = atom[i] + factor * step[i]
+    moved[3] = atom[3] * np.exp(min(max(factor * step[3] / atom[3], -3.0), 3.0))
+    moved[4] = abs(moved[4])
+
+
+@inner
+def _gather(
+    mesh: Mesh, first: Any, second: Any, plain: Floats, moved: Floats, share: float, out: Floats
+) -> None:
+    """Add the squared difference in both boxes, and clear the second picture there."""
+    low_row, low_column = max(min(first[0], second[0]), 0), max(min(first[1], second[1]), 0)
+    high_row = min(max(first[0] + first[2], second[0] + second[2]), mesh.rows)
+    high_column = min(max(first[1] + first[3], second[1] + second[3]), mesh.columns)
+    for row in range(low_row, high_row):
+        for k in range(row * mesh.columns + low_column, row * mesh.columns + high_column):
+            out[k] += share * (moved[k] - plain[k]) ** 2
+            moved[k] = 0.0
+
+
+@inner
+def _clear(mesh: Mesh, box: Any, out: Floats) -> None:
+    for row in range(max(box[0], 0), min(box[0] + box[2], mesh.rows)):
+        low, high = max(box[1], 0), min(box[1] + box[3], mesh.columns)
+        for k in range(row * mesh.columns + low, row * mesh.columns + high):
+            out[k] = 0.0
+
+
+@njit
+def pressure_std(
+    atoms: Floats,
+    family: Any,
+    covariance: Floats,
+    surface: Surface,
+    mesh: Mesh,
+    out: Floats,
+    boxes: Any,
+    cells: Floats,
+    room: Floats,
+    pictures: Floats,
+    small: Floats,
+) -> None:
+    """Write one standard deviation of each cell's pressure, (K,) Pa; atoms are independent.
+
+    The mean square of what changes at the ends of the axes of each covariance, drawn out by the
+    root of their number: to first order in the covariance the variance, and still in range where
+    the atom may be off by more than its size (spherical cubature; Arasaratnam and Haykin 2009).
+    """
+    out[:] = 0.0
+    plain, changed = pictures[0], pictures[1]
+    factor, step, moved = small[:SIZE], small[SIZE], small[SIZE + 1]
+    for n in range(len(atoms)):
+        count = _root(covariance[n], factor)
+        if not add_pressure(atoms[n], family[n], surface, mesh, plain, boxes[0], cells, room):
+            boxes[0, 2:] = 0
+        for j in range(count):
+            step[:] = factor[:, j]
+            for side in (-1.0, 1.0):
+                _move(atoms[n], step, side * np.sqrt(count), moved)
+                on = add_pressure(moved, family[n], surface, mesh, changed, boxes[1], cells, room)
+                if not on:
+                    boxes[1] = boxes[0]
+                _gather(mesh, boxes[0], boxes[1], plain, changed, 0.5 / count, out)
+        _clear(mesh, boxes[0], plain)
+    for k in range(len(out)):
+        out[k] = np.sqrt(out[k])
+
+
+class Workspace:
+    """Scratch of one renderer; it grows with the largest atom, and is for one thread.
+
+    Parameters
+    ----------
+    nodes : int
+        K of the grid.
+    """
+
+    def __init__(self, nodes: int) -> None:
+        self.pictures = np.zeros((2, nodes))
+        self.first = np.zeros(nodes)
+        self.boxes = np.zeros((2, 4), dtype=np.int64)
+        self.cells = np.empty(1024)
+        self.room = np.empty(2 * TERMS)
+        self.terms = np.empty((2, COUNT))
+        self.small = np.empty((SIZE + 2, SIZE))
+
+    def make_room(self, mesh: Mesh, extent: float) -> None:
+        """See that the cells of an atom fit that reaches `extent` m from its middle."""
+        side = int(2.0 * extent / mesh.pitch) + 3
+        if side * side > len(self.cells):
+            self.cells = np.empty(2 * side * side)

@@ -1,0 +1,96 @@
+"""Ring source: a row of small round contacts, of which fields and contacts of a rim are made."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Floats
+from skinfield.solve.atoms.contacts import bodies
+from skinfield.solve.atoms.fit_kernel import PARAMETERS
+from skinfield.solve.atoms.table import BALL, RIM, RING
+
+FEWEST, MOST = 8, 32  # small contacts that a ring becomes
+SHARE = 0.5  # thicknesses between them
+
+
+@dataclass(frozen=True, eq=False)
+class Drawable:
+    """Atoms without rings, and which of them are one body.
+
+    Attributes
+    ----------
+    atoms : (N, 6) array
+        Of x m, y m, force N, radius m, half-length m and angle rad.
+    family : (N,) int array
+    covariance : (N, 6, 6) or (6 N, 6 N) array
+        Of each; of all together where there was a ring.
+    groups : list of lists of int, optional
+        Where there was a ring.
+    """
+
+    atoms: Floats
+    family: NDArray[np.int64]
+    covariance: Floats
+    groups: list[list[int]] | None
+
+    @property
+    def each(self) -> Floats:
+        """Covariance of each atom alone, (N, 6, 6)."""
+        if self.covariance.ndim == 3:
+            return self.covariance
+        rows = np.arange(len(self.atoms))
+        blocks = self.covariance.reshape(len(rows), PARAMETERS, len(rows), PARAMETERS)
+        return np.ascontiguousarray(blocks[rows, :, rows, :])
+
+
+def drawable(
+    atoms: Floats, family: NDArray[np.int64], covariance: Floats, thickness: float
+) -> Drawable:
+    """Atoms (N, 6) in SI with their covariances (N, 6, 6), rings as rows of small balls."""
+    if not (family == RING).any():
+        return Drawable(atoms, family, covariance, None)
+    whole: list[int] = np.flatnonzero(family != RING).tolist()
+    groups = [list(group) for group in bodies(atoms[whole])]
+    parts, moves = [atoms[whole]], [_same(row, len(atoms)) for row in whole]
+    for row in np.flatnonzero(family == RING).tolist():
+        small, how = _pearls(atoms[row], row, len(atoms), thickness)
+        first = sum(len(part) for part in parts)
+        groups.append(list(range(first, first + len(small))))
+        parts.append(small)
+        moves.extend(how)
+    every = np.concatenate(parts)
+    by = np.concatenate(moves)
+    joint = np.zeros((PARAMETERS * len(atoms),) * 2)
+    for row, one in enumerate(covariance):
+        part = slice(PARAMETERS * row, PARAMETERS * (row + 1))
+        joint[part, part] = one
+    kinds = np.full(len(every), BALL)
+    kinds[: len(whole)] = family[whole]
+    return Drawable(every, kinds, by @ joint @ by.T, groups)
+
+
+def _same(row: int, count: int) -> Floats:
+    out = np.zeros((PARAMETERS, PARAMETERS * count))
+    out[:, PARAMETERS * row : PARAMETERS * (row + 1)] = np.eye(PARAMETERS)
+    return out
+
+
+def _pearls(ring: Floats, row: int, count: int, thickness: float) -> tuple[Floats, list[Floats]]:
+    """Small balls along a ring, and how they move with its parameters (6, 6 N) each."""
+    number = int(np.clip(np.ceil(2 * np.pi * ring[3] / (SHARE * thickness)), FEWEST, MOST))
+    angle = 2 * np.pi * np.arange(number) / number
+    small = np.zeros((number, PARAMETERS))
+    small[:, 0] = ring[0] + ring[3] * np.cos(angle)
+    small[:, 1] = ring[1] + ring[3] * np.sin(angle)
+    small[:, 2] = ring[2] / number
+    small[:, 3] = RIM * thickness
+    moves = []
+    for turn in angle:
+        one = np.zeros((PARAMETERS, PARAMETERS * count))
+        first = PARAMETERS * row
+        one[0, first] = one[1, first + 1] = 1.0
+        one[0, first + 3], one[1, first + 3] = np.cos(turn), np.sin(turn)
+        one[2, first + 2] = 1.0 / number
+        moves.append(one)
+    return small, moves

@@ -1,0 +1,72 @@
+"""Contacts as few round or drawn-out loads: the most accurate answer on a thin skin."""
+
+from dataclasses import dataclass, field
+
+from skinfield.elastic import ObservationModel
+from skinfield.errors import check_count, check_positive, check_range, check_type
+from skinfield.solve.non_negative import NonNegative
+from skinfield.solve.operator import ContactOperator
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactFit:
+    r"""Fit of the fewest contacts that explain the readings.
+
+    Between taxels a thin skin is nearly blind, so a field must guess there. A contact has few
+    unknowns: place, force and radius, and for a line its length and direction. Each is an atom:
+    the pressure of a ball or of a flat end on the layer, exact, whose readings are tabulated with
+    the nonlinear field in the gap for capacitance. Atoms are added where the residual is most
+    significant, all are refined together (Levenberg 1944), and shapes are chosen by their marginal
+    likelihood (Laplace's approximation; MacKay 2003, Information Theory, chapter 28).
+
+    Parameters
+    ----------
+    most_contacts : int
+        Atoms that are sought at most.
+    false_alarm_rate : float
+        Readings of an idle patch in which a contact may be seen, at most.
+    typical_radius : float, m
+        Of curvature of what touches: the middle of a broad prior, within a factor of two.
+    model_error : float
+        Of the readings, part of the highest: what no atom can explain.
+    starts : int
+        Places from which each new contact is sought.
+    warm : bool
+        Start from the reading before. Its answer is kept only as long as it explains the readings.
+    common_mode : float
+        Standard deviation of an offset that all taxels share, such as a drift, in those of the
+        noise; it is integrated out. 0 for none.
+    extended : NonNegative or None
+        Answers the readings that no few contacts explain, such as a whole palm's; the estimate's
+        `notes` say so. None leaves them to the best set of contacts.
+    """
+
+    most_contacts: int = 8
+    false_alarm_rate: float = 1e-3
+    typical_radius: float = 6e-3
+    model_error: float = 0.002
+    starts: int = 8
+    warm: bool = True
+    common_mode: float = 5.0
+    extended: NonNegative | None = field(default_factory=NonNegative)
+
+    def __post_init__(self) -> None:
+        check_count("most_contacts", self.most_contacts, 1, 64, "atoms that are sought")
+        check_count("starts", self.starts, 1, 64, "places from which each is sought")
+        check_type("warm", self.warm, bool, "whether to start from the reading before")
+        if self.extended is not None:
+            check_type("extended", self.extended, NonNegative, "or None, for no field")
+        check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
+        check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
+        check_range(
+            "common_mode", self.common_mode, 0.0, 1e6, "in standard deviations of the noise"
+        )
+        check_range("model_error", self.model_error, 0.0, 0.5, "part of the highest reading")
+
+    def prepare(self, model: ObservationModel) -> ContactOperator:
+        """Tabulate what single contacts are read as, and templates of them all over the patch."""
+        from skinfield.solve.atoms.fitter import ContactFitter
+
+        fitter = ContactFitter(self, model)
+        fitter.run_in()
+        return fitter

@@ -1,0 +1,312 @@
+"""Linear solvers: inverse, pseudo-inverse, Tikhonov regularisation and Gaussian fields.
+
+A contact is no Gaussian field, and between taxels a thin skin is nearly blind: there a field solver
+finds a part of the force, at the nearest taxel. The numbers are such that, on the hexagon of 72
+taxels with 2 mm of incompressible silicone (100 kPa), at the quantity's typical noise, 1.645
+standard deviations each way hold nine of ten forces, and the 90 % ellipse as many places, of 600
+presses of `pipeline.interval_training` (balls, flats, a cone, a bar; 0.1 to 3 N).
+
+At other noises one number cannot do. With 2.5 times the typical noise 88 to 98 % of the forces are
+held. With a twentieth of it 70 to 82 %, but for capacitance 98 % (`NonNegative`) and 87 %
+(`Inverse`): weak presses between taxels are then found, of which a linear solver sees a tenth. Of
+the places 93 % are then held by the resampled solvers, 66 to 80 % by `GaussianField` and
+`NonNegative`, and 29 to 36 % by `Tikhonov`, whose prior is only wide where it is told much noise.
+On other layouts and layers nothing was measured: `Reconstructor.calibrated` learns what holds
+there.
+
+They do not shrink with the size of a contact. For stress they might: of flat ends over 4 to 64
+taxel cells of a 16 x 16 skin (4 mm apart) `GaussianField` finds 88 to 98 % of the force. For
+capacitance they must not: 81 to 92 % over 4 cells, 61 to 68 % over 13, 46 to 50 % over 28, and 28 %
+over 64, as an incompressible layer hardly gives below the middle of a wide contact.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.elastic import BaseStress, LatticeConvolution, ObservationModel
+from skinfield.elastic.lattice import lattice, mirrored
+from skinfield.elastic.resample import resampling_matrix
+from skinfield.errors import Floats, InputError, check_positive, check_range
+from skinfield.estimate import ModelError, PressurePosterior
+from skinfield.skin import Grid
+from skinfield.solve.gaussian_model import GaussianModel
+from skinfield.solve.operator import InverseOperator, propagated_std
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One standard deviation: of the force and the area as parts of them, of the place in pitches.
+
+    Attributes
+    ----------
+    force, place, area : float
+    """
+
+    force: float
+    place: float
+    area: float
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Of one solver, by what taxels read; for the gap those of the capacitance."""
+
+    stress: Measured
+    capacitance: Measured
+
+    def of(self, model: ObservationModel) -> ModelError:
+        """For a model; none is known of a matrix that was built by hand."""
+        if model.physics is None:
+            return ModelError()
+        read = isinstance(model.physics.quantity, BaseStress)
+        part = self.stress if read else self.capacitance
+        place = part.place * model.grid.patch.pitch
+        return ModelError(force=part.force, place=place, area=part.area)
+
+
+GAUSSIAN_FIELD = Errors(Measured(1.2, 0.20, 0.30), Measured(1.4, 0.22, 0.22))
+NON_NEGATIVE = Errors(Measured(1.4, 0.13, 0.18), Measured(0.54, 0.14, 0.23))
+TIKHONOV = Errors(Measured(1.9, 0.13, 0.0), Measured(1.8, 0.14, 0.0))
+PSEUDO_INVERSE = Errors(Measured(2.2, 0.29, 0.46), Measured(2.6, 0.29, 0.64))
+RESAMPLED_PSEUDO_INVERSE = Errors(Measured(0.92, 0.29, 0.53), Measured(0.60, 0.37, 0.58))
+INVERSE = Errors(Measured(0.82, 0.29, 0.55), Measured(0.60, 0.44, 0.59))
+
+
+@dataclass(frozen=True, eq=False)
+class VirtualTaxels:
+    """N virtual taxels, one below each node that lies inside the hull of the taxels.
+
+    Attributes
+    ----------
+    weights : (N, L) array
+        From the readings of the taxels to those of the virtual taxels.
+    matrix : (N, K) array, unit of the reading per Pa
+        What the virtual taxels read of the pressure.
+    nodes : (K,) bool array
+        Where the virtual taxels are.
+    """
+
+    weights: Floats
+    matrix: Floats
+    nodes: NDArray[np.bool_]
+
+
+def resampled(model: ObservationModel) -> VirtualTaxels:
+    """Resample a model; nodes outside the hull have no virtual taxel, so nothing is made up."""
+    result = resampling_matrix(model.taxels, model.grid.plane)
+    inside = result.inside
+    if not inside.any():
+        raise InputError(
+            f"none of the {len(model.grid)} nodes lies inside the hull of the {len(model.taxels)} "
+            "taxels, expected some: use a finer grid or one that covers the taxels"
+        )
+    weights = np.asarray(result.matrix[inside].toarray())
+    return VirtualTaxels(weights, model.virtual_matrix(model.grid.plane[inside]), inside)
+
+
+SINGULAR = 1e9  # condition number beyond which rounding alone is seen in the answer
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inverse:
+    """Inverse of a square matrix, eq. (12): as many forces as readings.
+
+    Parameters
+    ----------
+    resample : bool
+        Invert on virtual taxels below the nodes that lie inside the taxels' hull, with a force at
+        each of them and none elsewhere, as the paper does (section III-B); else on the taxels
+        themselves, which needs as many nodes as taxels.
+    """
+
+    resample: bool = True
+
+    def prepare(self, model: ObservationModel) -> InverseOperator:
+        """Invert once."""
+        if self.resample:
+            virtual = resampled(model)
+            matrix = np.zeros((len(model.grid), len(model.taxels)))
+            matrix[virtual.nodes] = _solve(virtual.matrix[:, virtual.nodes], virtual.weights)
+        else:
+            taxels, nodes = model.matrix.shape
+            if taxels != nodes:
+                raise InputError(
+                    f"the matrix is ({taxels}, {nodes}), expected as many nodes as taxels: use "
+                    "Inverse(resample=True), or PseudoInverse() for any number"
+                )
+            matrix = _solve(model.matrix, np.eye(taxels))
+        std = propagated_std(matrix, model.noise_std)
+        return InverseOperator(matrix, std, model_error=INVERSE.of(model))
+
+
+def _solve(square: Floats, right: Floats) -> Floats:
+    from scipy.linalg import lapack
+
+    factors, pivots, _ = lapack.dgetrf(square)
+    reciprocal, _ = lapack.dgecon(factors, float(np.abs(square).sum(axis=0).max()))
+    if not reciprocal > 1 / SINGULAR:
+        condition = 1 / max(reciprocal, 1e-99)
+        raise InputError(
+            f"the {len(square)} x {len(square)} matrix has condition {condition:.1e}, expected "
+            f"below {SINGULAR:.0e}: taxels so far below nodes so close cannot tell them apart; "
+            "use a coarser grid, or Tikhonov()"
+        )
+    solution, _ = lapack.dgetrs(factors, pivots, right)
+    return np.asarray(solution, dtype=np.float64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PseudoInverse:
+    """Moore-Penrose inverse, eq. (13): the smallest pressure that explains the readings.
+
+    Parameters
+    ----------
+    rcond : float, dimensionless
+        Singular values below `rcond` times the largest count as zero.
+    resample : bool
+        First interpolate the readings onto virtual taxels below the nodes, as the paper does
+        (section III-B); else invert on the taxels themselves.
+    """
+
+    rcond: float = 1e-6
+    resample: bool = False
+
+    def __post_init__(self) -> None:
+        check_range("rcond", self.rcond, 0.0, 1.0, "relative to the largest singular value")
+
+    def prepare(self, model: ObservationModel) -> InverseOperator:
+        """Invert once."""
+        if self.resample:
+            virtual = resampled(model)
+            inverse = np.linalg.pinv(virtual.matrix, rcond=self.rcond)
+            matrix = np.asarray(inverse @ virtual.weights, dtype=np.float64)
+        else:
+            inverse = np.linalg.pinv(model.matrix, rcond=self.rcond)
+            matrix = np.asarray(inverse, dtype=np.float64)
+        std = propagated_std(matrix, model.noise_std)
+        known = RESAMPLED_PSEUDO_INVERSE if self.resample else PSEUDO_INVERSE
+        return InverseOperator(matrix, std, model_error=known.of(model))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tikhonov:
+    r"""Least squares with a penalty on the squared pressure.
+
+    Parameters
+    ----------
+    snr : float, dimensionless
+        Amplitude of the expected readings over their noise; lower is smoother.
+
+    Notes
+    -----
+    .. math:: \min_p \|W (A p - y)\|^2 + \lambda^2 \|p\|^2, \quad
+              \lambda^2 = \mathrm{tr}(W A A^T W) / (L\,\mathrm{snr}^2)
+
+    with W = diag(1 / noise_std): the same snr suits every patch, grid and unit. The answer is the
+    posterior mean of cells that are independent, each with the variance 1/lambda² (Bishop, Pattern
+    Recognition and Machine Learning, section 3.3); `pressure_std` is that posterior's.
+    """
+
+    snr: float = 30.0
+
+    def __post_init__(self) -> None:
+        check_positive("snr", self.snr, "the penalty is proportional to 1 / snr**2")
+
+    def prepare(self, model: ObservationModel) -> InverseOperator:
+        """Solve the (L, L) normal equations: small, as taxels are fewer than nodes."""
+        from scipy.linalg import solve_triangular
+
+        whitened = model.matrix / model.noise_std[:, None]
+        gram = whitened @ whitened.T
+        white = np.zeros(model.grid.shape)
+        white[0, 0] = 1.0
+        known = GaussianModel.of(whitened.T, gram, white, model.noise_std, self.snr)
+        penalty = float(np.trace(gram)) / (len(gram) * self.snr**2)
+        gram[np.diag_indices_from(gram)] += penalty
+        lower = np.linalg.cholesky(gram)
+        factor = solve_triangular(lower, whitened, lower=True)
+        matrix = solve_triangular(lower, factor, lower=True, trans=1).T / model.noise_std
+        factor = np.ascontiguousarray(factor.T) / np.sqrt(penalty)
+        posterior = PressurePosterior.of_lattice(white / penalty, factor)
+        return InverseOperator(matrix, posterior.std, posterior, TIKHONOV.of(model), known)
+
+
+PITCHES = 0.25  # of the taxels, per length scale: between presses on a taxel and beside
+
+
+@dataclass(frozen=True, kw_only=True)
+class GaussianField:
+    r"""Posterior of a Gaussian random field given the readings.
+
+    Parameters
+    ----------
+    snr : float, dimensionless
+        Amplitude of the expected readings over their noise; lower is smoother.
+    length_scale : float, m, optional
+        Of the Matérn-3/2 covariance. Default a quarter of the distance of neighbouring taxels.
+
+    Notes
+    -----
+    With the covariance :math:`Q_{ij} = q (1 + \sqrt3 d/\ell) e^{-\sqrt3 d/\ell}`, noise
+    :math:`\Sigma` and readings y = A p + noise, the posterior has
+
+    .. math:: \hat p = Q A^T (A Q A^T + \Sigma)^{-1} y, \quad
+              \mathrm{cov} = Q - Q A^T (A Q A^T + \Sigma)^{-1} A Q.
+
+    q is such that the prior's readings have, over the taxels, `snr` times the noise's power:
+    tr(W A Q A^T W) = L snr². `pressure_std` is the posterior's, so between taxels, where a thin
+    skin is nearly blind, it says so.
+    """
+
+    snr: float = 10.0
+    length_scale: float | None = None
+
+    def __post_init__(self) -> None:
+        check_positive("snr", self.snr, "the prior's variance is proportional to snr**2")
+        if self.length_scale is not None:
+            check_positive("length_scale", self.length_scale, "in metres")
+
+    def prepare(self, model: ObservationModel) -> InverseOperator:
+        """Condition the field on the taxels, once."""
+        from scipy.linalg import solve_triangular
+
+        length = self.length_scale or PITCHES * taxel_distance(model.taxels, model.grid.pitch)
+        white = 1.0 / model.noise_std
+        cross = smoothed(model.grid, model.matrix, length).T * white  # Q A^T per q, (K, L)
+        gram = (model.matrix @ cross) * white[:, None]
+        variance = self.snr**2 * len(gram) / np.trace(gram)
+        lower = np.linalg.cholesky(gram * variance + np.eye(len(gram)))
+        factor = solve_triangular(lower, variance * cross.T, lower=True)
+        matrix = solve_triangular(lower, factor, lower=True, trans=1).T * white
+        near = correlation(model.grid, length)
+        posterior = PressurePosterior.of_lattice(variance * near, np.ascontiguousarray(factor.T))
+        known = GaussianModel.of(cross, gram, near, model.noise_std, self.snr)
+        return InverseOperator(matrix, posterior.std, posterior, GAUSSIAN_FIELD.of(model), known)
+
+
+def taxel_distance(taxels: Floats, alone: float) -> float:
+    """Median distance of a taxel to the nearest other, m; `alone` if there is none."""
+    from scipy.spatial import cKDTree
+
+    distinct = np.unique(taxels.round(9), axis=0)
+    if len(distinct) < 2:
+        return alone
+    distance = np.asarray(cKDTree(distinct).query(distinct, k=2)[0])
+    return float(np.median(distance[:, 1]))
+
+
+def correlation(grid: Grid, length: float) -> Floats:
+    """Matérn-3/2 correlation of two nodes by their offset in rows and columns: (rows, columns)."""
+    height, width = grid.shape
+    x, y = lattice(height - 1, width - 1, grid.pitch).T
+    scaled = np.sqrt(3.0) * np.hypot(x, y) / length
+    return np.asarray(((1 + scaled) * np.exp(-scaled)).reshape(height, width))
+
+
+def smoothed(grid: Grid, rows: Floats, length: float) -> Floats:
+    """Rows (L, K) times the Matérn-3/2 correlation of the nodes, by convolution: (L, K)."""
+    height, width = grid.shape
+    smooth = LatticeConvolution(mirrored(correlation(grid, length)))
+    return np.stack([smooth(row.reshape(height, width)).ravel() for row in rows])

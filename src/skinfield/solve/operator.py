@@ -1,0 +1,171 @@
+"""Solve slowly once (`prepare`), apply quickly for ever."""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.elastic import ObservationModel
+from skinfield.errors import Floats
+from skinfield.estimate import Contact, ModelError, PressureNoise, PressurePosterior
+from skinfield.solve.gaussian_model import GaussianModel
+
+EXACT = ModelError()
+
+
+@dataclass(frozen=True, eq=False)
+class InverseOperator:
+    """Prepared linear map from L readings to the pressure on K nodes.
+
+    Attributes
+    ----------
+    matrix : (K, L) array, Pa per unit of the reading
+    pressure_std : (K,) array, Pa
+        One standard deviation of the pressure as the solver states it: a Bayesian one states its
+        posterior, the others how far the noise of one reading moves their answer.
+    posterior : PressurePosterior, optional
+        Of a Bayesian solver: its contacts' covariance. Else that is of the readings' noise alone.
+    model_error : ModelError
+        What is wrong with its contacts beside: added to their covariance.
+    gaussian : GaussianModel, optional
+        Of a Bayesian solver: by which it answers without some of its taxels at little cost.
+    """
+
+    matrix: Floats
+    pressure_std: Floats
+    posterior: PressurePosterior | None = None
+    model_error: ModelError = EXACT
+    gaussian: GaussianModel | None = None
+
+    def apply(self, readings: Floats, out: Floats) -> None:
+        """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,). No allocation."""
+        np.dot(self.matrix, readings, out=out)
+
+    def without(self, valid: NDArray[np.bool_]) -> "InverseOperator | None":
+        """What the solver would prepare, with the same prior, for the taxels of a mask (L,) alone.
+
+        None where that does not follow from this operator: the solver must prepare it then.
+        """
+        if self.gaussian is None:
+            return None
+        sets = self.gaussian.sets(np.asarray(valid, dtype=np.bool_)[None])
+        posterior = sets.posterior(0)
+        return InverseOperator(sets.matrix(0), posterior.std, posterior, self.model_error)
+
+
+class FieldOperator(Protocol):
+    """Prepared map that is not linear, from L readings to the pressure on K nodes.
+
+    Attributes
+    ----------
+    pressure_std : (K,) array, Pa
+    noise : PressureNoise
+        By which contacts are told from noise.
+    posterior : PressurePosterior or None
+        By which contacts are said to be sure, if by more than the readings' noise.
+    model_error : ModelError
+        What is wrong with contacts beside: added to their covariance.
+    """
+
+    @property
+    def pressure_std(self) -> Floats:
+        """One standard deviation of the pressure as the solver states it, (K,) Pa."""
+        ...
+
+    @property
+    def noise(self) -> PressureNoise:
+        """How the readings' noise moves the pressure, about."""
+        ...
+
+    @property
+    def posterior(self) -> PressurePosterior | None:
+        """What the readings leave open, about."""
+        ...
+
+    @property
+    def model_error(self) -> ModelError:
+        """What is wrong with contacts beside."""
+        ...
+
+    def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
+        """Write into `out` (K,), Pa, the pressure of linearised `readings` (L,).
+
+        `deadline_ns` is a time of `time.perf_counter_ns`, at which the best answer so far is kept.
+        """
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What a solver that finds contacts by itself makes of one reading.
+
+    Attributes
+    ----------
+    pressure, pressure_std : (K,) arrays, Pa
+    displacement : (K, 3) array, m
+        In the patch's frame.
+    contacts : tuple of Contact
+        By falling normal force.
+    predicted : (L,) array, in the quantity's unit
+        What the taxels would read of them.
+    cells : (N,) int array
+        Nodes with pressure other than 0.
+    offset : float, in the quantity's unit
+        That all taxels are taken to share; it is part of what is predicted.
+    explained : bool
+        Whether noise accounts for what the contacts leave over.
+    notes : tuple of str
+    """
+
+    pressure: Floats
+    pressure_std: Floats
+    displacement: Floats
+    contacts: tuple[Contact, ...]
+    predicted: Floats
+    cells: NDArray[np.int64]
+    offset: float = 0.0
+    explained: bool = True
+    notes: tuple[str, ...] = ()
+
+
+@runtime_checkable
+class ContactOperator(Protocol):
+    """Prepared search for the contacts that explain L readings.
+
+    Attributes
+    ----------
+    extended : FieldOperator or None
+        For readings that no few contacts explain.
+    """
+
+    @property
+    def extended(self) -> FieldOperator | None:
+        """What answers the readings that no few contacts explain."""
+        ...
+
+    def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
+        """Contacts and fields of `readings` (L,) in the quantity's unit.
+
+        `deadline_ns` is a time of `time.perf_counter_ns`, at which the best answer so far is kept.
+        """
+        ...
+
+    def reset(self) -> None:
+        """Forget the reading before, from which the next one starts."""
+        ...
+
+
+class Solver(Protocol):
+    """Anything with `prepare` is a solver: nothing to inherit, nowhere to register."""
+
+    def prepare(
+        self, model: ObservationModel, /
+    ) -> InverseOperator | FieldOperator | ContactOperator:
+        """Do every computation that needs no reading."""
+        ...
+
+
+def propagated_std(matrix: Floats, noise_std: Floats) -> Floats:
+    """How far independent noise (L,) moves the output of a matrix (K, L): (K,)."""
+    return np.asarray(np.sqrt(np.square(matrix) @ np.square(noise_std)))

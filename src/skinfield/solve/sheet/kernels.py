@@ -1,0 +1,321 @@
+"""Kernels of a sheet, compiled: stamps, conjugate gradients, and the Gram matrix of neighbours.
+
+All kernels work on taxels in the sheet's own order, strip by strip, and on arrays that the caller
+keeps. Each compiles for float32 and float64.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.solve.sheet.response import GROUP, LANES
+from skinfield.solve.sheet.simd_kernel import add_block
+
+Array = NDArray[Any]
+Parts = tuple[Array, Array, Array, Array, int, int]  # see `gram.parts_of`
+FAST = {"reassoc", "contract", "nsz"}  # sums in any order, but NaN stays NaN
+
+
+@inner(fastmath=FAST, inline="always")
+def profiles_at(table: Array, offset: float, out: Array) -> None:
+    """Profiles of a taxel at `offset` of a cell, 0 to 1, flat; linear in between."""
+    place = offset * (table.shape[0] - 1)
+    step = min(int(place), table.shape[0] - 2)
+    share = out.dtype.type(place - step)
+    low, high = table[step], table[step + 1]
+    for index in range(len(out)):
+        out[index] = low[index] + share * (high[index] - low[index])
+
+
+@inner(fastmath=FAST, inline="always")
+def add_stamp(
+    value: float,
+    across: Array,
+    down: Array,
+    along_x: Array,
+    along_y: Array,
+    rows: int,
+    width: int,
+    offset: Array,
+    taxel: int,
+    corner: int,
+    columns: int,
+    out: Array,
+) -> None:
+    """Add a taxel's stamp times a value to a flat field, from its cell `corner` on.
+
+    The stamp is handed over in parts, as a tuple of arrays costs more than the sum.
+    """
+    profiles_at(across, offset[taxel, 0], along_x)
+    profiles_at(down, offset[taxel, 1], along_y)
+    factor = out.dtype.type(value)
+    for index in range(len(along_y)):
+        along_y[index] *= factor
+    for part in range(0, len(along_x) // width, GROUP):
+        for cell in range(0, width, LANES):
+            first = part * width + cell
+            add_block(
+                out, corner + cell, columns, along_x, first, width, along_y, part * rows, rows
+            )
+
+
+@njit(fastmath=FAST)
+def add_stamps(
+    values: Array,
+    corner: Array,
+    offset: Array,
+    stamp: Parts,
+    columns: int,
+    out: Array,
+) -> None:
+    """Set a flat field to the sum of all taxels' stamps, each times its value.
+
+    `corner` (L,) is the index of a stamp's first cell, `offset` (L, 2) the taxel's in its cell.
+    """
+    out[:] = 0.0
+    a, d, x, y, rows, width = stamp
+    for taxel in range(len(values)):
+        value, to = values[taxel], corner[taxel]
+        if value != 0.0:
+            add_stamp(value, a, d, x, y, rows, width, offset, taxel, to, columns, out)
+
+
+@njit(fastmath=FAST)
+def read_stamps(
+    field: Array,
+    corner: Array,
+    offset: Array,
+    stamp: Parts,
+    columns: int,
+    out: Array,
+) -> None:
+    """Each taxel's stamp times a flat field, summed: the transpose of `add_stamps`."""
+    across, down, along_x, along_y, rows, width = stamp
+    for taxel in range(len(out)):
+        profiles_at(across, offset[taxel, 0], along_x)
+        profiles_at(down, offset[taxel, 1], along_y)
+        total = 0.0
+        for part in range(len(along_x) // width):
+            profile = along_x[part * width : (part + 1) * width]
+            first = part // GROUP * GROUP * rows + part % GROUP
+            for row in range(rows):
+                start = corner[taxel] + row * columns
+                line = field[start : start + width]
+                of_row = out.dtype.type(0.0)
+                for cell in range(width):
+                    of_row += profile[cell] * line[cell]
+                total += along_y[first + GROUP * row] * of_row
+        out[taxel] = total
+
+
+@njit(fastmath=FAST)
+def multiply(start: Array, other: Array, value: Array, vector: Array, out: Array) -> float:
+    """Write M v over v in `out`, for symmetric M with a diagonal of ones; returns v . M v.
+
+    What lies below the diagonal is stored by rows, in groups of `GROUP` entries: rows of nearly the
+    same length, which a processor foresees. Half the matrix is less to read than all of it.
+    """
+    curved = 0.0
+    for row in range(len(vector)):
+        mine = vector[row]
+        total = out.dtype.type(0.0)
+        for first in range(start[row], start[row + 1], GROUP):
+            for step in range(GROUP):
+                beside, share = other[first + step], value[first + step]
+                total += share * vector[beside]
+                out[beside] += share * mine
+        out[row] += total
+        curved += mine * (mine + 2.0 * total)
+    return curved
+
+
+@njit(fastmath=FAST)
+def residual_of(target: Array, moved: Array, valid: Array, out: Array) -> float:
+    """Write target - moved where valid, else 0; returns the square of its norm."""
+    square = 0.0
+    for row in range(len(out)):
+        out[row] = valid[row] * (target[row] - moved[row])
+        square += out[row] * out[row]
+    return square
+
+
+@njit(fastmath=FAST)
+def descend(
+    length: float, way: Array, moved: Array, valid: Array, answer: Array, residual: Array
+) -> float:
+    """Go `length` along `way`; returns the square of the norm of the residual there."""
+    step = answer.dtype.type(length)
+    square = 0.0
+    for row in range(len(answer)):
+        answer[row] += step * way[row]
+        residual[row] -= step * valid[row] * moved[row]
+        square += residual[row] * residual[row]
+    return square
+
+
+@njit(fastmath=FAST)
+def turn(keep: float, residual: Array, way: Array, copy: Array) -> None:
+    """The next way, the residual and `keep` of the way before, and a copy of it."""
+    share = way.dtype.type(keep)
+    for row in range(len(way)):
+        way[row] = copy[row] = residual[row] + share * way[row]
+
+
+@njit
+def take_in(
+    readings: Array, order: Array, scale: Array, target: Array, valid: Array, answer: Array
+) -> float:
+    """Readings in the sheet's order, scaled; 0 where one is NaN, and so is the answer there.
+
+    Returns the square of the target's norm.
+    """
+    square = 0.0
+    for row in range(len(target)):
+        reading = readings[order[row]]
+        good = reading == reading
+        valid[row] = 1.0 if good else 0.0
+        target[row] = reading * scale[row] if good else 0.0
+        if not good:
+            answer[row] = 0.0
+        square += target[row] * target[row]
+    return square
+
+
+@njit
+def give_out(answer: Array, gain: Array, out: Array) -> None:
+    """Values of the taxels' stamps."""
+    for row in range(len(out)):
+        out[row] = answer[row] * gain[row]
+
+
+@njit
+def nearest(place: Array, strip: Array, height: float, out: Array) -> None:
+    """Distance from each taxel (L, 2) to the nearest other place, but no more than `height`.
+
+    Taxels are ordered by strips of that height, within a strip by x; strip n holds the taxels
+    strip[n] .. strip[n + 1].
+    """
+    out[:] = height
+    for row in range(len(strip) - 1):
+        for beside in range(max(row - 1, 0), row + 1):
+            first = strip[beside]
+            for taxel in range(strip[row], strip[row + 1]):
+                x, y = place[taxel]
+                end = min(taxel, strip[beside + 1])
+                while first < end and place[first, 0] < x - height:
+                    first += 1
+                for other in range(first, end):
+                    if place[other, 0] > x + height:
+                        break
+                    apart = np.hypot(place[other, 0] - x, place[other, 1] - y)
+                    if apart > 0.0:
+                        out[taxel] = min(out[taxel], apart)
+                        out[other] = min(out[other], apart)
+
+
+@njit
+def earlier(
+    place: Array, strip: Array, row: int, taxel: int, reach: float, first: Array, found: Array
+) -> int:
+    """Write the taxels before one of strip `row` that are within reach; returns their number.
+
+    They are in that strip and in the len(first) - 1 before it; `first` holds where in each of
+    these the search begins, which never goes back from one taxel of a strip to the next. Those
+    that do not fit into `found` are counted only.
+    """
+    x, y = place[taxel]
+    count = 0
+    for back in range(min(len(first) - 1, row), -1, -1):
+        end = taxel if back == 0 else strip[row - back + 1]
+        at = first[back]
+        while at < end and place[at, 0] < x - reach:
+            at += 1
+        first[back] = at
+        for other in range(at, end):
+            if place[other, 0] > x + reach:
+                break
+            if (place[other, 0] - x) ** 2 + (place[other, 1] - y) ** 2 <= reach * reach:
+                if count < len(found):
+                    found[count] = other
+                count += 1
+    return count
+
+
+@njit
+def count_pairs(place: Array, strip: Array, reach: float, back: int, count: Array) -> None:
+    """Write how many earlier neighbours each taxel has, (L,), in its strip and `back` before."""
+    first, none = np.empty(back + 1, np.int64), np.empty(0, np.int64)
+    for row in range(len(strip) - 1):
+        for step in range(min(back, row) + 1):
+            first[step] = strip[row - step]
+        for taxel in range(strip[row], strip[row + 1]):
+            count[taxel] = earlier(place, strip, row, taxel, reach, first, none)
+
+
+@njit(fastmath=FAST)
+def overlap(one: Array, other: Array, down: int, across: int) -> float:
+    """Sum of products of two stamps, the other's corner `down` rows and `across` cells further."""
+    first, last = max(0, across), min(one.shape[1], other.shape[1] + across)
+    total = one.dtype.type(0.0)
+    for row in range(max(0, down), min(one.shape[0], other.shape[0] + down)):
+        mine, beside = one[row, first:last], other[row - down, first - across :]
+        for cell in range(len(mine)):
+            total += mine[cell] * beside[cell]
+    return float(total)
+
+
+@njit(fastmath=FAST)
+def fill_pairs(
+    place: Array,
+    cell: Array,
+    offset: Array,
+    strip: Array,
+    reach: float,
+    read: Parts,
+    spread: Parts,
+    first: Array,
+    found: Array,
+    ring: Array,
+    start: Array,
+    other_of: Array,
+    value: Array,
+    own: Array,
+) -> None:
+    """Write what each taxel reads of itself, (L,), and of its earlier neighbours.
+
+    `read` and `spread` are what a taxel reads and the pressure that its reading makes; `first` and
+    `found` are room for `earlier`, and `ring` (N, rows, width) for the last stamps, as many as all
+    strips of a search hold.
+    """
+    ra, rd, rx, ry, rrows, rwidth = read
+    sa, sd, sx, sy, srows, swidth = spread
+    mine = np.empty((srows, swidth), ring.dtype)
+    shift = (srows - rrows) // 2  # of the corners of one taxel's stamps
+    for row in range(len(strip) - 1):
+        for step in range(min(len(first) - 1, row) + 1):
+            first[step] = strip[row - step]
+        for taxel in range(strip[row], strip[row + 1]):
+            mine[:] = 0.0
+            add_stamp(1.0, sa, sd, sx, sy, srows, swidth, offset, taxel, 0, swidth, mine.ravel())
+            here = ring[taxel % len(ring)]
+            here[:] = 0.0
+            add_stamp(1.0, ra, rd, rx, ry, rrows, rwidth, offset, taxel, 0, rwidth, here.ravel())
+            own[taxel] = overlap(mine, here, shift, shift)
+            count = earlier(place, strip, row, taxel, reach, first, found)
+            for index in range(count):
+                beside = found[index]
+                down = cell[beside, 1] - cell[taxel, 1] + shift
+                across = cell[beside, 0] - cell[taxel, 0] + shift
+                entry = start[taxel] + index
+                other_of[entry] = beside
+                value[entry] = overlap(mine, ring[beside % len(ring)], down, across)
+
+
+@njit
+def scale_pairs(start: Array, other_of: Array, scale: Array, value: Array) -> None:
+    """Multiply each pair's value by both taxels' scales."""
+    for taxel in range(len(scale)):
+        for entry in range(start[taxel], start[taxel + 1]):
+            value[entry] *= scale[taxel] * scale[other_of[entry]]

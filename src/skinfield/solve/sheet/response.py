@@ -1,0 +1,303 @@
+r"""Response of an elastic layer on a lattice of cells, and stamps: products of profiles for it.
+
+A kernel that is even in x and y and equal in both is a symmetric matrix on a fine lattice, so
+
+.. math:: k(x, y) = \sum_r s_r\, v_r(x)\, v_r(y), \qquad s_r = \pm 1,
+
+with profiles that are its eigenvectors. The kernels of an elastic layer are so smooth that four of
+them reach some 1e-4 of the peak. What a taxel at any offset from the lattice does to the cells
+around is then known from tables of one variable, which stay in the nearest cache.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from skinfield.elastic import Layer, Mechanics, Quantity
+from skinfield.elastic.lattice import mirrored
+from skinfield.errors import Floats, InputError
+from skinfield.skin import Grid, Patch
+
+FINE = 16  # samples per cell of a kernel
+WIDEST = 32  # cells from a taxel to the end of its stamp
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """What a taxel feels of a pressure on one cell, on a lattice finer than the cells.
+
+    Attributes
+    ----------
+    quadrant : (FINE reach + 1, FINE reach + 1) array, unit of the reading per Pa
+        By the offset in x and y from 0, in steps of 1 / FINE of a cell.
+    reach : int
+        Cells from the taxel to where it ends.
+    dropped : float
+        Largest value beyond, as a share of the peak.
+    """
+
+    quadrant: Floats
+    reach: int
+    dropped: float
+
+    @property
+    def lattice(self) -> Floats:
+        """Values at whole offsets, -reach to reach along both axes."""
+        return mirrored(self.quadrant[::FINE, ::FINE])
+
+
+class Response:
+    """What a taxel reads of a cell at any offset, by the quantity's own matrix of one cell."""
+
+    def __init__(
+        self,
+        mechanics: Mechanics,
+        layer: Layer,
+        quantity: Quantity,
+        pitch: float,
+        pad_diameter: float,
+    ) -> None:
+        corners = np.array([[0.0, 0.0, 0.0], [pitch, 0.0, 0.0], [0.0, pitch, 0.0]])
+        self._cell = Grid(Patch(corners, pad_diameter, name="sheet"), (1, 1), pitch)
+        self._physics = (mechanics, layer)
+        self._quantity, self._pad = quantity, pad_diameter
+
+    def __call__(self, offsets: Floats) -> Floats:
+        """Unit of the reading per Pa, (N,), at offsets (N, 2) in cells."""
+        places = offsets * self._cell.pitch
+        matrix = self._quantity.matrix(*self._physics, self._cell, places, self._pad)
+        return np.asarray(matrix[:, 0])
+
+    def kernel(self, cut: float) -> Kernel:
+        """Sampled as far as it exceeds `cut` of its peak."""
+        ray = np.arange(4 * WIDEST * 2 + 1) / 4.0
+        values = np.abs(
+            np.concatenate(
+                [
+                    self(np.column_stack([ray, 0 * ray])),
+                    self(np.column_stack([ray, ray])),
+                ]
+            )
+        ).reshape(2, -1)
+        away = np.maximum.reduceat(np.maximum(*values), np.arange(0, len(ray) - 1, 4))
+        peak = float(values.max())
+        reach = int(np.flatnonzero(away > cut * peak)[-1]) + 1
+        if reach > WIDEST:
+            raise InputError(
+                f"a taxel's response falls to {cut:g} of its peak only {reach} cells away, "
+                f"expected within {WIDEST}: a sheet is for short kernels; use larger cells, a "
+                "larger cut, BaseStress() or BondedLayer()"
+            )
+        count = reach * FINE + 1
+        i, j = np.tril_indices(count)
+        quadrant = np.empty((count, count))
+        quadrant[i, j] = quadrant[j, i] = self(np.column_stack([i, j]) / FINE)
+        return Kernel(quadrant, reach, float(away[reach:].max() / peak))
+
+
+def smoothed_kernel(kernel: Kernel, correlation: Floats, cut: float) -> Kernel:
+    """A kernel convolved with a prior's correlation (2 n + 1, 2 n + 1) of cells, cut anew."""
+    from scipy.signal import fftconvolve
+
+    spread = np.zeros(((len(correlation) - 1) * FINE + 1,) * 2)
+    spread[::FINE, ::FINE] = correlation
+    full = fftconvolve(mirrored(kernel.quadrant), spread)
+    quadrant = full[len(full) // 2 :, len(full) // 2 :]
+    peak = float(np.abs(quadrant).max())
+    away = np.abs(quadrant).max(axis=0)
+    reach = int(np.ceil(np.flatnonzero(away > cut * peak)[-1] / FINE))
+    reach = max(reach, kernel.reach)  # so that the lattice holds both
+    if reach > WIDEST:
+        raise InputError(
+            f"the prior carries a taxel's reading {reach} cells away, expected at most {WIDEST}: "
+            "use a shorter length_scale, larger cells or a larger cut"
+        )
+    end = reach * FINE
+    beyond = float(away[end + 1 :].max(initial=0.0))
+    return Kernel(quadrant[: end + 1, : end + 1], reach, beyond / peak)
+
+
+def neighbour_reach(read: Kernel, spread: Kernel, cut: float) -> float:
+    """Cells beyond which two taxels read less than `cut` of each other's pressure.
+
+    As a share of what each reads of its own, for taxels in the middle of cells.
+    """
+    from scipy.signal import fftconvolve
+
+    product = np.abs(fftconvolve(read.lattice, spread.lattice))
+    middle = len(product) // 2
+    row, column = np.indices(product.shape) - middle
+    far = np.hypot(row, column)
+    return float(far[product > cut * product[middle, middle]].max()) + 0.5
+
+
+STEPS = 64  # offsets per cell of a profile, linear in between
+GROUP = 4  # parts that the kernels add in one pass
+LANES = 8  # cells that they add at once
+MOST = 16  # parts
+MISFIT = 0.2  # of the cut: what the products may be off
+TRIALS = 512  # offsets at which a stamp is held against the kernel itself
+FAINT = 1e-5  # of a correlation, where it ends
+
+
+@dataclass(frozen=True, eq=False)
+class Stamp:
+    """A kernel as a sum of products of profiles, for taxels anywhere in a cell.
+
+    Attributes
+    ----------
+    table : (STEPS + 1, parts, 2 reach) array
+        Profiles at the cells 1 - reach .. reach of a taxel that stands 0 .. 1 past cell 0.
+    sign : (parts,) array
+        Of each part.
+    reach : int
+        Cells from the taxel to the end.
+    dropped, misfit : float
+        Largest value beyond the reach, and largest error within, as shares of the peak.
+    """
+
+    table: Floats
+    sign: Floats
+    reach: int
+    dropped: float
+    misfit: float
+
+    @property
+    def width(self) -> int:
+        """Cells along x that are written to: a multiple of `LANES`."""
+        return -(-2 * self.reach // LANES) * LANES
+
+    @property
+    def bound(self) -> float:
+        """Largest error of a stamp on any cell, as a share of its peak."""
+        return max(self.dropped, self.misfit)
+
+    def at(self, offsets: Floats) -> Floats:
+        """Values (N, 2 reach, 2 reach), by row and column, of taxels (N, 2) cells past cell 0."""
+        place = np.clip(offsets, 0.0, 1.0) * STEPS
+        step = np.minimum(place.astype(int), STEPS - 1)
+        share = (place - step)[..., None, None]
+        profile = (1 - share) * self.table[step] + share * self.table[step + 1]
+        return np.asarray(
+            np.einsum("p,npy,npx->nyx", self.sign, profile[:, 1], profile[:, 0], optimize=True)
+        )
+
+
+def stamp_of(kernel: Kernel, tolerance: float) -> Stamp:
+    """Fewest parts that fit the kernel to `tolerance` of its peak."""
+    from scipy.interpolate import CubicSpline
+    from scipy.linalg import eigh
+
+    quadrant = kernel.quadrant
+    weight = np.full(len(quadrant), np.sqrt(2.0))
+    weight[0] = 1.0  # what lies on an axis counts once in the whole plane
+    value, vector = eigh(quadrant * np.outer(weight, weight))
+    order = np.argsort(-np.abs(value))
+    peak = np.abs(quadrant).max()
+    for parts in range(GROUP, MOST + 1, GROUP):
+        chosen = order[:parts]
+        profile = vector[:, chosen] / weight[:, None] * np.sqrt(np.abs(value[chosen]))
+        sign = np.sign(value[chosen])
+        misfit = float(np.abs((profile * sign) @ profile.T - quadrant).max() / peak)
+        if misfit <= tolerance:
+            break
+    both = np.concatenate([profile[:0:-1], profile])
+    place = np.arange(-kernel.reach * FINE, kernel.reach * FINE + 1) / FINE
+    cell = np.arange(1 - kernel.reach, kernel.reach + 1)
+    offset = np.arange(STEPS + 1) / STEPS
+    table = CubicSpline(place, both)(cell - offset[:, None])  # (STEPS + 1, 2 reach, parts)
+    return Stamp(
+        np.ascontiguousarray(np.moveaxis(table, -1, 1)), sign, kernel.reach, kernel.dropped, misfit
+    )
+
+
+def compared(stamp: Stamp, response: Response, peak: float) -> Stamp:
+    """The stamp, its misfit measured at offsets between all samples, against the kernel itself."""
+    index = np.arange(1, TRIALS + 1)
+    inside = np.column_stack([index * 0.7548776662, index * 0.5698402910]) % 1.0  # evenly spread
+    width = 2 * stamp.reach
+    row, column = (index * 7) % width, (index * 11) % width
+    offset = np.column_stack([column, row]) + (1 - stamp.reach) - inside
+    made = stamp.at(inside)[index - 1, row, column]
+    misfit = float(np.abs(made - response(offset)).max() / peak)
+    return replace(stamp, misfit=max(stamp.misfit, misfit))
+
+
+@dataclass(frozen=True, eq=False)
+class Stamps:
+    """What depends on the elastomer and the cells alone.
+
+    Attributes
+    ----------
+    read : Stamp
+        What a taxel reads of each cell, A, in the unit of the reading per Pa.
+    spread : Stamp
+        Pressure that goes with its reading, Q A^T per variance of a cell.
+    neighbours : float
+        Cells beyond which two taxels do not count as neighbours.
+    """
+
+    read: Stamp
+    spread: Stamp
+    neighbours: float
+
+    @classmethod
+    def of(
+        cls,
+        mechanics: Mechanics,
+        layer: Layer,
+        quantity: Quantity,
+        pitch: float,
+        pad_diameter: float,
+        cut: float,
+        length: float,
+    ) -> "Stamps":
+        """Stamps on cells of side `pitch` m for a prior of some length in cells, 0 for none.
+
+        They are kept for the next sheet, where the objects can be hashed.
+        """
+        make: Callable[..., Stamps] = _stamps
+        try:
+            hash((mechanics, quantity))
+        except TypeError:
+            make = _stamps.__wrapped__
+        return make(mechanics, layer, quantity, pitch, pad_diameter, cut, length)
+
+
+@lru_cache(maxsize=16)
+def _stamps(
+    mechanics: Mechanics,
+    layer: Layer,
+    quantity: Quantity,
+    pitch: float,
+    pad_diameter: float,
+    cut: float,
+    length: float,
+) -> Stamps:
+    response = Response(mechanics, layer, quantity, pitch, pad_diameter)
+    kernel = response.kernel(cut)
+    peak = float(np.abs(kernel.quadrant).max())
+    read = compared(stamp_of(kernel, MISFIT * cut), response, peak)
+    if read.misfit > cut:
+        raise InputError(
+            f"the response of {quantity!r} on {mechanics!r} has edges: {MOST} products fit it to "
+            f"{read.misfit:.1e} of its peak only, expected to the cut of {cut:g}; use a larger "
+            "cut, pads that average, or loads that are uniform over a cell"
+        )
+    if length == 0.0:
+        return Stamps(read, read, neighbour_reach(kernel, kernel, cut))
+    wide = smoothed_kernel(kernel, correlation(length), cut)
+    return Stamps(read, stamp_of(wide, MISFIT * cut), neighbour_reach(kernel, wide, cut))
+
+
+def correlation(length: float) -> Floats:
+    """Matérn-3/2 correlation of cells, (2 n + 1, 2 n + 1), as far as it counts."""
+    scaled = 1.0
+    while (1.0 + scaled) * np.exp(-scaled) > FAINT:
+        scaled += 0.1
+    count = int(np.ceil(scaled * length / np.sqrt(3.0)))
+    offset = np.arange(-count, count + 1)
+    scaled_offset = np.sqrt(3.0) * np.hypot(offset[:, None], offset) / length
+    return np.asarray((1 + scaled_offset) * np.exp(-scaled_offset))

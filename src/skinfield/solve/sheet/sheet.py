@@ -1,0 +1,437 @@
+"""Sheet of thousands to millions of taxels: arguments, and conjugate gradients that solve it."""
+
+import time
+from dataclasses import dataclass, field
+from functools import cached_property
+from time import perf_counter_ns
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.elastic import BaseStress, BondedLayer, Layer, Mechanics, Quantity
+from skinfield.elastic.observation import LAYER
+from skinfield.errors import (
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_count,
+    check_finite,
+    check_offers,
+    check_positive,
+    check_range,
+    check_shape,
+    check_type,
+)
+from skinfield.solve.linear import GaussianField, Tikhonov
+from skinfield.solve.sheet.estimate import SheetDeformation, SheetEstimate, highest_std
+from skinfield.solve.sheet.plan import TOO_DENSE, Gram, SheetPlan, parts_of
+
+NOISE = 1e-20, 1e12  # in any unit of a reading
+LARGEST = 1e12  # deviations of the noise: their squares add up in single precision
+
+
+def check_physics(layer: object, mechanics: object, quantity: object) -> None:
+    """Raise InputError for what is no layer, elastomer or quantity."""
+    check_type("layer", layer, Layer, LAYER)
+    needs: tuple[str, ...] = ("surface_displacement", "indentation")
+    check_offers("mechanics", mechanics, needs, "a model such as BondedLayer() or HalfSpace()")
+    needs = ("matrix", "linearise", "typical_noise")
+    check_offers("quantity", quantity, needs, "one of BaseStress(), Gap() and Capacitance()")
+
+
+def check_settings(tolerance: float, most_iterations: int, precision: object) -> None:
+    """Raise InputError for settings that no iteration could go by."""
+    check_range("tolerance", tolerance, 1e-12, 0.5, "a share of the whitened readings")
+    check_count("most_iterations", most_iterations, 1, 10_000, "some ten are usual")
+    if precision not in (np.float32, np.float64):
+        raise InputError(
+            f"precision is {precision!r}, expected numpy.float32 or numpy.float64: the first is "
+            "faster, the second for comparisons"
+        )
+
+
+def checked_places(positions: ArrayLike) -> Floats:
+    """Positions (L, 2) of at least one taxel."""
+    places = as_floats("positions", positions)
+    check_shape("positions", places, (None, 2), "x and y of each taxel in the plane, in metres")
+    if not len(places):
+        raise InputError("positions has no taxel, expected at least one")
+    check_finite("positions", places, "a taxel without a place reads nothing that is known")
+    return places
+
+
+def checked_noise(noise_std: ArrayLike, taxels: int) -> Floats:
+    """One standard deviation per taxel, (L,)."""
+    noise = as_floats("noise_std", noise_std)
+    if noise.ndim == 0:
+        noise = np.full(taxels, float(noise))
+    check_shape("noise_std", noise, (taxels,), "one number, or one per taxel")
+    for index in np.flatnonzero(~((noise >= NOISE[0]) & (noise <= NOISE[1])))[:1]:
+        check_range(f"noise_std[{index}]", float(noise[index]), *NOISE, "no reading is exact")
+    return noise
+
+
+def check_like(name: str, array: NDArray[Any], precision: type[Any]) -> None:
+    """Raise InputError unless an array is one that the kernels take as it is."""
+    if array.dtype != precision or not array.flags.c_contiguous:
+        raise InputError(
+            f"{name} is of {array.dtype}, expected {np.dtype(precision)} in C order: what the "
+            "sheet computes in is its precision"
+        )
+
+
+def check_readings(readings: Floats, noise_std: Floats, lowest: float) -> None:
+    """Raise InputError for a reading that no skin gives; NaN stands for none."""
+    for index in np.flatnonzero(np.abs(readings) > LARGEST * noise_std)[:1]:
+        raise InputError(
+            f"readings[{index}] is {readings[index]}, expected at most {LARGEST:g} times its "
+            f"noise_std of {noise_std[index]:g}, or NaN for a taxel that did not answer"
+        )
+    for index in np.flatnonzero(readings <= lowest)[:1]:
+        raise InputError(
+            f"readings[{index}] is {readings[index]}, expected above {lowest:g}: no skin reads "
+            "that; mark such taxels with NaN, and check the gain"
+        )
+
+
+FORGET = 16  # steps in which a slow one is forgotten
+LARGEST_SQUARE = 1e34  # square of the whitened readings: products of single precision end at 3e38
+
+
+@dataclass
+class Conjugate:
+    """Solver of D (W A Q A^T W + I) D u = b, whose diagonal is made 1 by D.
+
+    Every array is made once. A taxel that did not answer is left out by holding its u at 0, which
+    takes its row and column out of the matrix.
+
+    Parameters
+    ----------
+    gram : Gram
+        Its values scaled, so that the diagonal is 1.
+    order : (L,) int array
+        Row of each taxel in the readings.
+    scale : (L,) array
+        From a reading to b.
+
+    Attributes
+    ----------
+    answer, valid : (L,) arrays
+        u, and 1 for each taxel that answered, else 0.
+    iterations : int
+    relative_residual : float
+        As a share of the norm of b.
+    stopped : bool
+        Whether a deadline cut the last reading short.
+    step_ns : int
+        What a step took lately, at its slowest.
+    """
+
+    gram: Gram
+    order: Ints
+    scale: NDArray[Any]
+    answer: NDArray[Any] = field(init=False)
+    valid: NDArray[Any] = field(init=False)
+    iterations: int = field(init=False, default=0)
+    stopped: bool = field(init=False, default=False)
+    step_ns: int = field(init=False, default=0)
+    relative_residual: float = field(init=False, default=0.0)
+
+    def __post_init__(self) -> None:
+        empty = np.zeros_like(self.scale)
+        self.answer, self.valid = empty, np.ones_like(empty)
+        self._target, self._residual = empty.copy(), empty.copy()
+        self._way, self._moved = empty.copy(), empty.copy()
+
+    def reset(self) -> None:
+        """Forget the reading before."""
+        self.answer[:] = 0.0
+
+    def solve(
+        self, readings: NDArray[Any], tolerance: float, most: int, deadline_ns: int | None = None
+    ) -> None:
+        """Find the answer to linearised readings (L,), NaN where a taxel did not answer.
+
+        Stops where the norm of the residual falls to `tolerance` of that of b, or after `most`
+        steps, or where another step would end after `deadline_ns` of `time.perf_counter_ns`.
+        Starts from the answer before if that is nearer than 0.
+        """
+        from skinfield.solve.sheet.kernels import descend, take_in, turn
+
+        answer, valid, residual, way, moved = (
+            self.answer,
+            self.valid,
+            self._residual,
+            self._way,
+            self._moved,
+        )
+        whole = take_in(readings, self.order, self.scale, self._target, valid, answer)
+        if not whole < LARGEST_SQUARE:
+            raise InputError(
+                f"readings are {np.sqrt(whole):g} deviations of their noise, expected finite ones "
+                f"below {np.sqrt(LARGEST_SQUARE):g}: mark taxels that did not answer with NaN"
+            )
+        square = self._begin(whole)
+        self.iterations, self.stopped = 0, False
+        enough = tolerance**2 * whole
+        turn(0.0, residual, way, moved)
+        while square > enough and self.iterations < most:
+            begin = perf_counter_ns()
+            if deadline_ns is not None and begin + self.step_ns > deadline_ns:
+                self.stopped = True
+                break
+            curved = self._multiply(way, moved)
+            if not curved > 0.0:
+                raise InputError(TOO_DENSE)
+            before, square = square, descend(square / curved, way, moved, valid, answer, residual)
+            turn(square / before, residual, way, moved)
+            self.iterations += 1
+            spent = perf_counter_ns() - begin
+            self.step_ns = max(spent, self.step_ns - self.step_ns // FORGET)
+        self.relative_residual = float(np.sqrt(square / whole)) if whole > 0.0 else 0.0
+
+    def _begin(self, whole: float) -> float:
+        """Write the first residual; return the square of its norm."""
+        from skinfield.solve.sheet.kernels import residual_of
+
+        if self.answer.any():
+            self._moved[:] = self.answer
+            self._multiply(self.answer, self._moved)
+            square = residual_of(self._target, self._moved, self.valid, self._residual)
+            if square < whole:
+                return float(square)
+            self.answer[:] = 0.0
+        self._residual[:] = self._target
+        return whole
+
+    def _multiply(self, vector: NDArray[Any], out: NDArray[Any]) -> float:
+        """Write M v over v in `out`; return v . M v."""
+        from skinfield.solve.sheet.kernels import multiply
+
+        gram = self.gram
+        return float(multiply(gram.start, gram.other, gram.value, vector, out))
+
+
+MOST = 1e6  # s: a deadline that is as good as none
+
+
+class Sheet:
+    r"""Thousands to millions of taxels under one flat piece of elastomer.
+
+    Parameters
+    ----------
+    positions : (L, 2) array, m
+        Of the taxels in the plane, in any arrangement.
+    layer : Layer, optional
+    pitch : float, m
+        Side of the cells on which the pressure is given.
+    pad_diameter : float, m
+        Of a taxel's round pad.
+    mechanics : Mechanics, optional
+        Default `BondedLayer()`.
+    quantity : Quantity, optional
+        What a taxel reads; default `BaseStress()`.
+    noise_std : float or (L,) array, unit of the reading
+        Of one reading; default typical of the quantity.
+    solver : GaussianField or Tikhonov, optional
+        The prior; default `GaussianField()`, whose smoothness is a quarter of the taxels' distance.
+    tolerance : float
+        Residual at which the iterations stop, as a share of the whitened readings.
+    most_iterations : int
+    cut : float
+        Share of its peak below which a response is cut off, and of a taxel's own below which
+        another's is.
+    precision : numpy.float32 or numpy.float64
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, or a response is too wide for the cells.
+
+    Notes
+    -----
+    With cells p of the covariance Q and whitening W = diag(1 / noise_std) the posterior mean is
+
+    .. math:: \hat p = Q A^T W z, \qquad (W A Q A^T W + I) z = W y,
+
+    a system in taxels alone, sparse because responses are short, and so well conditioned that
+    conjugate gradients need some five steps. Pressure is taken to be possible on every cell that a
+    taxel sees, also beyond the outermost ones: the lattice has that margin, and no stamp is cut.
+    """
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        layer: Layer | None = None,
+        *,
+        pitch: float = 1.5e-3,
+        pad_diameter: float = 4e-3,
+        mechanics: Mechanics | None = None,
+        quantity: Quantity | None = None,
+        noise_std: ArrayLike | None = None,
+        solver: GaussianField | Tikhonov | None = None,
+        tolerance: float = 1e-3,
+        most_iterations: int = 50,
+        cut: float = 1e-3,
+        precision: type[np.floating[Any]] = np.float32,
+    ) -> None:
+        self.layer = Layer() if layer is None else layer
+        self.quantity: Quantity = BaseStress() if quantity is None else quantity
+        self.mechanics: Mechanics = BondedLayer() if mechanics is None else mechanics
+        check_physics(self.layer, self.mechanics, self.quantity)
+        check_settings(tolerance, most_iterations, precision)
+        self.tolerance, self.most_iterations = tolerance, most_iterations
+        self.precision, self.pad_diameter = precision, pad_diameter
+        places = checked_places(positions)
+        noise = self.quantity.typical_noise if noise_std is None else noise_std
+        self.noise_std = checked_noise(noise, len(places))
+        solver = GaussianField() if solver is None else solver
+        self.plan = SheetPlan(
+            places,
+            self.noise_std,
+            self.layer,
+            self.mechanics,
+            self.quantity,
+            solver,
+            pitch,
+            pad_diameter,
+            cut,
+            precision,
+        )
+        self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
+        self._stamping_ns, self._deadline_met = 0, True
+        self._weights = np.zeros(len(places), dtype=precision)
+        self._spread = parts_of(self.plan.stamps.spread, precision)
+        self._read = parts_of(self.plan.stamps.read, precision)
+        self._rehearse()
+
+    def __len__(self) -> int:
+        return len(self.noise_std)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of cells."""
+        return self.plan.lattice.shape
+
+    @property
+    def pitch(self) -> float:
+        """Side of a cell, m."""
+        return self.plan.lattice.pitch
+
+    @property
+    def origin(self) -> Floats:
+        """Centre of cell (0, 0), (2,) m."""
+        return self.plan.lattice.origin
+
+    @property
+    def iterations(self) -> int:
+        """Steps that the last reading took."""
+        return self._conjugate.iterations
+
+    @property
+    def relative_residual(self) -> float:
+        """What they left, as a share of the whitened readings."""
+        return self._conjugate.relative_residual
+
+    @property
+    def deadline_met(self) -> bool:
+        """Whether the last pressure was there in time; True where no deadline was set."""
+        return self._deadline_met
+
+    @cached_property
+    def deformation(self) -> SheetDeformation:
+        """From pressure to displacement."""
+        return SheetDeformation(self.mechanics, self.layer, self.pitch, self.shape)
+
+    @cached_property
+    def highest_std(self) -> float:
+        """Deviation of the pressure by the readings' noise, Pa, that few cells exceed."""
+        return highest_std(self.plan)
+
+    def reset(self) -> None:
+        """Forget the reading before, from which the next one starts."""
+        self._conjugate.reset()
+
+    def apply(
+        self, readings: NDArray[Any], out: NDArray[Any], deadline_ns: int | None = None
+    ) -> None:
+        """Write the pressure (rows, columns) Pa of linearised readings (L,). No allocation.
+
+        Both arrays of the sheet's precision, `out` in C order; NaN leaves a taxel out.
+        `deadline_ns` is a time of `time.perf_counter_ns`; iterations stop early enough to write
+        the pressure by then, as far as the times of the readings before tell.
+        """
+        check_shape("readings", readings, (len(self),), "one per taxel")
+        check_shape("out", out, self.shape, "one per cell, sheet.shape")
+        check_like("readings", readings, self.precision)
+        check_like("out", out, self.precision)
+        self._apply(readings, out, self.most_iterations, deadline_ns)
+
+    def _apply(
+        self, readings: NDArray[Any], out: NDArray[Any], most: int, deadline_ns: int | None
+    ) -> None:
+        from skinfield.solve.sheet.kernels import add_stamps, give_out
+
+        plan, conjugate = self.plan, self._conjugate
+        last = None if deadline_ns is None else deadline_ns - self._stamping_ns
+        conjugate.solve(readings, self.tolerance, most, last)
+        begin = time.perf_counter_ns()
+        give_out(conjugate.answer, plan.gain, self._weights)
+        columns = self.shape[1]
+        add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out.ravel())
+        end = time.perf_counter_ns()
+        self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
+        self._deadline_met = deadline_ns is None or end <= deadline_ns
+
+    def _rehearse(self) -> None:
+        """Load the machine code and learn what a step and the stamps take."""
+        some, out = self.noise_std.astype(self.precision), np.empty(self.shape, self.precision)
+        for _ in range(2):  # from nothing, then from the reading before
+            self._conjugate.step_ns = self._stamping_ns = 0
+            self._apply(some, out, 1, None)
+        self.reset()
+
+    def __call__(self, readings: ArrayLike, *, deadline: float | None = None) -> SheetEstimate:
+        """Reconstruct one reading (L,) in the quantity's unit; NaN leaves a taxel out.
+
+        With a `deadline` in seconds from the call the iterations stop early, see `apply`.
+        """
+        begin = time.perf_counter()
+        if deadline is not None:
+            check_positive("deadline", deadline, "seconds from the call")
+        given = as_floats("readings", readings)
+        check_shape("readings", given, (len(self),), "one per taxel, in the order of positions")
+        check_readings(given, self.noise_std, self.quantity.lowest)
+        linear = self.quantity.linearise(given, np.empty_like(given))
+        pressure = np.empty(self.shape, dtype=self.precision)
+        until = None if deadline is None else int((begin + min(deadline, MOST)) * 1e9)
+        self.apply(linear.astype(self.precision), pressure, until)
+        latency = time.perf_counter() - begin
+        weights = np.empty_like(self._weights)
+        weights[self.plan.placing.order] = self._weights / self.plan.variance
+        return SheetEstimate(
+            self,
+            linear,
+            pressure,
+            weights,
+            self.iterations,
+            self.relative_residual,
+            latency,
+            self.deadline_met,
+        )
+
+    def predict(self, pressure: NDArray[Any]) -> Floats:
+        """What the taxels read (L,) of a pressure (rows, columns) Pa: the linear map A."""
+        from skinfield.solve.sheet.kernels import read_stamps
+
+        check_shape("pressure", pressure, self.shape, "one per cell, sheet.shape")
+        sorted_out = np.empty(len(self), dtype=self.precision)
+        field = np.ascontiguousarray(pressure, dtype=self.precision).ravel()
+        plan, columns = self.plan, self.shape[1]
+        corner = plan.placing.corner(plan.stamps.read.reach, columns)
+        read_stamps(field, corner, plan.offset, self._read, columns, sorted_out)
+        out = np.empty(len(self))
+        out[plan.placing.order] = sorted_out
+        return out

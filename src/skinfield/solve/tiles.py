@@ -1,0 +1,267 @@
+"""Sparse matrix in tiles of 4 x 4 cells, between the cells of a grid and taxels."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
+from skinfield.skin import Grid
+
+SIDE = 4  # cells of a tile
+LINE = 64  # bytes of a cache line
+DENSE_WINS = 1.0  # share from which on a dense product is quicker: tiles at borders overlap
+
+Ints32 = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Tiles:
+    r"""Matrix (K, L) of which each taxel keeps the tiles of 4 x 4 cells that matter.
+
+    A taxel feels, and is explained by, few of the cells of a grid. Its tiles are stored whole, so
+    that products run at the machine's vector rate on few bytes; see
+    `skinfield.solve.tiles_kernel`, where the arrays are explained and whose functions compiled
+    code may call itself.
+
+    Attributes
+    ----------
+    values : (B, 16) array
+        Numbers of all blocks: one tile of one taxel each. Tile by tile.
+    taxels : (B,) int32 array
+        Whose block it is.
+    firsts : (T + 1,) int32 array
+        Where the blocks of each tile begin.
+    cells : (T,) int32 array
+        First cell of each tile.
+    order, corners : (B,) int32 arrays
+        Blocks taxel by taxel, and the first cell of each.
+    begins : (L + 1,) int32 array
+        Where the blocks of each taxel begin in `order`.
+    shape : (rows, columns)
+        Of the grid.
+    dropped : (K,) array
+        Norm over the taxels, for each cell, of what the stamps lack of the matrix: what was cut
+        and what was rounded to the type of `values`. By Cauchy and Schwarz, a product with any
+        values x (L,) differs from the whole matrix's by no more than
+        :math:`|(M x)_k - (S x)_k| \le \mathrm{dropped}_k |x|_2`, but for the rounding of the sums.
+    """
+
+    values: NDArray[Any]
+    taxels: Ints32
+    firsts: Ints32
+    cells: Ints32
+    order: Ints32
+    corners: Ints32
+    begins: Ints32
+    shape: tuple[int, int]
+    dropped: Floats
+
+    @classmethod
+    def of(
+        cls, matrix: ArrayLike, grid: Grid, cut: float = 1e-3, dtype: DTypeLike = np.float32
+    ) -> "Tiles":
+        """Choose the tiles of a matrix and copy what they hold.
+
+        Parameters
+        ----------
+        matrix : (K, L) array
+            Any unit; a row for each cell of the grid.
+        grid : Grid
+            Of K cells, at least 4 x 4.
+        cut : float, dimensionless
+            Root of the sum of squares that a column may lose, as part of the column's own: as
+            many tiles as that allows are left out, the least first. 0 loses nothing but zeros.
+        dtype : numpy.float32 or numpy.float64
+            Of what is kept.
+
+        Raises
+        ------
+        InputError
+            For a matrix of another grid or with numbers that are not finite, a smaller grid,
+            another `cut` or type.
+        """
+        return cls.of_cells(matrix, grid.shape, cut, dtype)
+
+    @classmethod
+    def of_cells(
+        cls,
+        matrix: ArrayLike,
+        shape: tuple[int, int],
+        cut: float = 1e-3,
+        dtype: DTypeLike = np.float32,
+    ) -> "Tiles":
+        """As `of`, of any cells in rows and columns."""
+        matrix = as_floats("matrix", matrix)
+        check_shape("matrix", matrix, (shape[0] * shape[1], None), "one row per cell of the grid")
+        check_finite("matrix", matrix, "stamps are parts of a matrix of finite numbers")
+        check_range("cut", cut, 0.0, 0.9, "part of a column's norm that may be lost")
+        kind = _checked_type(dtype, matrix)
+        members, own = _tiles(shape)
+        blocks = np.where(own[..., None], matrix[members], 0.0)  # (T, 16, L)
+        keep = _kept(blocks, cut)
+        tile, taxel = (side.astype(np.int32) for side in np.nonzero(keep))
+        values = aligned_blocks(len(tile), kind)
+        by_taxel = blocks.transpose(0, 2, 1)  # a view: (T, L, 16)
+        values[:] = by_taxel[keep]
+        cells = members[:, 0].astype(np.int32)
+        order = np.argsort(taxel, kind="stable").astype(np.int32)
+        by_taxel[keep] -= values  # what the stamps lack is left
+        dropped = np.empty(len(matrix))
+        dropped[members[own]] = np.linalg.norm(blocks, axis=2)[own]
+        arrays = (
+            values,
+            taxel,
+            np.searchsorted(tile, np.arange(len(cells) + 1)).astype(np.int32),
+            cells,
+            order,
+            cells[tile[order]],
+            np.searchsorted(taxel[order], np.arange(matrix.shape[1] + 1)).astype(np.int32),
+        )
+        for array in (*arrays, dropped):
+            array.setflags(write=False)
+        return cls(*arrays, shape, dropped)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that a product reads of the matrix and its places."""
+        return int(self.values.nbytes + self.taxels.nbytes)
+
+    @property
+    def share(self) -> float:
+        """Numbers kept, as part of those of the whole matrix."""
+        return float(self.values.size / max(self._cells[0] * self._taxels[0], 1))
+
+    @property
+    def pays(self) -> bool:
+        """Whether a product is quicker than that of the whole matrix in the same type."""
+        return self.share < DENSE_WINS
+
+    def apply(self, values: NDArray[Any], out: NDArray[Any]) -> None:
+        """Write matrix @ values into `out` (K,), or row by row of (P, L) into (P, K).
+
+        Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
+        """
+        one, many, *tiles = self._forth
+        self._run(one, many, tiles, values, self._taxels, out, self._cells)
+
+    def adjoint(self, field: NDArray[Any], out: NDArray[Any]) -> None:
+        """Write matrix.T @ field into `out` (L,), or row by row of (P, K) into (P, L).
+
+        Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
+        """
+        one, many, *tiles = self._back
+        self._run(one, many, tiles, field, self._cells, out, self._taxels)
+
+    def dense(self) -> NDArray[Any]:
+        """The matrix (K, L) that the products are of."""
+        whole = np.zeros((self._cells[0], self._taxels[0]), self.values.dtype)
+        members, _ = _tiles(self.shape)
+        tile = np.repeat(np.arange(len(self.cells)), np.diff(self.firsts))
+        np.add.at(whole, (members[tile], self.taxels[:, None]), self.values)
+        return whole
+
+    @cached_property
+    def _forth(self) -> tuple[Any, ...]:
+        """Compiled products, and what they take beside the numbers."""
+        from skinfield.solve.tiles_kernel import apply_tiles, apply_tiles_many
+
+        tiles = self.values, self.taxels, self.firsts, self.cells, self.shape[1]
+        return apply_tiles, apply_tiles_many, *tiles
+
+    @cached_property
+    def _back(self) -> tuple[Any, ...]:
+        """As `_forth`, of the transpose."""
+        from skinfield.solve.tiles_kernel import adjoint_tiles, adjoint_tiles_many
+
+        tiles = self.values, self.order, self.corners, self.begins, self.shape[1]
+        return adjoint_tiles, adjoint_tiles_many, *tiles
+
+    @cached_property
+    def _cells(self) -> tuple[int]:
+        return (len(self.dropped),)
+
+    @cached_property
+    def _taxels(self) -> tuple[int]:
+        return (len(self.begins) - 1,)
+
+    def _run(
+        self,
+        one: Callable[..., None],
+        many: Callable[..., None],
+        tiles: Sequence[Any],
+        given: NDArray[Any],
+        inner: tuple[int],
+        out: NDArray[Any],
+        outer: tuple[int],
+    ) -> None:
+        """Refuse what compiled code would read or write beyond; it refuses other types itself."""
+        shape = given.shape
+        try:
+            if shape == inner and out.shape == outer:
+                return one(*tiles, given, out)
+            if len(shape) == 2 and shape[1:] == inner and out.shape == shape[:1] + outer:
+                return many(*tiles, given, out)
+        except Exception as error:
+            from numba.core.errors import TypingError
+
+            if not isinstance(error, TypingError):
+                raise
+        raise InputError(
+            f"product of {given.dtype} {shape} into {out.dtype} {out.shape}, expected contiguous "
+            f"{self.values.dtype} arrays {inner} into {outer}, or (P, {inner[0]}) into "
+            f"(P, {outer[0]})"
+        )
+
+
+def _tiles(shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Cells (T, 16) of all tiles, and which belong to it: the last ones of a row may overlap."""
+    if min(shape) < SIDE:
+        raise InputError(
+            f"grid has {shape[0]} x {shape[1]} cells, expected {SIDE} x {SIDE} or more: a matrix "
+            "of so few is quickest as it is"
+        )
+    tops, lefts = (np.minimum(np.arange(0, n, SIDE), n - SIDE) for n in shape)
+    corners = (tops[:, None] * shape[1] + lefts).ravel()
+    within = (np.arange(SIDE)[:, None] * shape[1] + np.arange(SIDE)).ravel()
+    members = corners[:, None] + within
+    _, first = np.unique(members, return_index=True)
+    own = np.zeros(members.size, np.bool_)
+    own[first] = True
+    return members, own.reshape(members.shape)
+
+
+def _kept(blocks: Floats, cut: float) -> NDArray[np.bool_]:
+    """Which blocks (T, 16, L) are kept, (T, L)."""
+    largest = np.abs(blocks).max(axis=(0, 1), initial=0.0)
+    scaled = blocks / np.where(largest > 0.0, largest, 1.0)  # squares neither vanish nor overflow
+    energy = np.square(scaled).sum(axis=1)
+    rank = np.argsort(energy, axis=0, kind="stable")
+    lost = np.cumsum(np.take_along_axis(energy, rank, axis=0), axis=0)
+    keep = np.empty(energy.shape, np.bool_)
+    np.put_along_axis(keep, rank, lost > cut**2 * lost[-1:], axis=0)
+    keep &= energy > 0.0
+    return keep
+
+
+def _checked_type(dtype: DTypeLike, matrix: Floats) -> np.dtype[Any]:
+    kind = np.dtype(dtype)
+    if kind not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise InputError(f"dtype is {dtype!r}, expected numpy.float32 or numpy.float64")
+    largest, limit = float(np.abs(matrix).max(initial=0.0)), float(np.finfo(kind).max)
+    if largest > limit:
+        raise InputError(
+            f"matrix holds {largest:.3g}, expected no number above {limit:.3g}: "
+            f"too large for {kind}"
+        )
+    return kind
+
+
+def aligned_blocks(blocks: int, kind: np.dtype[Any]) -> NDArray[Any]:
+    """Room that begins at a cache line, so that no float32 block crosses two."""
+    room = np.zeros(blocks * SIDE**2 + LINE // kind.itemsize, kind)
+    skip = -room.ctypes.data % LINE // kind.itemsize
+    return room[skip : skip + blocks * SIDE**2].reshape(blocks, SIDE**2)

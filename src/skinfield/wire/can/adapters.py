@@ -1,0 +1,511 @@
+"""Adapters of CAN buses: SocketCAN, datagrams, and the interfaces of python-can.
+
+SocketCAN and UDP carry Linux's struct can_frame (linux/can.h), one in each datagram of SocketCAN,
+up to `PER_DATAGRAM` of them, one behind the other, in one of UDP, little-endian. SocketCAN was
+tested on the bytes, through sockets of another family; no real bus was at hand.
+"""
+
+import errno
+import os
+import socket
+import struct
+from collections.abc import Sequence
+from time import time_ns
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import InputError, Ints
+from skinfield.signal.can import ERROR, EXTENDED, REMOTE, CanMessages
+from skinfield.wire.can.bus import INTERFACES, Bus, BusSettings
+from skinfield.wire.can.datagrams import (
+    Datagrams,
+    Place,
+    address_octets,
+    buffer_note,
+    let_go,
+    peer_from_text,
+    resolved,
+    set_options,
+    unicast_socket,
+)
+
+STRUCT = 16  # bytes of struct can_frame
+BATCH = 128  # datagrams of one system call
+PER_DATAGRAM = 64  # messages that are sent in a datagram of UDP
+LONGEST = 92 * STRUCT  # bytes of a datagram of UDP that are read: Ethernet carries 1472
+SOL_CAN_RAW, CAN_RAW_ERR_FILTER = 101, 2
+ERRORS_OF_INTEREST = 0x1FFFFFFF  # CAN_ERR_MASK: all kinds
+ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or not set up
+
+
+class SocketBus:
+    """What both have in common; see `Bus`.
+
+    Parameters
+    ----------
+    settings : BusSettings
+    longest : int, bytes
+        Of a datagram that is read.
+    together : int
+        Messages that are sent in a datagram, at most.
+
+    Attributes
+    ----------
+    buffer_bytes : int
+        Of the receive buffer, as the system granted it.
+    """
+
+    def __init__(self, settings: BusSettings, longest: int, together: int) -> None:
+        from skinfield.wire.can.kernel import messages_of_structs, structs_of_messages
+
+        self.settings, self._together = settings, together
+        self._in, self._out = Datagrams(BATCH, longest), Datagrams(BATCH, STRUCT * together)
+        self._words_in = self._in.flat.view(np.uint32)
+        self._words_out = self._out.flat.view(np.uint32)
+        self._read, self._write = messages_of_structs, structs_of_messages
+        self._counts: Ints = np.zeros(2, np.int64)
+        self._cursor: Ints = np.zeros(2, np.int64)  # datagram and byte that are read next
+        self._taken = 0  # datagrams of the last batch
+        self._one = CanMessages(1)
+        self._socket: socket.socket | None = None
+        self._connected, self._addressed = True, True
+        self.up, self.fault, self.octets, self.buffer_bytes = False, "", 0, 0
+        self._take(self._one, 0)  # compiles before the first message
+        self._encode(self._one, 0, 0)
+
+    @property
+    def overflowed(self) -> int:
+        """Messages that the system dropped for want of room; of UDP, datagrams of messages."""
+        return self._in.dropped
+
+    @property
+    def malformed(self) -> int:
+        """What came and was no message of classic CAN."""
+        return int(self._counts[0])
+
+    @property
+    def errors(self) -> int:
+        """Messages by which the bus reports an error."""
+        return int(self._counts[1])
+
+    @property
+    def note(self) -> str:
+        """What should be known of it, in words."""
+        return buffer_note(self.settings.label, self.buffer_bytes)
+
+    def _use(self, sock: socket.socket, buffer_bytes: int) -> None:
+        """Take over an open socket."""
+        self._in.of_new_socket()
+        self._cursor[:], self._taken = 0, 0
+        self._socket, self.buffer_bytes, self.up, self.fault = sock, buffer_bytes, True, ""
+
+    def receive(self, into: CanMessages, first: int = 0) -> int:
+        """Take in what has arrived."""
+        at, room, empty = first, len(into), False
+        while at < room and self._socket is not None:
+            if self._cursor[0] == self._taken:
+                if empty:
+                    break
+                count = self._in.receive(self._socket, BATCH)
+                if count < 0:
+                    self._broke(-count)
+                    break
+                if not count:
+                    break
+                self.octets += self._in.bytes
+                self._cursor[:], self._taken, empty = 0, count, count < BATCH
+                self._came(count)
+            at = self._take(into, at)
+        return at - first
+
+    def _came(self, count: int) -> None:
+        """Look at a batch of datagrams."""
+
+    def _take(self, into: CanMessages, at: int) -> int:
+        batch = self._in
+        return int(
+            self._read(
+                batch.flat,
+                self._words_in,
+                batch.octets.shape[1],
+                batch.lengths,
+                batch.stamp_ns,
+                self._taken,
+                self._cursor,
+                at,
+                into.ids,
+                into.lengths,
+                into.data,
+                into.stamp_ns,
+                self._counts,
+            )
+        )
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        """Send one message."""
+        self._one.put(0, identifier, data)
+        return self.send_many(self._one, 1) == 1
+
+    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
+        """Send rows of `messages`; a full queue of the system takes fewer."""
+        messages.check_rows(first, count)
+        done = 0
+        while done < count and self._socket is not None and self._addressed:
+            part = min(BATCH * self._together, count - done)
+            datagrams = self._encode(messages, first + done, part)
+            sent = self._out.send(self._socket, datagrams, self._connected)
+            if sent < 0:
+                self._broke(-sent)
+                break
+            done += min(sent * self._together, part)
+            if sent < datagrams:
+                break
+        return done
+
+    def _encode(self, messages: CanMessages, first: int, count: int) -> int:
+        """Write messages into datagrams; how many these are."""
+        self._write(
+            messages.ids,
+            messages.lengths,
+            messages.data,
+            first,
+            count,
+            self._out.flat,
+            self._words_out,
+        )
+        datagrams = -(-count // self._together)
+        if datagrams:
+            self._out.lengths[: datagrams - 1] = STRUCT * self._together
+            self._out.lengths[datagrams - 1] = STRUCT * (count - (datagrams - 1) * self._together)
+        return datagrams
+
+    def filenos(self) -> Sequence[int]:
+        """Of the socket."""
+        return (self._socket.fileno(),) if self._socket is not None else ()
+
+    def _broke(self, code: int) -> None:
+        self._release()
+        self.fault = f"{self.settings.label}: {os.strerror(code)}"
+
+    def _release(self) -> None:
+        let_go(self._socket)
+        self._socket, self.up = None, False
+
+    def close(self) -> None:
+        """Let go of what is open."""
+        self._release()
+        self.fault = "closed"
+
+
+class UdpBus(SocketBus):
+    """Messages in datagrams to one address; see `Bus` and `BusSettings`."""
+
+    def __init__(self, settings: BusSettings) -> None:
+        super().__init__(settings, LONGEST, PER_DATAGRAM)
+        self._own = resolved(settings.channel or "127.0.0.1", settings.port, "channel")
+        self._peer: Place | None = peer_from_text(settings.peer) if settings.peer else None
+        self._connected, self._addressed = False, False
+        if self._peer is not None and self._peer.family != self._own.family:
+            raise InputError(
+                f"peer is {settings.peer!r} and channel {settings.channel!r}, expected both of "
+                "IPv4 or both of IPv6"
+            )
+        self.reopen()
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port at which it listens; ("", 0) while it is down."""
+        if self._socket is None:
+            return "", 0
+        host, port = self._socket.getsockname()[:2]
+        return str(host), int(port)
+
+    def reopen(self) -> bool:
+        """Open the socket anew."""
+        self._release()
+        try:
+            self._use(*unicast_socket(self._own))
+        except OSError as error:
+            self.fault = f"{self.settings.label}: {error.strerror or error}"
+            return False
+        if self._peer is not None and self._socket is not None:
+            name = address_octets(self._peer.family, self._peer.address)
+            self._out.address(np.frombuffer(name, np.uint8))
+            self._addressed = True
+            # an empty datagram tells a host that only answers where to answer to
+            self._out.lengths[0] = 0
+            self._out.send(self._socket, 1, connected=False)
+        return True
+
+    def _came(self, count: int) -> None:
+        """Without a peer that is configured, answers go to whoever sent last."""
+        if self._peer is None:
+            name = self._in.names[count - 1]
+            if not self._addressed or (name != self._out.names[0]).any():
+                self._out.address(name)
+                self._addressed = True
+
+
+class SocketCanBus(SocketBus):
+    """Linux's own CAN; see `Bus` and `BusSettings`.
+
+    Parameters
+    ----------
+    settings : BusSettings
+    sock : socket, optional
+        An open one in place of a CAN device; for tests of the bytes.
+    """
+
+    def __init__(self, settings: BusSettings, sock: socket.socket | None = None) -> None:
+        super().__init__(settings, STRUCT, 1)
+        if sock is None:
+            _check_system()
+            self.reopen()
+        else:
+            self._use(sock, set_options(sock))
+
+    def reopen(self) -> bool:
+        """Open the socket anew."""
+        self._release()
+        device = self.settings.channel or "can0"
+        try:
+            sock = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        except OSError as error:
+            self.fault = f"{self.settings.label}: {error.strerror or error}"
+            return False
+        try:
+            sock.setsockopt(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, struct.pack("=I", ERRORS_OF_INTEREST))
+            sock.bind((device,))
+            code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+            if code:  # a device that is there but down can be bound: the error waits behind
+                raise OSError(code, os.strerror(code))
+        except OSError as error:
+            let_go(sock)
+            self.fault = f"{device}: {error.strerror or error}{_remedy(error.errno, device)}"
+            return False
+        self._use(sock, set_options(sock))
+        return True
+
+
+def _check_system() -> None:
+    """Raise InputError where there is no CAN at all."""
+    other = "take interface udp, or one of python-can's (pcan, slcan, ...)"
+    if not hasattr(socket, "AF_CAN"):
+        raise InputError(
+            f"interface is 'socketcan', expected Linux: this Python has no AF_CAN; {other}"
+        )
+    try:
+        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
+    except OSError as error:
+        if error.errno in (errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT):
+            raise InputError(
+                "interface is 'socketcan', expected a kernel with CAN: this one refuses "
+                f"({error.strerror}); modprobe can can_raw, or {other}"
+            ) from None
+        if error.errno in (errno.EPERM, errno.EACCES):
+            raise InputError(
+                f"interface is 'socketcan', expected leave to open it ({error.strerror}): run "
+                f"where that is permitted, or {other}"
+            ) from None
+
+
+def _remedy(code: int | None, device: str) -> str:
+    if code not in ABSENT:
+        return ""
+    return f"; ip link set {device} up type can bitrate 1000000"
+
+
+NEAR = 1_000_000_000  # ns: stamps further off are of a clock of the adapter's own
+
+
+def python_can() -> ModuleType:
+    """The package.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        import can
+    except ImportError as error:
+        raise InputError(
+            "interface is one of python-can's, expected python-can to be installed: "
+            "pip install skinfield[can]"
+        ) from error
+    return can
+
+
+class PythonCanBus:
+    """See `Bus` and `BusSettings`."""
+
+    def __init__(self, settings: BusSettings) -> None:
+        self._can = python_can()
+        self.settings = settings
+        self._check_interface()
+        self._bus: Any = None
+        self._one = CanMessages(1)
+        self.up, self.fault = False, ""
+        self.overflowed, self.malformed, self.errors, self.octets = 0, 0, 0, 0
+        self._open()
+
+    def _check_interface(self) -> None:
+        known = sorted(self._can.VALID_INTERFACES)
+        if self.settings.interface not in known:
+            raise InputError(
+                f"interface is {self.settings.interface!r}, expected {INTERFACES}: "
+                f"{', '.join(known)}"
+            )
+
+    def reopen(self) -> bool:
+        """Open it anew."""
+        try:
+            return self._open()
+        except InputError as error:
+            self.fault = str(error)
+            return False
+
+    def _open(self) -> bool:
+        self._release()
+        name, options = self.settings.interface, dict(self.settings.options)
+        if self.settings.channel:
+            options["channel"] = self.settings.channel
+        if self.settings.bitrate:
+            options["bitrate"] = self.settings.bitrate
+        try:
+            self._bus = self._can.Bus(interface=name, ignore_config=True, **options)
+        except self._can.CanInterfaceNotImplementedError as error:
+            raise self._unusable(options, error) from error
+        except (self._can.CanError, OSError) as error:
+            self.fault = f"{self.settings.label}: {error}"
+            return False
+        except Exception as error:  # drivers raise whatever they do not catch
+            raise self._unusable(options, error) from error
+        self.up, self.fault = True, ""
+        return True
+
+    def _unusable(self, options: dict[str, Any], error: Exception) -> InputError:
+        return InputError(
+            f"{self.settings.label} cannot be opened with {options}, expected settings that "
+            f"python-can understands, and the driver installed: {type(error).__name__}: {error}"
+        )
+
+    def receive(self, into: CanMessages, first: int = 0) -> int:
+        """Take in what has arrived."""
+        at = first
+        while self._bus is not None and at < len(into):
+            try:
+                message = self._bus.recv(0)
+            except Exception as error:  # drivers raise whatever they do not catch
+                self._broke(error)
+                break
+            if message is None:
+                break
+            at += self._take(message, into, at)
+        return at - first
+
+    def _take(self, message: Any, into: CanMessages, row: int) -> int:
+        """Note one message; 1 if it is of interest."""
+        if message.is_error_frame:
+            self.errors += 1
+            return 0
+        if message.is_fd or not 0 <= message.dlc <= 8:
+            self.malformed += 1
+            return 0
+        now, stamp = time_ns(), int(message.timestamp * 1e9)
+        data = np.frombuffer(bytes(message.data[:8]), np.uint8)
+        into.ids[row] = message.arbitration_id | (
+            (EXTENDED if message.is_extended_id else 0) | (REMOTE if message.is_remote_frame else 0)
+        )
+        into.lengths[row] = message.dlc
+        into.data[row, : len(data)] = data
+        into.data[row, len(data) :] = 0
+        into.stamp_ns[row] = stamp if now - NEAR < stamp <= now else now
+        self.octets += len(data)
+        return 1
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        """Send one message."""
+        self._one.put(0, identifier, data)
+        return self.send_many(self._one, 1) == 1
+
+    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
+        """Send rows of `messages`."""
+        messages.check_rows(first, count)
+        for row in range(first, first + count):
+            if self._bus is None:
+                return row - first
+            try:
+                self._bus.send(self._message(messages, row), timeout=0)
+            except self._can.CanTimeoutError:
+                return row - first
+            except Exception as error:
+                self._broke(error)
+                return row - first
+        return count
+
+    def _message(self, messages: CanMessages, row: int) -> Any:
+        identifier, length = int(messages.ids[row]), int(messages.lengths[row])
+        remote = bool(identifier & REMOTE)
+        return self._can.Message(
+            arbitration_id=identifier & 0x1FFFFFFF,
+            is_extended_id=bool(identifier & EXTENDED),
+            is_remote_frame=remote,
+            is_error_frame=bool(identifier & ERROR),
+            dlc=length,
+            data=None if remote else messages.data[row, :length].tobytes(),
+        )
+
+    def _broke(self, error: Exception) -> None:
+        self._release()
+        self.fault = f"{self.settings.label}: {error}"
+
+    def filenos(self) -> Sequence[int]:
+        """Of the adapter, where it has one."""
+        try:
+            number = self._bus.fileno() if self._bus is not None else -1
+        except Exception:  # not all have one
+            number = -1
+        return (number,) if number >= 0 else ()
+
+    def _release(self) -> None:
+        bus, self._bus, self.up = self._bus, None, False
+        if bus is not None:
+            try:
+                bus.shutdown()
+            except Exception as error:
+                self.fault = f"{self.settings.label}: {error}"
+
+    def close(self) -> None:
+        """Let go of the adapter."""
+        self._release()
+        self.fault = "closed"
+
+
+def open_bus(settings: BusSettings) -> Bus:
+    """Open a bus.
+
+    Returns
+    -------
+    Bus
+        Down, with its `fault` in words, if the device is only absent now.
+
+    Raises
+    ------
+    InputError
+        If the settings cannot be used: no such interface, address not understood, package not
+        installed, no CAN in this system.
+    """
+    if settings.interface == "udp":
+        pass
+
+        return UdpBus(settings)
+    if settings.interface == "socketcan":
+        pass
+
+        return SocketCanBus(settings)
+    pass
+
+    return PythonCanBus(settings)

@@ -1,0 +1,227 @@
+"""CAN buses: their members, settings, and addresses from the words of a command line."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from skinfield.errors import InputError, check_count, check_type
+from skinfield.signal.can import CanMessages
+
+PORT = 43113  # of UDP, as python-can's bus over multicast has it
+INTERFACES = "udp, socketcan or one of python-can's"
+
+
+@dataclass(frozen=True)
+class BusSettings:
+    """One CAN bus, or what stands for one.
+
+    Parameters
+    ----------
+    interface : str
+        `udp`: messages as Linux's struct can_frame, some in each datagram. `socketcan`: Linux's own
+        CAN. Any other name is an interface of python-can (`udp_multicast`, `virtual`, `pcan`,
+        `slcan`, `kvaser`, ...).
+    channel : str
+        Of `udp`, the own address that is bound (default 127.0.0.1). Of `socketcan`, the device
+        (default can0). Of python-can, what its interface calls channel.
+    port : int
+        Of `udp`, the own port that is bound; 0 takes a free one.
+    peer : str
+        Of `udp`: `host:port` to send to. Left empty, what is sent goes to whoever sent last.
+    bitrate : int, bit/s
+        Of adapters that python-can sets up; 0 leaves it as it is. SocketCAN's is set by `ip link`.
+    options : tuple of (str, value)
+        Further settings for python-can's own interfaces.
+    """
+
+    interface: str = "udp"
+    channel: str = ""
+    port: int = PORT
+    peer: str = ""
+    bitrate: int = 0
+    options: tuple[tuple[str, str | int | float | bool], ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("interface", "channel", "peer"):
+            check_type(name, getattr(self, name), str, "text")
+        if not self.interface:
+            raise InputError(f"interface is '', expected {INTERFACES}")
+        check_count("port", self.port, 0, 65535, "of UDP")
+        check_count("bitrate", self.bitrate, 0, 20_000_000, "bit/s, 0 to leave it as it is")
+
+    @property
+    def label(self) -> str:
+        """One word for tables: interface and channel."""
+        return f"{self.interface}:{self.channel or self.port}"
+
+
+class Bus(Protocol):
+    """An open bus; no call waits. A bus that breaks is down until `reopen` says it is back.
+
+    Attributes
+    ----------
+    up : bool
+        Whether messages can come.
+    fault : str
+        Why it is down, in words; empty while it is up.
+    overflowed : int
+        Messages that the system dropped for want of room, since it was opened.
+    malformed : int
+        Datagrams that were no message of classic CAN.
+    errors : int
+        Messages by which the bus reports an error.
+    octets : int
+        Bytes received.
+    """
+
+    @property
+    def up(self) -> bool:
+        """See above."""
+        ...
+
+    @property
+    def fault(self) -> str:
+        """See above."""
+        ...
+
+    @property
+    def overflowed(self) -> int:
+        """See above."""
+        ...
+
+    @property
+    def malformed(self) -> int:
+        """See above."""
+        ...
+
+    @property
+    def errors(self) -> int:
+        """See above."""
+        ...
+
+    @property
+    def octets(self) -> int:
+        """See above."""
+        ...
+
+    def receive(self, into: CanMessages, first: int = 0) -> int:
+        """Take in what has arrived, as far as there is room from row `first` on.
+
+        Returns
+        -------
+        int
+            Messages; they lie in rows `first` to `first` plus so many.
+        """
+        ...
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        """Send one message; False if the system did not take it.
+
+        Parameters
+        ----------
+        identifier : int
+            With the bits of `acquisition.can` where it has 29 bits or is a remote request.
+        data : bytes
+            Up to 8.
+        """
+        ...
+
+    def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
+        """Send rows `first` to `first + count`; how many the system took, the first ones."""
+        ...
+
+    def filenos(self) -> Sequence[int]:
+        """File descriptors that become readable when something arrives; may be none."""
+        ...
+
+    def reopen(self) -> bool:
+        """Try to get a bus back that is down; whether it is up now."""
+        ...
+
+    def close(self) -> None:
+        """Let go of it; a second time does nothing."""
+        ...
+
+
+MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast
+
+
+def host_and_port(text: str, host: str, port: int) -> tuple[str, int]:
+    """Host and port from ``"192.0.2.7:5000"``, ``"[::1]:5000"``, ``"192.0.2.7"`` or ``":5000"``.
+
+    Parameters
+    ----------
+    text : str
+    host, port
+        Where the text does not say.
+
+    Raises
+    ------
+    InputError
+        If the port is none.
+    """
+    before, colon, after = text.rpartition(":")
+    if not colon or "]" in after or (":" in before and not before.startswith("[")):
+        before, after = text, ""
+    if after and not (after.isdecimal() and int(after) <= 65535):
+        raise InputError(f"port of {text!r} is {after!r}, expected a number from 0 to 65535")
+    return before.strip("[]") or host, int(after) if after else port
+
+
+def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) -> list[BusSettings]:
+    """Settings of `count` CAN buses of one interface.
+
+    Parameters
+    ----------
+    bus : str
+        See `BusSettings.interface`.
+    channels : sequence of str
+        One for each, or none for the usual ones. Of `udp`: ``host:port`` of the boards, or
+        ``:port`` to wait for them at a port of one's own, ``0.0.0.0:port`` for those of other
+        machines, too. Of `udp_multicast`: ``group:port``. Of others: the name of the channel.
+    count : int
+        Buses that the boards are on.
+
+    Raises
+    ------
+    InputError
+        If there are more channels or fewer, or one cannot be understood.
+    """
+    if channels and len(channels) != count:
+        raise InputError(
+            f"channels are {', '.join(channels)}, expected {count}: one for each bus that the "
+            "boards are on"
+        )
+    return [_bus(bus, channels[i] if channels else "", i, bitrate) for i in range(count)]
+
+
+def _bus(bus: str, channel: str, number: int, bitrate: int) -> BusSettings:
+    if bus == "udp":
+        host, port = host_and_port(channel, "127.0.0.1", PORT + number)
+        if channel and listens(channel, host):
+            return BusSettings(bus, host, port)
+        named = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+        return BusSettings(bus, own_address(host), 0, named)
+    return can_interface(bus, channel, number, bitrate)
+
+
+def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusSettings:
+    """Settings of bus `number` of `socketcan`, or of an interface of python-can."""
+    if bus == "socketcan":
+        return BusSettings(bus, channel or f"can{number}")
+    if bus == "udp_multicast":
+        group, port = host_and_port(channel, MULTICAST_GROUP, PORT + number)
+        return BusSettings(bus, group, options=(("port", port),))
+    return BusSettings(bus, channel, bitrate=bitrate)
+
+
+def listens(text: str, host: str) -> bool:
+    """Whether a place is one's own: none, a port alone, or all of one's addresses."""
+    return not text or text.startswith(":") or host in ("0.0.0.0", "::")
+
+
+def own_address(host: str) -> str:
+    """Address to bind for talking with a host: this machine's own, or all of its own."""
+    if host in ("127.0.0.1", "localhost", "::1"):
+        return "::1" if host == "::1" else "127.0.0.1"
+    return "::" if ":" in host else "0.0.0.0"

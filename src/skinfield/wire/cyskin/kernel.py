@@ -1,0 +1,567 @@
+"""CySkin's packets, compiled: checksums, runs of sensors, copies, decoding and encoding."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Ints
+from skinfield.signal.block import Octets, Words
+from skinfield.signal.blocks_kernel import begin_block
+
+SUM, UNCHECKED = 0, 2
+HOW, WIDTH, BEGIN, FINAL, REFLECTED, HIGH_FIRST = 0, 1, 2, 3, 4, 5  # of `numbers`
+
+Table = NDArray[np.int64]
+SHORTS = 2  # as `Kind`
+READINGS = 1  # as `Count`
+
+RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as `Count`
+EXTENDED, REMOTE_OR_ERROR = 0x80000000, 0x60000000
+FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
+SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
+ROOM = 280  # octets of a packet: 1 of number, 2 of head, 255 of data, 2 of checksum, and copies
+IDLE, SKIPPING = -1, -2  # instead of how many octets came
+
+NO_ROOM = -1  # instead of how many messages were written
+
+
+@inner
+def summed(octets: Octets, start: int, stop: int, numbers: Table, table: Table) -> int:
+    """Checksum of `octets[start:stop]` as a number, in the order of its octets on the wire.
+
+    Parameters
+    ----------
+    octets : (L,) uint8 array
+    numbers : (6,) int64 array
+    table : (256,) int64 array
+    """
+    how, width, crc = numbers[HOW], numbers[WIDTH], numbers[BEGIN]
+    if how == UNCHECKED:
+        return 0
+    if how == SUM:
+        total = 0
+        for i in range(start, stop):
+            total += int(octets[i])
+        return -total & 0xFF if numbers[FINAL] else total & 0xFF
+    mask, left, right, top = (1 << (8 * width)) - 1, 8, 0, 8 * width - 8
+    if numbers[REFLECTED]:
+        left, right, top = 0, 8, 0
+    for i in range(start, stop):
+        octet = int(octets[i])
+        crc = (((crc << left) >> right) & mask) ^ table[((crc >> top) ^ octet) & 0xFF]
+    crc ^= numbers[FINAL]
+    if width == 2 and numbers[HIGH_FIRST]:
+        crc = ((crc & 0xFF) << 8) | (crc >> 8)
+    return int(crc)
+
+
+@inner
+def is_summed(octets: Octets, start: int, stop: int, numbers: Table, table: Table) -> bool:
+    """Whether the checksum behind `octets[start:stop]` is right."""
+    if numbers[HOW] == UNCHECKED:
+        return True
+    crc = summed(octets, start, stop, numbers, table)
+    right = True
+    for i in range(numbers[WIDTH]):
+        right = right and octets[stop + i] == (crc >> (8 * i)) & 0xFF
+    return right
+
+
+@inner
+def run_length(channels: Ints, start: int, stop: int) -> int:
+    """Channels from `start` on that follow one another."""
+    end = start + 1
+    while end < stop and channels[end] == channels[end - 1] + 1:
+        end += 1
+    return int(end - start)
+
+
+@inner
+def words_of_runs(channels: Ints, start: int, stop: int) -> int:
+    """Words of the blocks of `channels[start:stop]`."""
+    at, words = start, 0
+    while at < stop:
+        count = run_length(channels, at, stop)
+        words += 2 + ((count + 3) >> 2)
+        at += count
+    return words
+
+
+@njit
+def put_pairs(
+    words: Words,
+    payloads: Octets,
+    end: Words,
+    stamp_ns: int,
+    channel: int,
+    channels: Ints,
+    start: int,
+    stop: int,
+    octets: Octets,
+    at: int,
+    big_endian: bool,
+    counters: Ints,
+) -> bool:
+    """Append responses of two octets each, from `octets[at]` on; False, and nothing, if full.
+
+    Parameters
+    ----------
+    words, payloads, end : arrays
+        Of `Blocks`.
+    channel : int
+        Of the port's first sensor.
+    channels : (S,) int64 array
+        Of all sensors of a board, in the order of sending.
+    start, stop : int
+        Which sensors the responses are of.
+    """
+    if end[0] + words_of_runs(channels, start, stop) > len(words):
+        return False
+    high, low = (0, 1) if big_endian else (1, 0)
+    while start < stop:
+        count = run_length(channels, start, stop)
+        to = begin_block(words, end, stamp_ns, channel + channels[start], count, SHORTS, 0)
+        for i in range(count):
+            payloads[to + 2 * i] = octets[at + 2 * i + low]
+            payloads[to + 2 * i + 1] = octets[at + 2 * i + high]
+        counters[READINGS] += 1
+        at += 2 * count
+        start += count
+    return True
+
+
+@inner
+def is_copy(
+    packet: Octets, so_far: int, previous: int, part: int, data: Octets, message: int, length: int
+) -> bool:
+    """Whether a first or last message is the one before it, once more."""
+    if part == FIRST and so_far == length:
+        at = 0
+    elif part == LAST and so_far == IDLE and previous > 8 and length == ((previous - 1) & 7) + 1:
+        at = previous - length
+    else:
+        return False
+    same = True
+    for k in range(length):
+        same = same and packet[at + k] == data[message, k]
+    return same
+
+
+@inner
+def next_copy(packet: Octets, at: int, stop: int) -> int:
+    """First message of a packet from `at` on, before `stop`, that repeats the one before; or 0."""
+    while at < stop:
+        same = True
+        for k in range(8):
+            same = same and packet[at + k] == packet[at - 8 + k]
+        if same:
+            return at
+        at += 8
+    return 0
+
+
+@inner
+def drop_copies(packet: Octets, length: int) -> int:
+    """Take out all messages but the last that repeat the one before; their octets."""
+    to, copy = 8, next_copy(packet, 8, length - 8)
+    for at in range(8, length, 8):
+        if at == copy:
+            copy = next_copy(packet, at + 8, length - 8)
+            continue
+        for k in range(min(8, length - at)):
+            packet[to + k] = packet[at + k]
+        to += 8
+    return int(((length - 1) | 7) + 1 - to)
+
+
+@inner
+def is_whole(packet: Octets, length: int, extra: int, check: Table, table: Table) -> bool:
+    """Whether the checksum is right, once messages that came twice are taken out.
+
+    Where several are too many, it must be as many as repeat the one before; where it is one, it is
+    looked for among those that repeat.
+
+    Parameters
+    ----------
+    extra : int
+        Octets that are too many: 0, or those of whole messages.
+    """
+    copy = 0
+    if extra == 8:
+        copy = next_copy(packet, 8, length - 8)
+        if copy == 0:
+            return False
+    elif extra > 0 and drop_copies(packet, length) != extra:
+        return False
+    while True:
+        if copy:
+            for k in range(copy, length - 8):
+                packet[k] = packet[k + 8]
+        if is_summed(packet, 0, length - extra - check[1], check, table):
+            return True
+        if copy == 0:
+            return False
+        for k in range(length - 9, copy - 9, -1):  # put it back
+            packet[k + 8] = packet[k]
+        copy = next_copy(packet, copy + 8, length - 8)
+        if copy == 0:
+            return False
+
+
+@inner
+def board_of(identifier: int, extended: bool, numbers: Ints) -> tuple[int, int]:
+    """Row of the board that a message is of, or -1, and its part."""
+    if (identifier & EXTENDED != 0) != extended or identifier & REMOTE_OR_ERROR:
+        return -1, 0
+    if extended:
+        number, part = identifier & 0x03FFFFFF, (identifier >> 26) & 7
+    else:
+        number, part = identifier & 0xFF, (identifier >> 8) & 7
+    for row in range(len(numbers)):
+        if numbers[row] == number:
+            return row, part
+    return -1, 0
+
+
+@njit
+def decode_messages(
+    ids: NDArray[np.uint32],
+    lengths: Octets,
+    data: Octets,
+    stamps: Ints,
+    first: int,
+    count: int,
+    numbers: Ints,
+    extended: bool,
+    big_endian: bool,
+    numbered: bool,
+    check: Table,
+    table: Table,
+    channels: Ints,
+    begins: Ints,
+    counts: Ints,
+    packets: Octets,
+    used: Ints,
+    previous: Ints,
+    last_number: Ints,
+    replies: Octets,
+    reply_heads: Ints,
+    words: Words,
+    payloads: Octets,
+    end: Words,
+    channel: int,
+    counters: Ints,
+) -> int:
+    """Append the blocks of messages `first` to `count`; the first that does not fit, or `count`.
+
+    Parameters
+    ----------
+    ids, lengths, data, stamps : arrays
+        Of `CanMessages`.
+    numbers : (B,) int64 array
+        Of the boards.
+    check, table : arrays
+        Of the checksum.
+    channels : (S,) int64 array
+        Of all sensors in the order of sending, board after board.
+    begins : (B, 250) int64 array
+        Index into `channels` of each module's first sensor, and one behind the last module's; -1
+        of modules that are not there.
+    counts : (B,) int64 array
+        Modules of each board.
+    packets : (B, ROOM) uint8 array
+    used : (B,) int64 array
+        Octets of the packet that is coming in, or IDLE, or SKIPPING.
+    previous : (B,) int64 array
+        Octets of the packet that came before, which still stands in `packets`; 0 of none.
+    last_number : (B,) int64 array
+    replies : (R, ROOM) uint8 array
+        Packets that are no sensor data, for whoever asked.
+    reply_heads : (R + 1, 2) int64 array
+        Board and octets of each; in the last row, first, how many.
+    words, payloads, end : arrays
+        Of `Blocks`.
+    channel : int
+    counters : (len(Count),) int64 array
+    """
+    for i in range(first, count):
+        row, part = board_of(int(ids[i]), extended, numbers)
+        length = min(int(lengths[i]), 8)
+        if row >= 0 and part in (LAST, SINGLE):  # blocks must fit before anything is counted
+            rest = 0 if part == SINGLE else max(used[row], 0)
+            if end[0] + 3 * (rest + length) > len(words):
+                return i
+        counters[OCTETS] += length
+        if row < 0:
+            counters[FOREIGN] += 1
+        elif part not in (FIRST, MID, LAST, SINGLE):
+            counters[MALFORMED] += 1
+        else:
+            counters[RECEIVED] += 1
+            if assemble(packets[row], used, previous, row, part, data, i, length, counters):
+                packet = packets[row]
+                head = checked_head(packet, used[row], numbered, check, table, counters)
+                if head == 1:
+                    follow_number(row, int(packet[0]), last_number, counters)
+                if head >= 0 and packet[head] != SENSOR_DATA:
+                    keep_reply(packet, head, check[1], row, replies, reply_heads)
+                elif head >= 0:
+                    take_responses(
+                        packet, head + 2, int(packet[head + 1]), row, stamps[i], big_endian,
+                        channels, begins, counts, words, payloads, end, channel, counters,
+                    )  # fmt: skip
+                used[row], previous[row] = IDLE, used[row]
+    return count
+
+
+@inner
+def assemble(
+    packet: Octets,
+    used: Ints,
+    previous: Ints,
+    row: int,
+    part: int,
+    data: Octets,
+    message: int,
+    length: int,
+    counters: Ints,
+) -> bool:
+    """Add a message to its board's packet; whether that is complete."""
+    so_far = used[row]
+    if is_copy(packet, so_far, previous[row], part, data, message, length):
+        counters[DUPLICATED] += 1
+        return False
+    if part in (FIRST, SINGLE):
+        if so_far >= 0:
+            counters[LOST] += missing(packet, so_far)
+        so_far = 0
+    elif so_far < 0:
+        if so_far == IDLE:
+            counters[LOST] += 1  # the message with which it began, at least
+        used[row] = IDLE if part == LAST else SKIPPING
+        return False
+    previous[row] = 0
+    if so_far + length > ROOM:
+        counters[MALFORMED] += 1
+        used[row] = IDLE if part == LAST else SKIPPING
+        return False
+    for k in range(length):
+        packet[so_far + k] = data[message, k]
+    used[row] = so_far + length
+    return part in (LAST, SINGLE)
+
+
+@inner
+def missing(packet: Octets, so_far: int) -> int:
+    """Messages that a packet still lacks, by the size that it states; at least 1."""
+    if so_far < 2:
+        return 1
+    return int(max(1, (3 + int(packet[1]) - so_far + 7) >> 3))
+
+
+@inner
+def checked_head(
+    packet: Octets, length: int, numbered: bool, check: Table, table: Table, counters: Ints
+) -> int:
+    """Octet at which the command of a whole packet stands; -1 of a damaged one."""
+    head, tail = 0, check[1]
+    if length >= 1 and packet[0] < FIRST_COMMAND:
+        if not numbered:
+            counters[FOREIGN] += 1
+            return -1
+        head = 1
+    if length < head + 2 + tail:
+        counters[MALFORMED] += 1
+        return -1
+    extra = length - (head + 2 + int(packet[head + 1]) + tail)
+    if extra < 0:
+        counters[LOST] += (7 - extra) >> 3
+        return -1
+    if extra & 7 or not is_whole(packet, length, extra, check, table):
+        counters[MALFORMED] += 1
+        return -1
+    counters[DUPLICATED] += extra >> 3
+    return head
+
+
+@inner
+def follow_number(row: int, number: int, last_number: Ints, counters: Ints) -> None:
+    """Count the packets that are missing between the last number and this."""
+    if last_number[row] >= 0:
+        counters[LOST] += (number - last_number[row] - 1) & 15
+    last_number[row] = number
+
+
+@inner
+def keep_reply(
+    packet: Octets, head: int, tail: int, row: int, replies: Octets, reply_heads: Ints
+) -> None:
+    """Keep an answer while there is room."""
+    length = head + 2 + int(packet[head + 1]) + tail
+    held = reply_heads[len(replies), 0]
+    if held >= len(replies):
+        return
+    for k in range(length):
+        replies[held, k] = packet[k]
+    reply_heads[held, 0], reply_heads[held, 1] = row, length
+    reply_heads[len(replies), 0] = held + 1
+
+
+@njit
+def take_responses(
+    octets: Octets,
+    at: int,
+    size: int,
+    row: int,
+    stamp_ns: int,
+    big_endian: bool,
+    channels: Ints,
+    begins: Ints,
+    counts: Ints,
+    words: Words,
+    payloads: Octets,
+    end: Words,
+    channel: int,
+    counters: Ints,
+) -> bool:
+    """Append what sensor data brings: module, first sensor, responses; False, and nothing, if full.
+
+    Data of a module or sensor that the board has not is foreign: nothing of it is taken, as it
+    would land on other taxels.
+    """
+    if size < 2 or size & 1:
+        counters[MALFORMED] += 1
+        return True
+    module, sensor, responses = int(octets[at]), int(octets[at + 1]), (size - 2) >> 1
+    if module >= counts[row]:
+        counters[FOREIGN] += 1
+        return True
+    start = begins[row, module] + sensor
+    if start >= begins[row, module + 1] or start + responses > begins[row, counts[row]]:
+        counters[FOREIGN] += 1
+        return True
+    return put_pairs(
+        words, payloads, end, stamp_ns, channel, channels, start, start + responses, octets, at + 2,
+        big_endian, counters,
+    )  # fmt: skip
+
+
+@njit
+def encode_board(
+    counts: NDArray[np.uint16],
+    number: int,
+    channels: Ints,
+    begins: Ints,
+    modules: int,
+    per_packet: int,
+    extended: bool,
+    big_endian: bool,
+    sequence: int,
+    check: Table,
+    table: Table,
+    packet: Octets,
+    ids: NDArray[np.uint32],
+    lengths: Octets,
+    data: Octets,
+    stamps: Ints,
+    first: int,
+    stamp_ns: int,
+) -> tuple[int, int]:
+    """Write one reading of one board as messages from row `first` on.
+
+    Parameters
+    ----------
+    counts : (C,) uint16 array
+        Of all channels of the port.
+    channels, begins, modules : arrays, int
+        As in `SensorTable`, of this board.
+    per_packet : int
+        Responses in a packet at most.
+    sequence : int
+        Number of the first packet, or -1 for none.
+    packet : (ROOM,) uint8 array
+        Scratch.
+
+    Returns
+    -------
+    row, sequence : int
+        Behind the last message, or NO_ROOM; number of the next packet.
+    """
+    at, end, module = begins[0], begins[modules], 0
+    while at < end:
+        while begins[module + 1] <= at:
+            module += 1
+        some = min(per_packet, end - at)
+        length = fill(
+            packet, counts, channels, at, some, module, at - begins[module], big_endian, sequence,
+            check, table,
+        )  # fmt: skip
+        first = split(packet, length, number, extended, ids, lengths, data, stamps, first, stamp_ns)
+        if first < 0:
+            return NO_ROOM, sequence
+        if sequence >= 0:
+            sequence = (sequence + 1) & 15
+        at += some
+    return first, sequence
+
+
+@inner
+def fill(
+    packet: Octets,
+    counts: NDArray[np.uint16],
+    channels: Ints,
+    at: int,
+    some: int,
+    module: int,
+    sensor: int,
+    big_endian: bool,
+    sequence: int,
+    check: Table,
+    table: Table,
+) -> int:
+    """Write one packet of sensor data; its octets."""
+    head = 0
+    if sequence >= 0:
+        packet[0], head = sequence, 1
+    packet[head], packet[head + 1] = SENSOR_DATA, 2 + 2 * some
+    packet[head + 2], packet[head + 3] = module, sensor
+    to = head + 4
+    for k in range(some):
+        count = int(counts[channels[at + k]])
+        high, low = count >> 8, count & 0xFF
+        packet[to] = high if big_endian else low
+        packet[to + 1] = low if big_endian else high
+        to += 2
+    crc = summed(packet, 0, to, check, table)
+    for k in range(check[1]):
+        packet[to + k] = (crc >> (8 * k)) & 0xFF
+    return int(to + check[1])
+
+
+@inner
+def split(
+    packet: Octets,
+    length: int,
+    number: int,
+    extended: bool,
+    ids: NDArray[np.uint32],
+    lengths: Octets,
+    data: Octets,
+    stamps: Ints,
+    row: int,
+    stamp_ns: int,
+) -> int:
+    """Write a packet as messages from `row` on; the row behind them, or NO_ROOM."""
+    if row + ((length + 7) >> 3) > len(ids):
+        return NO_ROOM
+    for at in range(0, length, 8):
+        part = FIRST if at == 0 else MID
+        if at + 8 >= length:
+            part = LAST if at else SINGLE
+        ids[row] = (EXTENDED | part << 26 | number) if extended else (part << 8 | number)
+        lengths[row] = min(8, length - at)
+        for k in range(8):
+            data[row, k] = packet[at + k] if at + k < length else 0
+        stamps[row] = stamp_ns
+        row += 1
+    return row

@@ -1,0 +1,410 @@
+"""Shared memory of CySkin's acquisition tool: its layout, reading and writing it.
+
+Two areas of uint32 in the machine's own order, as `shared_memory_publisher` writes them:
+
+======= ============ ====================================================================
+area    word         what
+======= ============ ====================================================================
+header  0            sensors, N
+header  1            kind of acquisition
+header  2            key of the data, 64
+header  3 to 9       not used; the area itself may be only 10 bytes long
+data    0            number of the sample, from 0 on
+data    1            time since the tool's start, ms
+data    2            active sensors; always N until now
+data    3 to N + 2   uids
+data    from N + 3   responses, in the order of the uids
+======= ============ ====================================================================
+
+The writer takes no lock. It writes uids and responses, then the active sensors, the time, and the
+number of the sample last, so that a new number means that its responses are there; but those of the
+next may be on their way already.
+"""
+
+import ctypes
+from collections.abc import Iterable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import InputError, Ints, check_count, check_shape
+from skinfield.signal import Blocks, Count
+from skinfield.wire.cyskin.modules import CySkinBoard, channels_of, checked_boards, uids_of
+
+HEADER_WORDS, HEADER_KEY, DATA_KEY = 10, 450, 64
+DATA_HEAD = 3  # words before the uids
+HIGHEST = 65535  # of a response
+MOST = 1 << 20  # sensors that a header may speak of
+
+Words32 = NDArray[np.uint32]
+IPC_CREAT, IPC_RMID, IPC_STAT, SHM_RDONLY = 0o1000, 0, 2, 0o10000
+SIZE_AT = 48  # octet of shm_segsz in struct shmid_ds, on Linux of 64 bits
+TRIES = 4  # snapshots before what is torn is left for the next poll
+HIGHEST_KEY = 2**31 - 1
+
+
+def data_words(sensors: int) -> int:
+    """Words of the data of so many sensors."""
+    return 2 * sensors + DATA_HEAD
+
+
+def words_from_uids(uids: ArrayLike) -> Words32:
+    """Uids (N,) as the memory holds them.
+
+    Raises
+    ------
+    InputError
+        If one has more than 32 bits.
+    """
+    values = np.asarray(uids, np.uint64)
+    if (values >> np.uint64(32)).any():
+        raise InputError(
+            f"uid {int(values.max())} has more than 32 bits, expected sui << 4 | sensor with a sui "
+            "of 28: the shared memory holds no more"
+        )
+    return values.astype(np.uint32)
+
+
+class Snapshot(NamedTuple):
+    """The data, taken apart without copying.
+
+    Attributes
+    ----------
+    sample, time_ms, active : int
+    uids, responses : (N,) uint32 arrays
+    """
+
+    sample: int
+    time_ms: int
+    active: int
+    uids: Words32
+    responses: Words32
+
+
+def snapshot_of(words: Words32) -> Snapshot:
+    """Take data words apart.
+
+    Raises
+    ------
+    InputError
+        If there are not 2 N + 3 of them.
+    """
+    sensors = (len(words) - DATA_HEAD) // 2
+    if sensors < 0 or len(words) != data_words(sensors):
+        raise InputError(f"data have {len(words)} words, expected 2 N + 3 of them for N sensors")
+    sample, time_ms, active = words[:DATA_HEAD].tolist()
+    uids = words[DATA_HEAD : DATA_HEAD + sensors]
+    return Snapshot(sample, time_ms, active, uids, words[DATA_HEAD + sensors :])
+
+
+class SensorOrder:
+    """Responses in the order of their uids, to blocks by channel.
+
+    Parameters
+    ----------
+    boards : sequence of CySkinBoard
+        Their modules make the channels: sensor s of module m is channel 12 m + s.
+
+    Attributes
+    ----------
+    unknown : int
+        Sensors of the last uids that no module has; they are left out.
+    """
+
+    def __init__(self, boards: Iterable[CySkinBoard]) -> None:
+        boards = checked_boards(boards)
+        uids, channels = uids_of(boards)
+        order = np.argsort(uids)
+        self._known, self._channels = words_from_uids(uids[order]), channels[order]
+        self.channels = channels_of(boards)
+        self.unknown = 0
+        self._uids: Words32 = np.zeros(0, np.uint32)
+        self._take: Ints = np.zeros(0, np.int64)
+        self._runs: Ints = np.zeros(0, np.int64)
+        self._long: Words32 = np.zeros(0, np.uint32)
+        self._shorts: NDArray[np.uint16] = np.zeros(0, np.uint16)
+
+    def follow(self, uids: Words32) -> None:
+        """Learn where the uids of the next responses belong; costs little if they are the same."""
+        if np.array_equal(uids, self._uids):
+            return
+        self._uids = uids.copy()
+        at = np.minimum(np.searchsorted(self._known, uids), len(self._known) - 1)
+        found = self._known[at] == uids
+        channels = self._channels[at[found]]
+        _, first = np.unique(channels, return_index=True)  # sorts, and of twins takes the first
+        self._take = np.flatnonzero(found)[first]
+        self._runs = channels[first]
+        self._long = np.zeros(len(first), np.uint32)
+        self._shorts = np.zeros(len(first), np.uint16)
+        self.unknown = len(uids) - len(first)
+
+    def put(
+        self, responses: Words32, blocks: Blocks, channel: int, counters: Ints, now_ns: int
+    ) -> bool:
+        """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
+        from skinfield.wire.cyskin.kernel import put_pairs
+
+        np.take(
+            responses, self._take, out=self._long, mode="clip"
+        )  # which needs no room of its own
+        self._shorts[:] = self._long
+        return bool(
+            put_pairs(
+                blocks.words, blocks.octets, blocks.end, now_ns, channel, self._runs, 0,
+                len(self._runs), self._shorts.view(np.uint8), 0, False, counters,
+            )
+        )  # fmt: skip
+
+
+class Area:
+    """One area of shared memory, as uint32 words.
+
+    Parameters
+    ----------
+    key : int
+    words : int
+        That are mapped.
+    create : bool
+        Make it, and write; otherwise it must be there, and is only read.
+
+    Raises
+    ------
+    OSError
+        If the system refuses: it is not there, or belongs to someone else.
+    InputError
+        If it is smaller than that.
+    """
+
+    def __init__(self, key: int, words: int, *, create: bool = False) -> None:
+        self.key = key
+        size = 4 * words if create else 0  # any size: the maker's tool makes its header too small
+        self.number = area_number(key, size, 0o600 | IPC_CREAT if create else 0)
+        if self.number < 0:
+            raise OSError(ctypes.get_errno(), f"shared memory with key {key} is not there")
+        held = _held(self.number)
+        if held < 4 * words and not (words == HEADER_WORDS and held >= HEADER_WORDS):
+            raise InputError(
+                f"shared memory with key {key} has {held} bytes, expected {4 * words}: of another "
+                "program, or another number of sensors"
+            )
+        address = _libc().shmat(self.number, None, 0 if create else SHM_RDONLY)
+        if address in (None, ctypes.c_void_p(-1).value):
+            raise OSError(ctypes.get_errno(), f"shared memory with key {key} cannot be mapped")
+        self._address = address
+        # A page holds 4096 bytes, so 40 are there even where the area says that it has 10.
+        self.words: Words32 = np.ctypeslib.as_array((ctypes.c_uint32 * words).from_address(address))
+        self.words.flags.writeable = create  # the system would end the process instead
+
+    def close(self) -> None:
+        """Unmap it; `words` must not be used after that."""
+        if self._address is not None:
+            self.words = np.zeros(0, np.uint32)
+            _libc().shmdt(self._address)
+            self._address = None
+
+    def remove(self) -> None:
+        """Let the system forget it as soon as nobody maps it."""
+        _libc().shmctl(self.number, IPC_RMID, None)
+
+
+def area_number(key: int, size: int = 0, flags: int = 0) -> int:
+    """Number by which the system knows an area now; -1 if there is none."""
+    return int(_libc().shmget(key, size, flags))
+
+
+def _held(number: int) -> int:
+    status = ctypes.create_string_buffer(256)
+    if _libc().shmctl(number, IPC_STAT, status) < 0:
+        raise OSError(ctypes.get_errno(), "the size of the shared memory cannot be read")
+    return int.from_bytes(status.raw[SIZE_AT : SIZE_AT + 8], "little")
+
+
+@cache
+def _libc() -> Any:
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.shmget.argtypes = [ctypes.c_int, ctypes.c_size_t, ctypes.c_int]
+    libc.shmat.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_int]
+    libc.shmat.restype = ctypes.c_void_p
+    libc.shmdt.argtypes = [ctypes.c_void_p]
+    libc.shmctl.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_void_p]
+    return libc
+
+
+class SharedMemoryReader:
+    """New samples of the tool's shared memory, as blocks.
+
+    Each sample is copied until two copies in a row are the same, as the writer takes no lock; that
+    fails only if the writer stands still between two words just then. Samples that were written
+    over before they were read are `LOST`. The writer may end and begin again at any time.
+
+    Parameters
+    ----------
+    boards : sequence of CySkinBoard
+        Modules of the port, which give each uid its channel.
+    key : int
+        Of the header. 450 is the tool's.
+
+    Attributes
+    ----------
+    up : bool
+        Whether the memory is there.
+    torn : int
+        Reads that were given up, as the writer was writing each time.
+    """
+
+    def __init__(self, boards: Iterable[CySkinBoard], key: int = HEADER_KEY) -> None:
+        check_count("key", key, 1, HIGHEST_KEY, "of the header's shared memory")
+        self.key, self.order, self.torn = key, SensorOrder(boards), 0
+        self._areas: tuple[Area, Area] | None = None
+        self._copies: Words32 = np.zeros((2, 0), np.uint32)
+        self._sample = -1
+
+    @property
+    def channels(self) -> int:
+        """Of the port: 12 per module."""
+        return self.order.channels
+
+    @property
+    def up(self) -> bool:
+        """See above."""
+        return self._areas is not None
+
+    def open(self) -> bool:
+        """Map the memory if it is there; whether it is. Harmless when it is mapped already."""
+        if self._areas is not None:
+            return True
+        try:
+            header = Area(self.key, HEADER_WORDS)
+        except OSError:
+            return False
+        sensors, _, key = header.words[:3].tolist()
+        try:
+            check_count("sensors in the header", sensors, 1, MOST, "none yet: it is being made")
+            data = Area(key or DATA_KEY, data_words(sensors))
+        except (OSError, InputError):  # between the writer's two steps, or another program's
+            header.close()
+            return False
+        self._areas, self._sample = (header, data), -1
+        self._copies = np.zeros((2, len(data.words)), np.uint32)
+        return True
+
+    def read(self, blocks: Blocks, channel: int, counters: Ints, now_ns: int) -> int:
+        """Append the newest sample if it is new; samples taken, 0 or 1.
+
+        Parameters
+        ----------
+        blocks : Blocks
+        channel : int
+            That the port's first channel has among all.
+        counters : (len(Count),) int64 array
+        now_ns : int, ns
+            Stamp of the blocks.
+        """
+        if self._areas is None or not self._still_there():
+            return 0
+        words = self._areas[1].words
+        if self._sample == int(words[0]) or not self._copied(words):
+            return 0
+        found = snapshot_of(self._copies[0])
+        if found.sample == self._sample or (found.sample == 0 and found.active == 0):
+            return 0  # nothing was written yet
+        if found.responses.max() > HIGHEST:
+            counters[Count.MALFORMED] += 1
+            self._sample = found.sample
+            return 0
+        self.order.follow(found.uids)
+        if not self.order.put(found.responses, blocks, channel, counters, now_ns):
+            return 0
+        if 0 <= self._sample < found.sample:
+            counters[Count.LOST] += found.sample - self._sample - 1
+        self._sample = found.sample
+        counters[Count.RECEIVED] += 1
+        counters[Count.FOREIGN] += self.order.unknown > 0
+        counters[Count.BYTES] += words.nbytes
+        return 1
+
+    def _still_there(self) -> bool:
+        """Whether the keys still mean what is mapped; a writer that began anew made it anew."""
+        assert self._areas is not None
+        if all(area_number(area.key) == area.number for area in self._areas):
+            return True
+        self.close()
+        return False
+
+    def _copied(self, words: Words32) -> bool:
+        """Copy until two copies are the same.
+
+        NumPy copies, not a compiled loop of ours: a compiler may take one copy for the other.
+        """
+        one, other = self._copies
+        np.copyto(one, words)
+        for _ in range(TRIES):
+            np.copyto(other, words)
+            if np.array_equal(one, other):
+                return True
+            np.copyto(one, other)
+        self.torn += 1
+        return False
+
+    def close(self) -> None:
+        """Unmap the memory."""
+        if self._areas is not None:
+            for area in self._areas:
+                area.close()
+            self._areas = None
+
+
+class SharedMemoryWriter:
+    """The tool's side, for a skin in software and tests: makes the memory, and removes it.
+
+    Parameters
+    ----------
+    uids : (N,) array
+    key, data_key : int
+        Of header and data. 450 and 64 are the tool's; anything else keeps out of its way.
+    """
+
+    def __init__(self, uids: ArrayLike, key: int = HEADER_KEY, data_key: int = DATA_KEY) -> None:
+        check_count("key", key, 1, HIGHEST_KEY, "of the header's shared memory")
+        check_count("data_key", data_key, 1, HIGHEST_KEY, "of the data's shared memory")
+        self._uids = words_from_uids(uids)
+        count = len(self._uids)
+        check_count("uids", count, 1, MOST, "one for each sensor")
+        self._header = Area(key, HEADER_WORDS, create=True)
+        try:
+            self._data = Area(data_key, data_words(count), create=True)
+        except (OSError, InputError):
+            self._header.remove()
+            self._header.close()
+            raise
+        self._header.words[2] = data_key
+        self._header.words[0], self._header.words[1] = count, 0
+        self.sample = 0
+
+    def write(self, responses: ArrayLike, time_ms: int) -> None:
+        """Write one sample, in the tool's own order.
+
+        Parameters
+        ----------
+        responses : (N,) array
+            Whole numbers from 0 on.
+        time_ms : int, ms
+        """
+        values, words = np.asarray(responses), self._data.words
+        count = len(self._uids)
+        check_shape("responses", values, (count,), "one per uid")
+        words[DATA_HEAD : DATA_HEAD + count] = self._uids
+        words[DATA_HEAD + count :] = values
+        words[2] = count
+        words[1] = time_ms & 0xFFFFFFFF
+        words[0] = self.sample
+        self.sample = (self.sample + 1) & 0xFFFFFFFF
+
+    def close(self) -> None:
+        """Remove both areas."""
+        for area in (self._header, self._data):
+            area.remove()
+            area.close()

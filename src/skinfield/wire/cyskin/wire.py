@@ -1,0 +1,341 @@
+"""Packets of CySkin on CAN: checksums, and what is not public of the protocol as settings.
+
+`cynet_network.h` sets CRC-16 for the bootloader and CRC-8 for the application, and `ihbcmd.h` has
+one octet of checksum behind an application packet. The polynomial is in a library that is not
+public, so it is a setting: take `matching_checksums` with packets of your board.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import InputError, check_count
+from skinfield.signal.can import EXTENDED
+from skinfield.wire.cyskin.modules import (
+    EXTENDED_ID,
+    EXTENDED_SHIFT,
+    FIRST_COMMAND,
+    LONGEST_DATA,
+    STANDARD_ID,
+    STANDARD_SHIFT,
+    Part,
+)
+
+Table = NDArray[np.int64]
+SUM, CRC, UNCHECKED = 0, 1, 2  # how a kernel goes about it
+POLYNOMIALS_8 = (0x07, 0x31, 0x9B, 0xD5, 0x1D, 0x2F, 0x39, 0xA7)
+POLYNOMIALS_16 = (0x1021, 0x8005, 0x3D65, 0x8BB7)
+Message = tuple[int, bytes]  # identifier, data
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crc:
+    """Cyclic sum of all octets before it.
+
+    Parameters
+    ----------
+    octets : int
+        1 or 2; of two the low one stands first, or the high one with `high_first`.
+    polynomial : int
+        Without its highest bit: 0x07 is x⁸ + x² + x + 1.
+    begin, final : int
+        With what it begins, and what is added (exclusive or) at the end.
+    reflected : bool
+        Whether bits enter from the lowest on.
+    """
+
+    octets: int = 1
+    polynomial: int = 0x07
+    begin: int = 0
+    final: int = 0
+    reflected: bool = False
+    high_first: bool = False
+
+    def __post_init__(self) -> None:
+        check_count("octets", self.octets, 1, 2, "of the checksum")
+        for name in ("polynomial", "begin", "final"):
+            check_count(name, getattr(self, name), 0, (1 << 8 * self.octets) - 1, "of its width")
+
+    @property
+    def table(self) -> Table:
+        """What each octet contributes (256,)."""
+        return _crc_table(self.octets, self.polynomial, self.reflected).copy()
+
+    @property
+    def numbers(self) -> Table:
+        """How, octets, begin, final, reflected, high first: for the kernels."""
+        return np.array(
+            [CRC, self.octets, self.begin, self.final, self.reflected, self.high_first], np.int64
+        )
+
+
+@cache
+def _crc_table(octets: int, polynomial: int, reflected: bool) -> Table:
+    width, table = 8 * octets, np.zeros(256, np.int64)
+    mirrored = int(f"{polynomial:0{width}b}"[::-1], 2)
+    for octet in range(256):
+        rest = octet if reflected else octet << (width - 8)
+        for _ in range(8):
+            if reflected:
+                rest = rest >> 1 ^ (mirrored if rest & 1 else 0)
+            else:
+                rest = rest << 1 ^ (polynomial if rest >> (width - 1) & 1 else 0)
+        table[octet] = rest & ((1 << width) - 1)
+    return table
+
+
+@dataclass(frozen=True)
+class Sum:
+    """Octet with which all octets together are 0 modulo 256, or their plain sum.
+
+    Parameters
+    ----------
+    negated : bool
+        True as in Cypress' bootloader, whose packets it is named after.
+    """
+
+    negated: bool = True
+
+    @property
+    def table(self) -> Table:
+        """Not used."""
+        return np.zeros(256, np.int64)
+
+    @property
+    def numbers(self) -> Table:
+        """How, octets, begin, final, reflected, high first: for the kernels."""
+        return np.array([SUM, 1, 0, self.negated, 0, 0], np.int64)
+
+
+@dataclass(frozen=True)
+class Unchecked:
+    """Octets behind the packet that are not looked at; what is written there is 0.
+
+    Parameters
+    ----------
+    octets : int
+        0, 1 or 2.
+    """
+
+    octets: int = 1
+
+    def __post_init__(self) -> None:
+        check_count("octets", self.octets, 0, 2, "of the checksum that is not looked at")
+
+    @property
+    def table(self) -> Table:
+        """Not used."""
+        return np.zeros(256, np.int64)
+
+    @property
+    def numbers(self) -> Table:
+        """How, octets, begin, final, reflected, high first: for the kernels."""
+        return np.array([UNCHECKED, self.octets, 0, 0, 0, 0], np.int64)
+
+
+Checksum = Crc | Sum | Unchecked
+
+
+def checksum_of(data: bytes, checksum: Checksum) -> bytes:
+    """Octets that follow `data`."""
+    how, octets, begin, final, reflected, high_first = checksum.numbers.tolist()
+    if how == UNCHECKED:
+        return bytes(octets)
+    if how == SUM:
+        total = sum(data) & 0xFF
+        return bytes([-total & 0xFF if final else total])
+    table, crc, mask = checksum.table.tolist(), int(begin), (1 << 8 * octets) - 1
+    for octet in data:
+        if reflected:
+            crc = crc >> 8 ^ table[(crc ^ octet) & 0xFF]
+        else:
+            crc = crc << 8 & mask ^ table[crc >> (8 * octets - 8) ^ octet]
+    return int(crc ^ final).to_bytes(octets, "big" if high_first else "little")
+
+
+def usual_checksums() -> Iterator[Checksum]:
+    """Sums and the usual polynomials, the default first."""
+    yield Crc()
+    yield Sum()
+    yield Sum(negated=False)
+    for octets, polynomials in ((1, POLYNOMIALS_8), (2, POLYNOMIALS_16)):
+        mask = (1 << 8 * octets) - 1
+        for polynomial in polynomials:
+            for begin in (0, mask):
+                for final in (0, mask):
+                    for reflected in (False, True):
+                        for high_first in (False, True)[:octets]:
+                            yield Crc(
+                                octets=octets, polynomial=polynomial, begin=begin, final=final,
+                                reflected=reflected, high_first=high_first,
+                            )  # fmt: skip
+
+
+def matching_checksums(packets: Iterable[bytes]) -> tuple[Checksum, ...]:
+    """Checksums that fit all of some packets of a real board.
+
+    Parameters
+    ----------
+    packets : iterable of bytes
+        Whole application packets: command, size, data, checksum. One in 256 fits by chance, so
+        take ten or more that differ.
+
+    Returns
+    -------
+    tuple of Checksum
+        Of `usual_checksums`, those that fit; empty if none does.
+
+    Raises
+    ------
+    InputError
+        If there are no packets, or one is shorter than it says.
+    """
+    packets = [bytes(packet) for packet in packets]
+    for packet in packets:
+        if len(packet) < 3 or len(packet) < 3 + packet[1]:
+            raise InputError(
+                f"packet {packet.hex()} has {len(packet)} octets, expected command, size, as many "
+                "octets of data, and the checksum"
+            )
+    if not packets:
+        raise InputError("there are no packets, expected ten or more that differ")
+    fits, seen = [], set()
+    for checksum in usual_checksums():
+        if checksum not in seen and all(_fits(packet, checksum) for packet in packets):
+            fits.append(checksum)
+        seen.add(checksum)
+    return tuple(fits)
+
+
+def _fits(packet: bytes, checksum: Checksum) -> bool:
+    body, rest = packet[: 2 + packet[1]], packet[2 + packet[1] :]
+    return checksum_of(body, checksum) == rest
+
+
+@dataclass(frozen=True, kw_only=True)
+class CySkinWire:
+    """What the public headers leave open, with what is assumed.
+
+    Parameters
+    ----------
+    extended : bool
+        Identifiers of 29 bits, as the bootloader's; the application's have 11.
+    big_endian : bool
+        Order of the two octets of a response, of periods and of numbers; EtherCAT has it so, and
+        of CAN it is not public.
+    checksum : Checksum
+        CRC-8 by the header `cynet_network.h`; its polynomial is not public.
+    numbered : bool
+        Whether a packet that begins with an octet below 0x10 is taken as sequence number (which
+        the header says) followed by a packet as usual (which is assumed), numbers counting to 15.
+        Otherwise it is left out.
+    """
+
+    extended: bool = False
+    big_endian: bool = True
+    checksum: Checksum = field(default_factory=Crc)
+    numbered: bool = False
+
+    @property
+    def every_board(self) -> int:
+        """Number of a board that means all of them."""
+        return EXTENDED_ID if self.extended else STANDARD_ID
+
+    def identifier(self, board: int, part: Part) -> int:
+        """CAN identifier, with the bit `EXTENDED` where it has 29 bits."""
+        check_count("board", board, 0, self.every_board, "number of a board, or of all")
+        if self.extended:
+            return EXTENDED | int(part) << EXTENDED_SHIFT | board
+        return int(part) << STANDARD_SHIFT | board
+
+    def packet(self, command: int, data: bytes = b"", number: int | None = None) -> bytes:
+        """Application packet: command, size, data, checksum.
+
+        Parameters
+        ----------
+        command : int
+            Octet from 0x10 on.
+        data : bytes
+            At most 255.
+        number : int, optional
+            Sequence number, 0 to 15, to stand before it.
+        """
+        check_count("command", command, FIRST_COMMAND, 255, "an octet; below are numbers")
+        check_count("octets of data", len(data), 0, LONGEST_DATA, "split it up")
+        head = b""
+        if number is not None:
+            check_count("number", number, 0, FIRST_COMMAND - 1, "of a packet")
+            head = bytes([number])
+        body = head + bytes([command, len(data)]) + data
+        return body + checksum_of(body, self.checksum)
+
+    def messages(self, board: int, packet: bytes) -> Iterator[Message]:
+        """CAN messages that carry a packet to or from a board."""
+        for at in range(0, len(packet), 8):
+            part = Part.MID
+            if at == 0:
+                part = Part.FIRST
+            if at + 8 >= len(packet):
+                part = Part.LAST if at else Part.SINGLE
+            yield self.identifier(board, part), packet[at : at + 8]
+
+    def unpacked(self, packet: bytes) -> tuple[int, bytes]:
+        """Command and data of an application packet.
+
+        Raises
+        ------
+        InputError
+            If it is shorter or longer than it says, or its checksum is wrong.
+        """
+        at = 1 if self.numbered and packet and packet[0] < FIRST_COMMAND else 0
+        tail = int(self.checksum.numbers[1])
+        if len(packet) < at + 2 or len(packet) != at + 2 + packet[at + 1] + tail:
+            raise InputError(
+                f"packet {packet.hex()} has {len(packet)} octets, expected command, size, as many "
+                f"octets of data and {tail} of checksum"
+            )
+        body, rest = packet[: len(packet) - tail], packet[len(packet) - tail :]
+        expected = checksum_of(body, self.checksum)
+        if rest != expected and self.checksum.numbers[0] != 2:
+            raise InputError(
+                f"packet {packet.hex()} ends with the checksum {rest.hex()}, expected "
+                f"{expected.hex()}: it is damaged, or the board sums in another way; see "
+                "matching_checksums"
+            )
+        return body[at], body[at + 2 :]
+
+
+class Assembler:
+    """Packets of CAN messages, in plain Python: for boards in software and for tools."""
+
+    def __init__(self, wire: CySkinWire | None = None) -> None:
+        self.wire = wire or CySkinWire()
+        self._parts: dict[int, bytes] = {}
+
+    def take(self, identifier: int, data: bytes) -> tuple[int, bytes] | None:
+        """Board and packet that a message completes, if it does; pieces without a start fall away.
+
+        Parameters
+        ----------
+        identifier : int
+            With the bit `EXTENDED` where it has 29 bits.
+        data : bytes
+        """
+        extended = bool(identifier & EXTENDED)
+        if extended != self.wire.extended:
+            return None
+        shift = EXTENDED_SHIFT if extended else STANDARD_SHIFT
+        board, part = identifier & self.wire.every_board, identifier >> shift & 7
+        if part == Part.SINGLE:
+            self._parts.pop(board, None)
+            return board, data
+        if part == Part.FIRST:
+            self._parts[board] = data
+        elif board in self._parts and part in (Part.MID, Part.LAST):
+            self._parts[board] += data
+            if part == Part.LAST:
+                return board, self._parts.pop(board)
+        return None

@@ -1,0 +1,37 @@
+"""Skin of iCub and ergoCub on CAN, and inside the Ethernet of their boards."""
+
+from skinfield.wire.icub.codec import ICubDecoder as ICubDecoder
+from skinfield.wire.icub.codec import ICubEncoder as ICubEncoder
+from skinfield.wire.icub.codec import array_of_messages as array_of_messages
+from skinfield.wire.icub.codec import gains_of as gains_of
+from skinfield.wire.icub.codec import messages_of_array as messages_of_array
+from skinfield.wire.icub.codec import port_of as port_of
+from skinfield.wire.icub.codec import triangle_payloads as triangle_payloads
+from skinfield.wire.icub.commands import BOARD_CHANNELS as BOARD_CHANNELS
+from skinfield.wire.icub.commands import BOARDS as BOARDS
+from skinfield.wire.icub.commands import TAXELS as TAXELS
+from skinfield.wire.icub.commands import TRIANGLES as TRIANGLES
+from skinfield.wire.icub.commands import BoardState as BoardState
+from skinfield.wire.icub.commands import Command as Command
+from skinfield.wire.icub.commands import Firmware as Firmware
+from skinfield.wire.icub.commands import Message as Message
+from skinfield.wire.icub.commands import MessageClass as MessageClass
+from skinfield.wire.icub.commands import SetBoard as SetBoard
+from skinfield.wire.icub.commands import SetOldBoard as SetOldBoard
+from skinfield.wire.icub.commands import SetOldSkin as SetOldSkin
+from skinfield.wire.icub.commands import SetTriangles as SetTriangles
+from skinfield.wire.icub.commands import SkinType as SkinType
+from skinfield.wire.icub.commands import Transmit as Transmit
+from skinfield.wire.icub.commands import TriangleState as TriangleState
+from skinfield.wire.icub.commands import addressed_board as addressed_board
+from skinfield.wire.icub.commands import command_from as command_from
+from skinfield.wire.icub.commands import host_message as host_message
+from skinfield.wire.icub.commands import message_id as message_id
+from skinfield.wire.icub.commands import skin_type as skin_type
+from skinfield.wire.icub.configuration import BoardSettings as BoardSettings
+from skinfield.wire.icub.configuration import ICubConfiguration as ICubConfiguration
+from skinfield.wire.icub.configuration import boards_for as boards_for
+from skinfield.wire.icub.configuration import configuration_for as configuration_for
+from skinfield.wire.icub.configuration import kind_for as kind_for
+from skinfield.wire.icub.configuration import load_configuration as load_configuration
+from skinfield.wire.icub.robot_files import PortRun as PortRun

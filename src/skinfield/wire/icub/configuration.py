@@ -1,0 +1,349 @@
+"""Configuration of skin boards: from a robot's files, or for patches of a skin."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from skinfield.errors import FileError, InputError, check_count, check_type
+from skinfield.skin import Patch
+from skinfield.wire.icub.commands import (
+    BOARD_CHANNELS,
+    BOARDS,
+    TAXELS,
+    TRIANGLES,
+    Message,
+    SetBoard,
+    SetTriangles,
+    SkinType,
+    Transmit,
+    TriangleState,
+    host_message,
+)
+from skinfield.wire.icub.robot_files import (
+    Node,
+    PortRun,
+    SkinDevice,
+    SkinSpec,
+    SkinWrapper,
+    device_from,
+    read_tree,
+    spec_from,
+    wrapper_from,
+)
+
+USUAL = SetBoard(period_ms=50)  # of robots
+THERMAL = (6, 10)  # channels of a triangle that feel warmth alone
+FIRST_ADDRESS, ADDRESSES = 1, 14  # that the robots' Ethernet boards take for skin
+
+
+@dataclass(frozen=True)
+class BoardSettings:
+    """One board, as it shall be.
+
+    Parameters
+    ----------
+    bus : int
+        Index into the configuration's buses.
+    address : int
+    board : SetBoard
+    triangles : tuple of 16 TriangleState
+    """
+
+    bus: int
+    address: int
+    board: SetBoard = USUAL
+    triangles: tuple[TriangleState, ...] = (TriangleState(),) * TRIANGLES
+
+    def __post_init__(self) -> None:
+        check_count("bus", self.bus, 0, 255, "index into the buses")
+        check_count("address", self.address, 0, BOARDS - 1, "of a board on its bus")
+        check_type("board", self.board, SetBoard, "its kind, period and rest")
+        check_count("triangles", len(self.triangles), TRIANGLES, TRIANGLES, "one state for each")
+
+    @property
+    def messages(self) -> tuple[Message, ...]:
+        """What sets the board up: one 4D, and a 50 for each run of equal triangles."""
+        commands = [self.board.data]
+        for state, run in groupby(range(TRIANGLES), key=lambda t: self.triangles[t]):
+            numbers = list(run)
+            commands.append(
+                SetTriangles(
+                    first=numbers[0],
+                    last=numbers[-1],
+                    shift=state.shift,
+                    enabled=state.enabled,
+                    cdc_offset=state.cdc_offset,
+                ).data
+            )
+        identifier = host_message(self.address, self.board)[0]
+        return tuple((identifier, data) for data in commands)
+
+
+@dataclass(frozen=True)
+class ICubConfiguration:
+    """Boards of one skin device, in the order of its channels.
+
+    Parameters
+    ----------
+    boards : tuple of BoardSettings
+        Each (bus, address) once.
+    buses : tuple of int
+        The robot's number of each bus: of the patch, or of the CAN device.
+    name : str
+        Of the device.
+    ports : tuple of PortRun
+        Which channels go to which port; empty if no wrapper was given.
+    diagnostic : bool
+        Whether the robot's own software tells what the boards say of themselves. The boards say it
+        in any case, and skinfield reads it always.
+    notes : tuple of str
+        What a reader should know, in sentences.
+    """
+
+    boards: tuple[BoardSettings, ...]
+    buses: tuple[int, ...] = (0,)
+    name: str = "skin"
+    ports: tuple[PortRun, ...] = ()
+    diagnostic: bool = False
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        pairs = self.addresses
+        if not pairs or len(set(pairs)) < len(pairs):
+            raise InputError(f"boards are {list(pairs)}, expected one or more, each once")
+        for bus, _ in pairs:
+            check_count("bus", bus, 0, len(self.buses) - 1, "index into the buses")
+        for run in self.ports:
+            if run.first + run.count > self.channels:
+                raise InputError(
+                    f"port {run.port!r} ends at channel {run.first + run.count - 1}, expected at "
+                    f"most {self.channels - 1}: {len(pairs)} boards have {self.channels} channels"
+                )
+
+    @property
+    def addresses(self) -> tuple[tuple[int, int], ...]:
+        """(bus, address) of each board, for `ICubDecoder`."""
+        return tuple((board.bus, board.address) for board in self.boards)
+
+    @property
+    def channels(self) -> int:
+        """Of the device: 192 per board."""
+        return BOARD_CHANNELS * len(self.boards)
+
+    @property
+    def period(self) -> float:
+        """The shortest of the boards' periods, s."""
+        return min(board.board.period_ms for board in self.boards) * 1e-3
+
+    def messages(self, bus: int = 0, *, start: bool = True) -> tuple[Message, ...]:
+        """What to send on a bus at the beginning: settings of each board, then start.
+
+        Parameters
+        ----------
+        bus : int
+            Index into the buses.
+        start : bool
+            Whether the boards shall send.
+        """
+        boards = self._on(bus)
+        setup = tuple(message for board in boards for message in board.messages)
+        starts = tuple(host_message(board.address, Transmit(True)) for board in boards)
+        return setup + (starts if start else ())
+
+    def stop_messages(self, bus: int = 0) -> tuple[Message, ...]:
+        """What to send on a bus at the end."""
+        return tuple(host_message(board.address, Transmit(False)) for board in self._on(bus))
+
+    def _on(self, bus: int) -> list[BoardSettings]:
+        check_count("bus", bus, 0, len(self.buses) - 1, "index into the buses")
+        return [board for board in self.boards if board.bus == bus]
+
+
+def load_configuration(*paths: str | Path, last_patch_first: bool = True) -> ICubConfiguration:
+    """Configuration from a robot's XML files, in any order.
+
+    Parameters
+    ----------
+    paths : str or Path
+        One ``*-skin.xml`` with the addresses; usually its ``*-skinSpec.xml`` too, without which
+        boards keep the usual settings; and a ``*-skin_wrapper.xml`` for the ports.
+    last_patch_first : bool
+        Whether the channels of an Ethernet board begin with the boards of its second CAN bus, as
+        the wrappers of robots-configuration take it. Newer robot software begins with the first.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read or used, or they do not go together.
+    """
+    found: dict[type, tuple[str, SkinSpec | SkinDevice | SkinWrapper]] = {}
+    for path in paths:
+        for part in _parts(str(path), read_tree(Path(path))):
+            if type(part) in found:
+                raise FileError(
+                    f"{path}: is a second {type(part).__name__} beside {found[type(part)][0]}, "
+                    "expected one skin, one skinSpec, one wrapper"
+                )
+            found[type(part)] = str(path), part
+    path, device = found.get(SkinDevice, ("", None))
+    if not isinstance(device, SkinDevice):
+        raise FileError(
+            f"{', '.join(str(path) for path in paths) or 'no file'}: no addresses of boards, "
+            "expected a *-skin.xml with skinCanAddrsPatch1 or skinCanIds"
+        )
+    spec_path, spec = found.get(SkinSpec, (path, None))
+    wrapper_path, wrapper = found.get(SkinWrapper, (path, None))
+    return _assembled(
+        device,
+        spec if isinstance(spec, SkinSpec) else None,
+        wrapper if isinstance(wrapper, SkinWrapper) else None,
+        (path, spec_path, wrapper_path),
+        last_patch_first,
+    )
+
+
+def _parts(path: str, root: Node) -> Iterable[SkinSpec | SkinDevice | SkinWrapper]:
+    parts = [read(path, root) for read in (spec_from, device_from, wrapper_from)]
+    good = [part for part in parts if part is not None]
+    if not good:
+        raise FileError(
+            f"{path}:{root.line}: {root.tag} {root.name!r} says nothing of a skin, expected "
+            "defaultCfgBoard, patches, skinCanIds or ports"
+        )
+    return good
+
+
+def _assembled(
+    device: SkinDevice,
+    spec: SkinSpec | None,
+    wrapper: SkinWrapper | None,
+    paths: tuple[str, str, str],
+    last_patch_first: bool,
+) -> ICubConfiguration:
+    notes = list(spec.notes if spec else ())
+    if spec is None:
+        notes.append(
+            f"{paths[0]}: no settings of boards, the usual ones are taken; it includes "
+            f"{', '.join(device.includes) or 'nothing'}, which is not followed: give that file too"
+        )
+    if wrapper and device.name not in wrapper.devices:
+        notes.append(
+            f"{paths[2]}: is of {', '.join(wrapper.devices) or 'no device'}, not {device.name}"
+        )
+    buses = tuple(number for number, _ in device.patches)
+    order = (
+        reversed(list(enumerate(device.patches))) if last_patch_first else enumerate(device.patches)
+    )
+    boards = [BoardSettings(bus, address) for bus, (_, all_) in order for address in all_]
+    if spec:
+        boards = [_as_specified(board, buses[board.bus], spec) for board in boards]
+        _check_sets(device, spec, paths[1])
+    try:
+        return ICubConfiguration(
+            tuple(boards),
+            buses,
+            device.name,
+            wrapper.ports if wrapper else (),
+            spec.diagnostic if spec else False,
+            tuple(notes),
+        )
+    except InputError as error:
+        raise FileError(f"{paths[2]}: {error}") from error
+
+
+def _as_specified(board: BoardSettings, patch: int, spec: SkinSpec) -> BoardSettings:
+    settings, triangles = spec.board, [spec.triangle] * TRIANGLES
+    for boards in spec.boards:
+        if boards.patch == patch and boards.first <= board.address <= boards.last:
+            settings = boards.settings
+    for run in spec.triangles:
+        if run.patch == patch and run.board == board.address:
+            for t in range(run.first, run.last + 1):
+                triangles[t] = run.settings
+    return replace(board, board=settings, triangles=tuple(triangles))
+
+
+def _check_sets(device: SkinDevice, spec: SkinSpec, path: str) -> None:
+    """Raise FileError if a special setting is of a board that is not there."""
+    known = dict(device.patches)
+    for boards in spec.boards:
+        for address in range(boards.first, boards.last + 1):
+            _check_board(known, boards.patch, address, path, boards.line)
+    for run in spec.triangles:
+        _check_board(known, run.patch, run.board, path, run.line)
+
+
+def _check_board(
+    known: dict[int, tuple[int, ...]], patch: int, address: int, path: str, line: int
+) -> None:
+    if address not in known.get(patch, ()):
+        there = "; ".join(f"{n}: {' '.join(map(str, all_))}" for n, all_ in known.items())
+        raise FileError(
+            f"{path}:{line}: sets board {address} of patch {patch}, expected one of {there}"
+        )
+
+
+def kind_for(patch: Patch) -> SkinType:
+    """Kind of skin that boards of a patch are told.
+
+    The correction of drift goes by pad 6 of each triangle, so it is on only where no taxel of the
+    patch is at a thermal pad: with a taxel there, a press would count as warmth.
+    """
+    channel = np.asarray(patch.channel) % TAXELS
+    whole = patch.n_channels % TAXELS == 0
+    return (
+        SkinType.COMPENSATED
+        if whole and not np.isin(channel, THERMAL).any()
+        else SkinType.UNCOMPENSATED
+    )
+
+
+def configuration_for(
+    *patches: Patch, period_ms: int = 50, no_load: int = 240, shift: int = 2
+) -> ICubConfiguration:
+    """Boards for patches, as many as each one's channels need, one patch after the other.
+
+    Channel c of a patch is taxel c % 12 of triangle c // 12 of its boards, 16 triangles to a board,
+    so that the channels of its port are those of the patch. Boards have addresses 1 to 14 of the
+    first bus, then of the next. Triangles without a taxel are switched off.
+
+    Parameters
+    ----------
+    patches : Patch
+        Of distinct names, which become those of the ports.
+    period_ms, no_load, shift : int
+        Of all boards; see `SetBoard` and `SetTriangles`.
+
+    Returns
+    -------
+    ICubConfiguration
+        With a port for each patch.
+    """
+    names = [patch.name for patch in patches]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"patches are named {names}, expected one or more, each name once")
+    boards: list[BoardSettings] = []
+    ports: list[PortRun] = []
+    for patch in patches:
+        used = set((np.asarray(patch.channel) // TAXELS).tolist())
+        count = -(-patch.n_channels // BOARD_CHANNELS)
+        check_count("boards", len(boards) + count, 1, 256 * ADDRESSES, "192 channels each")
+        ports.append(PortRun(patch.name, len(boards) * BOARD_CHANNELS, count * BOARD_CHANNELS, 0))
+        settings = SetBoard(kind=kind_for(patch), period_ms=period_ms, no_load=no_load)
+        for board in range(count):
+            bus, address = divmod(len(boards), ADDRESSES)
+            triangles = tuple(
+                TriangleState(enabled=board * TRIANGLES + t in used, shift=shift)
+                for t in range(TRIANGLES)
+            )
+            boards.append(BoardSettings(bus, FIRST_ADDRESS + address, settings, triangles))
+    buses = tuple(range(1 + boards[-1].bus))
+    return ICubConfiguration(tuple(boards), buses, "+".join(names), tuple(ports))
+
+
+def boards_for(*patches: Patch) -> tuple[tuple[int, int], ...]:
+    """(bus, address) of the boards of `configuration_for`, in the order of the channels."""
+    return configuration_for(*patches).addresses

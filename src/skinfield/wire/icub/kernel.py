@@ -1,0 +1,423 @@
+"""Messages of an iCub's skin boards, compiled: decoding in order, encoding, ROP frames.
+
+A triangle sends head, tail, head, tail; only where that order breaks is anything counted, so that
+nothing is where no message is missing, doubled or out of place, whatever rate the board has, and
+however late or close together its messages are read.
+
+Two parts belong to one reading if few messages of their board came between: less than half of what
+a board sends in a reading. A board of one triangle has nothing in between; there it is the time
+that tells: less than half of its period. Both are learned from the messages themselves.
+
+Counts become bytes as in `mtb3/main_V3.c` and mtb4's `embot_app_application_theSkin.cpp` of
+robotology/icub-firmware, in whole numbers without overflow.
+
+Numba checks no bounds: indices are masked to the size of the tables, rows are below `count`, which
+the caller checked, as the shapes, and blocks are begun by `begin_block`, which does.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Ints
+from skinfield.signal.block import Octets, Words
+from skinfield.signal.blocks_kernel import begin_block
+
+LOST, DUPLICATED, SWAPPED = 2, 6, 7  # as `Count`
+HEAD_LAST, TAIL_LAST = 1, 2  # state: the part that came last
+HEAD_OWED, TAIL_OWED = 4, 8  # added to it: a part that should have come before the last one did
+SUSPECT = 16  # added to it: the last part looks like a copy, but came when one was due
+PART, OWED = 3, 12  # masks of the two
+OWED_SINCE = 2  # row of `events`, after those of head and tail
+STAMP, NUMBER = 0, 1  # columns of `events`
+MESSAGES, ROUND, PERIOD = 0, 1, 2  # columns of `boards`
+QUARTERS = 4  # of a message: the unit of `ROUND`
+SEVERAL = 3 * QUARTERS  # more than the two messages of a single triangle
+LONGEST = 16  # periods: an interval that is longer was a break
+SLOWLY = 4  # power of two: of how many intervals the period is the mean
+SHORTEST_NS, LONGEST_NS = 100_000, 10_000_000_000
+BYTES, STATUS = 1, 4  # as `Kind`
+OUT_OF_RANGE = 4  # as `Status`
+RECEIVED, READINGS, MALFORMED, FOREIGN, OCTETS = 0, 1, 4, 5, 10  # as `Count`
+HEAD, TAIL = 0x40, 0xC0
+HIGHEST_ID = 0x7FF
+MEANINGLESS, OF_OTHERS = -1, -2  # no head and no tail
+TAIL_WORDS = 6  # a block of 5 counts and one of status
+Shorts = NDArray[np.uint16]
+Bools = NDArray[np.bool_]
+NO_ACK, NOT_CONNECTED = 1, 2
+HEAD_BYTES, ITEM_BYTES = 4, 10
+NO_ARRAY, NO_ROOM = -1, -2
+
+
+@inner
+def is_near(board: int, event: int, stamp_ns: int, number: int, events: Ints, boards: Ints) -> bool:
+    """Whether a message belongs to the same reading as an event of `events`."""
+    if boards[board, ROUND] >= SEVERAL:
+        return bool((number - events[event, NUMBER]) * 2 * QUARTERS < boards[board, ROUND])
+    return bool(stamp_ns - events[event, STAMP] < boards[board, PERIOD] >> 1)
+
+
+@njit
+def learn(board: int, event: int, stamp_ns: int, number: int, events: Ints, boards: Ints) -> None:
+    """Learn how many messages, and how much time, is between two heads of a triangle.
+
+    The first is a running median, which a few lost messages do not move; the second a running mean,
+    as of messages that come in heaps only the mean interval is right.
+    """
+    between = (number - events[event, NUMBER]) * QUARTERS
+    if boards[board, ROUND] == 0:
+        boards[board, ROUND] = between
+    elif between != boards[board, ROUND]:
+        boards[board, ROUND] += 1 if between > boards[board, ROUND] else -1
+    period = boards[board, PERIOD]
+    interval = min(max(stamp_ns - events[event, STAMP], 0), LONGEST * period)
+    period += (interval - period) >> SLOWLY
+    boards[board, PERIOD] = min(max(period, SHORTEST_NS), LONGEST_NS)
+
+
+@njit
+def follow(
+    triangle: int,
+    part: int,
+    same: bool,
+    stamp_ns: int,
+    state: Octets,
+    events: Ints,
+    boards: Ints,
+    counters: Ints,
+) -> bool:
+    """Follow the order of a triangle's parts, and count what breaks it.
+
+    Parameters
+    ----------
+    triangle : int
+        Board and triangle, 0 to 255.
+    part : int
+        HEAD_LAST or TAIL_LAST.
+    same : bool
+        Whether its data is that of the part of this kind before.
+    stamp_ns : int, ns
+    state : (256,) uint8 array
+        See the constants.
+    events : (768, 2) int64 array
+        Stamp and number of the last head, of the last tail, and since when a part is owed; three
+        rows of each triangle.
+    boards : (16, 3) int64 array
+        Messages of each board until now; how many make a reading, in quarters; its period, ns.
+    counters : (len(Count),) int64 array
+
+    Returns
+    -------
+    bool
+        Whether it is a reading; else it is a copy of one.
+    """
+    board, first = triangle >> 4, 3 * triangle
+    event, owed_since = first + part - 1, first + OWED_SINCE
+    number = boards[board, MESSAGES] + 1
+    last, owed = state[triangle] & PART, state[triangle] & OWED
+    copy = same and is_near(board, event, stamp_ns, number, events, boards)
+    late = owed == part << 2 and is_near(board, owed_since, stamp_ns, number, events, boards)
+    if last != part:
+        if last == TAIL_LAST and not owed:
+            learn(board, event, stamp_ns, number, events, boards)
+        state[triangle] = in_order(part, last, owed, copy, late, counters)
+    elif copy and not (late and boards[board, ROUND] < SEVERAL):
+        counters[DUPLICATED] += 1
+        return False
+    else:
+        if not late and not state[triangle] & SUSPECT:
+            events[owed_since, STAMP], events[owed_since, NUMBER] = stamp_ns, number
+        state[triangle] = out_of_order(part, state[triangle], late, counters)
+    boards[board, MESSAGES] = number
+    events[event, STAMP], events[event, NUMBER] = stamp_ns, number
+    return True
+
+
+@njit
+def in_order(part: int, last: int, owed: int, copy: bool, late: bool, counters: Ints) -> int:
+    """State after a part that follows one of the other kind.
+
+    A head ends the reading before it: what that still owes is lost, unless it is this very head,
+    which came behind its tail.
+    """
+    if owed and part == HEAD_LAST:
+        counters[SWAPPED if late else LOST] += 1
+        return last if late else part
+    return part | owed | (SUSPECT if copy and not owed else 0)
+
+
+@inner
+def out_of_order(part: int, state: int, late: bool, counters: Ints) -> int:
+    """State after a second part of one kind, which is no copy of the first."""
+    if late:  # tail after tail, behind two heads: the first tail was late
+        counters[SWAPPED] += 1
+        return part
+    if state & SUSPECT:  # the first was a copy, of an earlier one
+        counters[DUPLICATED] += 1
+        return part
+    if state & OWED:
+        counters[LOST] += 1
+    return part | (HEAD_LAST + TAIL_LAST - part) << 2
+
+
+@inner
+def has_same_data(data: Octets, row: int, newest: Octets, slot: int, length: int) -> bool:
+    """Whether a part has the data of the one before, which it replaces."""
+    equal = True
+    for k in range(8):
+        value = data[row, k] if k < length else np.uint8(0)
+        equal = equal and newest[slot, k] == value
+        newest[slot, k] = value
+    return equal
+
+
+@njit
+def decode_messages(
+    ids: NDArray[np.uint32],
+    lengths: Octets,
+    data: Octets,
+    stamps: Ints,
+    first: int,
+    count: int,
+    positions: Ints,
+    classes: int,
+    state: Octets,
+    events: Ints,
+    boards: Ints,
+    newest: Octets,
+    words: Words,
+    octets: Octets,
+    end: Words,
+    channel: int,
+    counters: Ints,
+) -> int:
+    """Append the blocks of messages `first` to `count`; the first that does not fit, or `count`.
+
+    Parameters
+    ----------
+    ids, lengths, data, stamps : arrays
+        Of `CanMessages`.
+    positions : (16,) int64 array
+        Place of each board in the port, -1 of one that is not ours.
+    classes : int
+        Bit c is set if messages of class c are readings.
+    state, events, boards : arrays
+        Of `follow`.
+    newest : (512, 8) uint8 array
+        Last data of each triangle's two parts.
+    words, octets, end : arrays
+        Of `Blocks`.
+    channel : int
+        Of the port's first taxel.
+    counters : (len(Count),) int64 array
+    """
+    for i in range(first, count):
+        identifier, length = int(ids[i]), min(int(lengths[i]), 8)
+        head = is_head(identifier, lengths[i], data, i, classes)
+        place = positions[(identifier >> 4) & 15]
+        if head < 0 or place < 0:
+            broken = head == MEANINGLESS and (place >= 0 or identifier > HIGHEST_ID)
+            counters[MALFORMED if broken else FOREIGN] += 1
+            counters[OCTETS] += length
+            continue
+        if end[0] + TAIL_WORDS > len(words):
+            return i
+        counters[RECEIVED] += 1
+        counters[OCTETS] += length
+        triangle = identifier & 255
+        same = has_same_data(data, i, newest, 2 * triangle + 1 - head, length)
+        if not follow(triangle, 2 - head, same, stamps[i], state, events, boards, counters):
+            continue
+        at = channel + 192 * place + 12 * (triangle & 15)
+        put_part(words, octets, end, stamps[i], at, head, length, data, i)
+        counters[READINGS] += 1
+    return count
+
+
+@inner
+def is_head(identifier: int, length: int, data: Octets, row: int, classes: int) -> int:
+    """1 of a head, 0 of a tail; or `MEANINGLESS`, or `OF_OTHERS`."""
+    if identifier & 0x80000000:
+        return OF_OTHERS
+    if identifier > HIGHEST_ID or length > 8:
+        return MEANINGLESS
+    if not (classes >> (identifier >> 8)) & 1:
+        return OF_OTHERS
+    if length == 8 and data[row, 0] == HEAD:
+        return 1
+    if length >= 6 and data[row, 0] == TAIL:
+        return 0
+    return MEANINGLESS
+
+
+@inner
+def put_part(
+    words: Words,
+    octets: Octets,
+    end: Words,
+    stamp_ns: int,
+    channel: int,
+    head: int,
+    length: int,
+    data: Octets,
+    row: int,
+) -> None:
+    """Append a part's counts, and a tail's status; there is room for both."""
+    first, taxels = (channel, 7) if head else (channel + 7, 5)
+    at = begin_block(words, end, stamp_ns, first, taxels, BYTES, 0)
+    if at < 0:
+        return
+    for k in range(taxels):
+        octets[at + k] = data[row, 1 + k]
+    if head or length < 8:
+        return
+    at = begin_block(words, end, stamp_ns, channel, 12, STATUS, data[row, 7] & 3)
+    if at < 0:
+        return
+    beyond = (np.int64(data[row, 6]) << 4) | (np.int64(data[row, 7]) >> 4)
+    octets[at] = beyond & 0xFF
+    octets[at + 1] = beyond >> 8
+
+
+@njit
+def encode_messages(
+    raw: Shorts,
+    base: Shorts,
+    sends: Bools,
+    no_load: Ints,
+    shift: Ints,
+    gains: Ints,
+    pad: Ints,
+    negated_first: Bools,
+    raw_test: Bools,
+    identifiers: NDArray[np.uint32],
+    ids: NDArray[np.uint32],
+    lengths: Octets,
+    data: Octets,
+    stamps: Ints,
+    first: int,
+    stamp_ns: int,
+) -> int:
+    """Write both messages of each triangle that sends; the row behind the last, or -1 if full.
+
+    Parameters
+    ----------
+    raw, base : (T, 12) uint16 arrays, converter counts
+    sends : (T,) bool array
+    no_load, shift, pad : (T,) int64 arrays
+    gains : (T, 12) int64 array
+        Of the correction of drift, 128ths.
+    negated_first : (T,) bool array
+        True where a negative drift is shifted after its sign was taken.
+    raw_test : (T,) bool array
+        True where the low octets of `raw` are sent as they are.
+    identifiers : (T,) uint32 array
+        Of the messages.
+    ids, lengths, data, stamps : arrays
+        Of `CanMessages`.
+    """
+    row = first
+    for t in range(len(raw)):
+        if not sends[t]:
+            continue
+        if row + 2 > len(ids):
+            return -1
+        if raw_test[t]:
+            encode_raw(raw[t], data, row)
+        else:
+            encode_triangle(
+                raw[t], base[t], no_load[t], shift[t], gains[t], pad[t], negated_first[t], data, row
+            )
+        for part in range(2):
+            ids[row + part] = identifiers[t]
+            lengths[row + part] = 8
+            stamps[row + part] = stamp_ns
+        row += 2
+    return row
+
+
+@inner
+def encode_triangle(
+    raw: Shorts,
+    base: Shorts,
+    no_load: int,
+    shift: int,
+    gains: Ints,
+    pad: int,
+    negated_first: bool,
+    data: Octets,
+    row: int,
+) -> None:
+    """Write the data of a triangle's head and tail into rows `row` and `row` + 1."""
+    low, high = -((255 - no_load) << shift), no_load << shift
+    warmth = np.int64(raw[pad]) - np.int64(base[pad])
+    beyond, unplugged, errors = 0, 0, 0
+    data[row, 0], data[row + 1, 0] = HEAD, TAIL
+    for i in range(12):
+        drift = (abs(warmth) >> 2) * gains[i]
+        if warmth >= 0:
+            drift = drift >> 5
+        elif negated_first:
+            drift = (-drift) >> 5
+        else:
+            drift = -(drift >> 5)
+        value = np.int64(raw[i]) - np.int64(base[i]) - drift
+        byte = 255 if value <= low else 0 if value >= high else no_load - (value >> shift)
+        if value <= 2 * low or value >= 2 * high:
+            beyond |= 1 << i
+        unplugged += raw[i] == 0xFFFF
+        if raw[i] == 0 and base[i] != 0:
+            errors = NO_ACK
+        if i < 7:
+            data[row, 1 + i] = byte
+        else:
+            data[row + 1, i - 6] = byte
+    if unplugged == 12:
+        errors = NOT_CONNECTED
+    data[row + 1, 6] = (beyond >> 4) & 0xFF
+    data[row + 1, 7] = ((beyond & 15) << 4) | errors
+
+
+@inner
+def encode_raw(raw: Shorts, data: Octets, row: int) -> None:
+    """Write a triangle's low octets into rows `row` and `row` + 1, without diagnostics."""
+    data[row, 0], data[row + 1, 0] = HEAD, TAIL
+    for i in range(12):
+        if i < 7:
+            data[row, 1 + i] = raw[i] & 0xFF
+        else:
+            data[row + 1, i - 6] = raw[i] & 0xFF
+    data[row + 1, 6] = data[row + 1, 7] = 0
+
+
+@njit
+def messages_of_array(
+    octets: Octets,
+    length: int,
+    ids: NDArray[np.uint32],
+    lengths: Octets,
+    data: Octets,
+    stamps: Ints,
+    first: int,
+    stamp_ns: int,
+) -> int:
+    """Row behind the last message written, `NO_ARRAY` or `NO_ROOM`; then nothing was written."""
+    if length < HEAD_BYTES or length > len(octets):
+        return NO_ARRAY
+    capacity, item, size = int(octets[0]), int(octets[1]), int(octets[2])
+    if item != ITEM_BYTES or size > capacity or HEAD_BYTES + ITEM_BYTES * size > length:
+        return NO_ARRAY
+    for k in range(size):
+        if octets[HEAD_BYTES + ITEM_BYTES * k + 1] >> 4 > 8:
+            return NO_ARRAY
+    if first + size > len(ids):
+        return NO_ROOM
+    for k in range(size):
+        at, row = HEAD_BYTES + ITEM_BYTES * k, first + k
+        ids[row] = octets[at] | (np.uint32(octets[at + 1] & 15) << 8)
+        lengths[row] = octets[at + 1] >> 4
+        stamps[row] = stamp_ns
+        for i in range(8):
+            data[row, i] = octets[at + 2 + i] if i < lengths[row] else 0
+    return int(first + size)

@@ -1,0 +1,358 @@
+"""Codec of packets: datagrams and streams of bytes to blocks, readings to packets."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinfield.errors import InputError, Ints, check_count, check_shape
+from skinfield.signal import Blocks, Count, Status
+from skinfield.signal.block import Octets
+from skinfield.wire.packet.packets import (
+    CRC_BYTES,
+    DTYPES,
+    HEADER_BYTES,
+    HELLO,
+    LONGEST,
+    LONGEST_NAME,
+    LONGEST_PAYLOAD,
+    WIDTH,
+    Hello,
+    PacketKind,
+)
+
+NO_ROOM = -1
+
+
+@dataclass(frozen=True)
+class PacketDevice:
+    """One device, whose channels follow those of the device before it.
+
+    Parameters
+    ----------
+    number : int
+        That its packets carry.
+    channels : int
+        Packets with others are counted as foreign.
+    """
+
+    number: int
+    channels: int
+
+    def __post_init__(self) -> None:
+        check_count("number of a device", self.number, 0, 0xFFFE, "65535 stands for all of them")
+        check_count("channels of a device", self.channels, 1, 65535, "taxels and dummies")
+
+
+@dataclass(frozen=True)
+class DeviceState:
+    """What is known of one device.
+
+    Attributes
+    ----------
+    packets : int
+        That were new or late.
+    restarts : int
+        Times that it began anew.
+    reading : int
+        Number of the last reading that was complete, modulo 65536.
+    time_us : int, µs
+        Of its clock, in the newest packet.
+    hello : Hello or None
+        The newest.
+    hellos : int
+        How many came.
+    """
+
+    packets: int
+    restarts: int
+    reading: int
+    time_us: int
+    hello: Hello | None
+    hellos: int
+
+
+class PacketDecoder:
+    """Packets of some devices to blocks; nothing is allocated after the beginning.
+
+    Every packet is one of `RECEIVED` and `FOREIGN`: of another device, a command, or with channels
+    that the device has not. Bytes that are no packet are `MALFORMED`. Of those received some may be
+    `DUPLICATED` or `SWAPPED`. `READINGS`, `LOST` and `BYTES` are counted too; the other counters
+    are the connection's. What came twice becomes no blocks. A late packet becomes blocks whose
+    stamps are as much older as the device's clock says, at most a second.
+
+    Parameters
+    ----------
+    devices : sequence of PacketDevice, or int
+        In the order of their channels; a number stands for device 1 with so many channels.
+    """
+
+    def __init__(self, devices: Sequence[PacketDevice] | int) -> None:
+        from skinfield.wire.packet.kernel import CHANNELS, COLUMNS, OFFSET, WINDOW
+
+        if isinstance(devices, int):
+            devices = (PacketDevice(1, devices),)
+        self.devices = tuple(devices)
+        numbers = [device.number for device in self.devices]
+        if not numbers or len(set(numbers)) < len(numbers):
+            raise InputError(f"devices have the numbers {numbers}, expected one or more, each once")
+        count = len(numbers)
+        self.slots: NDArray[np.int32] = np.full(65536, -1, np.int32)
+        self.slots[numbers] = np.arange(count)
+        self.state: Ints = np.zeros((count, COLUMNS), np.int64)
+        channels = [device.channels for device in self.devices]
+        self.state[:, CHANNELS] = channels
+        self.state[:, OFFSET] = np.cumsum([0, *channels[:-1]])
+        self.window: Ints = np.zeros((count, WINDOW), np.int64)
+        self.marks: Octets = np.zeros(sum(channels), np.uint8)
+        self.hellos: Octets = np.zeros((count, HELLO.size + LONGEST_NAME), np.uint8)
+        self._torn: Ints = np.zeros(1, np.int64)
+        self._one: tuple[Any, ...] = (np.zeros(1, np.int64), np.zeros(1, np.int64))
+
+    @property
+    def channels(self) -> int:
+        """Of all devices."""
+        return len(self.marks)
+
+    def decode(
+        self,
+        octets: Octets,
+        length: int,
+        blocks: Blocks,
+        channel: int,
+        counters: Ints,
+        now_ns: int,
+    ) -> int:
+        """Append what one datagram brings.
+
+        Parameters
+        ----------
+        octets : (L,) uint8 array
+            One or more packets, one after the other.
+        length : int
+            Bytes of it that are used.
+        blocks : Blocks
+        channel : int
+            Of the first device's first channel.
+        counters : (len(Count),) int64 array
+        now_ns : int, ns
+            Stamp of the blocks.
+
+        Returns
+        -------
+        int
+            Packets; `NO_ROOM` (-1) if the blocks might not hold them: then nothing was taken, and
+            the datagram is to be handed in again.
+        """
+        before = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
+        lengths, stamps = self._one
+        lengths[0], stamps[0] = length, now_ns
+        taken = self.decode_many(
+            octets[np.newaxis], lengths, stamps, 0, 1, blocks, channel, counters
+        )
+        after = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
+        return after - before if taken else NO_ROOM
+
+    def decode_many(
+        self,
+        datagrams: Octets,
+        lengths: Ints,
+        stamp_ns: Ints,
+        first: int,
+        last: int,
+        blocks: Blocks,
+        channel: int,
+        counters: Ints,
+    ) -> int:
+        """Append what datagrams `first` to `last` (exclusive) bring, each whole or not at all.
+
+        Parameters
+        ----------
+        datagrams : (N, L) uint8 array
+        lengths : (N,) int64 array
+        stamp_ns : (N,) int64 array, ns
+            When each came in.
+        first, last : int
+        blocks, channel, counters
+            As for `decode`.
+
+        Returns
+        -------
+        int
+            The first that was left because the blocks might not hold it; `last` if none was.
+        """
+        from skinfield.wire.packet.kernel import decode_datagrams
+
+        last = min(last, len(datagrams), len(lengths), len(stamp_ns))
+        return int(
+            decode_datagrams(
+                datagrams, lengths, stamp_ns, first, last, blocks.words, blocks.octets,
+                blocks.singles, blocks.end, channel, self.slots, self.state, self.window,
+                self.marks, self.hellos, counters, self._torn,
+            )
+        )  # fmt: skip
+
+    def device(self, index: int = 0) -> DeviceState:
+        """What is known of device `index`."""
+        from skinfield.wire.packet import kernel as t
+
+        row = self.state[index]
+        hello = None
+        if row[t.HELLOS]:
+            payload = self.hellos[index, : row[t.HELLO_LENGTH]].tobytes()
+            try:
+                hello = Hello.from_payload(payload)
+            except InputError:  # of a newer device, or one that fills it in wrongly
+                hello = None
+        return DeviceState(
+            packets=int(row[t.PACKETS]), restarts=int(row[t.RESTARTS]),
+            reading=int(row[t.READING]), time_us=int(row[t.TIME]), hello=hello,
+            hellos=int(row[t.HELLOS]),
+        )  # fmt: skip
+
+
+class PacketScanner:
+    """Packets out of a stream of bytes, found again after whatever was damaged.
+
+    Bytes are received straight into `free`, and `take` is told how many. What is left of a packet
+    that is not whole stays for the next call. Each run of bytes that are no packet is counted once
+    as `MALFORMED`.
+
+    Parameters
+    ----------
+    decoder : PacketDecoder
+    size : int, bytes
+        Of the buffer; what arrives between two polls must fit.
+    """
+
+    def __init__(self, decoder: PacketDecoder, size: int = 1 << 18) -> None:
+        check_count("size", size, 2 * LONGEST, 1 << 30, "bytes; two of the longest packets or more")
+        self.decoder = decoder
+        self.octets: Octets = np.zeros(size, np.uint8)
+        self.used = 0
+        self._torn: Ints = np.zeros(1, np.int64)
+
+    @property
+    def free(self) -> Octets:
+        """Where the next bytes belong: pass it to `recv_into` or `readinto`; may be empty."""
+        return self.octets[self.used :]
+
+    def take(self, received: int, blocks: Blocks, channel: int, counters: Ints, now_ns: int) -> int:
+        """Append what the bytes bring that were put into `free`.
+
+        Parameters
+        ----------
+        received : int
+            Bytes; 0 to go on with those that had no room in the blocks before.
+        blocks, channel, counters, now_ns
+            As for `PacketDecoder.decode`.
+
+        Returns
+        -------
+        int
+            Packets.
+        """
+        from skinfield.wire.packet.kernel import decode_run
+
+        check_count("received", received, 0, len(self.octets) - self.used, "bytes put into `free`")
+        own, used = self.decoder, self.used + received
+        counters[Count.BYTES] += received
+        at, packets = decode_run(
+            self.octets, 0, used, False, self._torn, blocks.words, blocks.octets, blocks.singles,
+            blocks.end, channel, now_ns, own.slots, own.state, own.window, own.marks, own.hellos,
+            counters,
+        )  # fmt: skip
+        if at:
+            self.octets[: used - at] = self.octets[at:used]
+        self.used = used - at
+        return int(packets)
+
+    def forget(self) -> None:
+        """Drop the half packet of a connection that broke."""
+        self.used = 0
+        self._torn[0] = 0
+
+
+ETHERNET = 1472 - HEADER_BYTES - CRC_BYTES  # bytes of payload of a datagram that is not split up
+
+
+class PacketEncoder:
+    """Readings of one device to packets; nothing is allocated after the beginning.
+
+    Parameters
+    ----------
+    channels : int
+    kind : PacketKind
+        BYTES, SHORTS, FLOATS or SIGNED.
+    device : int
+    payload : int, bytes
+        At most, of one packet; the default fits an Ethernet of 1500 bytes.
+
+    Attributes
+    ----------
+    octets : (B,) uint8 array
+        The packets of the last reading, one after the other.
+    offsets : (P + 1,) int64 array
+        Packet i is `octets[offsets[i]:offsets[i + 1]]`.
+    sequence, reading : int
+        Numbers of the next packet and reading; whoever sends a HELLO in between adds 1.
+    """
+
+    def __init__(
+        self,
+        channels: int,
+        kind: PacketKind = PacketKind.SHORTS,
+        *,
+        device: int = 1,
+        payload: int = ETHERNET,
+    ) -> None:
+        check_count("channels", channels, 1, 65535, "of one device")
+        check_count("device", device, 0, 0xFFFE, "65535 stands for all of them")
+        if kind not in WIDTH:
+            raise InputError(f"kind is {kind!r}, expected BYTES, SHORTS, FLOATS or SIGNED")
+        self.kind = PacketKind(kind)
+        width = WIDTH[self.kind]
+        check_count("payload", payload, width, LONGEST_PAYLOAD, "bytes of a packet's payload")
+        self.channels, self.device, self.per_packet = channels, device, payload // width
+        packets = -(-channels // self.per_packet)
+        self.octets: Octets = np.zeros(
+            packets * (HEADER_BYTES + CRC_BYTES) + width * channels, np.uint8
+        )
+        self.offsets: Ints = np.zeros(packets + 1, np.int64)
+        self._values: NDArray[np.generic] = np.zeros(channels, DTYPES[self.kind])
+        self.sequence = self.reading = 0
+
+    def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> int:
+        """Write the packets of one reading.
+
+        Parameters
+        ----------
+        values : (channels,) array
+            Within what the kind can hold; cast to its type.
+        time_us : int, µs
+            Of the device's clock.
+        status : Status
+
+        Returns
+        -------
+        int
+            Packets.
+        """
+        from skinfield.wire.packet.kernel import encode_reading
+
+        check_shape("values", np.asarray(values), (self.channels,), "one per channel")
+        self._values[:] = values
+        packets = encode_reading(
+            self._values.view(np.uint8), WIDTH[self.kind], self.channels, int(self.kind),
+            self.device, 0, self.per_packet, self.sequence, self.reading, time_us & 0xFFFFFFFF,
+            int(status), self.octets, self.offsets,
+        )  # fmt: skip
+        self.sequence = (self.sequence + packets) & 0xFFFFFFFF
+        self.reading = (self.reading + 1) & 0xFFFF
+        return int(packets)
+
+    def packet(self, index: int) -> Octets:
+        """Bytes of packet `index` of the last reading, without copying."""
+        return self.octets[self.offsets[index] : self.offsets[index + 1]]

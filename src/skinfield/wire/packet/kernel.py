@@ -1,0 +1,536 @@
+"""Packets, compiled: checksums, finding them in bytes, following devices, decoding and encoding.
+
+Of the ASCII digits 123456789 it is 0x29B1. `binascii.crc_hqx(data, 0xFFFF)` is the same sum.
+
+Numbers are unwrapped to 64 bits, and each device has a table of the last `WINDOW` of them. A packet
+that is further off than that is a late one, or the device began anew: the latter is believed when
+the packet after it follows, or at once when it is a HELLO with the sequence number 0. Counts are
+right in both cases; what a device sent before its first packet came through is not known.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Ints
+from skinfield.signal.block import Octets, Words
+from skinfield.signal.blocks_kernel import begin_block, payload_words
+
+BEGIN = 0xFFFF
+S, F, VERSION = 0x53, 0x46, 1
+HEADER_BYTES, CRC_BYTES, LONGEST_PAYLOAD = 24, 2, 4064
+BYTES, SHORTS, FLOATS, STATUS, SIGNED = 1, 2, 3, 4, 5  # as `PacketKind`
+BLOCK_STATUS, BLOCK_FLOATS = 4, 3  # as `Kind`
+MORE, NONE = 0, -1
+WINDOW = 1024  # packets
+FAR = 1 << 24  # packets ahead, beyond which a device is rather believed to have begun anew
+LOST, DUPLICATED, SWAPPED = 2, 6, 7  # as `Count`
+NEW, TWICE, LATE = 0, 1, 2
+
+# columns of a device's state
+OFFSET, CHANNELS, STARTED, NEWEST, FIRST, JUMP, OWED, RESTARTS = 0, 1, 2, 3, 4, 5, 6, 7
+HELLO_TIME, TIME, MARKED, HELLOS, HELLO_LENGTH, READING, PACKETS = 8, 9, 10, 11, 12, 13, 14
+COLUMNS = 15
+NO_JUMP = -1
+
+Row = NDArray[np.int64]
+HELLO, COMMANDS = 16, 32  # as `PacketKind`
+RECEIVED, READINGS, MALFORMED, FOREIGN, OCTETS = 0, 1, 4, 5, 10  # as `Count`
+STATUS_BITS = 0x0F  # that `Status` knows
+LAST_FLAG = 1  # as `PacketFlag`
+LATEST_NS = 1_000_000_000  # how far back a late packet's stamp is put at most
+
+Table = NDArray[np.int64]
+
+
+def _tables() -> NDArray[np.uint16]:
+    """What a byte contributes (8, 256), after which 0 to 7 others follow."""
+    crc = np.arange(256, dtype=np.uint32) << 8
+    for _ in range(8):
+        crc = ((crc << 1) ^ np.where(crc & 0x8000, 0x1021, 0).astype(np.uint32)) & 0xFFFF
+    rows = [crc]
+    for _ in range(7):
+        last = rows[-1]
+        rows.append(((last << 8) ^ crc[last >> 8]) & 0xFFFF)
+    return np.array(rows, np.uint16)
+
+
+TABLES = _tables()
+
+
+@njit
+def crc_ccitt(octets: Octets, start: int, stop: int) -> int:
+    """Sum of `octets[start:stop]`."""
+    crc, at = np.uint32(BEGIN), start
+    while at + 8 <= stop:
+        crc = np.uint32(
+            TABLES[7, octets[at] ^ (crc >> 8)]
+            ^ TABLES[6, octets[at + 1] ^ (crc & 0xFF)]
+            ^ TABLES[5, octets[at + 2]]
+            ^ TABLES[4, octets[at + 3]]
+            ^ TABLES[3, octets[at + 4]]
+            ^ TABLES[2, octets[at + 5]]
+            ^ TABLES[1, octets[at + 6]]
+            ^ TABLES[0, octets[at + 7]]
+        )
+        at += 8
+    while at < stop:
+        crc = np.uint32(((crc << 8) & 0xFFFF) ^ TABLES[0, (crc >> 8) ^ octets[at]])
+        at += 1
+    return int(crc)
+
+
+@inner
+def u16(octets: Octets, at: int) -> int:
+    """Little-endian, of two bytes."""
+    return int(octets[at]) | int(octets[at + 1]) << 8
+
+
+@inner
+def u32(octets: Octets, at: int) -> int:
+    """Little-endian, of four bytes."""
+    return u16(octets, at) | u16(octets, at + 2) << 16
+
+
+@inner
+def stated_payload(kind: int, count: int) -> int:
+    """Bytes of payload that kind and count ask for; -1 where they leave it open."""
+    if kind == BYTES:
+        return count
+    if kind in (SHORTS, SIGNED):
+        return 2 * count
+    if kind == FLOATS:
+        return 4 * count
+    if kind == STATUS:
+        return (count + 7) >> 3
+    return -1
+
+
+@inner
+def packet_size(octets: Octets, at: int, stop: int) -> int:
+    """Bytes of the packet at `at`; MORE if it may be one that is not whole yet; else NONE."""
+    room = stop - at
+    if octets[at] != S:
+        return NONE
+    if room >= 2 and octets[at + 1] != F:
+        return NONE
+    if room >= 3 and octets[at + 2] != VERSION:
+        return NONE
+    if room < HEADER_BYTES:
+        return MORE
+    length = u16(octets, at + 6)
+    stated = stated_payload(int(octets[at + 3]), u16(octets, at + 18))
+    if length > LONGEST_PAYLOAD or (stated >= 0 and stated != length):
+        return NONE
+    end = at + HEADER_BYTES + length
+    if end + CRC_BYTES > stop:
+        return MORE
+    if crc_ccitt(octets, at, end) != u16(octets, end):
+        return NONE
+    return int(end + CRC_BYTES - at)
+
+
+@inner
+def next_magic(octets: Octets, at: int, stop: int) -> int:
+    """First byte from `at` on where a packet may begin; `stop` if there is none."""
+    while at < stop:
+        if octets[at] == S and (at + 1 == stop or octets[at + 1] == F):
+            return at
+        at += 1
+    return stop
+
+
+@inner
+def words_needed(octets: Octets, at: int) -> int:
+    """Words of blocks that a packet may become, at most."""
+    kind, count = int(octets[at + 3]), u16(octets, at + 18)
+    if stated_payload(kind, count) < 0:
+        return 0
+    clearing = 2 + payload_words(BLOCK_STATUS, count)
+    if kind == STATUS:
+        return clearing
+    return clearing + 2 + payload_words(BLOCK_FLOATS if kind == SIGNED else kind, count)
+
+
+@njit
+def track(row: Row, window: Row, sequence: int, time: int, hello: bool, counters: Ints) -> int:
+    """Number one packet; NEW, TWICE or LATE.
+
+    Parameters
+    ----------
+    row : (COLUMNS,) int64 array
+        State of the device.
+    window : (WINDOW,) int64 array
+        Its last numbers.
+    sequence, time : int
+        As in the packet.
+    hello : bool
+        Whether it is a HELLO.
+    counters : (len(Count),) int64 array
+    """
+    if row[STARTED] == 0:
+        row[STARTED], row[HELLO_TIME] = 1, -1
+        _begin(row, window, (1 << 32) + sequence)
+        _note_hello(row, sequence, time, hello)
+        return NEW
+    newest = row[NEWEST]
+    step = (sequence - newest) & 0xFFFFFFFF
+    if step >= 1 << 31:
+        step -= 1 << 32
+    number = newest + step
+    far = step <= -WINDOW or step > FAR
+    known = not far and step <= 0 and window[number % WINDOW] == number
+    if hello and sequence == 0 and (far or (known and time != row[HELLO_TIME])):
+        _begin(row, window, _epoch(newest))
+        _note_hello(row, sequence, time, hello)
+        row[RESTARTS] += 1
+        return NEW
+    if far:
+        return _far(row, window, sequence, number, counters)
+    row[JUMP] = NO_JUMP
+    if known:
+        counters[DUPLICATED] += 1
+        return TWICE
+    window[number % WINDOW] = number
+    _note_hello(row, sequence, time, hello)
+    if step > 0:
+        counters[LOST] += step - 1
+        row[NEWEST] = number
+        return NEW
+    _late(row, number, counters)
+    return LATE
+
+
+@inner
+def _epoch(newest: int) -> int:
+    """A number far above all before, for the sequence number 0 of a device that began anew."""
+    return ((newest >> 32) + 2) << 32
+
+
+@njit
+def _begin(row: Row, window: Row, number: int) -> None:
+    row[NEWEST] = row[FIRST] = window[number % WINDOW] = number
+    row[JUMP] = NO_JUMP
+
+
+@inner
+def _note_hello(row: Row, sequence: int, time: int, hello: bool) -> None:
+    if hello and sequence == 0:
+        row[HELLO_TIME] = time
+
+
+@njit
+def _late(row: Row, number: int, counters: Ints) -> None:
+    """Count a packet that came after a later one: it is lost no more, if it was counted so."""
+    counters[SWAPPED] += 1
+    if number < row[FIRST]:  # from before the first that came: those between are missing
+        counters[LOST] += row[FIRST] - number - 1
+        row[FIRST] = number
+    else:
+        counters[LOST] -= 1
+
+
+@njit
+def _far(row: Row, window: Row, sequence: int, number: int, counters: Ints) -> int:
+    """A packet out of the window: late, until the one after it follows."""
+    if row[JUMP] == sequence:
+        counters[SWAPPED] -= 1
+        counters[LOST] += row[OWED]
+        before = _epoch(row[NEWEST]) + ((sequence - 1) & 0xFFFFFFFF)
+        _begin(row, window, before)
+        row[NEWEST] = window[(before + 1) % WINDOW] = before + 1
+        row[RESTARTS] += 1
+        return NEW
+    row[JUMP] = (sequence + 1) & 0xFFFFFFFF
+    row[OWED] = 1 if row[FIRST] <= number < row[NEWEST] else 0
+    counters[SWAPPED] += 1
+    counters[LOST] -= row[OWED]
+    return LATE
+
+
+@njit
+def decode_run(
+    octets: Octets,
+    start: int,
+    stop: int,
+    final: bool,
+    torn: Ints,
+    words: Words,
+    payloads: Octets,
+    singles: NDArray[np.float32],
+    end: Words,
+    channel: int,
+    now_ns: int,
+    slots: NDArray[np.int32],
+    state: Table,
+    window: Table,
+    marks: Octets,
+    hellos: Octets,
+    counters: Ints,
+) -> tuple[int, int]:
+    """Take the packets in `octets[start:stop]`.
+
+    Parameters
+    ----------
+    octets : (L,) uint8 array
+    final : bool
+        Whether nothing follows: what is not whole then is malformed. Otherwise it is left.
+    torn : (1,) int64 array
+        1 while what is no packet goes on, which is counted once.
+    words, payloads, singles, end : arrays
+        Of `Blocks`.
+    channel : int
+    now_ns : int, ns
+    slots : (65536,) int32 array
+        Row of `state` for each device, or -1.
+    state : (D, COLUMNS) int64 array
+    window : (D, WINDOW) int64 array
+    marks : (C,) uint8 array
+        1 where a packet of counts left a status behind.
+    hellos : (D, H) uint8 array
+    counters : (len(Count),) int64 array
+
+    Returns
+    -------
+    at, packets : int
+        Behind the last byte that is done with, and packets. Where `words` has no more room, all
+        from `at` on is as if it had not come yet.
+    """
+    at, packets = start, 0
+    while at < stop:
+        size = packet_size(octets, at, stop)
+        if size > 0:
+            if end[0] + words_needed(octets, at) > len(words):
+                break
+            take_packet(
+                octets, at, words, payloads, singles, end, channel, now_ns, slots, state, window,
+                marks, hellos, counters,
+            )  # fmt: skip
+            torn[0] = 0
+            at += size
+            packets += 1
+        elif size == MORE and not final:
+            break
+        else:
+            counters[MALFORMED] += 1 - torn[0]
+            torn[0] = 1
+            at = next_magic(octets, at + 1, stop)
+    return at, packets
+
+
+@inner
+def take_packet(
+    octets: Octets,
+    at: int,
+    words: Words,
+    payloads: Octets,
+    singles: NDArray[np.float32],
+    end: Words,
+    channel: int,
+    now_ns: int,
+    slots: NDArray[np.int32],
+    state: Table,
+    window: Table,
+    marks: Octets,
+    hellos: Octets,
+    counters: Ints,
+) -> None:
+    """Take one whole packet, for whose blocks there is room."""
+    kind, slot = int(octets[at + 3]), slots[u16(octets, at + 4)]
+    if slot < 0 or kind >= COMMANDS:
+        counters[FOREIGN] += 1
+        return
+    counters[RECEIVED] += 1
+    row, time = state[slot], u32(octets, at + 12)
+    order = track(row, window[slot], u32(octets, at + 8), time, kind == HELLO, counters)
+    if order == TWICE:
+        return
+    row[PACKETS] += 1
+    stamp = now_ns
+    if order == LATE:
+        stamp -= min(1000 * ((row[TIME] - time) & 0xFFFFFFFF), LATEST_NS)
+    else:
+        row[TIME] = time
+        if octets[at + 22] & LAST_FLAG:
+            row[READING] = u16(octets, at + 20)
+    if kind == HELLO:
+        take_hello(octets, at, row, hellos[slot])
+    first, count = u16(octets, at + 16), u16(octets, at + 18)
+    if stated_payload(kind, count) < 0:
+        return
+    if first + count > row[CHANNELS]:
+        counters[FOREIGN] += 1
+        counters[RECEIVED] -= 1
+        return
+    take_counts(octets, at, words, payloads, singles, end, stamp, channel, row, marks, counters)
+
+
+@inner
+def take_counts(
+    octets: Octets,
+    at: int,
+    words: Words,
+    payloads: Octets,
+    singles: NDArray[np.float32],
+    end: Words,
+    stamp: int,
+    channel: int,
+    row: Row,
+    marks: Octets,
+    counters: Ints,
+) -> None:
+    """Append the blocks of a packet of counts or of status, whose bounds were checked."""
+    kind, first, count = int(octets[at + 3]), u16(octets, at + 16), u16(octets, at + 18)
+    status, own, payload = octets[at + 23] & STATUS_BITS, row[OFFSET] + first, at + HEADER_BYTES
+    if kind == STATUS:
+        to = begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, status)
+        for i in range((count + 7) >> 3):
+            payloads[to + i] = octets[payload + i]
+        for i in range(count):
+            marks[own + i] = 0
+        return
+    if status or row[MARKED]:
+        note_status(words, end, stamp, channel, own, count, status, row, marks)
+    counters[READINGS] += 1
+    to = begin_block(
+        words, end, stamp, channel + own, count, BLOCK_FLOATS if kind == SIGNED else kind, status
+    )
+    if kind == SIGNED:
+        for i in range(count):
+            singles[(to >> 2) + i] = np.float32(np.int16(np.uint16(u16(octets, payload + 2 * i))))
+        return
+    for i in range(stated_payload(kind, count)):
+        payloads[to + i] = octets[payload + i]
+
+
+@inner
+def note_status(
+    words: Words,
+    end: Words,
+    stamp: int,
+    channel: int,
+    own: int,
+    count: int,
+    status: int,
+    row: Row,
+    marks: Octets,
+) -> None:
+    """Keep in mind what a packet of counts says beside them; take it back where it ceased."""
+    if status:
+        row[MARKED] = 1
+        for i in range(count):
+            marks[own + i] = 1
+        return
+    found = False
+    for i in range(count):
+        found |= marks[own + i] != 0
+        marks[own + i] = 0
+    if found:
+        begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, 0)
+
+
+@inner
+def take_hello(octets: Octets, at: int, row: Row, hello: Octets) -> None:
+    """Keep the newest HELLO of a device."""
+    length = min(u16(octets, at + 6), len(hello))
+    for i in range(length):
+        hello[i] = octets[at + HEADER_BYTES + i]
+    row[HELLOS] += 1
+    row[HELLO_LENGTH] = length
+
+
+@njit
+def decode_datagrams(
+    datagrams: NDArray[np.uint8],
+    lengths: NDArray[np.int64],
+    stamps: Ints,
+    first: int,
+    last: int,
+    words: Words,
+    payloads: Octets,
+    singles: NDArray[np.float32],
+    end: Words,
+    channel: int,
+    slots: NDArray[np.int32],
+    state: Table,
+    window: Table,
+    marks: Octets,
+    hellos: Octets,
+    counters: Ints,
+    torn: Ints,
+) -> int:
+    """Take datagrams `first` to `last`, each whole or not at all; the first that was left."""
+    room = datagrams.shape[1]
+    for i in range(first, last):
+        length = max(0, min(int(lengths[i]), room))
+        # A packet of n bytes becomes less than 3 n bytes of blocks: at most 54 of headers and
+        # filling, where it has 26 itself, and twice its payload with an eighth for status.
+        if 8 * (len(words) - end[0]) < 3 * length:
+            return i
+        torn[0] = 0
+        counters[OCTETS] += length
+        # A plain 0 and True are types of their own to Numba, which would compile all once more.
+        start, final = int(np.int64(0)), length >= 0
+        decode_run(
+            datagrams[i], start, length, final, torn, words, payloads, singles, end, channel,
+            stamps[i], slots, state, window, marks, hellos, counters,
+        )  # fmt: skip
+    return last
+
+
+@njit
+def encode_reading(
+    values: Octets,
+    width: int,
+    count: int,
+    kind: int,
+    device: int,
+    first: int,
+    per_packet: int,
+    sequence: int,
+    reading: int,
+    time: int,
+    status: int,
+    out: Octets,
+    offsets: Ints,
+) -> int:
+    """Write one reading as packets, one after the other; how many, or -1 without room.
+
+    Parameters
+    ----------
+    values : (width * count,) uint8 array
+        Little-endian numbers.
+    out : (B,) uint8 array
+    offsets : (P + 1,) int64 array
+        Packet i is written to `out[offsets[i]:offsets[i + 1]]`.
+    """
+    packets = max(1, -(-count // per_packet))
+    if packets * (HEADER_BYTES + CRC_BYTES) + width * count > len(out) or packets >= len(offsets):
+        return -1
+    at, offsets[0] = 0, 0
+    for i in range(packets):
+        begin = i * per_packet
+        some = min(per_packet, count - begin)
+        end = at + HEADER_BYTES + width * some
+        out[at], out[at + 1], out[at + 2], out[at + 3] = S, F, VERSION, kind
+        _put(out, at + 4, device, 2)
+        _put(out, at + 6, width * some, 2)
+        _put(out, at + 8, sequence + i, 4)
+        _put(out, at + 12, time, 4)
+        _put(out, at + 16, first + begin, 2)
+        _put(out, at + 18, some, 2)
+        _put(out, at + 20, reading, 2)
+        out[at + 22] = LAST_FLAG if i == packets - 1 else 0
+        out[at + 23] = status
+        for j in range(width * some):
+            out[at + HEADER_BYTES + j] = values[width * begin + j]
+        _put(out, end, crc_ccitt(out, at, end), 2)
+        at = end + CRC_BYTES
+        offsets[i + 1] = at
+    return packets
+
+
+@njit
+def _put(out: Octets, at: int, number: int, count: int) -> None:
+    for i in range(count):
+        out[at + i] = (number >> (8 * i)) & 0xFF

@@ -1,0 +1,596 @@
+"""Packets of microcontrollers over UDP, TCP and serial lines, which may break and come back.
+
+A device is told to start when the stream opens, when the connection comes back, and when nothing
+came for `SILENCE`: then once a second. Devices that send by themselves need not understand it.
+"""
+
+import fcntl
+import os
+import select
+import socket
+import struct
+import termios
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from skinfield.errors import InputError, check_count, check_type
+from skinfield.signal import Blocks, Count, Port
+from skinfield.signal.block import Octets
+from skinfield.wire.can.datagrams import (
+    Datagrams,
+    address_octets,
+    buffer_note,
+    let_go,
+    peer_from_text,
+    resolved,
+    unicast_socket,
+)
+from skinfield.wire.packet.codec import PacketDecoder, PacketDevice, PacketScanner
+from skinfield.wire.packet.packets import PacketKind, encode_command
+from skinfield.wire.sources.streams import PATIENCE, LinkedStream, connecting, is_connected
+
+SILENCE = 1_000_000_000  # ns
+START, STOP = encode_command(PacketKind.START), encode_command(PacketKind.STOP)
+ROUNDS = 8  # of a poll
+BUFFER = 1 << 18  # bytes
+
+
+def checked_devices(devices: Sequence[PacketDevice] | int) -> tuple[PacketDevice, ...]:
+    """Devices as a tuple; a number stands for device 1 with so many channels."""
+    if isinstance(devices, int):
+        return (PacketDevice(1, devices),)
+    return tuple(devices)
+
+
+def ports_of(devices: Sequence[PacketDevice], names: Sequence[str], unit: str) -> tuple[Port, ...]:
+    """A port for each device.
+
+    Raises
+    ------
+    InputError
+        If there are names, but not one for each.
+    """
+    if not names:
+        names = ["skin"] if len(devices) == 1 else [f"device{each.number}" for each in devices]
+    if len(names) != len(devices):
+        raise InputError(
+            f"names are {list(names)}, expected {len(devices)}: one for each device's port"
+        )
+    return tuple(
+        Port(name, device.channels, unit) for name, device in zip(names, devices, strict=True)
+    )
+
+
+class BreakingLink:
+    """Connection of one file descriptor; where it breaks, `fault` says why, and nothing raises."""
+
+    def __init__(self, label: str) -> None:
+        self._label, self._number = label, -1
+        self.up, self.fault = False, ""
+
+    def reopen(self) -> bool:
+        """Try to get it back, without waiting; whether it is up now."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Let go of it."""
+        raise NotImplementedError
+
+    def _opened(self, number: int) -> bool:
+        self._number, self.up, self.fault = number, True, ""
+        return True
+
+    def _broke(self, error: Exception | str) -> int:
+        self.close()
+        self.fault = f"{self._label}: {getattr(error, 'strerror', None) or error}"
+        return 0
+
+    def filenos(self) -> Sequence[int]:
+        """Of the connection, while it is up."""
+        return (self._number,) if self.up else ()
+
+    def send(self, data: bytes) -> None:
+        """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
+        if self.up:
+            try:
+                os.write(self._number, data)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError as error:
+                self._broke(error)
+
+
+class ByteLink(BreakingLink):
+    """Connection that brings bytes."""
+
+    def receive(self, into: Octets) -> int:
+        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
+        raise NotImplementedError
+
+
+class PacketStream(LinkedStream):
+    """Packets over one link; see `skinfield.signal.Stream`.
+
+    Attributes
+    ----------
+    decoder : PacketDecoder
+        Its `device` tells what is known of each.
+    """
+
+    def __init__(
+        self,
+        devices: Sequence[PacketDevice],
+        names: Sequence[str],
+        unit: str,
+        link: BreakingLink,
+        command: bool,
+    ) -> None:
+        super().__init__(ports_of(devices, names, unit), [link])
+        self._link = link
+        self.decoder = PacketDecoder(devices)
+        self._command = command
+        self._heard_ns = 0
+        self._new = True  # connection, over which nothing was told yet
+
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        before = int(self.counters[Count.RECEIVED])
+        self._take_packets(blocks, channel, now_ns)
+        packets = int(self.counters[Count.RECEIVED]) - before
+        if packets:
+            self._heard_ns = now_ns
+        if self._command and (self._new or not 0 <= now_ns - self._heard_ns < SILENCE):
+            self._new, self._heard_ns = not self._link.up, now_ns
+            if not self._new:
+                self._link.send(START)
+        return packets
+
+    def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        raise NotImplementedError
+
+    def _came_back(self, place: int, now_ns: int) -> None:
+        self._new = True
+
+    def _stop(self) -> None:
+        if self._command and self._link.up:
+            self._link.send(STOP)
+
+
+class ByteStream(PacketStream):
+    """See `PacketStream`."""
+
+    _link: ByteLink
+
+    def __init__(
+        self,
+        devices: Sequence[PacketDevice],
+        names: Sequence[str],
+        unit: str,
+        link: ByteLink,
+        command: bool,
+    ) -> None:
+        super().__init__(devices, names, unit, link, command)
+        self._scanner = PacketScanner(self.decoder, BUFFER)
+        self._scanner.take(0, Blocks(1024), 0, self.counters, 0)  # compiles
+
+    def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        scanner = self._scanner
+        for _ in range(ROUNDS):
+            free = scanner.free
+            received = self._link.receive(free) if len(free) else 0
+            if not received and not scanner.used:
+                break
+            before = scanner.used + received
+            scanner.take(received, blocks, channel, self.counters, now_ns)
+            if received < len(free) or scanner.used == before:
+                break  # nothing more waits, or the blocks are full
+
+    def _came_back(self, place: int, now_ns: int) -> None:
+        super()._came_back(place, now_ns)
+        self._scanner.forget()  # half a packet of the old connection; whole ones are taken by now
+
+
+BATCH = 64  # datagrams of one system call
+LONGEST = 65536  # bytes of a datagram
+BATCHES = 16  # of a poll
+UDP_PORT = 43210
+TCP_PORT = 43211
+LOOK = 0.25  # s between two looks at whether the device's node is still there
+
+
+class PacketSource:
+    """Settings of devices, whatever their packets come by."""
+
+    devices: Sequence[PacketDevice] | int
+    names: Sequence[str]
+    unit: str
+    command: bool
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "devices", checked_devices(self.devices))
+        object.__setattr__(self, "names", tuple(self.names))
+
+    def _stream(self, link: ByteLink) -> ByteStream:
+        try:
+            devices = checked_devices(self.devices)
+            return ByteStream(devices, self.names, self.unit, link, self.command)
+        except BaseException:
+            link.close()
+            raise
+
+
+@dataclass(frozen=True)
+class PacketUdp(PacketSource):
+    """Devices that send packets by UDP.
+
+    Parameters
+    ----------
+    devices : sequence of PacketDevice, or int
+        A number: one device, of number 1, with so many channels.
+    host : str
+        Own address that is bound. The default hears this machine only; 0.0.0.0 hears all.
+    port : int
+        Own port that is bound; 0 takes a free one.
+    peer : str
+        ``host:port`` of a device that is told to start, and to stop at the end. Left empty, devices
+        send by themselves.
+    names : sequence of str
+        Of the devices' ports; default "skin", or "device<number>" of several.
+    unit : str
+        Of the numbers, one of `skinfield.skin.reading.UNITS`.
+    """
+
+    devices: Sequence[PacketDevice] | int
+    host: str = "127.0.0.1"
+    port: int = UDP_PORT
+    peer: str = ""
+    names: Sequence[str] = ()
+    unit: str = "count"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_count("port", self.port, 0, 65535, "of UDP")
+
+    def open(self) -> "PacketUdpStream":
+        """Bind the port.
+
+        Raises
+        ------
+        InputError
+            If an address is not understood.
+        """
+        return PacketUdpStream(self)
+
+
+class UdpLink(BreakingLink):
+    """A bound socket that takes in datagrams in batches."""
+
+    def __init__(self, settings: PacketUdp) -> None:
+        self._own = resolved(settings.host, settings.port, "host")
+        super().__init__(f"udp {self._own.address}")
+        peer = peer_from_text(settings.peer) if settings.peer else None
+        self.batch = Datagrams(BATCH, LONGEST)
+        self._out = Datagrams(1, LONGEST)
+        self.has_peer = peer is not None
+        if peer is not None:
+            self._out.address(np.frombuffer(address_octets(peer.family, peer.address), np.uint8))
+        self._socket: socket.socket | None = None
+        self.buffer_bytes = 0
+        self.reopen()
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port at which it listens; ("", 0) while it is down."""
+        if self._socket is None:
+            return "", 0
+        host, port = self._socket.getsockname()[:2]
+        return str(host), int(port)
+
+    @property
+    def note(self) -> str:
+        """What should be known of it, in words."""
+        return buffer_note(self._label, self.buffer_bytes)
+
+    def reopen(self) -> bool:
+        """Bind anew."""
+        self.close()
+        try:
+            self._socket, self.buffer_bytes = unicast_socket(self._own)
+        except OSError as error:
+            return bool(self._broke(error))
+        self.batch.of_new_socket()
+        return self._opened(self._socket.fileno())
+
+    def receive(self) -> int:
+        """Fill the batch; how many datagrams."""
+        count = self.batch.receive(self._socket, BATCH) if self._socket is not None else 0
+        return count if count >= 0 else self._broke(os.strerror(-count))
+
+    def send(self, data: bytes) -> None:
+        """Send one datagram to the peer."""
+        if self._socket is not None and self.has_peer:
+            self._out.octets[0, : len(data)] = np.frombuffer(data, np.uint8)
+            self._out.lengths[0] = len(data)
+            sent = self._out.send(self._socket, 1, connected=False)
+            if sent < 0:
+                self._broke(os.strerror(-sent))
+
+    def close(self) -> None:
+        """Let go of the socket."""
+        let_go(self._socket)
+        self._socket, self.up = None, False
+
+
+class PacketUdpStream(PacketStream):
+    """See `PacketStream`."""
+
+    _link: UdpLink
+
+    def __init__(self, source: PacketUdp) -> None:
+        link, devices = UdpLink(source), checked_devices(source.devices)
+        try:
+            super().__init__(devices, source.names, source.unit, link, link.has_peer)
+            self._first = self._count = self._overflowed = 0
+            self._decode(Blocks(1024), 0)  # compiles before the first packet
+        except BaseException:
+            link.close()
+            raise
+
+    @property
+    def address(self) -> tuple[str, int]:
+        """Host and port at which it listens."""
+        return self._link.address
+
+    def _take_packets(self, blocks: Blocks, channel: int, now_ns: int) -> None:
+        for _ in range(BATCHES):
+            if self._first == self._count:
+                self._first, self._count = 0, self._link.receive()
+                if not self._count:
+                    break
+            self._decode(blocks, channel)
+            if self._first < self._count or self._count < BATCH:
+                break  # the blocks are full, or nothing more waits
+        self._overflowed = self._count_since(
+            Count.OVERFLOWED, self._link.batch.dropped, self._overflowed
+        )
+
+    def _decode(self, blocks: Blocks, channel: int) -> None:
+        batch = self._link.batch
+        self._first = self.decoder.decode_many(
+            batch.octets, batch.lengths, batch.stamp_ns, self._first, self._count, blocks, channel,
+            self.counters,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PacketTcp(PacketSource):
+    """Devices behind a TCP server.
+
+    Parameters
+    ----------
+    devices : sequence of PacketDevice, or int
+        A number: one device, of number 1, with so many channels.
+    host : str
+    port : int
+        Of the server.
+    names : sequence of str
+        Of the devices' ports; default "skin", or "device<number>" of several.
+    unit : str
+        Of the numbers, one of `skinfield.skin.reading.UNITS`.
+    command : bool
+        Whether devices are told to start and to stop.
+    """
+
+    devices: Sequence[PacketDevice] | int
+    host: str = "127.0.0.1"
+    port: int = TCP_PORT
+    names: Sequence[str] = ()
+    unit: str = "count"
+    command: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_count("port", self.port, 1, 65535, "of the server")
+
+    def open(self) -> ByteStream:
+        """Begin to connect; the stream is up once that is done.
+
+        Raises
+        ------
+        InputError
+            If the host is not understood.
+        """
+        return self._stream(TcpLink(self.host, self.port))
+
+
+class TcpLink(ByteLink):
+    """A connection to a server."""
+
+    def __init__(self, host: str, port: int) -> None:
+        self._place = resolved(host, port, "host")
+        super().__init__(f"tcp {host}:{port}")
+        self._socket: socket.socket | None = None
+        self._poll = select.poll()
+        self._begun = 0.0  # when the attempt that goes on began; 0: none does
+        self.reopen()
+
+    def reopen(self) -> bool:
+        """Begin to connect, unless that goes on already."""
+        if self._begun and monotonic() - self._begun < PATIENCE:
+            return self._is_connected()
+        self.close()
+        self.fault = f"{self._label}: connecting"
+        try:
+            self._socket, self._poll = connecting(self._place)
+        except OSError as error:
+            return bool(self._broke(error))
+        self._begun = monotonic()
+        return self._is_connected()
+
+    def _is_connected(self) -> bool:
+        """Whether the attempt succeeded by now."""
+        try:
+            if self._socket is None or not is_connected(self._socket, self._poll):
+                return False
+        except OSError as error:
+            return bool(self._broke(error))
+        self._begun = 0.0
+        return self._opened(self._socket.fileno())
+
+    def receive(self, into: Octets) -> int:
+        """Write what has arrived."""
+        if self._socket is None or not self.up:
+            self._is_connected()  # what it brings is read once all know that it is up
+            return 0
+        try:
+            count = self._socket.recv_into(into.data)
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except OSError as error:
+            return self._broke(error)
+        return count or self._broke("the server closed the connection")
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        let_go(self._socket)
+        self._socket, self._begun, self.up = None, 0.0, False
+
+
+@dataclass(frozen=True)
+class PacketSerial(PacketSource):
+    """Devices at a serial line.
+
+    Parameters
+    ----------
+    devices : sequence of PacketDevice, or int
+        A number: one device, of number 1, with so many channels.
+    path : str
+        Of the device's node. One below /dev/serial/by-id stays the same when it is plugged in
+        again, however many others there are.
+    baud : int, bit/s
+        Boards with USB of their own ignore it.
+    names : sequence of str
+        Of the devices' ports; default "skin", or "device<number>" of several.
+    unit : str
+        Of the numbers, one of `skinfield.skin.reading.UNITS`.
+    command : bool
+        Whether devices are told to start and to stop.
+    """
+
+    devices: Sequence[PacketDevice] | int
+    path: str = "/dev/ttyACM0"
+    baud: int = 921600
+    names: Sequence[str] = ()
+    unit: str = "count"
+    command: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_type("path", self.path, str, "of the device's node, as /dev/ttyACM0")
+        check_count("baud", self.baud, 50, 20_000_000, "bit/s of the line")
+
+    def open(self) -> ByteStream:
+        """Open the line; a device that is not plugged in now is waited for.
+
+        Raises
+        ------
+        InputError
+            If pyserial is not installed, or the line cannot be set up so.
+        """
+        return self._stream(SerialLink(self.path, self.baud))
+
+
+def pyserial() -> ModuleType:
+    """The package.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        import serial
+    except ImportError as error:
+        raise InputError(
+            "a serial line is asked for, expected pyserial to be installed: "
+            "pip install skinfield[serial]"
+        ) from error
+    module: ModuleType = serial
+    return module
+
+
+class SerialLink(ByteLink):
+    """A serial line; pyserial sets it up, reading is the system's own call."""
+
+    def __init__(self, path: str, baud: int) -> None:
+        self._serial = pyserial()
+        super().__init__(path)
+        self._path, self._baud = path, baud
+        self._port: Any = None
+        self._node = (0, 0)
+        self._look = 0.0
+        self._waiting = bytearray(4)
+        self._open()
+
+    def reopen(self) -> bool:
+        """Open it anew, if its node is there."""
+        try:
+            return self._open()
+        except InputError as error:
+            self.fault = str(error)
+            return False
+
+    def _open(self) -> bool:
+        self.close()
+        try:
+            node = Path(self._path).stat()
+            self._port = self._serial.Serial(
+                self._path, self._baud, timeout=0, write_timeout=0, exclusive=True
+            )
+            self._port.reset_input_buffer()
+        except ValueError as error:
+            raise InputError(
+                f"line {self._path} at {self._baud} bit/s: {error}, expected a rate that it has"
+            ) from error
+        except OSError as error:  # SerialException is one
+            return bool(self._broke(error))
+        self._node = node.st_dev, node.st_ino
+        self._look = monotonic() + LOOK
+        return self._opened(self._port.fileno())
+
+    def receive(self, into: Octets) -> int:
+        """Write what has arrived."""
+        if not self.up:
+            return 0
+        try:
+            # a line that was unplugged reads as empty for ever, but refuses this question
+            fcntl.ioctl(self._number, termios.FIONREAD, self._waiting)
+            if struct.unpack("=i", self._waiting)[0] > 0:
+                return os.readv(self._number, [into.data])
+            if monotonic() > self._look:
+                self._check_node()
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except (OSError, ValueError) as error:
+            return self._broke(error)
+        return 0
+
+    def _check_node(self) -> None:
+        """Raise OSError if the node is gone, or another one."""
+        self._look = monotonic() + LOOK
+        node = Path(self._path).stat()
+        if (node.st_dev, node.st_ino) != self._node:
+            raise OSError(f"{self._path} is another device now")
+
+    def close(self) -> None:
+        """Let go of the line."""
+        port, self._port, self.up, self._number = self._port, None, False, -1
+        if port is not None:
+            with suppress(OSError, termios.error):
+                port.close()

@@ -1,0 +1,542 @@
+"""Replay sources: recordings and computed readings, on time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import (
+    FileError,
+    Floats,
+    InputError,
+    Ints,
+    as_floats,
+    check_range,
+    check_shape,
+)
+from skinfield.signal import Blocks, Count, Kind, Port, Status, Stream, counters
+from skinfield.signal.block import LONGEST, WORD, Octets, Words
+from skinfield.skin import Patch, Skin
+from skinfield.skin.reading import UNITS, Recording
+
+if TYPE_CHECKING:
+    from skinfield.files.mcap.live import LiveRecording
+from numpy.typing import ArrayLike
+
+from skinfield.elastic import Layer
+from skinfield.errors import check_positive
+
+LONGEST_NS = 1 << 61  # that stamps can be added to
+ALL_AT_ONCE = float("inf")  # speed at which each poll brings the next reading
+
+SLOWEST = 0.01
+MCAP = b"\x89MCAP0\r\n"
+
+
+def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
+    """The kind of block that holds all counts without loss, or float32, and the counts so.
+
+    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
+    """
+    finite = np.isfinite(counts).all()
+    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
+        if (counts <= 0xFF).all():
+            return Kind.BYTES, counts.astype("<u1")
+        if (counts <= 0xFFFF).all():
+            return Kind.SHORTS, counts.astype("<u2")
+    return Kind.FLOATS, counts.astype("<f4")
+
+
+class TableStream:
+    """See `skinfield.signal.Stream`.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+    counts : (T, C) array
+        Over the channels of all ports.
+    after_ns : (T,) int64 array, ns
+        Of each reading, since the first; not decreasing.
+    speed : float
+        Times real time. Infinite: the next reading at each poll.
+    loop : bool
+        Whether it begins anew behind the last.
+    pause_ns : int, ns
+        From the last reading to the first of the next round.
+
+    Attributes
+    ----------
+    index : int
+        Of this source among all.
+    ended : bool
+        Whether the last reading was delivered, for good.
+    """
+
+    def __init__(
+        self,
+        ports: Sequence[Port],
+        counts: Floats,
+        after_ns: Ints,
+        speed: float = 1.0,
+        loop: bool = False,
+        pause_ns: int = 0,
+    ) -> None:
+        from skinfield.signal.blocks_kernel import put_octets
+
+        self._put = put_octets
+        self.ports = tuple(ports)
+        width = sum(port.channels for port in self.ports)
+        check_shape("counts", counts, (None, width), "a column per channel of the ports")
+        check_shape("after_ns", after_ns, (len(counts),), "a time per reading")
+        if not len(counts) or (np.diff(after_ns) < 0).any() or after_ns[0] != 0:
+            raise InputError(
+                f"after_ns is {after_ns}, expected one reading or more, the first at 0, none "
+                "before its predecessor"
+            )
+        self.counters, self.index, self.up, self.ended = counters(), 0, True, False
+        self._kind, table = narrowest(counts)
+        self._octets: Octets = np.ascontiguousarray(table).reshape(-1).view(np.uint8)
+        self._width, self._item = width, table.dtype.itemsize
+        self._after = (
+            after_ns if speed == ALL_AT_ONCE else np.rint(after_ns / speed).astype(np.int64)
+        )
+        self._step_by_step = speed == ALL_AT_ONCE
+        self._loop, self._pause = loop, round(pause_ns / speed)
+        self._start = 0  # ns, of the round; 0 before the first poll
+        self._next = self._column = self._now = 0
+
+    @property
+    def fault(self) -> str:
+        """Why it is not up: at the end of a table that is not begun anew."""
+        return "" if self.up else "the recording is over"
+
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append the readings whose time has come."""
+        if not self._start:
+            self._start = now_ns
+        elif now_ns < self._now:  # the clock was set back
+            self._start -= self._now - now_ns
+        self._now, taken = now_ns, 0
+        while not self.ended:
+            stamp = now_ns if self._step_by_step else self._start + int(self._after[self._next])
+            if stamp > now_ns or not self._append(blocks, channel, stamp):
+                break
+            taken += 1
+            self._advance(now_ns)
+            if self._step_by_step or taken == len(self._after):
+                break
+        if self.ended and self.up:
+            self._tell(blocks, now_ns)
+        return taken
+
+    def _append(self, blocks: Blocks, channel: int, stamp_ns: int) -> bool:
+        """Append one reading, in as many blocks as it takes; False if it did not fit."""
+        while self._column < self._width:
+            count = min(LONGEST, self._width - self._column)
+            at = (self._next * self._width + self._column) * self._item
+            if not self._put(
+                blocks.words,
+                blocks.octets,
+                blocks.end,
+                stamp_ns,
+                channel + self._column,
+                int(self._kind),
+                int(Status.OK),
+                self._octets,
+                at,
+                count,
+            ):
+                return False
+            self._column += count
+            self.counters[Count.READINGS] += 1
+        self._column = 0
+        self.counters[Count.RECEIVED] += 1
+        self.counters[Count.BYTES] += self._width * self._item
+        return True
+
+    def _advance(self, now_ns: int) -> None:
+        self._next += 1
+        if self._next == len(self._after):
+            if not self._loop:
+                self.ended = True
+            elif not self._step_by_step:
+                self._start += int(self._after[-1]) + self._pause
+                if now_ns - self._start > int(self._after[-1]) + self._pause:
+                    self._start = now_ns  # nobody polled for a whole round: it is not made up for
+            self._next = 0
+
+    def _tell(self, blocks: Blocks, now_ns: int) -> None:
+        if int(blocks.end[0]) + 3 <= len(blocks.words):
+            blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)
+            self.up = False
+
+    def filenos(self) -> Sequence[int]:
+        """None: it is a matter of time."""
+        return ()
+
+    def close(self) -> None:
+        """Deliver nothing more."""
+        self.up, self.ended = False, True
+
+
+class BlockReplayStream:
+    """See `skinfield.signal.Stream`.
+
+    Blocks of sources, losses and tares are left out: they were of another time.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+        None: one port of the name "skin", of as many channels as there are.
+    tape : (W,) int64 array
+        Blocks.
+    speed : float
+        Times real time. Infinite: at each poll, what came until a channel came again.
+    loop : bool
+    path : str
+        Of the recording, for messages.
+
+    Attributes
+    ----------
+    index : int
+        Of this source among all.
+    ended : bool
+        Whether the last block was delivered, for good.
+
+    Raises
+    ------
+    FileError
+        If there are no blocks, or of more channels than the ports have.
+    """
+
+    def __init__(
+        self, ports: Sequence[Port], tape: Words, speed: float, loop: bool, path: str
+    ) -> None:
+        from skinfield.wire.sources.kernels import play, survey
+
+        self._play = play
+        highest: Ints = np.zeros(1, np.int64)
+        whole = survey(tape, highest)
+        if whole < len(tape) or not highest[0]:
+            raise FileError(
+                f"{path}: byte {8 * whole} of {8 * len(tape)} of the readings is no block, "
+                "expected blocks of readings: skinfield recover may help"
+            )
+        self.ports = tuple(ports) or (Port("skin", int(highest[0])),)
+        channels = sum(port.channels for port in self.ports)
+        if highest[0] > channels:
+            raise FileError(
+                f"{path}: has readings of channel {highest[0] - 1}, expected channels below "
+                f"{channels}, of ports {', '.join(port.name for port in self.ports)}"
+            )
+        self.counters, self.index, self.up, self.ended = counters(), 0, True, False
+        self._tape, self._speed, self._loop = tape, speed, loop
+        self._at, self._start, self._now = 0, 0, 0
+        self._taken: Ints = np.zeros(4, np.int64)
+        self._copy(Blocks(64), 0, 0, -1)  # compiles
+
+    @property
+    def fault(self) -> str:
+        """Why it is not up: at the end of a recording that is not begun anew."""
+        return "" if self.up else "the recording is over"
+
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append the blocks whose time has come."""
+        if not self._start:
+            self._start = now_ns
+        elif now_ns < self._now:  # the clock was set back
+            self._start -= self._now - now_ns
+        self._now = now_ns
+        if self.ended:
+            if self.up and int(blocks.end[0]) + 3 <= len(blocks.words):
+                blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)
+                self.up = False
+            return 0
+        before = int(blocks.end[0])
+        self._at = self._copy(blocks, channel, self._at, now_ns)
+        taken = int(self._taken[0])
+        self.counters[Count.RECEIVED] += taken
+        self.counters[Count.READINGS] += self._taken[1]
+        self.counters[Count.BYTES] += 8 * (int(blocks.end[0]) - before)
+        if self._at == len(self._tape):
+            self.ended = not self._loop
+            self._at, self._start = 0, 0
+        return taken
+
+    def _copy(self, blocks: Blocks, channel: int, at: int, now_ns: int) -> int:
+        step_by_step = self._speed == ALL_AT_ONCE
+        self._taken[:] = 0
+        return int(
+            self._play(
+                self._tape,
+                at,
+                now_ns,
+                step_by_step,
+                int(self._tape[0]),
+                self._start,
+                1.0 if step_by_step else self._speed,
+                channel,
+                blocks.words,
+                blocks.end,
+                self._taken,
+            )
+        )
+
+    def filenos(self) -> Sequence[int]:
+        """None: it is a matter of time."""
+        return ()
+
+    def close(self) -> None:
+        """Deliver nothing more."""
+        self.up, self.ended = False, True
+
+
+@dataclass(frozen=True, eq=False)
+class ReplaySource:
+    """A recording, with the time between its readings, at any speed.
+
+    It is read as a whole when it is opened. Stamps are those of the replay: the first reading is
+    stamped when it is delivered first.
+
+    Parameters
+    ----------
+    path : str or Path
+        Whatever `open_recording` reads, or an MCAP file of a live skin.
+    speed : float
+        Times real time; infinite delivers one reading at each poll.
+    loop : bool
+        Whether it begins anew behind the end; else the source goes down there.
+    skin : Skin or Patch, optional
+        To whose channels the columns belong: found by uid where the recording has uids. Without
+        it, columns are channels of one port. Not for MCAP files, which hold channels.
+    ports : sequence of Port
+        Of an MCAP file's channels, in place of those that it names; one of all where it names none.
+    """
+
+    path: str | Path
+    speed: float = 1.0
+    loop: bool = False
+    skin: Skin | Patch | None = None
+    ports: Sequence[Port] = ()
+
+    def __post_init__(self) -> None:
+        if self.speed != ALL_AT_ONCE:
+            check_range("speed", self.speed, SLOWEST, 1e9, "times real time, or infinite")
+        object.__setattr__(self, "ports", tuple(self.ports))
+
+    def open(self) -> Stream:
+        """Read the file.
+
+        Raises
+        ------
+        FileError
+            If it is no recording.
+        InputError
+            If its columns do not fit the skin.
+        """
+        path = Path(self.path)
+        if _begins_as_mcap(path):
+            ports, tape = recorded_blocks(path)
+            return BlockReplayStream(self.ports or ports, tape, self.speed, self.loop, str(path))
+        from skinfield.files.recordings import open_recording
+
+        ports, counts, stamps = self._columns(open_recording(path))
+        after = np.maximum.accumulate(stamps) - stamps[0]
+        step = int(np.median(np.diff(after))) if len(after) > 1 else 10**7
+        return TableStream(ports, counts, after, self.speed, self.loop, step)
+
+    def _columns(
+        self, recording: Recording
+    ) -> tuple[tuple[Port, ...], NDArray[np.float64], NDArray[np.int64]]:
+        """Ports, counts of their channels, and stamps."""
+        if not len(recording):
+            raise FileError(f"{self.path} has no reading, expected one or more")
+        if recording.unit not in UNITS:
+            raise InputError(
+                f"{self.path} holds {recording.unit!r}, expected readings of a skin in "
+                f"{', '.join(UNITS)}: it is a force log, most likely"
+            )
+        counts = as_floats("counts", recording.counts)
+        stamps = recording.stamp_ns.astype(np.int64)
+        if self.skin is None:
+            return (Port("skin", counts.shape[1], recording.unit),), counts, stamps
+        patches = (self.skin,) if isinstance(self.skin, Patch) else tuple(self.skin)
+        tables = [_on_channels(recording, patch) for patch in patches]
+        ports = tuple(Port(patch.name, patch.n_channels, recording.unit) for patch in patches)
+        return ports, np.hstack(tables), stamps
+
+
+def _on_channels(recording: Recording, patch: Patch) -> NDArray[np.float64]:
+    """Counts on the channels of a patch, NaN on those that no taxel has."""
+    from skinfield.files.recordings import readings_for
+
+    if recording.uid is None and recording.counts.shape[1] == patch.n_channels:
+        return recording.counts
+    table = np.full((len(recording), patch.n_channels), np.nan)
+    table[:, patch.channel] = readings_for(recording, patch).counts
+    return table
+
+
+def _begins_as_mcap(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MCAP)) == MCAP
+    except (OSError, ValueError):
+        return False  # whoever reads it next says why
+
+
+def recorded_blocks(path: Path) -> tuple[tuple[Port, ...], Words]:
+    """Ports of a live skin's recording, none if it does not say, and all its blocks.
+
+    Raises
+    ------
+    FileError
+        If it has no whole blocks.
+    """
+    from skinfield.files.mcap.live import LiveRecording
+
+    recording = LiveRecording.open(path)
+    data = b"".join(logged.data for logged in recording.blocks())
+    if not data or len(data) % WORD:
+        raise FileError(f"{path} has {len(data)} bytes of readings, expected whole blocks")
+    return _ports_in(recording), np.frombuffer(data, np.int64)
+
+
+def _ports_in(recording: "LiveRecording") -> tuple[Port, ...]:
+    """Ports that the enclosed configuration names; none if there is none, or of another kind."""
+    try:
+        rows = recording.configuration.get("ports", [])
+        return tuple(Port(str(name), channels, str(unit)) for name, channels, unit in rows)
+    except (InputError, TypeError, ValueError):
+        return ()
+
+
+LADDER = 3  # forces that are solved; those between are interpolated
+RADIUS = 6e-3  # m, of the ball that presses
+REST, NOISE = 1000.0, 20.0  # counts
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationSource:
+    """Delivers the rows of a table at a steady rate.
+
+    Parameters
+    ----------
+    counts : (T, C) array
+        NaN where a taxel does not answer.
+    rate : float, 1/s
+    ports : sequence of Port
+        Of C channels together; default one of the name "skin", in counts.
+    loop : bool
+        Whether it begins anew behind the last row.
+    """
+
+    counts: ArrayLike
+    rate: float = 50.0
+    ports: Sequence[Port] = ()
+    loop: bool = True
+
+    def __post_init__(self) -> None:
+        check_positive("rate", self.rate, "readings per second")
+        counts = as_floats("counts", self.counts)
+        if counts.ndim != 2 or not counts.size:
+            raise InputError(f"counts has shape {counts.shape}, expected (readings, channels)")
+        ports = tuple(self.ports) or (Port("skin", counts.shape[1]),)
+        channels = sum(port.channels for port in ports)
+        if channels != counts.shape[1]:
+            raise InputError(
+                f"counts has {counts.shape[1]} columns, expected {channels}: the channels of "
+                f"{', '.join(port.name for port in ports)}"
+            )
+        object.__setattr__(self, "counts", counts)
+        object.__setattr__(self, "ports", ports)
+
+    def open(self) -> TableStream:
+        """Begin; the first reading is there at the first poll."""
+        counts = np.asarray(self.counts, np.float64)
+        step = round(1e9 / self.rate)
+        after = np.arange(len(counts), dtype=np.int64) * step
+        return TableStream(tuple(self.ports), counts, after, loop=self.loop, pause_ns=step)
+
+
+def pressed(
+    skin: Skin | Patch,
+    layer: Layer | None = None,
+    *,
+    force: float = 3.0,
+    period: float = 4.0,
+    rest: float = 6.0,
+    rate: float = 50.0,
+    seed: int = 0,
+) -> SimulationSource:
+    """A ball that presses into the middle of each patch in turn, again and again.
+
+    Counts of 16 bits, which grow under pressure, of the gain that CySkin has, with white noise.
+
+    Parameters
+    ----------
+    skin : Skin or Patch
+    layer : Layer, optional
+    force : float, N
+        The greatest.
+    period : float, s
+        Of one press, from touch to lifting.
+    rest : float, s
+        Without touch, at first and between two patches.
+    rate : float, 1/s
+    seed : int
+        Of the noise.
+
+    Returns
+    -------
+    SimulationSource
+        With a port for each patch; NaN on channels that no taxel has.
+    """
+    for name, value in (("period", period), ("rest", rest), ("rate", rate)):
+        check_positive(name, value, "of the presses")
+    patches = (skin,) if isinstance(skin, Patch) else tuple(skin)
+    steps, idle = max(2, round(period * rate)), max(1, round(rest * rate))
+    loads = np.zeros((len(patches), len(patches), idle + steps))  # of each patch, turn by turn
+    turns = np.arange(len(patches))
+    loads[turns, turns, idle:] = force * np.sin(np.pi * np.arange(steps) / steps) ** 2
+    rng, forces = np.random.default_rng(seed), np.linspace(0.0, force, LADDER + 1)
+    tables = [
+        _counts(patch, loads[place].ravel(), forces, rungs, rng)
+        for place, (patch, rungs) in enumerate(
+            zip(patches, _ladder(layer or Layer(), force, patches), strict=True)
+        )
+    ]
+    ports = tuple(Port(patch.name, patch.n_channels) for patch in patches)
+    return SimulationSource(np.hstack(tables), rate, ports)
+
+
+def _counts(
+    patch: Patch, loads: Floats, forces: Floats, rungs: Floats, rng: np.random.Generator
+) -> Floats:
+    """Counts (T, C) of a patch under loads (T,), between the rungs of its ladder."""
+    from skinfield.simulate.electronics import CySkinBoard
+
+    table = np.full((len(loads), patch.n_channels), np.nan)
+    for taxel, channel in enumerate(patch.channel):
+        table[:, channel] = np.interp(loads, forces, rungs[:, taxel])
+    noise = NOISE * rng.standard_normal(table.shape)
+    return np.asarray(np.clip(np.rint(REST + CySkinBoard().gain * table + noise), 0.0, 65535.0))
+
+
+def _ladder(layer: Layer, force: float, patches: Sequence[Patch]) -> list[Floats]:
+    """Readings (LADDER + 1, L) of each patch for forces from 0 on, the ball in its middle."""
+    from skinfield.simulate import Sphere, press_ladder
+
+    presses = press_ladder(
+        layer, Sphere(radius=RADIUS, force=force), np.linspace(0.0, force, LADDER + 1)[1:]
+    )
+    found = []
+    for patch in patches:
+        middle = patch.plane[np.argmin(np.sum((patch.plane - patch.plane.mean(0)) ** 2, axis=1))]
+        at = patch.plane - middle
+        rungs = [press.capacitance(at, patch.pad_diameter) for press in presses]
+        found.append(np.array([np.zeros(len(patch)), *rungs]))
+    return found

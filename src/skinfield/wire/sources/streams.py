@@ -1,0 +1,350 @@
+"""Streams over connections that come and go, and their readings one by one."""
+
+import errno
+import os
+import select
+import socket
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from time import monotonic, monotonic_ns, time_ns
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.errors import Ints, SkinfieldError, check_range
+from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
+from skinfield.signal.block import UNUSABLE
+from skinfield.skin.reading import Reading
+from skinfield.wire.can.datagrams import Place
+
+SOURCE_WORDS = 3  # of a block that tells that a source went down or came up
+
+
+PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
+
+
+class Link(Protocol):
+    """A connection: a bus, a socket, a device."""
+
+    @property
+    def up(self) -> bool:
+        """Whether something can come."""
+        ...
+
+    @property
+    def fault(self) -> str:
+        """Why it is down, in words."""
+        ...
+
+    def reopen(self) -> bool:
+        """Try to get it back, without waiting; whether it is up now."""
+        ...
+
+    def filenos(self) -> Sequence[int]:
+        """File descriptors that become readable when something arrives."""
+        ...
+
+    def close(self) -> None:
+        """Let go of it."""
+        ...
+
+
+class LinkedStream:
+    """What all streams over links share: see `skinfield.signal.Stream`.
+
+    A stream is up while all its links are. When it goes down, and when it comes back, it appends a
+    block of `Kind.SOURCE`, once. Each link that is down is opened again every `RETRY` seconds.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+    links : sequence of Link
+
+    Attributes
+    ----------
+    index : int
+        Of this source among all, as its blocks of `Kind.SOURCE` say it; whoever reads several
+        sources sets it.
+    """
+
+    def __init__(self, ports: Sequence[Port], links: Sequence[Link]) -> None:
+        self.ports = tuple(ports)
+        self.counters: Ints = counters()
+        self.index = 0
+        self.closed = False
+        self._links = tuple(links)
+        self._retries = tuple(Retry(self.counters) for _ in self._links)
+        self._reported_up = True
+
+    @property
+    def up(self) -> bool:
+        """Whether all links are."""
+        return not self.closed and all(link.up for link in self._links)
+
+    @property
+    def fault(self) -> str:
+        """Why it is not up, in words; empty while it is."""
+        return "; ".join(link.fault for link in self._links if not link.up)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What should be known of it beside that, in sentences."""
+        return tuple(note for link in self._links if (note := getattr(link, "note", "")))
+
+    @property
+    def channels(self) -> int:
+        """Of all ports."""
+        return sum(port.channels for port in self.ports)
+
+    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append what has arrived; see `skinfield.signal.Stream`."""
+        if self.closed:
+            return 0
+        messages = self._take(blocks, channel, now_ns)
+        up = True
+        for place, link in enumerate(self._links):
+            if not link.up or self._retries[place].down_since:
+                up = self._follow(place, link, now_ns) and up
+        if up != self._reported_up:
+            self._report(up, blocks, now_ns)
+        return messages
+
+    def _follow(self, place: int, link: Link, now_ns: int) -> bool:
+        """Note that a link broke, try it again, note that it is back; whether it is up."""
+        retry, clock_ns = self._retries[place], monotonic_ns()  # that nobody sets back
+        if not link.up and not retry.down_since:
+            retry.broke(clock_ns)
+            self._went_down(place)
+        elif not link.up and retry.due(clock_ns):
+            link.reopen()
+        if link.up and retry.down_since:
+            retry.came_back(clock_ns)
+            self._came_back(place, now_ns)
+        return link.up
+
+    def _report(self, up: bool, blocks: Blocks, now_ns: int) -> None:
+        if int(blocks.end[0]) + SOURCE_WORDS <= len(blocks.words):  # else at the next call
+            blocks.put_number(now_ns, self.index, Kind.SOURCE, int(up))
+            self._reported_up = up
+
+    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append what has arrived, from all links."""
+        raise NotImplementedError
+
+    def _went_down(self, place: int) -> None:
+        """Forget what was half received over a link."""
+
+    def _came_back(self, place: int, now_ns: int) -> None:
+        """Begin anew over a link."""
+
+    def _stop(self) -> None:
+        """Tell the boards that it ends."""
+
+    def filenos(self) -> Sequence[int]:
+        """Of all links that are up."""
+        return [number for link in self._links for number in link.filenos()]
+
+    def close(self) -> None:
+        """Stop the boards and let go of the links; a second time does nothing."""
+        if self.closed:
+            return
+        try:
+            self._stop()
+        finally:
+            self.closed = True
+            for link in self._links:
+                link.close()
+
+    def _count_since(self, what: Count, now: int, before: int) -> int:
+        """Add what a total grew by; the new total."""
+        if now != before:
+            self.counters[what] += now - before
+        return now
+
+
+STEP = 1e-3  # s between two polls of a stream that cannot be waited for
+
+
+class NoReadingError(SkinfieldError, TimeoutError):
+    """Nothing that is new enough has come."""
+
+
+@dataclass(eq=False)
+class StreamReader:
+    """Whole readings of a stream.
+
+    Parameters
+    ----------
+    stream : Stream
+        It is polled here only.
+
+    Attributes
+    ----------
+    channels : Channels
+        The newest counts of all.
+    """
+
+    stream: Stream
+    channels: Channels = field(init=False)
+    _blocks: Blocks = field(init=False)
+    _new: NDArray[np.bool_] = field(init=False)  # channels of the reading that is under way
+
+    def __post_init__(self) -> None:
+        self._blocks = Blocks()
+        self.channels = Channels(sum(port.channels for port in self.stream.ports))
+        self._new = np.zeros(len(self.channels), bool)
+
+    def take(self) -> int:
+        """Take in what has arrived; how many messages. Never waits."""
+        self._blocks.clear()
+        messages = self.stream.poll(self._blocks, 0, time_ns())
+        if len(self._blocks.data):
+            self.channels.apply(self._blocks)
+        return messages
+
+    def read(self, timeout: float = 1.0) -> Reading:
+        """Wait for the next reading of all channels that answer.
+
+        It is complete when all channels that ever brought something have brought something new, or
+        one brings something for the second time.
+
+        Parameters
+        ----------
+        timeout : float, s
+
+        Raises
+        ------
+        NoReadingError
+            If it is not complete in time.
+        """
+        check_range("timeout", timeout, 0.0, 1e9, "seconds to wait at most")
+        end = monotonic() + timeout
+        stamps, new = self.channels.stamp_ns, self._new
+        known = stamps > 0
+        while True:
+            before = stamps.copy()
+            self.take()
+            came = stamps != before
+            if (came & new).any():
+                new[:] = came
+                return self._reading()
+            new |= came
+            if known.any() and new[known].all():
+                new[:] = False
+                return self._reading()
+            left = end - monotonic()
+            if left <= 0:
+                raise NoReadingError(
+                    f"{np.count_nonzero(new)} of {len(new)} channels brought something new within "
+                    f"{timeout:g} s, expected all that answer: {self._state()}"
+                )
+            self._wait(left)
+
+    def read_latest(self, max_age: float = 0.1) -> Reading:
+        """The newest counts, without waiting.
+
+        Parameters
+        ----------
+        max_age : float, s
+            Of the newest; taxels that are older than that beside newer ones are not `valid`.
+
+        Raises
+        ------
+        NoReadingError
+            If all are older.
+        """
+        check_range("max_age", max_age, 0.0, 1e9, "seconds since the newest reading, at most")
+        self.take()
+        newest = int(self.channels.stamp_ns.max())
+        age = (time_ns() - newest) * 1e-9
+        if not newest or age > max_age:
+            what = f"{age:.3g} s old" if newest else "none"
+            raise NoReadingError(
+                f"the newest reading is {what}, expected at most {max_age:g} s: {self._state()}"
+            )
+        return self._reading(newest - round(max_age * 1e9))
+
+    def _reading(self, oldest_ns: int = 1) -> Reading:
+        channels = self.channels
+        good = (channels.stamp_ns >= max(oldest_ns, 1)) & np.isfinite(channels.counts)
+        good &= (channels.status & UNUSABLE) == 0
+        return Reading(int(channels.stamp_ns.max()), channels.counts.copy(), good)
+
+    def _state(self) -> str:
+        return "the source is up" if self.stream.up else f"the source is down{_why(self.stream)}"
+
+    def _wait(self, seconds: float) -> None:
+        numbers: Sequence[int] = self.stream.filenos()
+        # never for long: a connection that broke is noticed by polling alone
+        if numbers:
+            select.select(numbers, [], [], min(seconds, 20 * STEP))
+        else:
+            select.select([], [], [], min(seconds, STEP))
+
+
+def _why(stream: Stream) -> str:
+    fault = getattr(stream, "fault", "")
+    return f" ({fault})" if fault else ""
+
+
+def read(stream: Stream, timeout: float = 1.0) -> Reading:
+    """Next reading of all channels; see `StreamReader.read`, which is for more than one."""
+    return StreamReader(stream).read(timeout)
+
+
+def read_latest(stream: Stream, max_age: float = 0.1) -> Reading:
+    """Newest reading that has arrived; see `StreamReader.read_latest`, for more than one."""
+    return StreamReader(stream).read_latest(max_age)
+
+
+def connecting(place: Place) -> tuple[socket.socket, select.poll]:
+    """Socket that begins to connect, without waiting, and what to ask `is_connected` with.
+
+    Raises
+    ------
+    OSError
+        If it fails at once.
+    """
+    sock = socket.socket(place.family, socket.SOCK_STREAM)
+    sock.setblocking(False)
+    watch_over(sock)
+    code = sock.connect_ex(place.address)
+    if code not in (0, errno.EINPROGRESS):
+        sock.close()
+        raise OSError(code, os.strerror(code))
+    poll = select.poll()
+    poll.register(sock, select.POLLOUT)
+    return sock, poll
+
+
+def is_connected(sock: socket.socket, poll: select.poll) -> bool:
+    """Whether an attempt to connect has succeeded by now.
+
+    Raises
+    ------
+    OSError
+        If it failed.
+    """
+    if not poll.poll(0):
+        return False
+    code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+    if code:
+        raise OSError(code, os.strerror(code))
+    return True
+
+
+def watch_over(sock: socket.socket) -> None:
+    """Have the system notice a peer that vanished without a word."""
+    sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in (
+        ("TCP_KEEPIDLE", 1),
+        ("TCP_KEEPINTVL", 1),
+        ("TCP_KEEPCNT", 2),
+        ("TCP_USER_TIMEOUT", round(1e3 * PATIENCE)),
+    ):
+        if hasattr(socket, name):
+            with suppress(OSError):
+                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

@@ -1,0 +1,425 @@
+"""Carriers of YARP: how a connection between two ports begins, and its messages, both ways.
+
+As in YARP 4.0.0: `doc/020_nameserver_and_protocols/yarp_protocol.dox` and, below
+`src/libYARP_os/src/yarp/os/impl`, `TextCarrier.cpp`, `TcpCarrier.cpp`, `PortCommand.cpp` and
+`../AbstractCarrier.cpp`. Whoever connects sends eight bytes that name the carrier, and its own
+name; the port answers with a line of welcome (text) or with eight bytes (tcp). Then messages
+follow: a port command, and for ``d``, ``D`` and ``a`` a bottle.
+
+======== ============================================================================
+carrier  first eight bytes; messages are
+======== ============================================================================
+text     ``CONNECT``, blank; lines that end in CR LF, and are read with or without CR
+text_ack ``CONNACK``, blank; the same, each message acknowledged by ``<ACK>``
+tcp      ``YA E4 1E 00 00 RP``; blocks of bytes with their lengths, acknowledged
+======== ============================================================================
+"""
+
+import struct
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+from skinfield.errors import InputError
+from skinfield.wire.yarp.bottle import (
+    Value,
+    bottle_from_bytes,
+    bottle_from_text,
+    bytes_from_bottle,
+    from_octets,
+    text_from_bottle,
+    to_octets,
+)
+
+HEADER = 8  # bytes
+LINE_END = b"\r\n"
+ACK_LINE = b"<ACK>\r\n"
+INDEX = 10  # bytes of an index, of which the first is the number of blocks, the second of replies
+LONGEST_NAME = 1000  # bytes, as YARP reads it
+LONGEST = 1 << 20  # bytes of a line or of a message
+WITH_BOTTLE = ("d", "D", "a")  # first letters of the port commands that a bottle follows
+COMMAND_BLOCK = 8  # bytes
+
+
+class Carrier(Enum):
+    """By YARP's own name."""
+
+    TEXT = "text"
+    TEXT_ACK = "text_ack"
+    TCP = "tcp"
+
+    @property
+    def header(self) -> bytes:
+        """First eight bytes of a connection."""
+        return HEADERS[self]
+
+    @property
+    def is_text(self) -> bool:
+        """Whether messages are lines."""
+        return self in (Carrier.TEXT, Carrier.TEXT_ACK)
+
+    @property
+    def acknowledges(self) -> bool:
+        """Whether each message is acknowledged by whoever reads it."""
+        return self in (Carrier.TEXT_ACK, Carrier.TCP)
+
+
+def number(value: int) -> bytes:
+    """A number in YARP's eight bytes."""
+    return b"YA" + struct.pack("<i", value) + b"RP"
+
+
+HEADERS = {
+    Carrier.TEXT: b"CONNECT ",
+    Carrier.TEXT_ACK: b"CONNACK ",
+    Carrier.TCP: number(7777 + 3 + 128),
+}
+ACK_NUMBER = number(0)
+
+
+def carrier_named(name: str) -> Carrier:
+    """Of that name.
+
+    Raises
+    ------
+    InputError
+        If it is another, or has modifiers such as ``tcp+recv.portmonitor``.
+    """
+    for each in Carrier:
+        if each.value == name:
+            return each
+    known = ", ".join(each.value for each in Carrier)
+    raise InputError(f"carrier is {name!r:.60}, expected one of {known}")
+
+
+def carrier_from_header(header: bytes) -> Carrier | None:
+    """Of a connection that begins with these eight bytes; None if it is none that is known."""
+    return next((each for each in Carrier if each.header == header), None)
+
+
+def greeting(carrier: Carrier, own: str) -> bytes:
+    """What a connection begins with.
+
+    Parameters
+    ----------
+    carrier : Carrier
+    own : str
+        Our port's name; one that does not begin with a slash belongs to no port.
+    """
+    name = checked_name(own)
+    if carrier.is_text:
+        return carrier.header + name + LINE_END
+    return carrier.header + struct.pack("<i", len(name) + 1) + name + b"\0"
+
+
+def welcome(carrier: Carrier, peer: str, port: int) -> bytes:
+    """What a port answers to a greeting.
+
+    Parameters
+    ----------
+    carrier : Carrier
+    peer : str
+        Name in the greeting.
+    port : int
+        Of our socket; nobody uses it.
+    """
+    return b"Welcome " + to_octets(peer) + LINE_END if carrier.is_text else number(port)
+
+
+def message(carrier: Carrier, command: str, values: Sequence[Value] | None = None) -> bytes:
+    """A whole message.
+
+    Parameters
+    ----------
+    carrier : Carrier
+    command : str
+        Port command, such as ``d``, ``D 12 1.5``, ``a``, ``r`` or ``/reader``.
+    values : sequence of values, optional
+        The bottle behind ``d``, ``D`` or ``a``.
+    """
+    if carrier.is_text:
+        line = to_octets(command) + LINE_END
+        return line if values is None else line + to_octets(text_from_bottle(values)) + LINE_END
+    blocks = [command_block(command)]
+    if values is not None:
+        blocks.append(bytes_from_bottle(values))
+    return index_of(blocks) + b"".join(blocks)
+
+
+def reply(carrier: Carrier, values: Sequence[Value]) -> bytes:
+    """Answer to a message, which has no port command before it."""
+    if carrier.is_text:
+        return to_octets(text_from_bottle(values)) + LINE_END
+    block = bytes_from_bottle(values)
+    return index_of([block]) + block
+
+
+def acknowledgement(carrier: Carrier) -> bytes:
+    """What whoever read a message says; nothing where the carrier wants none."""
+    if not carrier.acknowledges:
+        return b""
+    return ACK_LINE if carrier.is_text else ACK_NUMBER
+
+
+def command_block(command: str) -> bytes:
+    """A port command in bytes: one character, or text behind its length."""
+    if len(command) == 1:
+        return bytes(4) + b"~" + to_octets(command) + b"\0\x01"
+    data = to_octets(command) + b"\0"
+    return struct.pack("<i", len(data)) + b"~\0\0\x01" + data
+
+
+def index_of(blocks: Sequence[bytes]) -> bytes:
+    """Lengths of the blocks of a message, and that none is expected back."""
+    head = number(INDEX) + bytes([len(blocks), 1]) + b"\xff" * 8
+    return head + b"".join(struct.pack("<i", len(each)) for each in blocks) + bytes(4)
+
+
+def checked_name(name: str) -> bytes:
+    """A port's name as bytes.
+
+    Raises
+    ------
+    InputError
+        If it is empty, too long, or would end the line that it is sent on.
+    """
+    data = to_octets(name)
+    if not 0 < len(data) <= LONGEST_NAME or any(octet <= 32 or octet == 92 for octet in data):
+        raise InputError(
+            f"name of a port is {name!r:.60}, expected up to {LONGEST_NAME} characters without "
+            "blanks, backslashes and control characters, as /skinfield/left_arm"
+        )
+    return data
+
+
+def envelope(sequence: int, seconds: float) -> str:
+    """Stamp of a message as text: its number, and s since the epoch.
+
+    As `src/libYARP_os/src/yarp/os/Stamp.cpp` writes it, with 16 digits in place of 15, so that
+    microseconds are kept.
+    """
+    return f"{sequence} {seconds:.16g}"
+
+
+@dataclass(frozen=True)
+class Message:
+    """A port command, and the bottle behind it.
+
+    Attributes
+    ----------
+    command : str
+        Port command, such as ``D 12 1.5``.
+    values : list of values
+        The bottle behind it, where one is.
+    """
+
+    command: str
+    values: list[Value]
+
+
+class Messages(Protocol):
+    """A reader of messages; iterating gives those that are complete."""
+
+    def feed(self, data: bytes) -> None:
+        """Take in what came."""
+        ...
+
+    def __iter__(self) -> Iterator[Message]:
+        """Messages that are complete; raises InputError where the bytes are none."""
+        ...
+
+    def rest(self) -> bytes:
+        """What came after the last message that was taken."""
+        ...
+
+
+class Lines:
+    """Lines of text, without their ends.
+
+    As in YARP's `InputStream.cpp`: CR and zero bytes are left out, and a backslash before the end
+    of a line joins it with the next.
+
+    Parameters
+    ----------
+    most : int, bytes
+        Of one line.
+    """
+
+    def __init__(self, most: int = LONGEST) -> None:
+        self._most = most
+        self._rest = bytearray()
+        self._searched = 0  # bytes of the rest in which no line ends
+
+    def feed(self, data: bytes) -> None:
+        """Take in what came."""
+        self._rest += data
+
+    def take(self) -> str | None:
+        """The next line; None if none is complete.
+
+        Raises
+        ------
+        InputError
+            If it is longer than allowed.
+        """
+        while True:
+            end = self._rest.find(b"\n", self._searched)
+            if (len(self._rest) if end < 0 else end) > self._most:
+                raise InputError(f"a line has more than {self._most} bytes, expected no more")
+            if end < 0:
+                self._searched = len(self._rest)
+                return None
+            line = bytes(self._rest[:end].replace(b"\r", b"").replace(b"\0", b""))
+            if not (len(line) - len(line.rstrip(b"\\"))) % 2:
+                del self._rest[: end + 1]
+                self._searched = 0
+                return from_octets(line)
+            self._rest[: end + 1] = line[:-1]  # joined with the next
+            self._searched = len(line) - 1
+
+    def rest(self) -> bytes:
+        """What came after the last line that was taken."""
+        return bytes(self._rest)
+
+
+class TextMessages:
+    """See `Messages`: those of the text carrier."""
+
+    def __init__(self) -> None:
+        self._lines = Lines()
+        self._command: str | None = None
+
+    def feed(self, data: bytes) -> None:
+        """Take in what came."""
+        self._lines.feed(data)
+
+    def __iter__(self) -> Iterator[Message]:
+        """See `Messages`."""
+        while (line := self._lines.take()) is not None:
+            if self._command is not None:
+                command, self._command = self._command, None
+                yield Message(command, bottle_from_text(line))
+            elif line[:1] in WITH_BOTTLE:
+                self._command = line
+            else:
+                yield Message(line, [])
+
+    def rest(self) -> bytes:
+        """See `Messages`."""
+        return self._lines.rest()
+
+
+class BinaryMessages:
+    """See `Messages`: those of the tcp carrier."""
+
+    def __init__(self) -> None:
+        self._rest = bytearray()
+
+    def feed(self, data: bytes) -> None:
+        """Take in what came."""
+        self._rest += data
+
+    def __iter__(self) -> Iterator[Message]:
+        """See `Messages`."""
+        while (body := self._body()) is not None:
+            yield _understood(body)
+
+    def rest(self) -> bytes:
+        """See `Messages`."""
+        return bytes(self._rest)
+
+    def _body(self) -> bytes | None:
+        """All blocks of the next message; None if it is not complete."""
+        sizes = message_sizes(self._rest)
+        if sizes is None or len(self._rest) < sum(sizes):
+            return None
+        head, length = sizes
+        body = bytes(self._rest[head : head + length])
+        del self._rest[: head + length]
+        return body
+
+
+def message_sizes(data: bytes | bytearray) -> tuple[int, int] | None:
+    """Bytes of a message's index and of its blocks; None if the index is not complete.
+
+    Raises
+    ------
+    InputError
+        If it begins with no index, or is too long.
+    """
+    if len(data) < HEADER + INDEX:
+        return None
+    if yarp_number(data[:HEADER]) != INDEX:
+        raise InputError(f"message begins with {bytes(data[:HEADER])!r}, expected an index")
+    blocks = data[HEADER] + data[HEADER + 1]
+    head = HEADER + INDEX + 4 * blocks
+    if len(data) < head:
+        return None
+    sizes = [
+        int.from_bytes(data[at : at + 4], "little", signed=True)
+        for at in range(HEADER + INDEX, head, 4)
+    ]
+    if min(sizes, default=0) < 0 or sum(sizes) > LONGEST:
+        raise InputError(f"message has blocks of {sizes} bytes, expected {LONGEST} in all at most")
+    return head, sum(sizes)
+
+
+def yarp_number(data: bytes | bytearray) -> int | None:
+    """The number in eight bytes ``YA....RP``; None if they are others."""
+    if len(data) != HEADER or data[:2] != b"YA" or data[6:] != b"RP":
+        return None
+    return int.from_bytes(data[2:6], "little", signed=True)
+
+
+def _understood(body: bytes) -> Message:
+    if len(body) < COMMAND_BLOCK or body[4:5] != b"~":
+        raise InputError(f"message begins with {body[:8]!r}, expected a port command")
+    command, rest = from_octets(body[5:6]), body[COMMAND_BLOCK:]
+    if command == "\0":
+        text, zero, rest = rest.partition(b"\0")
+        if not zero:
+            raise InputError("a port command does not end, expected a zero byte")
+        command = from_octets(text)
+    with_bottle = command[:1] in WITH_BOTTLE
+    return Message(command, bottle_from_bytes(rest) if with_bottle else [])
+
+
+def messages_of(carrier: Carrier) -> Messages:
+    """Reader of a carrier's messages."""
+    return TextMessages() if carrier.is_text else BinaryMessages()
+
+
+class Acknowledgements:
+    """Counts what the reader of our messages acknowledges; everything else it says is let go."""
+
+    def __init__(self, carrier: Carrier) -> None:
+        self._carrier = carrier
+        self._lines = Lines()
+        self._rest = bytearray()
+
+    def feed(self, data: bytes) -> int:
+        """Take in what came; how many messages it acknowledges.
+
+        Raises
+        ------
+        InputError
+            If the bytes are no acknowledgement, of the tcp carrier.
+        """
+        if not self._carrier.acknowledges:
+            return 0
+        if self._carrier.is_text:
+            self._lines.feed(data)
+            lines = iter(self._lines.take, None)
+            return sum(line == "<ACK>" for line in lines)
+        self._rest += data
+        count = 0
+        while len(self._rest) >= HEADER:
+            more = yarp_number(self._rest[:HEADER])
+            if more is None or not 0 <= more <= LONGEST:
+                raise InputError(f"{bytes(self._rest[:8])!r} is no acknowledgement, expected one")
+            if len(self._rest) < HEADER + more:
+                break
+            del self._rest[: HEADER + more]
+            count += 1
+        return count

@@ -1,0 +1,178 @@
+"""Client of YARP's name server, which knows where ports are.
+
+As in YARP 4.0.0: `doc/020_nameserver_and_protocols/name_server.dox` and, for the bytes of the
+answers, `src/libYARP_name/src/yarp/name/NameServerConnectionHandler.h`. The name server is a port:
+a request is data to it, and lines come back, of which the last is ``*** end of message``.
+"""
+
+import socket
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import monotonic
+
+from skinfield.errors import InputError
+from skinfield.wire.yarp.bottle import Value
+from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
+
+PORT = 10000
+END = "*** end of message"
+MOST_LINES = 100_000  # of an answer
+ANSWER_BYTES = 65536
+PATIENCE = 2.0  # s for an answer
+
+
+@dataclass(frozen=True)
+class Registration:
+    """Where a port is.
+
+    Attributes
+    ----------
+    name : str
+        Of the port.
+    host : str
+    port : int
+        Of its socket.
+    carrier : str
+        That it was registered with, usually tcp; ports take others, too.
+    """
+
+    name: str
+    host: str
+    port: int
+    carrier: str = "tcp"
+
+
+def query(name: str) -> list[Value]:
+    """Ask where a port is."""
+    return ["query", _checked(name)]
+
+
+def register(name: str, host: str, port: int) -> list[Value]:
+    """Say where a port is; `host` can be ``...``: as the name server sees us."""
+    return ["register", _checked(name), "tcp", host, port]
+
+
+def unregister(name: str) -> list[Value]:
+    """Say that a port is gone."""
+    return ["unregister", _checked(name)]
+
+
+def set_property(name: str, key: str, *values: str) -> list[Value]:
+    """Say what a port can do: `key` is ``offers`` or ``accepts``, the values are carriers."""
+    return ["set", _checked(name), key, *values]
+
+
+def _checked(name: str) -> str:
+    checked_name(name)
+    if not name.startswith("/"):
+        raise InputError(f"name of a port is {name!r}, expected one that begins with a slash")
+    return name
+
+
+def bytes_of_request(command: Sequence[Value], own: str) -> bytes:
+    """All bytes of a connection that asks one thing, from a party of the name `own`."""
+    return greeting(Carrier.TEXT, own) + message(Carrier.TEXT, "d", command)
+
+
+def registration_from_line(line: str) -> Registration | None:
+    """Where a port is, as a line of an answer says it; None if the line says something else."""
+    words = line.replace('"', "").split()
+    if (
+        len(words) < 9
+        or words[0] != "registration"
+        or words[1:8:2] != ["name", "ip", "port", "type"]
+    ):
+        return None
+    if not (words[6].isascii() and words[6].isdecimal() and 0 < int(words[6]) < 65536):
+        return None  # a port without a socket says "none"
+    return Registration(words[2], words[4], int(words[6]), words[8])
+
+
+class Answer:
+    """An answer of the name server, as it comes in.
+
+    Attributes
+    ----------
+    lines : list of str
+        Without the welcome and the end.
+    complete : bool
+    """
+
+    def __init__(self) -> None:
+        self._in = Lines(ANSWER_BYTES)
+        self.lines: list[str] = []
+        self.complete = False
+
+    def feed(self, data: bytes) -> bool:
+        """Take in what came; whether it is complete.
+
+        Raises
+        ------
+        InputError
+            If it is too long.
+        """
+        self._in.feed(data)
+        while not self.complete and (line := self._in.take()) is not None:
+            if line.startswith(END):
+                self.complete = True
+            elif len(self.lines) >= MOST_LINES:
+                raise InputError(f"answer has more than {MOST_LINES} lines, expected fewer")
+            elif not line.startswith("Welcome "):
+                self.lines.append(line)
+        return self.complete
+
+    @property
+    def registration(self) -> Registration | None:
+        """The first in it."""
+        found = (registration_from_line(line) for line in self.lines)
+        return next((each for each in found if each is not None), None)
+
+
+@dataclass(frozen=True)
+class NameServer:
+    """Where a name server is; each question is a connection of its own, and waits.
+
+    Parameters
+    ----------
+    host : str
+    port : int
+    patience : float, s
+        For a whole answer.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = PORT
+    patience: float = PATIENCE
+
+    def request(self, command: Sequence[Value], own: str) -> Answer:
+        """Send a command, and wait for the answer.
+
+        Raises
+        ------
+        InputError
+            If it does not answer in time, or what comes is no answer.
+        """
+        answer, end = Answer(), monotonic() + self.patience
+        with (
+            self._errors(),
+            socket.create_connection((self.host, self.port), self.patience) as link,
+        ):
+            link.sendall(bytes_of_request(command, own))
+            while not answer.complete:
+                link.settimeout(max(end - monotonic(), 1e-3))
+                data = link.recv(4096)
+                if not data:
+                    raise OSError("it closed the connection")
+                answer.feed(data)
+        return answer
+
+    @contextmanager
+    def _errors(self) -> Iterator[None]:
+        try:
+            yield
+        except (OSError, UnicodeError) as error:
+            raise InputError(
+                f"name server at {self.host}:{self.port} does not answer: {error}, expected a "
+                "running `yarp server`: see `yarp where`"
+            ) from None
