@@ -1,7 +1,7 @@
 """Set up and run skinfield from a fresh clone: needs Python 3.11 or newer, nothing else.
 
   python3 dev.py demo [ARGS]    simulate a press, reconstruct it, print a table, write demo.png
-  python3 dev.py test [ARGS]    run the tests; ARGS go to pytest: test tests/test_rooms.py -x
+  python3 dev.py test [ARGS]    run the tests; ARGS go to pytest: test tests/test_architecture.py -x
   python3 dev.py run ARGS       run any skinfield command: run --help
   python3 dev.py python ARGS    run Python with skinfield: python examples/quickstart.py
   python3 dev.py lint           look for mistakes and at the formatting (ruff)

@@ -175,8 +175,8 @@ def _fixed(value: float, decimals: int) -> str:
 def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
     """Indenter from its shape and `key=value` words, in mm, N and degrees.
 
-    Keys are those of `skinfield.lab.scenarios.indenters`; their units may be left out, so that `radius`
-    stands for `radius_mm`.
+    Keys are those of `skinfield.lab.scenarios.indenters`; their units may be left out, so that
+    `radius` stands for `radius_mm`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Solvers: from an observation model to an inverse operator, and the test whether anything touches."""
+"""Solvers: from an observation model to an inverse operator; and whether anything touches."""
 
 from skinfield.solve.contact_fit import ContactFit as ContactFit
 from skinfield.solve.gaussian_model import GaussianModel as GaussianModel

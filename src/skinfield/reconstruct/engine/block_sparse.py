@@ -28,7 +28,7 @@ class Atlas:
         Of all stamps; see `Tiles`. Each kind has one entry of `firsts` and `cells` more than
         tiles.
     table : (G, 10) int array
-        Where the parts of each kind are; see `skinfield.reconstruct.engine.block_sparse_kernel.products`.
+        Where the parts of each kind are; see `block_sparse_kernel.products`.
     dropped : float32 array
         Of all stamps: how far a product may be off, as part of the norm of a patch's readings.
     thresholds : (G,) float32 array

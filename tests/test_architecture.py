@@ -1,0 +1,201 @@
+"""Architecture: rooms, their imports, circles between files, and names, as one test each."""
+
+import ast
+import re
+import sys
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+import skinfield
+
+FLOORS = [  # top floor first; rooms of one floor never import each other
+    {"cli"},
+    {"page", "bridges"},
+    {"lab", "record", "emulator"},
+    {"loop"},
+    {"wire", "settings", "testing", "plot"},
+    {"files"},
+    {"reconstruct"},
+    {"design"},
+    {"solve"},
+    {"simulate"},
+    {"signal", "estimate"},
+    {"elastic", "ring"},
+    {"skin"},
+    {"errors", "compiled"},  # modules, not rooms: what everyone needs
+]
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+BASE = FLOORS[-1]
+ABOVE_CORE = {"cli", "page", "bridges", "lab", "record", "emulator", "loop"}
+CORE = {"numpy", "scipy", "numba"}
+ELSEWHERE = {  # third-party packages outside the core, and the rooms that may import them
+    "llvmlite": {"compiled", "solve"},  # the half of Numba that writes machine code
+    "rich": {"cli"},
+    "cyclopts": {"cli"},
+    "msgspec": {"settings"},
+    "tomli_w": {"settings", "lab"},
+    "threadpoolctl": {"cli"},
+    "matplotlib": {"plot", "lab"},
+    "mpl_toolkits": {"plot"},
+    "pyarrow": {"estimate", "files"},
+    "zarr": {"files"},
+    "xarray": {"estimate", "files"},  # the types that to_xarray and open_results return
+    "dask": {"files"},
+    "distributed": {"cli"},
+    "skfem": {"lab"},
+    "trimesh": {"files"},
+    "PIL": {"files"},
+    "can": {"wire"},
+    "serial": {"wire"},
+    "mcap": {"files"},
+    "zstandard": {"files"},
+    "lz4": {"files"},  # comes with mcap
+    "h5py": {"files"},
+    "rosbags": {"files", "bridges"},
+    "websockets": {"page"},
+    "xxhash": {"bridges"},
+    "zenoh": {"bridges"},
+    "rclpy": {"bridges"},  # comes with ROS 2, never from PyPI
+    "jinja2": {"lab"},
+    "pytest": {"testing"},  # the contracts are tests
+}
+ALLOWED = {
+    room: {package for package, rooms in ELSEWHERE.items() if room in rooms} for room in FLOOR
+}
+SAY_NOTHING = {  # words of speech and participles that do not say what a thing is
+    "told", "tells", "said", "kept", "given", "found", "shown", "beside", "asked", "done", "again",
+    "laid", "steady", "seen", "answered", "unanswered", "early",
+}  # fmt: skip
+NO_NOUN = re.compile(r"(What|How|Whether|Where|When|Who|Which|From|To|On|In|As|It|All|If|By)\b")
+ROOT = Path(skinfield.__file__).parent
+FILES = {
+    ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
+    for file in sorted(ROOT.rglob("*.py"))
+    if file != ROOT / "__init__.py"
+}
+
+
+@cache
+def tree_of(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(), str(file))
+
+
+def imports_of(file: Path) -> Iterator[tuple[int, str]]:
+    """Line and full name of whatever a file imports, nested and under TYPE_CHECKING, too."""
+    for node in ast.walk(tree_of(file)):
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{file}:{node.lineno} imports relatively"
+            yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+
+
+def module_of(name: str) -> str:
+    """Module of ours that a full name is in; empty for none."""
+    parts = name.split(".")[1:] if name.startswith("skinfield.") else []
+    for end in range(len(parts), 0, -1):
+        if (module := ".".join(parts[:end])) in FILES:
+            return module
+    return ""
+
+
+def wrong_imports(room: str, file: Path) -> list[str]:
+    """Imports that do not go down, or of packages that the room shall do without."""
+    wrong = []
+    for line, name in imports_of(file):
+        package, _, rest = name.partition(".")
+        target = rest.split(".")[0]
+        if package == "skinfield" and target in FLOOR:
+            if target != room and FLOOR[target] <= FLOOR[room]:
+                wrong.append(f"{file.name}:{line} {room} imports {target}")
+        elif package not in sys.stdlib_module_names | CORE | {"skinfield"} | ALLOWED[room]:
+            wrong.append(f"{file.name}:{line} {room} imports {package}")
+    return wrong
+
+
+def circles_of(arrows: Mapping[str, set[str]]) -> list[list[str]]:
+    """Circles of a graph: its strongly connected components of two nodes or more (Tarjan 1972)."""
+    number: dict[str, int] = {}
+    lowest: dict[str, int] = {}
+    open_nodes: list[str] = []
+    circles = []
+
+    def visit(node: str) -> None:
+        number[node] = lowest[node] = len(number)
+        open_nodes.append(node)
+        for other in sorted(arrows.get(node, ())):
+            if other not in number:
+                visit(other)
+                lowest[node] = min(lowest[node], lowest[other])
+            elif other in open_nodes:
+                lowest[node] = min(lowest[node], number[other])
+        if lowest[node] == number[node]:
+            start = open_nodes.index(node)
+            if len(open_nodes) - start > 1:
+                circles.append(sorted(open_nodes[start:]))
+            del open_nodes[start:]
+
+    for node in sorted(arrows):
+        if node not in number:
+            visit(node)
+    return circles
+
+
+def test_imports_only_go_down() -> None:
+    rooms = {module.split(".")[0] for module in FILES}
+    assert rooms == set(FLOOR), "every room has its floor in FLOORS, and no floor has ghosts"
+    assert len(rooms - BASE) <= 22
+    wrong = [
+        text for module, file in FILES.items() for text in wrong_imports(module.split(".")[0], file)
+    ]
+    assert not wrong, "\n".join(wrong)
+    highest = min(FLOOR[room] for room in rooms - ABOVE_CORE)
+    assert highest > max(FLOOR[room] for room in ABOVE_CORE), "core is below live and lab"
+
+
+def test_the_walk_sees_an_upward_arrow(tmp_path: Path) -> None:
+    file = tmp_path / "bad.py"
+    file.write_text("def f():\n    from skinfield.solve import Tikhonov\n    import cyclopts\n")
+    assert wrong_imports("skin", file) == [
+        "bad.py:2 skin imports solve",
+        "bad.py:3 skin imports cyclopts",
+    ]
+    assert not wrong_imports("cli", file)
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    arrows = defaultdict(set)
+    for module, file in FILES.items():
+        arrows[module] = {module_of(name) for _, name in imports_of(file)} - {module, ""}
+    assert circles_of({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == [["b", "c"]]
+    assert circles_of(arrows) == []
+
+
+def test_a_file_is_one_concept_of_at_most_600_lines() -> None:
+    lengths = {module: len(file.read_text().splitlines()) for module, file in FILES.items()}
+    assert {module: length for module, length in lengths.items() if length > 600} == {}
+    assert len(FILES) <= 450
+
+
+def test_module_docstrings_begin_with_what_one_would_search_for() -> None:
+    first = {
+        module: (ast.get_docstring(tree_of(file)) or "What?").splitlines()[0]
+        for module, file in FILES.items()
+    }
+    assert {module: text for module, text in first.items() if NO_NOUN.match(text)} == {}
+
+
+def test_names_say_what_things_are() -> None:
+    wrong = [module for module in FILES if module.split(".")[-1] in SAY_NOTHING]
+    for module, file in FILES.items():
+        for node in ast.walk(tree_of(file)):
+            names = []
+            if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+                names = [node.name]
+            if isinstance(node, ast.ClassDef):
+                fields = [part.target for part in node.body if isinstance(part, ast.AnnAssign)]
+                names += [field.id for field in fields if isinstance(field, ast.Name)]
+            wrong += [f"{module}.{n}" for n in names if n.strip("_").lower() in SAY_NOTHING]
+    assert not wrong
