@@ -29,9 +29,9 @@ class Anew:
     def __init__(self, solver: sf.GaussianField) -> None:
         self.solver = solver
 
-    def prepare(self, model: ObservationModel) -> sf.inverse.InverseOperator:
+    def prepare(self, model: ObservationModel) -> sf.solve.InverseOperator:
         known = self.solver.prepare(model)
-        return sf.inverse.InverseOperator(
+        return sf.solve.InverseOperator(
             known.matrix, known.pressure_std, known.posterior, known.model_error
         )
 

@@ -204,7 +204,7 @@ def on_cells(parts: list[tuple[Any, Pose]], grid: sf.Grid) -> Floats:
     return np.asarray(total.mean(axis=1))
 
 
-def mark(axes: Any, contact: sf.fields.Contact) -> None:
+def mark(axes: Any, contact: sf.estimate.Contact) -> None:
     """Draw a contact's outline, place, and the ellipse that holds the place with 90 %."""
     from matplotlib.patches import Ellipse
 

@@ -1,6 +1,6 @@
 /* Reads a running skin from C or C++: contacts in newtons and metres, cycle by cycle.
  *
- *   cc -O2 -I"$(python -c 'import skinfield.live as live; print(live.include_folder())')" own.c
+ *   cc -O2 -I"$(python -c 'import skinfield.loop as loop; print(loop.include_folder())')" own.c
  *
  * Version 2 of what `skinfield run` publishes, on top of skinfield_ring.h, which copies whole slots
  * and reads the log. Nothing here allocates, waits for the engine or can disturb it. All numbers
