@@ -58,7 +58,7 @@ class Prefetch:
 
     def __call__(self) -> None:
         """Do it, if there is time before the next cycle."""
-        if not self._clock.early(int(self._lead)):
+        if not self._clock.wake_before(int(self._lead)):
             return
         start = time.monotonic_ns()
         self._work()
@@ -354,7 +354,7 @@ class EngineProcess:
             self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
         else:
             self.waiter = clock = PeriodicClock(int(settings.period * 1e9))
-            if settings.early and granted.real_time:
+            if settings.prefetch and granted.real_time:
                 self.prefetch = Prefetch(clock, self._prefetch)
         self.ring.set_state(State.RUNNING)
 

@@ -37,10 +37,7 @@ class Head(IntEnum):
 
 PATCH = np.dtype(
     [
-        (
-            "answer",
-            "<i4",
-        ),  # as `skinfield.reconstruct.engine.state.Answer`: 0 missing, 1 idle, 2 linear, 3 searched
+        ("answer", "<i4"),  # of `Answer`: 0 missing, 1 idle, 2 linear, 3 searched
         ("rung", "<i4"),  # nodes along the sides of the grid; 0: none
         ("fresh", "<i4"),  # taxels read since the cycle before; 0: the answer is an earlier one
         ("invalid", "<i4"),  # taxels that were left out
