@@ -196,7 +196,7 @@ def test_it_ends_with_its_parent() -> None:
         "from live_skins import settings\n"
         "from skinfield.loop.supervisor import Supervisor\n"
         f"supervisor = Supervisor(settings(name={name!r})).__enter__()\n"
-        "supervisor.wait(120.0); print(supervisor._child.pid, flush=True); time.sleep(600)\n"
+        "supervisor.wait(120.0); print(supervisor.child.pid, flush=True); time.sleep(600)\n"
     )
     folder = str(Path(__file__).parent)
     child = subprocess.Popen([sys.executable, "-c", code, folder], stdout=subprocess.PIPE)
