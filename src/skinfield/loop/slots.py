@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.estimate.live_contacts import CONTACT
+from skinfield.estimate.live_contacts import CONTACT as CONTACT
 from skinfield.files.mcap.schema import Cycle as Recorded
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.reconstruct.engine.state import Answer
