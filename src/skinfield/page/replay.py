@@ -12,15 +12,15 @@ from typing import Any, Self
 import numpy as np
 
 from skinfield.errors import FileError, InputError, SkinfieldError, check_range
+from skinfield.files.mcap.records import MAGIC
 from skinfield.files.mcap.schema import Cycle
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime import Timing, TimingTable
-from skinfield.loop.slots import Slot
+from skinfield.loop.slots import Slot, say_nothing
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import Status, contacts_of
+from skinfield.loop.status import Status, contacts_of, patch_rows
 from skinfield.page.controller import Controller
 from skinfield.page.source import EngineView, merged_view
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.record.replay import Moment, Replay, ReplayFit
 from skinfield.skin import Skin
 
@@ -31,7 +31,6 @@ ENDS = 10.0  # s for the thread to end
 BACK = 20  # cycles that a new reading is shown for, at the least: its times are those of an answer
 MARKS = 250_000_000  # ns between counts of what was
 RECENT = 1.0  # s that the status calls the last
-MISSING = int(Answer.MISSING)
 
 
 class Clock:
@@ -177,14 +176,6 @@ class Display:
                 _copy(each.slot, self._slot)
             self._count(each.cycle, each.fresh)
 
-    def _miss(self) -> None:
-        """All patches are missing."""
-        slot = self._slot
-        slot.patches[:] = np.zeros(1, slot.patches.dtype)
-        slot.patches["answer"], slot.patches["gap"] = MISSING, np.nan
-        slot.head[:] = 0
-        slot.counts[:], slot.values[:], slot.valid[:] = np.nan, 0.0, 0
-
     def _count(self, recorded: Cycle, fresh: bool) -> None:
         latency = -1
         if fresh:
@@ -208,7 +199,8 @@ class Display:
     def lose(self) -> None:
         """Nothing can be shown any more."""
         with self._lock:
-            self._miss()
+            say_nothing(self._slot, 0)
+            self._slot.counts[:] = np.nan
             self._snapshot = None
 
     def snapshot(self) -> Snapshot | None:
@@ -247,7 +239,7 @@ class Display:
             rate=lately.cycles / seconds,
             sources={},
             sources_lately={},
-            patches=[] if found is None else _patches(found, names),
+            patches=[] if found is None else patch_rows(names, found.patches, self._wall_ns),
             contacts=[] if found is None else contacts_of(names, found.slot),
             notes=notes,
             beside={},
@@ -259,27 +251,6 @@ class Display:
 def _copy(source: Slot, target: Slot) -> None:
     for part in fields(Slot):
         np.copyto(getattr(target, part.name), getattr(source, part.name))
-
-
-def _patches(found: Snapshot, names: list[str]) -> list[dict[str, Any]]:
-    """Of each patch what a running skin's status tells."""
-    rows, ages = [], found.ages()
-    for name, row in zip(names, found.patches, strict=True):
-        missing = int(row["answer"]) == MISSING
-        rows.append(
-            {
-                "name": name,
-                "answer": Answer(int(row["answer"])).name.lower(),
-                "age": ages[name] if np.isfinite(ages[name]) else None,
-                "stale": missing,
-                "force": float(row["force"]),
-                "contacts": int(row["contacts"]),
-                "invalid": int(row["invalid"]),
-                "rung": int(row["rung"]),
-                "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
-            }
-        )
-    return rows
 
 
 class ReplaySource:
@@ -507,32 +478,17 @@ def opened(path: Path) -> Replay:
     FileError
         If there is nothing to be shown; it says what else can be done with the file.
     """
-    if not _is_other(path):
-        return Replay(path)
-    raise FileError(
-        f"{path} is a recording of counts alone, expected one of a live skin, as `skinfield "
-        "record` writes it: `skinfield reconstruct` makes contacts and fields of this one"
-    )
-
-
-def _is_other(path: Path) -> bool:
-    """Whether it is a recording of another kind, of those that can be read."""
-    from skinfield.files.mcap.records import MAGIC
-    from skinfield.files.recordings import stream_recording
-
     try:
         with path.open("rb") as file:
-            if file.read(len(MAGIC)) == MAGIC:
-                return False
-    except IsADirectoryError:
-        pass
-    except (OSError, ValueError):
-        return False
-    try:
-        stream_recording(path)
-    except SkinfieldError:
-        return False
-    return True
+            good = file.read(len(MAGIC)) == MAGIC
+    except OSError:  # what opens it says why
+        good = True
+    if good:
+        return Replay(path)
+    raise FileError(
+        f"{path} is no recording of a live skin, expected one, as `skinfield record` writes it: "
+        "`skinfield reconstruct` makes contacts and fields of counts alone"
+    )
 
 
 class ReplayController(Controller):
