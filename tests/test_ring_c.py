@@ -13,7 +13,6 @@ from ring_scenes import SLOT, bytes_of, own_name, worker, write
 from ring_worker import LOG_BYTES, SLOTS
 
 from skinfield.ring import Field, Ring, RingReader, State, include_folder
-from skinfield.ring import layout as header
 
 HERE = Path(__file__).resolve().parent
 EXAMPLE = HERE.parent / "examples" / "c" / "ring_watch.c"
@@ -184,10 +183,3 @@ def test_python_runs(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_c_is_the_example() -> None:  # which test_ring_c compiles and runs
     assert snippet("c") == (ROOT / "examples" / "c" / "ring_watch.c").read_text()
-
-
-def test_layout_is_that_of_the_code() -> None:
-    rows = re.findall(r"^(\d+) +(\d+|\.\.\.) +(.+)$", header.__doc__ or "", re.MULTILINE)
-    assert len(rows) > 30
-    for offset, size, what in rows:
-        assert f"| {offset} | {size} | {what.replace('``', '`')} |" in PAGE

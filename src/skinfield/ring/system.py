@@ -149,11 +149,3 @@ def signal(address: int) -> Futex | Polling:
     """What to wake and to wait with on this machine."""
     number = FUTEX.get(machine())
     return Polling() if number is None else Futex(address, number)
-
-
-def notes(used: Futex | Polling) -> tuple[str, ...]:
-    """Say what this machine lacks."""
-    if isinstance(used, Futex):
-        return ()
-    often = f"{POLL * 1e6:g} µs"
-    return (f"This system has no futex that processes share: readers look every {often}.",)
