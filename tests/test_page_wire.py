@@ -92,6 +92,6 @@ def test_a_place_of_the_picture_is_one_of_the_plane(kind) -> None:
     placed = PlacedPatch(source, 0, patch, pose)
     grid = Grid.square(patch, 23)  # none of its nodes is one of the fine grid's, but the corners
     for node in np.flatnonzero(grid.covered)[::17]:
-        shown = placed.shown(grid.positions[node][None])[0]
+        shown = placed.in_scene(grid.positions[node][None])[0]
         x, y = placed.plane_of(shown)
         assert_allclose((x, y), grid.plane[node], atol=2e-5)

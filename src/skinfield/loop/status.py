@@ -66,7 +66,7 @@ class Status:
     contacts : list of dict
     notes : dict
         What the engine says in words: phase, what was granted, how the baseline was taken.
-    beside : dict
+    sidecars : dict
         Of the supervisor and the recorder, where there are any.
     memory : dict
         Of the engine's process: resident bytes.
@@ -87,7 +87,7 @@ class Status:
     patches: list[dict[str, Any]]
     contacts: list[dict[str, Any]]
     notes: dict[str, Any]
-    beside: dict[str, Any]
+    sidecars: dict[str, Any]
     memory: dict[str, int]
     tuning: dict[str, Any]
 
@@ -98,12 +98,10 @@ class Status:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON; times in µs."""
-        plain = {key: value for key, value in vars(self).items() if key not in ("since", "lately")}
-        return plain | {
-            "since_start": self.since.as_dict(),
-            "lately": self.lately.as_dict(),
-            "lost": self.lost,
-        }
+        plain = dict(vars(self))
+        since, lately = plain.pop("since").as_dict(), plain.pop("lately").as_dict()
+        beside = {"beside": plain.pop("sidecars")}
+        return plain | beside | {"since_start": since, "lately": lately, "lost": self.lost}
 
 
 class Observer:
@@ -175,7 +173,7 @@ class Observer:
             patches=[] if slot is None else self._patches(slot),
             contacts=[] if slot is None else contacts_of(told["patches"], slot),
             notes=read_notes(reader.status_view["notes"]) or {},
-            beside={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
+            sidecars={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
             tuning=_tuning(reader),
         )

@@ -168,7 +168,7 @@ class RuntimeFilters:
             self._at_ns,
         )
 
-    def told(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
+    def strong(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
         """Drop a patch's contacts below the threshold; how many are left."""
         return int(self._drop_weak(rows, words[patch], CONTACT_WORDS, count, self.threshold))
 
@@ -339,7 +339,7 @@ class Updater:
             if self.filters.watches:
                 self.filters.attend()
             self.engine.run(self._values, self._given, budget=budget)
-        self._answered(now_ns)
+        self._take_answers(now_ns)
         head[Head.CONTACTS] = self._sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
         self._publish(channels, slot)
         return fresh > 0
@@ -372,7 +372,7 @@ class Updater:
             )
         )
 
-    def _answered(self, now_ns: int) -> None:
+    def _take_answers(self, now_ns: int) -> None:
         """Keep the answers of the patches with a new reading, and drop what is too old."""
         results, kept = self.engine.results, self._kept
         count = self._take_over(
@@ -395,7 +395,7 @@ class Updater:
             found = self._publisher.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
             if self.filters.threshold:
-                count = self.filters.told(patch, rows, self._kept_words, count)
+                count = self.filters.strong(patch, rows, self._kept_words, count)
             kept.patches["contacts"][patch] = count
 
     def _publish(self, channels: Channels, slot: Slot) -> None:

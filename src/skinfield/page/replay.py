@@ -242,7 +242,7 @@ class Display:
             patches=[] if found is None else patch_rows(names, found.patches, self._wall_ns),
             contacts=[] if found is None else contacts_of(names, found.slot),
             notes=notes,
-            beside={},
+            sidecars={},
             memory={},
             tuning={},
         )

@@ -288,9 +288,9 @@ class Updates:
             rows.append(contact_of(row, number, by) | {
                 "old": its.old,
                 "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
-                "position": plain(each.shown(row["position"][None])[0]),
+                "position": plain(each.in_scene(row["position"][None])[0]),
                 "normal": plain(each.turned(row["normal"][None])[0]),
-                "outline": np.round(each.shown(border), 6).tolist(),
+                "outline": np.round(each.in_scene(border), 6).tolist(),
             })  # fmt: skip
         return rows
 
@@ -304,7 +304,7 @@ class Updates:
             names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
             return {name: press[name] for name in names} | {
                 "patch": number,
-                "position": plain(each.shown(surface.position_from_plane(plane))[0]),
+                "position": plain(each.in_scene(surface.position_from_plane(plane))[0]),
                 "normal": plain(each.turned(normal)[0]),
             }
         return None

@@ -129,7 +129,7 @@ def _patches(status: Status) -> Iterator[Row]:
 
 
 def _recorder(status: Status) -> Iterator[Row]:
-    told = status.beside.get("recorder")
+    told = status.sidecars.get("recorder")
     if not isinstance(told, dict):
         return
     lost = sum(int(told.get(f"{why}_bytes", 0)) for why in ("overrun", "dropped"))
@@ -263,7 +263,7 @@ class Pace:
         """What may be done now."""
         return [what for what, when in self._next.items() if when <= now]
 
-    def done(self, what: str, now: float) -> None:
+    def mark(self, what: str, now: float) -> None:
         """It was done: the next is due on the beat, but what was missed is not made up for."""
         every, when = self._every[what], self._next[what]
         self._next[what] = (when if now < when + every else now) + every
@@ -325,11 +325,11 @@ class Talker:
             if self._live.reader.replaced():
                 raise NotRunning(f"{self._live.name!r} was started anew: connect again")
             self._send(self._speaker.of_status(self._health.look(), time.time_ns()))
-            self.pace.done("diagnostics", now)
+            self.pace.mark("diagnostics", now)
         wanted = [what for what in due if what != "diagnostics"]
         if self._live.state != State.RUNNING:
             for what in wanted:
-                self.pace.done(what, now)
+                self.pace.mark(what, now)
         elif wanted:
             self._look(0.0)
             left = self._say(wanted)
@@ -362,5 +362,5 @@ class Talker:
                 continue
             for out in self._speaker.of_snapshot(self._newest, (what,), self._fit):
                 self._send(out)
-            self.pace.done(what, time.monotonic())
+            self.pace.mark(what, time.monotonic())
         return left

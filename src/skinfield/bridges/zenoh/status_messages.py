@@ -91,7 +91,7 @@ class StatusMessage(Struct):
     patches: list[PatchStatus] = []
     contacts: list[ContactMessage] = []
     notes: _Object = {}
-    beside: _Object = {}
+    sidecars: _Object = field(default_factory=dict, name="beside")
     memory: dict[str, Whole] = {}
     tuning: _Object = {}
     since_start: TimingStatus = field(default_factory=TimingStatus)
