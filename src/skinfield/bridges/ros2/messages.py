@@ -22,7 +22,6 @@ from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages, of_conta
 from skinfield.files.ros.names import Topics
 from skinfield.loop.client import Live, NotRunning
 from skinfield.loop.fit_ring import FitReader, best_contacts
-from skinfield.loop.slots import Slot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer, Status
 from skinfield.reconstruct.engine.state import Answer
@@ -296,10 +295,6 @@ class Talker:
         self.pace = Pace(rates)
         self._health = Observer(live.reader, window=1.0)
         self._fit = FitReader(live.name)
-        self._room = live.reader.slot()  # looked at before a cycle is worth a copy of its own
-        self._looked = Slot.of(self._room.arrays)
-        self._stamps = np.zeros(len(live.skin), np.int64)
-        self._seen = 0
         self._newest: Snapshot | None = None
 
     def close(self) -> None:
@@ -339,17 +334,15 @@ class Talker:
     def _look(self, timeout: float) -> bool:
         """Wait for a reading that is newer than the last one."""
         end = time.monotonic() + timeout
-        reader = self._live.reader
-        while reader.wait(self._seen, max(end - time.monotonic(), 0.0)) > self._seen:
-            copied = reader.latest(self._room)
-            if copied is None:
-                return False
-            self._seen, stamps = copied.number, self._looked.patches["stamp_ns"]
-            if not np.array_equal(stamps, self._stamps):
-                self._stamps[:] = stamps
-                self._newest = self._live.latest()
+        while True:
+            found = self._live.next_answered()
+            if found is not None and found.fresh:
+                self._newest = found
                 return True
-        return False
+            left = end - time.monotonic()
+            if left <= 0.0:
+                return False
+            self._live.reader.wait(self._live.reader.number, left)
 
     def _say(self, wanted: list[str]) -> list[str]:
         """Send what is new of `wanted`; the rest."""
