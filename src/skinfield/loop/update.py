@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, Ints, check_shape, check_type
+from skinfield.errors import Floats, Ints, check_shape, check_type
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.baseline import quantity_scale
 from skinfield.loop.binding import Binding
@@ -126,19 +126,9 @@ class RuntimeFilters:
         self.watches = False
 
     def tune(self, tuning: Tuning) -> None:
-        """Go by this from now on.
-
-        Raises
-        ------
-        InputError
-            If there is no such grid or patch.
-        """
+        """Go by this, which `Limits.check` has passed, from now on."""
         engine, focus, window = self._engine, tuning.focus, None
-        if tuning.resolution != AUTO and tuning.resolution not in engine.rungs:
-            raise InputError(f"resolution is {tuning.resolution}, expected one of {engine.rungs}")
         if focus is not None:
-            if focus.patch not in engine.names:
-                raise InputError(f"focus is on {focus.patch!r}, expected one of {engine.names}")
             window = (engine.names.index(focus.patch), *focus.low, *focus.high)
         if tuning.smoothing == 0.0:
             self.forget()
