@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from live_skins import settings
+from live_skins import settings, skin_ring
 from numpy.testing import assert_array_equal
 
 from skinfield.errors import InputError
@@ -23,20 +23,14 @@ from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import Ring
-from skinfield.signal import Port
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
 
 @pytest.fixture
 def ring() -> Iterator[Ring]:
-    made = settings()
-    found, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", 72),)))
-    try:
-        with found:
-            yield found
-    finally:
-        Ring.remove(made.name)
+    with skin_ring() as found:
+        yield found
 
 
 def publish(ring: Ring, *forces: float, fresh: int = 1) -> int:
