@@ -12,8 +12,6 @@ from typing import Any, Self
 import numpy as np
 
 from skinfield.errors import FileError, InputError, SkinfieldError, check_range
-from skinfield.files.mcap.records import MAGIC
-from skinfield.files.mcap.schema import Cycle
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime import Timing, TimingTable
 from skinfield.loop.slots import Slot, say_nothing
@@ -174,11 +172,11 @@ class Display:
                 self._since, self._snapshot = 0, None
                 self._number, self._wall_ns = each.cycle.number, each.cycle.wall_ns
                 _copy(each.slot, self._slot)
-            self._count(each.cycle, each.fresh)
+            self._count(each)
 
-    def _count(self, recorded: Cycle, fresh: bool) -> None:
-        latency = -1
-        if fresh:
+    def _count(self, each: Moment) -> None:
+        recorded, latency = each.cycle, -1
+        if each.fresh:
             stamp = int(recorded.patches["stamp_ns"].max(initial=0))
             latency = max(recorded.wall_ns + recorded.done_ns - recorded.wake_ns - stamp, 0)
         done = recorded.done_ns
@@ -479,16 +477,11 @@ def opened(path: Path) -> Replay:
         If there is nothing to be shown; it says what else can be done with the file.
     """
     try:
-        with path.open("rb") as file:
-            good = file.read(len(MAGIC)) == MAGIC
-    except OSError:  # what opens it says why
-        good = True
-    if good:
         return Replay(path)
-    raise FileError(
-        f"{path} is no recording of a live skin, expected one, as `skinfield record` writes it: "
-        "`skinfield reconstruct` makes contacts and fields of counts alone"
-    )
+    except FileError as error:
+        raise FileError(
+            f"{error}; of a recording of counts alone `skinfield reconstruct` makes contacts"
+        ) from error
 
 
 class ReplayController(Controller):

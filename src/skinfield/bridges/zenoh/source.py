@@ -56,7 +56,6 @@ class ReceivedEstimate:
 
     head: EstimateHead
     payload: Any
-    received_ns: int
     monotonic: float
     excess: float  # s that it took longer than the fastest lately
 
@@ -167,7 +166,7 @@ class ZenohSource:
             return
         with self._news:
             excess = self._delay.excess((now - head.sent_ns) * 1e-9, monotonic)
-            self._received = ReceivedEstimate(head, payload, now, monotonic, excess)
+            self._received = ReceivedEstimate(head, payload, monotonic, excess)
             self._heard, self._wanted = monotonic, (head.tares, head.generation)
             self.counts.received += 1
             self.counts.octets += size
