@@ -1,4 +1,4 @@
-"""A running skin from another program: `with skinfield.connect() as live`."""
+"""Client of a running skin: `with skinfield.connect() as live`."""
 
 import time
 from collections.abc import Iterator, Mapping

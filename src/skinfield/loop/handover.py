@@ -1,4 +1,4 @@
-"""A running skin changes to another engine: the next one prepares itself beside the first."""
+"""Handover between two engines of a running skin: the next prepares itself beside the first."""
 
 import contextlib
 import os

@@ -1,4 +1,4 @@
-"""All sources of an engine: polled, logged and applied, whatever happens to one of them."""
+"""Intake of readings: all sources of an engine, polled, logged and applied."""
 
 import contextlib
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""What a live skin is made of; everything that its engine process needs to know."""
+"""Settings of a live skin: everything that its engine process needs to know."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

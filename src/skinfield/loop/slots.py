@@ -1,4 +1,4 @@
-"""What a slot of the ring holds: one cycle, with everything that a reader may want of it."""
+"""Slot of a live skin's ring: one cycle, with everything that a reader may want of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Head(IntEnum):
 
 PATCH = np.dtype(
     [
-        ("answer", "<i4"),  # of `Answer`: 0 missing, 1 idle, 2 linear, 3 searched
+        ("answer", "<i4"),  # an `Answer`: 0 missing, 1 idle, 2 linear, 3 searched
         ("rung", "<i4"),  # nodes along the sides of the grid; 0: none
         ("fresh", "<i4"),  # taxels read since the cycle before; 0: the answer is an earlier one
         ("invalid", "<i4"),  # taxels that were left out

@@ -1,4 +1,4 @@
-"""One cycle of a running skin, as its readers get it."""
+"""Snapshot of a running skin: one cycle, as its readers get it."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a running skin says of itself: state, times, sources, patches, as plain numbers."""
+"""Status of a running skin: state, times, sources, patches, as plain numbers."""
 
 import json
 import time

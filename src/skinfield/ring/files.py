@@ -1,4 +1,4 @@
-"""Where rings lie, and who writes them.
+"""Files of rings: where they lie, and who writes them.
 
 A ring is a file ``skinfield.NAME`` in memory. Its writer holds a lock on it (flock) from before the
 file has that name until it ends, whichever way it ends: so it is certain whether a ring has a

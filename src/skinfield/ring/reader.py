@@ -1,4 +1,4 @@
-"""Readers of a ring in shared memory, which never disturb its writer, and the rings there are."""
+"""Reader of a ring in shared memory, which never disturbs its writer, and the rings there are."""
 
 import contextlib
 import os

@@ -1,4 +1,4 @@
-"""What the operating system and the processor are needed for: to wake, and to keep the order.
+"""Futex and memory fences: what a ring needs of operating system and processor.
 
 Order. A lock around a slot, without waiting, needs that others see stores in the order in which
 they were made, and that loads are made in theirs. On x86-64 both hold for ordinary memory without

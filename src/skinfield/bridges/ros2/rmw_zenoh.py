@@ -1,4 +1,4 @@
-"""How rmw_zenoh, ROS 2's middleware over zenoh, names and wraps what it sends.
+"""Names and attachments of rmw_zenoh, ROS 2's middleware over zenoh.
 
 Notes
 -----

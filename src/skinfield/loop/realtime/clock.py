@@ -1,4 +1,4 @@
-"""Waiting for the next cycle: a periodic clock, and events on file descriptors."""
+"""Clocks of a real-time loop: a periodic one, and one that waits for file descriptors."""
 
 import select
 import time
