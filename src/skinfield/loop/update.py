@@ -57,35 +57,19 @@ def _beyond_rest(board: Convention) -> float:
     return -board.direction * (unloaded - board.rest)
 
 
-class ContactPublisher(SkinContacts):
-    """The contacts of every patch, which can go on from what was published of them.
+def go_on_from(slot: Slot, contacts: SkinContacts) -> None:
+    """Have contacts go on from a cycle as it was published, and know nothing else.
 
-    Parameters
-    ----------
-    engine : Engine
-    rows : int
-        Contacts per patch, at most.
-    tracks : (1,) int64 array
-        Contacts numbered so far.
+    A replay that begins in the middle has no more than that.
     """
-
-    def __init__(self, engine: Engine, rows: int, tracks: Ints) -> None:
-        super().__init__(engine, rows=rows, ids=tracks)
-
-    def resume(self, kept: Slot) -> None:
-        """Go on from the contacts of a cycle as it was published, and know nothing else.
-
-        A replay that begins in the middle has no more than that.
-        """
-        self.reset()
-        for row, contacts, memory in zip(kept.patches, kept.contacts, self.memory, strict=True):
-            count = int(row["contacts"])
-            told = contacts[:count]
-            for name in ("track", "x", "y"):
-                memory[name][:count] = told[name]
-            memory["last_ns"][:count] = row["stamp_ns"]
-            ages = np.rint(told["age"] * 1e9).astype(np.int64)
-            memory["first_ns"][:count] = row["stamp_ns"] - ages
+    contacts.reset()
+    for row, its, memory in zip(slot.patches, slot.contacts, contacts.memory, strict=True):
+        count = int(row["contacts"])
+        for name in ("track", "x", "y"):
+            memory[name][:count] = its[name][:count]
+        memory["last_ns"][:count] = row["stamp_ns"]
+        ages = np.rint(its["age"][:count] * 1e9).astype(np.int64)
+        memory["first_ns"][:count] = row["stamp_ns"] - ages
 
 
 CONTACT_WORDS = CONTACT.itemsize // 8
@@ -242,7 +226,7 @@ class Updater:
         self._kept = Slot.empty(self.sizes)
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
-        self._publisher = ContactPublisher(self.engine, model_config.rows, self.tracks)
+        self._contacts = SkinContacts(self.engine, rows=model_config.rows, ids=self.tracks)
         self.filters = RuntimeFilters(self.engine, binding, stale_ns, self._kept)
         self.calibrate(calibration)
         self._rehearse()
@@ -276,8 +260,8 @@ class Updater:
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
-        self.tracks = self._publisher.ids = tracks
-        for each in self._publisher.patches:
+        self.tracks = self._contacts.ids = tracks
+        for each in self._contacts.patches:
             each.ids = tracks
 
     def resume(self, slot: Slot) -> None:
@@ -318,7 +302,7 @@ class Updater:
         """
         if reset:
             self.engine.reset()
-            self._publisher.resume(self._kept)
+            go_on_from(self._kept, self._contacts)
         fresh = self._take(channels, now_ns)
         head, kept = slot.head, self._kept
         head[Head.FLAGS] = 0
@@ -382,7 +366,7 @@ class Updater:
         for patch in self._touched[:count].tolist():
             pressure, rows = results.pressure_of(patch), kept.contacts[patch]
             kept.pressure[patch, : len(pressure)] = pressure
-            found = self._publisher.find(patch, int(self._newest[patch]), rows)
+            found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
             if self.filters.threshold:
                 count = self.filters.strong(patch, rows, self._kept_words, count)
@@ -425,7 +409,7 @@ class Updater:
         self.engine.reset()
         self.filters.forget()
         self._kept.patches[:] = np.zeros(1, PATCH)
-        self._publisher.resume(self._kept)
+        go_on_from(self._kept, self._contacts)
         self.tracks[0] = 0
 
 
