@@ -11,9 +11,13 @@ from urllib.request import urlopen
 
 import pytest
 from browser import ENDS, PATIENCE, Look, Served, looking, pictures, running_browser, served
-from live_skins import unique_name, wait_for
+from live_skins import unique_name
 from page_gestures import Hand
+from page_sources import StillSource
 from replay_sample import PERIOD, Known, write
+
+from skinfield.page import serve_page
+from skinfield.settings import PageSettings
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 TOKEN = "a-long-enough-secret"
@@ -132,7 +136,7 @@ def test_a_curved_skin_is_pressed_and_its_page_connects_again(folder: Path, brow
         with looking(browser) as look:
             look.open(running.address)
             curved(look, folder)
-            reconnects(look, running, words, folder)
+            reconnects(look, running, folder)
 
 
 def curved(look: Look, folder: Path) -> None:
@@ -150,21 +154,19 @@ def curved(look: Look, folder: Path) -> None:
     assert look.wrong == []
 
 
-def reconnects(look: Look, running: Served, words: tuple[str, ...], folder: Path) -> None:
-    """The page goes on by itself when its server is there again."""
-    port = running.port
+def reconnects(look: Look, running: Served, folder: Path) -> None:
+    """The page goes on by itself when a server is there again."""
+    source, port = StillSource(), running.port
+    source.read(1.0)
     running.kill()
     look.until("!skinfield.socket.open")
     look.until("document.querySelector('#status-line').textContent.includes('lost')")
     look.shoot(pictures(folder), "connection-lost")
     look.value("skinfield.state.lastUpdate = null")
-    wait_for(lambda: not Path(f"/proc/{running.process.pid}").exists(), ENDS)
-    with served(*words, folder=folder, port=port) as again:
-        again.wait_running()
+    with serve_page(PageSettings(port=port), lambda: (source,)):
         look.until("skinfield.socket.open && skinfield.state.lastUpdate !== null")
         assert look.value("skinfield.state.connections") == 2
         look.until("skinfield.state.status.state === 'running'")
-        Hand(look).click(0.0, 0.0)
         look.wait_rows(lambda rows: len(rows) == 1)
 
 
