@@ -140,9 +140,7 @@ def measured(load: str = "skin") -> Jitter:
         due = cycle * 1_000_000
         wake = due + 12_000
         table.add(due, wake, wake + 9_000, wake + 80_000, wake + 82_000, 90_000)
-    granted = RealTimeStatus(
-        "SCHED_FIFO", 80, 1, False, "locked", True, True, 1, True, "Linux 6", (), ()
-    )
+    granted = RealTimeStatus("SCHED_FIFO", 80, 1, False, "locked", True, "Linux 6")
     paired = Quantiles(10e-6, 10e-6, 10e-6, 11e-6, 10e-6, 1000)
     company = Company(0.1, 2.0, 0.0, 0.0)
     late = np.array([12e-6]), np.array([0.0])
