@@ -91,7 +91,7 @@ def said(before: Status, now: Status, worst: dict[str, Any]) -> list[str]:
         lines.append(f"patch missing, newest reading up to {worst['age'] * 1e3:.0f} ms old")
     if worst["states"] - {"running"}:
         lines.append("state " + ", ".join(sorted(worst["states"] - {"running"})))
-    recorder = now.beside.get("recorder") or {}
+    recorder = now.sidecars.get("recorder") or {}
     if recorder.get("silent"):
         lines.append("recorder silent")
     late = now.since.late - before.since.late

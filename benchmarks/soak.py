@@ -151,7 +151,7 @@ def soak(minutes: float, rate: float, file: Path, port: int, console: Console) -
             "readers": said,
             "cycles": found.since.cycles,
             "since_start": found.since.as_dict(),
-            "recorder": found.beside.get("recorder"),
+            "recorder": found.sidecars.get("recorder"),
             "memory_mb": memory,
             "cyclictest_us": None if lateness is None else lateness.quantiles().as_micros(),
             "granted": granted,

@@ -15,7 +15,6 @@ from skinfield.page.http import HttpApi, PageSettings
 from skinfield.page.page_state import PageState
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.session import flag, number, press_of, text
-from skinfield.page.wire import unpacked
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -31,14 +30,11 @@ SEEDS = [
     b'{"id": "a", "patch": 0, "position": [0.01, 0, 0], "force": 1, "radius": 0.004}',
     b'{"id": "a", "patch": 0, "position": [1e308, -1e308, 1e400], "shape": "ball"}',
     b'{"what": "seek", "value": NaN, "on": true, "do": [[]]}',
-    b'SKF1\x20\x00\x00\x00{"arrays":[{"type":"u8","at":-1,"length":9e9,"name":""}]}',
 ]
 
 
 def one_input(data: bytes) -> None:
-    """Take bytes as a message of either side."""
-    with contextlib.suppress(ValueError, RecursionError):
-        unpacked(data)
+    """Take bytes as a request, and as a command."""
     answer_request(data)
     try:
         given = json.loads(data)

@@ -13,11 +13,10 @@ from skinfield.bridges.zenoh.messages import (
     Plan,
     contacts_from,
     described,
-    object_of,
     strict_json,
 )
 from skinfield.bridges.zenoh.session import Part
-from skinfield.bridges.zenoh.status_messages import blank_status, checked_status, contact_plain
+from skinfield.bridges.zenoh.status_messages import blank_status, contact_plain, status_from
 from skinfield.elastic import BondedLayer, Capacitance
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
@@ -121,7 +120,7 @@ def read_calibration(data: bytes) -> None:
 
 def read_status(data: bytes) -> None:
     """Status: afterwards it has every member, and can be shown."""
-    status = checked_status(object_of(data, 1 << 20), MODEL_CONFIG.skin)
+    status = status_from(data, MODEL_CONFIG.skin)
     assert status.keys() == blank_status("", MODEL_CONFIG.skin).keys()
     json.dumps(status, allow_nan=False)
 

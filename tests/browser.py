@@ -226,6 +226,16 @@ class Look:
             self.page.wait_for_timeout(60)
         raise AssertionError(f"the contacts did not become so: {rows}")
 
+    def seek(self, t_s: float) -> None:
+        """Move the time bar of a recording, which has steps, and wait until it is there."""
+        self.at("time-bar").evaluate(
+            """(bar, t) => { bar.value = t;
+            bar.dispatchEvent(new Event('input', { bubbles: true }));
+            bar.dispatchEvent(new Event('change', { bubbles: true })); }""",
+            t_s,
+        )
+        self.until("(t) => Math.abs(skinfield.state.lastUpdate.time_s - t) < 0.021", t_s)
+
     def shoot(self, folder: Path, name: str) -> None:
         """Keep a picture."""
         self.page.screenshot(path=str(folder / f"{name}.png"))

@@ -1,5 +1,7 @@
 """Feeds and desks in memory, for tests of the page's server."""
 
+import json
+import struct
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,6 +16,20 @@ from skinfield.loop.snapshot import Snapshot
 from skinfield.page.controller import Controller, Press
 from skinfield.signal import Blocks, Channels, Kind
 from skinfield.skin import Skin
+
+
+def unpacked(message: bytes) -> tuple[dict[str, Any], list[np.ndarray]]:
+    """Head and arrays of a binary message, as the page reads it."""
+    magic, size = struct.unpack_from("<4sI", message)
+    assert magic == b"SKF1"
+    head, start = json.loads(message[8 : 8 + size]), 8 + size
+    assert start % 8 == 0
+    kinds = {"u8": "<u1", "u16": "<u2", "u32": "<u4", "f32": "<f4"}
+    assert all(each["at"] % 4 == 0 for each in head["arrays"])
+    return head, [
+        np.frombuffer(message, kinds[each["type"]], each["length"], start + each["at"])
+        for each in head["arrays"]
+    ]
 
 
 class StillSource:

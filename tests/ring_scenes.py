@@ -1,5 +1,6 @@
 """Rings under names of their own, and the processes that write and read them."""
 
+import shutil
 import subprocess
 import sys
 import uuid
@@ -8,12 +9,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from skinfield.ring import Field, Ring, RingReader
+from skinfield import loop
+from skinfield.ring import Field, Ring, RingReader, include_folder
 
 WORDS = 512
 SLOT = (Field("number", "<i8"), Field("words", "<u8", (WORDS,)))
+STRICT = ("-O2", "-Wall", "-Wextra", "-Werror", "-pedantic")
 WORKER = Path(__file__).with_name("ring_worker.py")
 
 
@@ -65,3 +69,14 @@ def worker(*arguments: object) -> Iterator[subprocess.Popen[str]]:
     finally:
         process.kill()
         process.communicate()
+
+
+def compiled(source: Path, folder: Path, *options: str, compiler: str = "cc") -> Path:
+    """A program of C that has our headers."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"no {compiler} on this machine")
+    program = folder / source.stem
+    headers = [f"-I{each}" for each in (include_folder(), loop.include_folder())]
+    command = [compiler, *STRICT, *options, *headers, str(source), "-o", str(program)]
+    subprocess.run(command, check=True, timeout=120)
+    return program

@@ -2,41 +2,27 @@
 
 import errno
 import re
-import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from live_skins import settings
+from live_skins import settings, skin_ring
+from ring_scenes import compiled
 
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop import include_folder
-from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.ring_fields import VERSION, open_ring
+from skinfield.loop.ring_fields import VERSION
 from skinfield.loop.slots import PATCH, Head, Slot
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field, Ring, State
-from skinfield.signal import Port
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 EXAMPLE = Path(__file__).resolve().parent.parent / "examples" / "c" / "contacts.c"
-STRICT = ("-O2", "-Wall", "-Wextra", "-Werror", "-pedantic")
 HEADER = include_folder() / "skinfield_live.h"
 ROWS = (("skinfield_contact", CONTACT), ("skinfield_patch", PATCH))
-
-
-def compiled(source: Path, folder: Path, *options: str, compiler: str = "cc") -> Path:
-    if shutil.which(compiler) is None:
-        pytest.skip(f"no {compiler} on this machine")
-    program = folder / source.stem
-    command = [compiler, *STRICT, *options, f"-I{include_folder()}", str(source), "-o", program]
-    subprocess.run(command, check=True, timeout=120)
-    return program
 
 
 def said(program: Path, *words: str) -> list[str]:
@@ -76,26 +62,6 @@ def test_versions_agree() -> None:
     assert f"SKINFIELD_HEAD_NUMBERS = {len(Head)}\n" in text
 
 
-@pytest.mark.parametrize(
-    ("compiler", "option"), [("cc", "-std=c99"), ("clang", "-std=c11"), ("c++", "-xc++")]
-)
-def test_header_is_clean_for(compiler: str, option: str, tmp_path: Path) -> None:
-    source = tmp_path / "one.c"
-    source.write_text("#include <skinfield_live.h>\nint main(void) { return 0; }\n")
-    compiled(source, tmp_path, option, compiler=compiler)
-
-
-@contextmanager
-def ring_of_a_skin() -> Iterator[Ring]:
-    made = settings()
-    ring, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", 72),)))
-    try:
-        with ring:
-            yield ring
-    finally:
-        Ring.remove(made.name)
-
-
 def publish(ring: Ring, contacts: int, fresh: int = 1) -> Slot:
     """A cycle with so many contacts, every number of which differs."""
     slot = Slot.of(ring.begin())
@@ -125,7 +91,7 @@ def lines_of(number: int, slot: Slot) -> list[str]:
 
 def test_the_example_prints_the_contacts_of_each_cycle(tmp_path: Path) -> None:
     program = compiled(EXAMPLE, tmp_path, "-std=c11")
-    with ring_of_a_skin() as ring:
+    with skin_ring() as ring:
         ring.set_state(State.RUNNING)
         wanted = lines_of(1, publish(ring, 2))
         with subprocess.Popen([program, ring.name], stdout=subprocess.PIPE, text=True) as found:
@@ -158,7 +124,7 @@ def test_a_reader_without_room_learns_how_many_there_are(tmp_path: Path) -> None
         "  return 0; }\n"
     )
     program = compiled(source, tmp_path)
-    with ring_of_a_skin() as ring:
+    with skin_ring() as ring:
         assert said(program, ring.name)[0] == f"{-errno.ENODATA}"
         ring.set_state(State.RUNNING)
         slot = publish(ring, 5)

@@ -1,5 +1,6 @@
 """Readers of a live skin's ring, cycle by cycle, and what ends no engine."""
 
+import subprocess
 import sys
 import threading
 from collections.abc import Iterator
@@ -8,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from live_skins import settings
+from live_skins import settings, skin_ring
 from numpy.testing import assert_array_equal
 
 from skinfield.errors import InputError
@@ -22,20 +23,14 @@ from skinfield.loop.ring_fields import open_ring
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.supervisor import Supervisor
 from skinfield.ring import Ring
-from skinfield.signal import Port
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 
 
 @pytest.fixture
 def ring() -> Iterator[Ring]:
-    made = settings()
-    found, _ = open_ring(made, ModelConfig.of(made, (Port("ticking", 72),)))
-    try:
-        with found:
-            yield found
-    finally:
-        Ring.remove(made.name)
+    with skin_ring() as found:
+        yield found
 
 
 def publish(ring: Ring, *forces: float, fresh: int = 1) -> int:
@@ -151,32 +146,19 @@ def test_an_engine_that_cannot_be_started_now_is_started_later(
 ) -> None:
     supervisor, tries = Supervisor(settings()), []
 
-    def start() -> None:
+    def spawn() -> subprocess.Popen[bytes]:
         tries.append(1)
         if len(tries) < 3:
             raise OSError(11, "Resource temporarily unavailable")
-        supervisor._stopping.set()
+        supervisor.stopping.set()
+        return subprocess.Popen([sys.executable, "-c", ""])
 
-    monkeypatch.setattr(supervisor, "_start", start)
-    monkeypatch.setattr("skinfield.loop.supervisor.PAUSES", (0.01,))
+    monkeypatch.setattr(supervisor, "spawn", spawn)
+    monkeypatch.setattr(supervisor, "pauses", (0.01,))
     supervisor._watch()
-    assert len(tries) == 3
-    assert [each.what for each in supervisor.events] == ["failed", "failed"]
+    supervisor.end()
+    assert [each.what for each in supervisor.events] == ["failed", "failed", "started"]
     assert "temporarily unavailable" in supervisor.failure
-    supervisor.status_path.unlink()
-
-
-def test_signals_without_a_name_are_told_by_their_number(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    supervisor = Supervisor(settings())
-    monkeypatch.setattr(supervisor, "_again", lambda: None)
-    supervisor._gone(-40)
-    supervisor._gone(-9)
-    assert [each.text for each in supervisor.events] == [
-        "ended with signal 40",
-        "ended with signal SIGKILL",
-    ]
     supervisor.status_path.unlink()
 
 
@@ -187,5 +169,5 @@ def test_the_watch_goes_on_where_its_events_cannot_be_written(
     monkeypatch.setattr(
         "skinfield.loop.supervisor.sidecar", lambda name, what: tmp_path / "not there" / name
     )
-    supervisor._tell("failed", "text")
+    supervisor.report("failed", "text")
     assert supervisor.events[-1].text == "text"

@@ -55,7 +55,7 @@ def test_a_driver_that_raises_costs_itself_only() -> None:
     assert intake.poll(SECOND) == 2
     assert intake.poll(SECOND + 1) == 1
     assert told(intake) == [(0, 0)]
-    assert intake.said() == ["Played: ValueError: oops"]
+    assert intake.sentences() == ["Played: ValueError: oops"]
     assert not intake.members[0].up
     assert intake.poll(SECOND + 2) == 1  # too early to try again
     intake.poll(2 * SECOND)
@@ -65,7 +65,7 @@ def test_a_driver_that_raises_costs_itself_only() -> None:
     intake.poll(2 * SECOND + 1)
     assert counted[Count.REOPENED] == 1
     assert counted[Count.DOWN_NS] == SECOND - 1
-    assert intake.said() == []
+    assert intake.sentences() == []
 
 
 def test_boards_that_fall_silent_are_away_until_they_speak() -> None:
@@ -156,7 +156,7 @@ def test_notes_that_cannot_be_read_are_told() -> None:
     source = Awkward([1])
     intake = Intake([source])
     source.awkward = "notes"
-    assert intake.said() == ["Awkward: RuntimeError: no notes"]
+    assert intake.sentences() == ["Awkward: RuntimeError: no notes"]
 
 
 def test_damaged_blocks_end_no_cycle() -> None:

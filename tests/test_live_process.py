@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import urllib.request
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +18,8 @@ from skinfield.loop.client import Live, NotRunning, Stale, connect
 from skinfield.loop.control import order
 from skinfield.loop.status import Observer
 from skinfield.loop.supervisor import EngineFailed, Supervisor
-from skinfield.page import serve_page
-from skinfield.page.source import LiveSource
 from skinfield.ring import Ring, State
 from skinfield.ring.files import sidecar
-from skinfield.settings import PageSettings
 from skinfield.signal import Count
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
@@ -139,22 +135,6 @@ def test_a_reader_that_dies_disturbs_nobody(running) -> None:
     assert running.restarts == restarts
 
 
-def test_the_page_shows_a_running_skin(running) -> None:
-    feed = LiveSource(name_of(running))
-    try:
-        with serve_page(PageSettings(port=0), lambda: (feed,)) as page:
-            address = f"http://127.0.0.1:{page.port}/api/status"
-
-            def told() -> dict[str, object]:
-                with urllib.request.urlopen(address, timeout=20) as answer:
-                    return json.load(answer)
-
-            wait_for(lambda: told()["state"] == "running")
-            assert [each["name"] for each in told()["engines"]] == [name_of(running)]
-    finally:
-        feed.close()
-
-
 def test_the_engine_comes_back_after_a_kill_on_the_same_ring(running) -> None:
     with connect(name_of(running)) as live:
         before = live.latest(timeout=20.0)
@@ -196,7 +176,7 @@ def test_it_ends_with_its_parent() -> None:
         "from live_skins import settings\n"
         "from skinfield.loop.supervisor import Supervisor\n"
         f"supervisor = Supervisor(settings(name={name!r})).__enter__()\n"
-        "supervisor.wait(120.0); print(supervisor._child.pid, flush=True); time.sleep(600)\n"
+        "supervisor.wait(120.0); print(supervisor.child.pid, flush=True); time.sleep(600)\n"
     )
     folder = str(Path(__file__).parent)
     child = subprocess.Popen([sys.executable, "-c", code, folder], stdout=subprocess.PIPE)

@@ -387,7 +387,7 @@ def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand, kept: P
     look.until("skinfield.state.lastUpdate && skinfield.state.lastUpdate.time_s > 0")
     look.at("speed").select_option("2")
     look.at("play").click()
-    _seek(look, 0.6 * end)
+    look.seek(0.6 * end)
     rows = look.wait_rows(lambda rows: len(rows) == 1 and distance(rows[0], 4.0, 7.0) < MM)
     assert float(rows[0]["force"]) == pytest.approx(1.0, abs=1e-2 * PERCENT)
     stands = look.value("skinfield.state.lastUpdate.time_s")
@@ -400,15 +400,6 @@ def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand, kept: P
     look.until("skinfield.state.hello.mode === 'live' && skinfield.state.lastUpdate")
     hand.click(3.0, 3.0)
     look.wait_rows(lambda rows: len(rows) == 1)
-
-
-def _seek(look: Look, t_s: float) -> None:
-    look.at("time-bar").evaluate(
-        """(bar, t) => { bar.value = t; bar.dispatchEvent(new Event('input', { bubbles: true }));
-        bar.dispatchEvent(new Event('change', { bubbles: true })); }""",
-        t_s,
-    )
-    look.until("(t) => Math.abs(skinfield.state.lastUpdate.time_s - t) < 0.05", t_s)
 
 
 # as good as it gets: with the fit beside the engine

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from page_sources import NotingController, StillSource
+from page_sources import NotingController, StillSource, unpacked
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from skinfield.errors import InputError
 from skinfield.page import Page, serve_page
-from skinfield.page.wire import unpacked
 from skinfield.settings import PageSettings
 
 LONG = 60.0  # s

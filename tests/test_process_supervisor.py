@@ -12,7 +12,7 @@ from skinfield.bridges.launch import Bridge
 from skinfield.bridges.zenoh.publisher import PublisherSettings
 from skinfield.errors import InputError
 from skinfield.loop import process_supervisor
-from skinfield.loop.process_supervisor import SupervisedProcess, exit_text, start_fit
+from skinfield.loop.process_supervisor import Child, SupervisedProcess, exit_text, start_fit
 
 LONG = 600.0  # s: on a busy machine
 SLEEPS, FAILS = "import time; time.sleep(1000)", "raise SystemExit(3)"
@@ -23,7 +23,7 @@ class Script(SupervisedProcess):
         super().__init__("the script")
         self.scripts = list(scripts)
 
-    def spawn(self) -> "subprocess.Popen[bytes]":
+    def spawn(self) -> Child:
         script = self.scripts.pop(0) if len(self.scripts) > 1 else self.scripts[0]
         if not script:
             raise OSError("no process is left")
@@ -32,8 +32,8 @@ class Script(SupervisedProcess):
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process_supervisor, "POLL", 0.01)
-    monkeypatch.setattr(process_supervisor, "PAUSES", (0.0, 0.01))
+    monkeypatch.setattr(SupervisedProcess, "poll", 0.01)
+    monkeypatch.setattr(SupervisedProcess, "pauses", (0.0, 0.01))
 
 
 def test_what_ends_is_started_again_and_told_once(impatient: None) -> None:
@@ -77,7 +77,12 @@ def test_how_a_process_ended(code: int, said: str) -> None:
 
 
 def test_a_bridge_that_never_answers_does_not_hold_up_the_end() -> None:
-    bridge = Bridge("zenoh", [sys.executable, "-c", SLEEPS], PublisherSettings())
+    class Silent(Bridge):
+        def spawn(self) -> Child:
+            pipe = subprocess.PIPE
+            return subprocess.Popen([sys.executable, "-c", SLEEPS], stdin=pipe, stdout=pipe)
+
+    bridge = Silent("zenoh", "nobody", PublisherSettings())
     failures: list[str] = []
 
     def begin() -> None:

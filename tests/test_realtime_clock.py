@@ -1,16 +1,12 @@
 """Due times and histograms of times against plain arithmetic; sleeps by what no load can break."""
 
 import os
-import select
 import signal
-import sys
 import time
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import pairwise
-from multiprocessing import get_context
-from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 import pytest
@@ -22,15 +18,14 @@ from skinfield.loop.realtime import (
     WORDS,
     EventWaiter,
     PeriodicClock,
-    TimeHistogram,
     Timing,
     TimingTable,
     clock,
     quantiles,
-    system,
 )
 from skinfield.loop.realtime.layout import BINS, LONGEST, SUM, TOP
 from skinfield.loop.realtime.timing import FIELDS, LAST_NS, TIMES, TOTALS
+from skinfield.loop.realtime.timing_kernel import add_time
 
 MS = 1_000_000
 
@@ -48,34 +43,38 @@ class FakeTime:
         self.now = max(self.now, due_ns + 7)  # each wake is 7 ns late
 
 
-def run(work: list[int], first: int = 100) -> tuple[list[tuple[int, int]], int]:
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> FakeTime:
+    made = FakeTime()
+    monkeypatch.setattr(clock, "time", made)
+    monkeypatch.setattr(clock, "sleep_until", made.sleep_until)
+    return made
+
+
+def run(fake: FakeTime, work: list[int]) -> tuple[list[tuple[int, int]], int]:
     """Due and wake of cycles that take `work`, at a period of 1000 ns."""
-    fake, periodic = FakeTime(), PeriodicClock(1000, first_ns=first)
-    periodic._sleeper = fake
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(clock, "time", fake)
-        found = []
-        for each in [*work, 0]:
-            found.append(periodic.wait())
-            fake.now += each
+    periodic, found = PeriodicClock(1000, first_ns=100), []
+    for each in [*work, 0]:
+        found.append(periodic.wait())
+        fake.now += each
     return found, periodic.skipped
 
 
-def test_short_cycles_keep_their_places() -> None:
-    found, skipped = run([10, 900, 993, 0])
+def test_short_cycles_keep_their_places(fake: FakeTime) -> None:
+    found, skipped = run(fake, [10, 900, 993, 0])
     assert found == [(100 + 1000 * k, 107 + 1000 * k) for k in range(5)]
     assert skipped == 0
 
 
-def test_long_cycles_are_not_made_up_for() -> None:
-    found, skipped = run([994, 3500, 10])  # the first ends 1 ns after the next was due
+def test_long_cycles_are_not_made_up_for(fake: FakeTime) -> None:
+    found, skipped = run(fake, [994, 3500, 10])  # the first ends 1 ns after the next was due
     assert [due for due, _ in found] == [100, 2100, 6100, 7100]
     assert skipped == 4
 
 
-def test_any_work_gives_the_first_multiple_that_is_not_past() -> None:
+def test_any_work_gives_the_first_multiple_that_is_not_past(fake: FakeTime) -> None:
     work = [(37 * k * k) % 4001 for k in range(200)]
-    found, skipped = run(work)
+    found, skipped = run(fake, work)
     for (due, wake), took, (following, _) in zip(found, work, found[1:], strict=False):
         ready = wake + took
         assert following == min(
@@ -103,13 +102,6 @@ def test_time_before_the_first_wait_is_not_skipped() -> None:
     assert periodic.skipped == 0
 
 
-def test_other_systems_sleep_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(system, "LIBRARY", None)
-    periodic = PeriodicClock(MS)
-    assert periodic._sleeper._nanosleep is None
-    assert all(wake >= due for due, wake in (periodic.wait() for _ in range(5)))
-
-
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timers")
 def test_signals_are_handled_and_do_not_end_a_sleep() -> None:
     seen = []
@@ -135,27 +127,11 @@ def pipe() -> Iterator[tuple[int, int]]:
             os.close(end)
 
 
-@pytest.fixture(params=["epoll", "any"])
-def waiter(request: pytest.FixtureRequest) -> Iterator[Callable[..., EventWaiter]]:
-    made = []
-
-    def make(filenos, longest_ms: float, shortest_ms: float = 0.0) -> EventWaiter:
-        with pytest.MonkeyPatch.context() as patch:
-            if request.param == "any":
-                patch.delattr(select, "epoll", raising=False)
-            made.append(EventWaiter(filenos, int(longest_ms * MS), int(shortest_ms * MS)))
-        kind = clock._EPoll if request.param == "epoll" else clock._AnyPoll
-        assert isinstance(made[-1]._poll, kind)
-        return made[-1]
-
-    if request.param == "epoll" and not hasattr(select, "epoll"):
-        pytest.skip("no epoll")
-    yield make
-    for each in made:
-        each.close()
+def waiter(filenos, longest_ms: float, shortest_ms: float = 0.0) -> EventWaiter:
+    return EventWaiter(filenos, int(longest_ms * MS), int(shortest_ms * MS))
 
 
-def test_what_arrives_begins_a_cycle(waiter, pipe) -> None:
+def test_what_arrives_begins_a_cycle(pipe) -> None:
     wait = waiter([pipe[0]], longest_ms=60_000)
     os.write(pipe[1], b"x")
     due, wake = wait.wait()
@@ -166,7 +142,7 @@ def test_what_arrives_begins_a_cycle(waiter, pipe) -> None:
     assert wait.skipped == 0
 
 
-def test_a_cycle_begins_when_nothing_arrives(waiter, pipe) -> None:
+def test_a_cycle_begins_when_nothing_arrives(pipe) -> None:
     before = time.monotonic_ns()
     wait = waiter([pipe[0]], longest_ms=5)
     made = time.monotonic_ns()
@@ -177,21 +153,21 @@ def test_a_cycle_begins_when_nothing_arrives(waiter, pipe) -> None:
     assert due == wake + 5 * MS or due == later
 
 
-def test_without_any_source_it_is_a_slow_clock(waiter) -> None:
+def test_without_any_source_it_is_a_slow_clock() -> None:
     wait = waiter([], longest_ms=3)
     _, first = wait.wait()
     _, second = wait.wait()
     assert second - first >= 2 * MS
 
 
-def test_a_closed_end_does_not_take_the_processor(waiter, pipe) -> None:
+def test_a_closed_end_does_not_take_the_processor(pipe) -> None:
     wait = waiter([pipe[0]], longest_ms=1000, shortest_ms=2)
     os.close(pipe[1])
     wakes = [wait.wait()[1] for _ in range(6)]
     assert all(b - a >= 2 * MS for a, b in pairwise(wakes))
 
 
-def test_long_cycles_leave_the_processor_to_others_now_and_then(waiter, pipe) -> None:
+def test_long_cycles_leave_the_processor_to_others_now_and_then(pipe) -> None:
     os.write(pipe[1], b"x")  # never read
     wait, slept = waiter([pipe[0]], longest_ms=1000), []
     for _ in range(3):
@@ -204,7 +180,7 @@ def test_long_cycles_leave_the_processor_to_others_now_and_then(waiter, pipe) ->
         assert again - ended >= (ended - began) // 10
 
 
-def test_a_source_that_was_opened_again_is_watched(waiter) -> None:
+def test_a_source_that_was_opened_again_is_watched() -> None:
     first = os.pipe()
     wait = waiter([first[0]], longest_ms=60_000)
     for end in first:
@@ -223,7 +199,7 @@ def test_a_source_that_was_opened_again_is_watched(waiter) -> None:
 
 
 def test_descriptors_of_a_function_are_asked_for_again(
-    waiter, pipe, monkeypatch: pytest.MonkeyPatch
+    pipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(clock, "AGAIN_NS", 0)
     there: list[int] = []
@@ -239,20 +215,25 @@ def test_descriptors_of_a_function_are_asked_for_again(
 def test_waiting_leaves_no_memory_behind(pipe) -> None:
     os.write(pipe[1], b"x")
     event = EventWaiter([pipe[0]], longest_ns=MS, shortest_ns=0)
-    try:
-        for wait in (PeriodicClock(20_000).wait, event.wait):
-            for _ in range(100):
-                wait()
-            tracemalloc.start()
+    for wait in (PeriodicClock(20_000).wait, event.wait):
+        for _ in range(100):
             wait()
-            before = tracemalloc.get_traced_memory()[0]
-            for _ in range(1000):
-                wait()
-            grown = tracemalloc.get_traced_memory()[0] - before
-            tracemalloc.stop()
-            assert grown < 500, "bytes over 1000 cycles"  # the newest numbers take the old's place
-    finally:
-        event.close()
+        tracemalloc.start()
+        wait()
+        before = tracemalloc.get_traced_memory()[0]
+        for _ in range(1000):
+            wait()
+        grown = tracemalloc.get_traced_memory()[0] - before
+        tracemalloc.stop()
+        assert grown < 500, "bytes over 1000 cycles"  # the newest numbers take the old's place
+
+
+def test_a_descriptor_that_was_closed_wakes_once(pipe) -> None:
+    wait = waiter([pipe[0]], longest_ms=5)
+    os.close(pipe[0])
+    _, first = wait.wait()
+    due, wake = wait.wait()
+    assert first < due == min(first + 5 * MS, wake)
 
 
 def test_impossible_times_are_refused() -> None:
@@ -262,41 +243,30 @@ def test_impossible_times_are_refused() -> None:
         EventWaiter([], longest_ns=MS, shortest_ns=2 * MS)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="asks Linux")
-def test_linux_sleeps_by_its_own_clock() -> None:
-    assert PeriodicClock(MS)._sleeper._nanosleep is not None
-
-
-def test_work_before_a_cycle_may_end_late_without_skipping_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    fake, periodic = FakeTime(), PeriodicClock(1000, first_ns=1000)
-    periodic._sleeper = fake
-    monkeypatch.setattr(clock, "time", fake)
-    assert periodic.early(200)
+def test_work_before_a_cycle_may_end_late_without_skipping_it(fake: FakeTime) -> None:
+    periodic = PeriodicClock(1000, first_ns=1000)
+    assert periodic.wake_before(200)
     assert fake.now == 807
     assert periodic.wait() == (1000, 1007)
-    assert periodic.early(200)
+    assert periodic.wake_before(200)
     fake.now += 400  # until 2207: beyond the next due time, by less than half a period
     assert periodic.wait() == (2000, 2207)
     assert periodic.skipped == 0
-    assert periodic.early(200)
+    assert periodic.wake_before(200)
     fake.now += 900  # until 3707: by more
     assert periodic.wait() == (4000, 4007)
     assert periodic.skipped == 1
     fake.now = 4900
-    assert not periodic.early(200)  # too late to begin anything
+    assert not periodic.wake_before(200)  # too late to begin anything
     assert periodic.wait() == (5000, 5007)
 
 
 def test_early_work_begins_as_soon_before_the_cycle_as_it_takes(
-    monkeypatch: pytest.MonkeyPatch,
+    fake: FakeTime, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from skinfield.loop import engine_process
 
-    fake, periodic = FakeTime(), PeriodicClock(MS, first_ns=MS)
-    periodic._sleeper = fake
-    monkeypatch.setattr(clock, "time", fake)
+    periodic = PeriodicClock(MS, first_ns=MS)
     monkeypatch.setattr(engine_process, "time", fake)
     begun = []
 
@@ -318,18 +288,18 @@ WIDTH = 1 / 64
 NS = 1e-9
 
 
-def counted(times: np.ndarray) -> TimeHistogram:
-    found = TimeHistogram()
+def counted(times: Iterable[int]) -> np.ndarray:
+    counts = np.zeros(WORDS, np.uint64)
     for each in times:
-        found.add(int(each))
-    return found
+        add_time(counts, int(each))
+    return counts
 
 
 @pytest.mark.parametrize("scale", [300.0, 20e3, 4e6, 1e9])
 def test_quantiles_are_those_of_the_sorted_times_within_a_bin(scale: float) -> None:
     times = (scale * np.random.default_rng(1).lognormal(sigma=1.0, size=20_000)).astype(np.int64)
     times = np.minimum(times, TOP)
-    found = counted(times).quantiles()
+    found = quantiles(counted(times))
     ranked = np.sort(times)
     for thousandths, value in ((500, found.p50), (990, found.p99), (999, found.p999)):
         exact = ranked[thousandths * len(times) // 1000 - 1] * NS  # 20,000: without a remainder
@@ -341,8 +311,7 @@ def test_quantiles_are_those_of_the_sorted_times_within_a_bin(scale: float) -> N
 
 @given(st.integers(0, TOP))
 def test_each_time_has_one_bin_that_holds_it(time: int) -> None:
-    counts = np.zeros(WORDS, np.uint64)
-    TimeHistogram(counts).add(time)
+    counts = counted([time])
     (at,) = np.flatnonzero(counts[:BINS])
     first = LAST_NS[at - 1] + 1 if at else 0
     assert first <= time <= LAST_NS[at]
@@ -358,16 +327,15 @@ def test_bins_follow_each_other_without_gaps() -> None:
 @given(st.lists(st.integers(-(2**63), 2**63 - 1), min_size=1, max_size=20))
 def test_no_time_is_written_elsewhere(times: list[int]) -> None:
     memory = np.zeros(WORDS + 2, np.uint64)
-    histogram = TimeHistogram(memory[1:-1])
     for each in times:
-        histogram.add(each)
+        add_time(memory[1:-1], each)
     assert memory[0] == memory[-1] == 0
     assert memory[1 : 1 + BINS].sum() == len(times)
     assert memory[1 + LONGEST] == max(0, *times)
 
 
 def test_times_beyond_the_last_bin_keep_their_longest() -> None:
-    found = counted(np.array([10**12])).quantiles()
+    found = quantiles(counted([10**12]))
     assert found.max == pytest.approx(1000.0)
     assert found.p50 == pytest.approx(TOP * NS)
 
@@ -375,12 +343,9 @@ def test_times_beyond_the_last_bin_keep_their_longest() -> None:
 def test_a_difference_has_the_times_since() -> None:
     rng = np.random.default_rng(2)
     early, late = rng.integers(10**6, 10**7, 5000), rng.integers(10**3, 10**5, 4000)
-    histogram = counted(early)
-    before = histogram.counts.copy()
-    assert histogram.quantiles(before) is None
-    for each in late:
-        histogram.add(int(each))
-    found = histogram.quantiles(before)
+    before = counted(early)
+    assert quantiles(before, before) is None
+    found = quantiles(counted([*early, *late]), before)
     exact = np.percentile(late, 99, method="inverted_cdf") * NS
     assert exact * (1 - 1e-12) <= found.p99 <= exact * (1 + WIDTH)
     assert late.max() * NS * (1 - 1e-12) <= found.max <= late.max() * NS * (1 + WIDTH)
@@ -389,9 +354,8 @@ def test_a_difference_has_the_times_since() -> None:
 
 
 def test_a_copy_of_a_later_time_is_refused() -> None:
-    histogram = counted(np.array([5]))
     with pytest.raises(InputError, match="earlier copy"):
-        quantiles(np.zeros(WORDS, np.uint64), histogram.counts)
+        quantiles(np.zeros(WORDS, np.uint64), counted([5]))
 
 
 def test_nothing_counted_says_nothing() -> None:
@@ -401,44 +365,15 @@ def test_nothing_counted_says_nothing() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        np.zeros(WORDS - 1, np.uint64),
-        np.zeros(WORDS, np.int64),
-        np.zeros(2 * WORDS, np.uint64)[::2],
-        np.broadcast_to(np.uint64(0), WORDS),
+        np.zeros(len(TOTALS) - 1, np.uint64),
+        np.zeros(len(TOTALS), np.int64),
+        np.zeros(2 * len(TOTALS), np.uint64)[::2],
+        np.broadcast_to(np.uint64(0), len(TOTALS)),
     ],
 )
 def test_memory_that_cannot_be_counted_into_is_refused(wrong: np.ndarray) -> None:
-    with pytest.raises(InputError, match="counts"):
-        TimeHistogram(wrong)
-
-
-def _count_elsewhere(name: str, times: list[int]) -> None:
-    memory = SharedMemory(name)
-    counts = np.ndarray(WORDS, np.uint64, memory.buf)
-    histogram = TimeHistogram(counts)
-    for each in times:
-        histogram.add(each)
-    del counts, histogram
-    memory.close()
-
-
-def test_another_process_counts_into_shared_memory() -> None:
-    memory = SharedMemory(create=True, size=8 * WORDS)
-    try:
-        counts = np.ndarray(WORDS, np.uint64, memory.buf)
-        counts[:] = 0
-        child = get_context("spawn").Process(
-            target=_count_elsewhere, args=(memory.name, [1000, 2000, 3000])
-        )
-        child.start()
-        child.join(120)
-        assert child.exitcode == 0
-        assert quantiles(counts).count == 3
-        assert quantiles(counts).max == pytest.approx(3e-6)
-        del counts
-    finally:
-        memory.close()
-        memory.unlink()
+    with pytest.raises(InputError, match="totals"):
+        TimingTable(MS, totals=wrong)
 
 
 def cycles(count: int) -> np.ndarray:

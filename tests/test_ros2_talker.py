@@ -97,7 +97,7 @@ def test_pace(steps, rate):
         assert 0.0 <= pace.wait(now) <= LOOKS
         if pace.due(now):
             assert pace.due(now) == ["a"]
-            pace.done("a", now)
+            pace.mark("a", now)
             done.append(now)
         else:
             assert now < done[-1] + 1.0 / rate + 1e-9

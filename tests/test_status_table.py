@@ -52,7 +52,7 @@ def idle(names: list[str]) -> Status:
         patches=[patch(name) for name in names],
         contacts=[],
         notes={"phase": "running"},
-        beside={"supervisor": None, "recorder": None},
+        sidecars={"supervisor": None, "recorder": None},
         tuning={},
         memory={},
     )
@@ -100,7 +100,7 @@ def restarted() -> Status:
     return replace(
         one_contact(),
         generation=2,
-        beside={
+        sidecars={
             "supervisor": {"events": events},
             "recorder": {"bytes_written": 41_000_000, "path": "/data/" + "long" * 30},
         },

@@ -18,7 +18,7 @@ from skinfield.bridges.zenoh.messages import (
     strict_json,
 )
 from skinfield.bridges.zenoh.session import Part, chunk
-from skinfield.bridges.zenoh.status_messages import checked_status, contact_plain
+from skinfield.bridges.zenoh.status_messages import contact_plain, status_from
 from skinfield.errors import InputError
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.solve import NonNegative
@@ -97,7 +97,7 @@ def test_the_sample_is_good(target) -> None:
     ("change", "match"),
     [
         ({"skinfield_zenoh": 2}, "of version 2, expected 1"),
-        ({"ring": {}}, "has no model_config"),
+        ({"ring": {}}, "model_config"),
         ({"slot_bytes": 7}, "slots have 7 bytes"),
         ({"slot": []}, "another skinfield"),
     ],
@@ -132,11 +132,17 @@ def test_what_is_not_finite_becomes_null() -> None:
 
 
 def test_a_status_is_of_this_skin(target) -> None:
-    plain = json.loads(target.STATUS)
-    assert checked_status(plain, target.MODEL_CONFIG.skin)["state"] == "running"
-    with pytest.raises(InputError, match="others than those of the skin"):
-        checked_status(plain, sf.Skin((sf.layouts.hexagon72(),)))
-    with pytest.raises(InputError, match="state is 'fine'"):
-        checked_status(plain | {"state": "fine"}, target.MODEL_CONFIG.skin)
-    with pytest.raises(InputError, match="expected 0 or more"):
-        checked_status(plain | {"lost": -1}, target.MODEL_CONFIG.skin)
+    plain, skin = json.loads(target.STATUS), target.MODEL_CONFIG.skin
+    assert status_from(target.STATUS, skin)["state"] == "running"
+    with pytest.raises(InputError, match="expected those of the skin"):
+        status_from(target.STATUS, sf.Skin((sf.layouts.hexagon72(),)))
+    deep = {"notes": {"a": {"b": {"c": {"d": {"e": 1}}}}}}
+    for wrong, match in (
+        ({"state": "fine"}, "'fine'"),
+        ({"lost": -1}, r">= 0.*\$\.lost"),
+        ({"rate": 1e400}, "malformed"),
+        ({"notes": {"long": "x" * 20_000}}, "notes"),
+        (deep, "notes"),
+    ):
+        with pytest.raises(InputError, match=match):
+            status_from(json.dumps(plain | wrong).encode(), skin)

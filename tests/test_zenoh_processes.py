@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from live_skins import unique_name, wait_for
+from live_skins import fill, skin_ring, unique_name, wait_for
 
 from skinfield.bridges.launch import bridge_settings, bridges
 from skinfield.errors import InputError
@@ -18,7 +18,7 @@ from skinfield.ring import Ring
 from skinfield.settings import BridgeSettings
 
 pytest.importorskip("zenoh")
-from zenoh_peers import fill, listening, skin_ring
+from zenoh_peers import listening
 
 from skinfield.bridges.zenoh.discovery import ZenohSources
 

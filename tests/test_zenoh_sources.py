@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from live_skins import settings, unique_name, wait_for
+from live_skins import begin, fill, settings, skin_ring, unique_name, wait_for
 from numpy.testing import assert_allclose, assert_array_equal
 
 import skinfield as sf
@@ -19,7 +19,7 @@ from skinfield.signal import Port
 from skinfield.skin import Skin
 
 pytest.importorskip("zenoh")
-from zenoh_peers import begin, fill, joined, publishing, skin_ring
+from zenoh_peers import joined, publishing
 
 from skinfield.bridges.zenoh import publisher as publishers
 from skinfield.bridges.zenoh import source as source_module

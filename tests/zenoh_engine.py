@@ -7,8 +7,7 @@ import threading
 import time
 
 import numpy as np
-from live_skins import settings
-from zenoh_peers import fill, skin_ring
+from live_skins import fill, settings, skin_ring
 
 from skinfield.bridges.zenoh.publisher import serve
 from skinfield.bridges.zenoh.session import ZenohSettings

@@ -1,1 +1,1 @@
-"""Estimates where robots listen: zenoh, ROS 2, YARP."""
+"""Bridges: estimates where robots listen, over zenoh, ROS 2 and YARP."""

@@ -1,4 +1,4 @@
-"""A bridge is a process of its own: how it is told what to do, and how it ends.
+"""Bridge process, from the inside: how it is told what to do, and how it ends.
 
 `python -m skinfield.bridges.KIND RING --parent PID` reads its settings as one JSON object from
 standard input, and writes one line of JSON when it is there: `{"ready": true, ...}`, or

@@ -6,7 +6,6 @@ import json
 import os
 import selectors
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -19,10 +18,16 @@ from skinfield.bridges.yarp.settings import YarpSettings
 from skinfield.bridges.zenoh.publisher import PublisherSettings
 from skinfield.bridges.zenoh.session import ZenohSettings
 from skinfield.errors import InputError
-from skinfield.loop.process_supervisor import POLL, SupervisedProcess, exit_text
+from skinfield.loop.process_supervisor import (
+    Child,
+    SupervisedProcess,
+    exit_text,
+    start_python,
+)
 from skinfield.settings import BridgeSettings, ZenohAddresses, json_from_value
 
 BEGINS = 180.0  # s for a bridge to be there
+LOOK = 0.3  # s between looks whether all shall end
 MOST = 1 << 16  # bytes of the line that says it is there
 
 
@@ -33,7 +38,7 @@ class Bridge(SupervisedProcess):
     ----------
     kind : str
         "zenoh", "ros2" or "yarp".
-    command : list of str
+    ring_name : str
     settings : dataclass
         That it is sent.
 
@@ -43,18 +48,18 @@ class Bridge(SupervisedProcess):
         What it said when it was there.
     """
 
-    def __init__(self, kind: str, command: list[str], settings: Any) -> None:
+    def __init__(self, kind: str, ring_name: str, settings: Any) -> None:
         super().__init__(f"the bridge to {kind}")
-        self.kind, self._command, self._settings = kind, command, settings
+        self.kind, self._ring_name, self._settings = kind, ring_name, settings
         self.facts: dict[str, Any] = {}
 
-    def spawn(self) -> "subprocess.Popen[bytes]":
+    def spawn(self) -> Child:
         """See `SupervisedProcess`."""
-        return subprocess.Popen(
-            self._command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, process_group=0
-        )
+        module, me = f"skinfield.bridges.{self.kind}", str(os.getpid())
+        words = (module, self._ring_name, "--parent", me)
+        return start_python(*words, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
-    def greet(self, child: "subprocess.Popen[bytes]") -> None:
+    def greet(self, child: Child) -> None:
         """See `SupervisedProcess`."""
         assert child.stdin is not None
         with contextlib.suppress(BrokenPipeError):  # then it has said why
@@ -78,9 +83,7 @@ class Bridges(tuple[Bridge, ...]):
         return [text for bridge in self for text in bridge.notices()]
 
 
-def _first_line(
-    child: "subprocess.Popen[bytes]", seconds: float, stop: threading.Event
-) -> dict[str, Any]:
+def _first_line(child: Child, seconds: float, stop: threading.Event) -> dict[str, Any]:
     """What a bridge says when it is there; `error` if it does not say so in time, or `stop` is set.
 
     Of one that ends before it says anything there is nothing.
@@ -94,7 +97,7 @@ def _first_line(
                 return {"error": "all was told to end"}
             if time.monotonic() > end:
                 return {"error": f"it was not there within {seconds:g} s: is the machine busy?"}
-            if not waiting.select(POLL):
+            if not waiting.select(LOOK):
                 continue
             part = os.read(child.stdout.fileno(), MOST)
             if not part:
@@ -182,17 +185,8 @@ def bridges(given: BridgeSettings, ring_name: str) -> Iterator[Bridges]:
     InputError
         If one does not start, with the reason that it gave.
     """
-    made = Bridges(
-        Bridge(
-            kind,
-            [
-                sys.executable, "-m", f"skinfield.bridges.{kind}", ring_name,
-                "--parent", str(os.getpid()),
-            ],
-            settings,
-        )
-        for kind, settings in bridge_settings(given).items()
-    )  # fmt: skip
+    wanted = bridge_settings(given)
+    made = Bridges(Bridge(kind, ring_name, settings) for kind, settings in wanted.items())
     with ExitStack() as ends:
         for bridge in made:
             ends.enter_context(bridge)

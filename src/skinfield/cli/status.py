@@ -62,7 +62,7 @@ def status(
     console.print(shown(newest, console.width))
     for sentence in notes_of(newest.notes):
         console.print(f" {sentence}", style="dim", highlight=False)
-    for event in (newest.beside.get("supervisor") or {}).get("events", []):
+    for event in (newest.sidecars.get("supervisor") or {}).get("events", []):
         stamp = time.strftime("%H:%M:%S", time.localtime(event[0] * 1e-9))
         console.print(f" {stamp} {event[1]}: {event[2]}", style="dim", highlight=False)
 

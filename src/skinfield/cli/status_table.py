@@ -244,7 +244,7 @@ def _patch(row: dict[str, Any]) -> list[str]:
 
 def _events(status: Status) -> list[Text]:
     """The last end of an engine, if that was not long ago."""
-    told = (status.beside.get("supervisor") or {}).get("events", [])
+    told = (status.sidecars.get("supervisor") or {}).get("events", [])
     ends = [each for each in told if each[1] in ("failed", "hung")]
     if not ends or time.time_ns() - ends[-1][0] > RECENT * 1e9:
         return []
@@ -257,7 +257,7 @@ def _sources(status: Status) -> list[Text]:
     text = _line(f" {status.since.cycles:,} cycles, ")
     text.append(f"{status.since.late:,} late, ", "yellow" if status.since.late else "")
     text.append(f"{status.lost:,} messages lost", "yellow" if status.lost else "")
-    recorder = status.beside.get("recorder")
+    recorder = status.sidecars.get("recorder")
     return [*lines, text] + ([_recorder(recorder)] if recorder else [])
 
 

@@ -1,4 +1,4 @@
-"""Which channel each taxel of a skin is read from."""
+"""Binding of taxels to channels: which channel each taxel of a skin is read from."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A running skin from another program: `with skinfield.connect() as live`."""
+"""Client of a running skin: `with skinfield.connect() as live`."""
 
 import time
 from collections.abc import Iterator, Mapping
@@ -95,7 +95,7 @@ class Live:
         self._seen = copied.number
         return self._looked
 
-    def _kept(self) -> Snapshot:
+    def _own_copy(self) -> Snapshot:
         """What was looked at, in memory of its own."""
         own = self.reader.slot()
         np.copyto(own.octets, self._room.octets)
@@ -134,7 +134,7 @@ class Live:
                 continue
             looked = self._look()
             if looked is not None and looked.head[Head.FRESH]:
-                yield self._kept()
+                yield self._own_copy()
 
     def next(self, timeout: float) -> Snapshot | None:
         """The newest cycle that was not fetched yet; None if none came in time."""
@@ -153,7 +153,7 @@ class Live:
         for number in range(newest, max(self._seen, newest - back), -1):
             if self.reader.get(number, self._room) and self._looked.head[Head.FRESH]:
                 self._seen = number
-                return self._kept()
+                return self._own_copy()
         return self._fetch()
 
     def wait_contact(
@@ -190,7 +190,7 @@ class Live:
             if patch is not None:
                 strong &= contacts["patch"] == names.index(patch)
             if strong.any():
-                return self._kept()
+                return self._own_copy()
         return None
 
     def tare(self) -> None:

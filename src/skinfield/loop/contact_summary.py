@@ -1,39 +1,11 @@
 """Summary of contacts over a while, one entry for each."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-
-@dataclass
-class ContactSummary:
-    """One contact over its time.
-
-    Attributes
-    ----------
-    track : int
-    patch : str
-    first_s, last_s : float, s
-        Since watching began.
-    force_n, force_std_n : float, N
-        The largest normal force, and its standard deviation.
-    position_mm : list of float, mm
-        Where it was then, in the patch's frame.
-    area_mm2, peak_kpa : float
-        Then.
-    """
-
-    track: int
-    patch: str
-    first_s: float
-    last_s: float
-    force_n: float = 0.0
-    force_std_n: float | None = None
-    position_mm: tuple[float, ...] = ()
-    area_mm2: float = 0.0
-    peak_kpa: float = 0.0
+DIGITS = 4  # to which numbers are rounded: what they are good for
 
 
 class ContactSummaries:
@@ -47,34 +19,38 @@ class ContactSummaries:
 
     def __init__(self, patches: list[str]) -> None:
         self._patches = patches
-        self._summaries: dict[int, ContactSummary] = {}
+        self._known: dict[int, dict[str, Any]] = {}
 
     def take(self, rows: NDArray[Any], seconds: float) -> None:
         """Take the contacts of one cycle, `seconds` after watching began."""
         for row in rows:
-            track, force = int(row["track"]), float(row["normal_force"])
-            known = self._summaries.get(track)
-            if known is None:
-                known = ContactSummary(track, self._patches[int(row["patch"])], seconds, seconds)
-                self._summaries[track] = known
-            known.last_s = seconds
-            if force >= known.force_n:
+            track, force = int(row["track"]), round(float(row["normal_force"]), DIGITS)
+            known = self._known.setdefault(
+                track,
+                {
+                    "track": track,
+                    "patch": self._patches[int(row["patch"])],
+                    "first_s": round(seconds, DIGITS),
+                    "force_n": 0.0,
+                },
+            )
+            known["last_s"] = round(seconds, DIGITS)
+            if force >= known["force_n"]:
                 std = float(row["force_std"])
-                known.force_n, known.force_std_n = force, std if np.isfinite(std) else None
-                known.position_mm = tuple((row["position"] * 1e3).tolist())
-                known.area_mm2 = float(row["area"]) * 1e6
-                known.peak_kpa = float(row["peak_pressure"]) * 1e-3
+                known |= {
+                    "force_n": force,
+                    "force_std_n": round(std, DIGITS) if np.isfinite(std) else None,
+                    "position_mm": np.round(row["position"] * 1e3, DIGITS).tolist(),
+                    "area_mm2": round(float(row["area"]) * 1e6, DIGITS),
+                    "peak_kpa": round(float(row["peak_pressure"]) * 1e-3, DIGITS),
+                }
 
     @property
     def contacts(self) -> list[dict[str, Any]]:
-        """By the order in which they came; numbers rounded to what they are good for."""
-        return [
-            {key: _short(value) for key, value in vars(each).items()}
-            for each in self._summaries.values()
-        ]
+        """One entry for each contact, in the order in which they came, for JSON.
 
-
-def _short(value: Any) -> Any:
-    if isinstance(value, float):
-        return round(value, 4)
-    return [round(each, 4) for each in value] if isinstance(value, tuple) else value
+        `track` and `patch`; from `first_s` to `last_s` since watching began; its largest force
+        `force_n` with `force_std_n`; and where and how it pressed then: `position_mm` in the
+        patch's frame, `area_mm2`, `peak_kpa`.
+        """
+        return list(self._known.values())

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any
 
@@ -58,7 +59,7 @@ class Prefetch:
 
     def __call__(self) -> None:
         """Do it, if there is time before the next cycle."""
-        if not self._clock.early(int(self._lead)):
+        if not self._clock.wake_before(int(self._lead)):
             return
         start = time.monotonic_ns()
         self._work()
@@ -66,35 +67,18 @@ class Prefetch:
         self._lead = min(max(COOLING * self._lead, took), self._most)
 
 
-class Preparation:
-    """Makes an `Updater` beside the loop, which goes on taking in readings.
+def prepared(make: Callable[[], Updater]) -> "Future[Updater]":
+    """What a function makes beside the loop, which goes on taking in readings."""
+    found: Future[Updater] = Future()
 
-    Parameters
-    ----------
-    make : function that returns an Updater
-    """
-
-    def __init__(self, make: Callable[[], Updater]) -> None:
-        self._make = make
-        self._made: Updater | None = None
-        self._failed: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, name="prepare", daemon=True)
-        self._thread.start()
-
-    def _run(self) -> None:
+    def run() -> None:
         try:
-            self._made = self._make()
+            found.set_result(make())
         except BaseException as error:
-            self._failed = error
+            found.set_exception(error)
 
-    def poll(self) -> Updater | None:
-        """The cycle, when it is ready; raises what making it raised."""
-        if self._thread.is_alive():
-            return None
-        self._thread.join()
-        if self._failed is not None:
-            raise self._failed
-        return self._made
+    threading.Thread(target=run, name="prepare", daemon=True).start()
+    return found
 
 
 class Start:
@@ -130,7 +114,7 @@ class Start:
         self.baseline = known
         self.phase, self.progress = "loading", dict[str, float]()
         self._began = time.monotonic()
-        self._preparation = Preparation(self._rehearsed if known is None else self._final)
+        self._preparation = prepared(self._rehearsed if known is None else self._final)
 
     def _rehearsed(self) -> Updater:
         """With a typical noise: whatever must be compiled, is, before readings are waited for."""
@@ -167,11 +151,11 @@ class Start:
             if self._tare.take(channels, now_ns):
                 self.baseline = self._tare.finish()
                 self.phase, self.progress = "preparing", {}
-                self._preparation = Preparation(self._final)
+                self._preparation = prepared(self._final)
             return None
-        made = self._preparation.poll()
-        if made is None:
+        if not self._preparation.done():
             return None
+        made = self._preparation.result()
         if self.baseline is None:
             self.phase, self.progress = "taring", {}
             self._tare = BaselineCollector(self._settings, self._binding)
@@ -227,7 +211,7 @@ class EngineProcess:
         self.again: BaselineCollector | None = None
         self.prefetch: Prefetch | None = None
         self.taken = 0  # messages, before the cycle
-        self.said: list[str] = []
+        self.sentences: list[str] = []
         self.looks = max(int(1.0 / settings.period), 1)  # cycles between looks at the sources
         self.notes: dict[str, object] = {"phase": self.start.phase, "progress": self.start.progress}
         write_notes(self.ring.status["notes"], self.notes)
@@ -354,7 +338,7 @@ class EngineProcess:
             self.waiter = EventWaiter(self.intake.filenos, int(settings.period * 1e9))
         else:
             self.waiter = clock = PeriodicClock(int(settings.period * 1e9))
-            if settings.early and granted.real_time:
+            if settings.prefetch and granted.real_time:
                 self.prefetch = Prefetch(clock, self._prefetch)
         self.ring.set_state(State.RUNNING)
 
@@ -370,9 +354,9 @@ class EngineProcess:
 
     def _listen_to_sources(self) -> None:
         """Tell what the sources say, where that is new."""
-        said = self.intake.said()
-        if said != self.said:
-            self.said = said
+        said = self.intake.sentences()
+        if said != self.sentences:
+            self.sentences = said
             self._note(sources=said)
 
     def _without_answer(self, slot: Slot) -> None:

@@ -1,11 +1,9 @@
-"""A running skin changes to another engine: the next one prepares itself beside the first."""
+"""Handover between two engines of a running skin: the next prepares itself beside the first."""
 
 import contextlib
 import os
 import pickle
-import re
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -17,15 +15,14 @@ from skinfield.loop.baseline import Baseline
 from skinfield.loop.binding import Binding, bind
 from skinfield.loop.control import order
 from skinfield.loop.model_config import ModelConfig, model_config_of
+from skinfield.loop.process_supervisor import Child, last_line, start_python
 from skinfield.loop.ring_fields import known_baseline
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.update import Updater
 from skinfield.ring import RingReader
 from skinfield.signal import Port
 
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 READY, GO = b"ready\n", b"go\n"
-TAIL = 4000  # characters of what it said last
 PATIENCE = 2.0  # s for the engine before to end by itself
 
 
@@ -72,44 +69,23 @@ class Handover:
         return binding, made
 
 
-def spawn(asked: LiveSettings | Handover, said: IO[bytes]) -> "subprocess.Popen[bytes]":
+def spawn(asked: LiveSettings | Handover, errors: IO[bytes]) -> Child:
     """Start an engine's process; one that takes over then waits for `GO`."""
     waits = isinstance(asked, Handover)
-    child = subprocess.Popen(
-        [sys.executable, "-m", "skinfield.loop.engine_process", str(os.getpid())],
+    child = start_python(
+        "skinfield.loop.engine_process",
+        str(os.getpid()),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE if waits else subprocess.DEVNULL,
-        stderr=said,
-        process_group=0,  # a terminal's Ctrl-C is meant for us: we end it
-        env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        stderr=errors,
     )
     assert child.stdin is not None  # it is a pipe
-    try:
+    with contextlib.suppress(BrokenPipeError):  # it is gone: whoever watches it says why
         pickle.dump(asked, child.stdin)
-        if waits:
-            child.stdin.flush()
-        else:
+        child.stdin.flush()
+        if not waits:
             child.stdin.close()
-    except BrokenPipeError:
-        pass  # it is gone: whoever watches it says why
     return child
-
-
-def nameless_file() -> IO[bytes]:
-    """For what an engine says; it goes with its last reader."""
-    return tempfile.TemporaryFile()
-
-
-def tail_of(said: IO[bytes]) -> str:
-    """What an engine said last."""
-    size = said.seek(0, os.SEEK_END)
-    said.seek(max(size - TAIL, 0))
-    return said.read().decode(errors="replace")
-
-
-def plain_error(line: str) -> str:
-    """The last line of a traceback without the name of skinfield's own error."""
-    return re.sub(r"^skinfield\.errors\.\w+: ", "", line)
 
 
 @dataclass(eq=False)
@@ -124,24 +100,23 @@ class Change:
 
     Attributes
     ----------
-    done : Event
+    over : Event
     failure : str
         Why the engine before goes on; empty when the change is made.
     """
 
     settings: LiveSettings
     end: float
-    done: threading.Event = field(default_factory=threading.Event, init=False)
+    over: threading.Event = field(default_factory=threading.Event, init=False)
     failure: str = field(default="", init=False)
-    child: "subprocess.Popen[bytes] | None" = field(default=None, init=False)
-    said: IO[bytes] | None = field(default=None, init=False)
+    child: Child | None = field(default=None, init=False)
+    errors: IO[bytes] = field(default_factory=tempfile.TemporaryFile, init=False)
 
     def step(self) -> bool:
         """Go on; whether the next engine is ready."""
         try:
             if self.child is None:
-                self.said = nameless_file()
-                self.child = spawn(Handover.of(self.settings), self.said)
+                self.child = spawn(Handover.of(self.settings), self.errors)
                 assert self.child.stdout is not None  # it is a pipe
                 os.set_blocking(self.child.stdout.fileno(), False)
                 return False
@@ -152,10 +127,7 @@ class Change:
             self.fail(str(error))
             return False
         if self.child.poll() is not None:
-            assert self.said is not None
-            lines = tail_of(self.said).strip().splitlines()
-            last = lines[-1] if lines else f"it ended with status {self.child.returncode}"
-            self.fail(plain_error(last))
+            self.fail(last_line(self.errors) or f"it ended with status {self.child.returncode}")
         elif time.monotonic() > self.end:
             self.fail("it was not ready in time")
         return False
@@ -166,12 +138,11 @@ class Change:
             self.child.kill()
             self.child.wait()
             self._close_pipes()
-        if self.said is not None:
-            self.said.close()
+        self.errors.close()
         self.failure = why
-        self.done.set()
+        self.over.set()
 
-    def switch(self, before: "subprocess.Popen[bytes] | None") -> None:
+    def switch(self, before: Child | None) -> None:
         """End the engine before, and let the next one go."""
         if before is not None:
             try:

@@ -1,4 +1,4 @@
-"""All sources of an engine: polled, logged and applied, whatever happens to one of them."""
+"""Intake of readings: all sources of an engine, polled, logged and applied."""
 
 import contextlib
 from collections.abc import Sequence
@@ -156,7 +156,7 @@ class Member:
         row += self.counters
         self.counters = row
 
-    def said(self) -> list[str]:
+    def sentences(self) -> list[str]:
         """Why it is away, and what its stream notes, if it does."""
         if self.stream is None:
             return [self.failure]
@@ -234,9 +234,11 @@ class Intake:
         streams = [member.stream for member in self.members if member.stream is not None]
         return [each for stream in streams for each in stream.filenos() if each >= 0]
 
-    def said(self) -> list[str]:
+    def sentences(self) -> list[str]:
         """What the sources have to say, in sentences: why one is away, what it could not get."""
-        return [f"{type(m.source).__name__}: {text}" for m in self.members for text in m.said()]
+        return [
+            f"{type(m.source).__name__}: {text}" for m in self.members for text in m.sentences()
+        ]
 
     @property
     def lost(self) -> int:

@@ -57,18 +57,8 @@ class ModelConfig:
     @classmethod
     def of(cls, settings: LiveSettings, ports: tuple[Port, ...]) -> "ModelConfig":
         """Of the settings of a live skin, whose sources deliver these ports."""
-        return cls(
-            settings.skin,
-            ports,
-            settings.layer,
-            settings.mechanics,
-            settings.quantity,
-            settings.solver,
-            settings.rungs,
-            settings.board,
-            settings.time_to_answer,
-            settings.rows,
-        )
+        values = {name: getattr(settings, name) for name in VALUES if name != "budget"}
+        return cls(settings.skin, ports, budget=settings.time_to_answer, **values)
 
     def engine(
         self,
@@ -135,22 +125,6 @@ class ModelConfig:
                 f"the configuration {text[:60]!r}... cannot be used: {error}; expected what a live "
                 "skin writes"
             ) from error
-
-
-def table_of(calibration: bytes, taxels: int) -> Floats:
-    """Calibration (L, 4) from the bytes of one.
-
-    Raises
-    ------
-    FileError
-        If there are too many or too few.
-    """
-    if len(calibration) != taxels * 4 * 8:
-        raise FileError(
-            f"the calibration has {len(calibration)} bytes, expected {taxels * 32}: 4 numbers of "
-            f"8 bytes for each of {taxels} taxels"
-        )
-    return np.frombuffer(calibration, "<f8").reshape(taxels, 4).copy()
 
 
 ROOM = 1 << 13  # bytes

@@ -1,9 +1,11 @@
-"""Process supervisor: processes beside the engine that are started again when they end."""
+"""Process supervisor: processes beside this one that are started again when they end."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import deque
@@ -13,14 +15,45 @@ from types import TracebackType
 from typing import IO, Self
 
 from skinfield.errors import InputError
-from skinfield.loop.handover import nameless_file, plain_error, tail_of
 
 ENDS = 5.0  # s for a process to end when told to
-POLL = 0.3  # s between looks whether it still lives
-PAUSES = (1.0, 3.0, 10.0, 30.0)  # s before it is started again, the last for ever
 SETTLED = 30.0  # s after which a failure counts as the first one again
 MOST_NOTICES = 20
+TAIL = 4000  # bytes of what a process wrote last
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+Child = subprocess.Popen[bytes]
+
+
+def start_python(
+    module: str,
+    *words: str,
+    stdin: int = subprocess.DEVNULL,
+    stdout: int = subprocess.DEVNULL,
+    stderr: IO[bytes] | None = None,
+) -> Child:
+    """Start a module of skinfield in a process of its own, with this one's path and one thread."""
+    return subprocess.Popen(
+        [sys.executable, "-m", module, *words],
+        stdin=stdin,
+        stdout=stdout,
+        stderr=stderr,
+        process_group=0,  # a terminal's Ctrl-C is meant for whoever started it, and ends it
+        env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+    )
+
+
+def last_line(errors: IO[bytes]) -> str:
+    """What a process wrote last to its standard error, without the name of skinfield's errors."""
+    size = errors.seek(0, os.SEEK_END)
+    errors.seek(max(size - TAIL, 0))
+    lines = errors.read().decode(errors="replace").strip().splitlines()
+    return re.sub(r"^skinfield\.errors\.\w+: ", "", lines[-1]) if lines else ""
+
+
+def exit_text(code: int) -> str:
+    """How a process ended, of its status."""
+    names = {each.value: each.name for each in signal.Signals}  # not all numbers have one
+    return f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
 
 
 class SupervisedProcess:
@@ -33,27 +66,35 @@ class SupervisedProcess:
 
     Attributes
     ----------
+    poll : float, s
+        Between looks whether it still lives.
+    pauses : tuple of float, s
+        Before it is started again, the last for ever.
     restarts : int
     failure : str
         Why it is not there; empty while it is.
     child : subprocess.Popen or None
     """
 
+    poll = 0.3
+    pauses: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0)
+
     def __init__(self, what: str) -> None:
         self.what, self.restarts, self.failure = what, 0, ""
-        self.child: subprocess.Popen[bytes] | None = None
+        self.child: Child | None = None
         self.stopping = threading.Event()
+        self._errors: IO[bytes] | None = None
         self._notices: deque[str] = deque(maxlen=MOST_NOTICES)
         self._failures = 0
         self._began = 0.0
         # its process ends with the thread that started it: this one lasts until the end
         self._thread = threading.Thread(target=self._watch, name=what, daemon=True)
 
-    def spawn(self) -> "subprocess.Popen[bytes]":
+    def spawn(self) -> Child:
         """Start the process."""
         raise NotImplementedError
 
-    def greet(self, child: "subprocess.Popen[bytes]") -> None:
+    def greet(self, child: Child) -> None:
         """Wait until it is there, or `stopping`; by default, believe it.
 
         Raises
@@ -62,10 +103,22 @@ class SupervisedProcess:
             With what it said if it is not.
         """
 
-    @property
-    def last_words(self) -> str:
-        """What it said before it ended, if that is known."""
+    def look(self, child: Child) -> str:
+        """Why a process that lives must be killed; looked at again and again."""
         return ""
+
+    def report(self, what: str, text: str) -> None:
+        """It "started", "failed" or "hung"."""
+
+    def new_errors(self) -> IO[bytes]:
+        """For a new process's standard error, in place of what the one before wrote."""
+        self._forget()
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the next
+        return self._errors
+
+    def _forget(self) -> None:
+        if self._errors is not None:
+            self._errors.close()
 
     def begin(self) -> None:
         """Start the process.
@@ -81,6 +134,7 @@ class SupervisedProcess:
             self.child = self.spawn()
         except OSError as error:  # no memory or process is left for it: perhaps later
             raise InputError(f"{self.what} could not be started: {error}") from error
+        self.report("started", f"process {self.child.pid}")
         self.greet(self.child)
         self.failure = ""
 
@@ -103,6 +157,14 @@ class SupervisedProcess:
         """Watch over the process from now on."""
         self._thread.start()
 
+    def stop(self) -> None:
+        """End the watch, and the process."""
+        self.stopping.set()
+        if self._thread.is_alive():
+            self._thread.join()
+        self.end()
+        self._forget()
+
     def __enter__(self) -> Self:
         return self
 
@@ -112,10 +174,7 @@ class SupervisedProcess:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.stopping.set()
-        if self._thread.is_alive():
-            self._thread.join()
-        self.end()
+        self.stop()
 
     def notices(self) -> list[str]:
         """What happened to it since the last time, in sentences."""
@@ -126,15 +185,15 @@ class SupervisedProcess:
 
     def _watch(self) -> None:
         """Start again what ended; until told to stop."""
-        while not self.stopping.wait(POLL):
+        while not self.stopping.wait(self.poll):
             child = self.child
-            if child is not None and child.poll() is None:
-                self._settle()
-                continue
             if child is not None:
-                self.failure = (
-                    f"{self.what} ended with {exit_text(child.returncode)}{self.last_words}"
-                )
+                code = child.poll()
+                why = self.look(child) if code is None else ""
+                if code is None and not why:
+                    self._settle()
+                    continue
+                self._went(child, code, why)
             if self.stopping.wait(self._pause()):
                 return
             self.restarts += 1
@@ -142,6 +201,19 @@ class SupervisedProcess:
                 self.begin()
             except InputError as error:
                 self.failure = str(error)
+                self.report("failed", self.failure)
+
+    def _went(self, child: Child, code: int | None, why: str) -> None:
+        """Say how a process ended, or kill it."""
+        if code is None:
+            child.kill()
+            child.wait()
+            text = f"{why}: killed"
+        else:
+            last = last_line(self._errors) if self._errors is not None else ""
+            text = f"ended with {exit_text(code)}{': ' * bool(last)}{last}"
+        self.failure = f"{self.what} {text}"
+        self.report("failed" if code is not None else "hung", text)
 
     def _settle(self) -> None:
         """Count the next failure as the first one if it has gone well for long."""
@@ -152,8 +224,8 @@ class SupervisedProcess:
 
     def _pause(self) -> float:
         """How long to wait, s, which is told with the failure; what goes on for ever only once."""
-        failures, last = self._failures, len(PAUSES) - 1
-        pause = PAUSES[min(failures, last)]
+        failures, last = self._failures, len(self.pauses) - 1
+        pause = self.pauses[min(failures, last)]
         self._failures += 1
         if failures < last:
             self._notices.append(f"{self.failure}; it is started again")
@@ -162,50 +234,17 @@ class SupervisedProcess:
         return pause
 
 
-def exit_text(code: int) -> str:
-    """How a process ended, of its status."""
-    names = {each.value: each.name for each in signal.Signals}  # not all numbers have one
-    return f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
-
-
 class FitProcess(SupervisedProcess):
-    """The process that fits contacts, started again when it ends.
-
-    Parameters
-    ----------
-    name : str
-        Of the live skin.
-    """
+    """The process that fits contacts of the live skin `name`, started again when it ends."""
 
     def __init__(self, name: str) -> None:
         super().__init__("the contact fit")
         self._name = name
-        self._words: IO[bytes] | None = None
 
-    def spawn(self) -> "subprocess.Popen[bytes]":
+    def spawn(self) -> Child:
         """See `SupervisedProcess`."""
-        self.forget()
-        self._words = nameless_file()
-        me = str(os.getpid())
-        return subprocess.Popen(
-            [sys.executable, "-m", "skinfield.loop.fit_process", self._name, "--parent", me],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=self._words,
-            process_group=0,  # a terminal's Ctrl-C is meant for whoever started it, and ends it
-            env=os.environ | ONE_THREAD | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-        )
-
-    @property
-    def last_words(self) -> str:
-        """See `SupervisedProcess`."""
-        said = "" if self._words is None else tail_of(self._words).strip()
-        return f": {plain_error(said.splitlines()[-1])}" if said else ""
-
-    def forget(self) -> None:
-        """Close what it said."""
-        if self._words is not None:
-            self._words.close()
+        words = (self._name, "--parent", str(os.getpid()))
+        return start_python("skinfield.loop.fit_process", *words, stderr=self.new_errors())
 
 
 @contextmanager
@@ -224,14 +263,10 @@ def start_fit(name: str, wanted: bool = True) -> Iterator[FitProcess | None]:
     if not wanted:
         yield None
         return
-    fit = FitProcess(name)
-    try:
-        with fit:
-            try:
-                fit.begin()
-            except InputError as error:
-                fit.failure = str(error)
-            fit.watch()
-            yield fit
-    finally:
-        fit.forget()
+    with FitProcess(name) as fit:
+        try:
+            fit.begin()
+        except InputError as error:
+            fit.failure = str(error)
+        fit.watch()
+        yield fit

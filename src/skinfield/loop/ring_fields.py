@@ -1,4 +1,4 @@
-"""What a live skin's ring holds beside its slots: counters, times, calibration and notes."""
+"""Fields of a live skin's ring beside its slots: counters, times, calibration and notes."""
 
 import math
 from collections.abc import Sequence

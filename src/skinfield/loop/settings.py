@@ -1,4 +1,4 @@
-"""What a live skin is made of; everything that its engine process needs to know."""
+"""Settings of a live skin: everything that its engine process needs to know."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -61,7 +61,7 @@ class LiveSettings:
         Of the ring's log of readings: a power of two. Default some seconds of all taxels at the
         engine's rate, 16 to 256 MB.
     real_time : RealTime
-    early : bool
+    prefetch : bool
         Wake shortly before each cycle is due as well, and take in what is there already, so that
         the estimate is ready sooner after it. Only at a rate, and where real time is granted.
     """
@@ -88,7 +88,7 @@ class LiveSettings:
     slots: int | None = None
     log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
-    early: bool = True
+    prefetch: bool = True
 
     def __post_init__(self) -> None:
         if isinstance(self.skin, Patch):

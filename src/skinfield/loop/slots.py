@@ -1,4 +1,4 @@
-"""What a slot of the ring holds: one cycle, with everything that a reader may want of it."""
+"""Slot of a live skin's ring: one cycle, with everything that a reader may want of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.estimate.live_contacts import CONTACT
+from skinfield.estimate.live_contacts import CONTACT as CONTACT
 from skinfield.files.mcap.schema import Cycle as Recorded
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.reconstruct.engine.state import Answer

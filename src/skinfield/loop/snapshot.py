@@ -1,4 +1,4 @@
-"""One cycle of a running skin, as its readers get it."""
+"""Snapshot of a running skin: one cycle, as its readers get it."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -60,10 +60,7 @@ class Snapshot(Mapping[str, Estimate]):
                 "`skinfield status`"
             )
         if name not in self._made:
-            head = self.slot.head
-            took = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-9
-            late = bool(int(head[Head.FLAGS]) & CycleFlag.LATE)
-            self._made[name] = self._models.estimate(self.slot, place, took, late)
+            self._made[name] = self._models.estimate(self.slot, place, self.took, self.late)
         return self._made[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -72,6 +69,16 @@ class Snapshot(Mapping[str, Estimate]):
 
     def __len__(self) -> int:
         return int((self.patches["answer"] != int(Answer.MISSING)).sum())
+
+    @property
+    def took(self) -> float:
+        """From the beginning of the cycle to its answer, s."""
+        return float(self.slot.head[Head.READY_NS] - self.slot.head[Head.WAKE_NS]) * 1e-9
+
+    @property
+    def late(self) -> bool:
+        """Whether the answer came after its deadline."""
+        return bool(int(self.slot.head[Head.FLAGS]) & CycleFlag.LATE)
 
     def ages(self) -> dict[str, float]:
         """Age of each patch's newest reading, s; infinite where none ever came."""

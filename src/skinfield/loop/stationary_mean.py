@@ -182,8 +182,6 @@ class StationaryMean:
         noise : (L,) array, in the quantity's unit
             Of one reading.
         """
-        pass
-
         if not self._held:
             return None
         size = average(self._values, self._valid, self._end, self._held, noise, BOUNDS, self._out)

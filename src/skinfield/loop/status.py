@@ -1,4 +1,4 @@
-"""What a running skin says of itself: state, times, sources, patches, as plain numbers."""
+"""Status of a running skin: state, times, sources, patches, as plain numbers."""
 
 import json
 import time
@@ -17,6 +17,7 @@ from skinfield.loop.runtime_parameters import FIELD as TUNING
 from skinfield.loop.runtime_parameters import Limits, tuning_of
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import read_notes
+from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import RingReader
 from skinfield.ring.files import sidecar
 from skinfield.signal import Count
@@ -65,7 +66,7 @@ class Status:
     contacts : list of dict
     notes : dict
         What the engine says in words: phase, what was granted, how the baseline was taken.
-    beside : dict
+    sidecars : dict
         Of the supervisor and the recorder, where there are any.
     memory : dict
         Of the engine's process: resident bytes.
@@ -86,7 +87,7 @@ class Status:
     patches: list[dict[str, Any]]
     contacts: list[dict[str, Any]]
     notes: dict[str, Any]
-    beside: dict[str, Any]
+    sidecars: dict[str, Any]
     memory: dict[str, int]
     tuning: dict[str, Any]
 
@@ -97,12 +98,10 @@ class Status:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON; times in µs."""
-        plain = {key: value for key, value in vars(self).items() if key not in ("since", "lately")}
-        return plain | {
-            "since_start": self.since.as_dict(),
-            "lately": self.lately.as_dict(),
-            "lost": self.lost,
-        }
+        plain = dict(vars(self))
+        since, lately = plain.pop("since").as_dict(), plain.pop("lately").as_dict()
+        beside = {"beside": plain.pop("sidecars")}
+        return plain | beside | {"since_start": since, "lately": lately, "lost": self.lost}
 
 
 class Observer:
@@ -147,9 +146,11 @@ class Observer:
         moments.append(now)
         return earlier
 
-    @property
-    def _stale_ns(self) -> int:
-        return int(self._reader.status_view["stale_ns"][0])
+    def _patches(self, slot: Slot) -> list[dict[str, Any]]:
+        reader = self._reader
+        wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots make old readings
+        stale = int(reader.status_view["stale_ns"][0])
+        return patch_rows(reader.description["patches"], slot.patches, wall, stale)
 
     def look(self) -> Status:
         """What there is now, and what happened since the last look."""
@@ -169,10 +170,10 @@ class Observer:
             rate=(now.number - before.number) / seconds,
             sources=_sources(told["sources"], now.sources),
             sources_lately=_sources(told["sources"], now.sources - before.sources),
-            patches=[] if slot is None else _patches(told, slot, self._stale_ns),
+            patches=[] if slot is None else self._patches(slot),
             contacts=[] if slot is None else contacts_of(told["patches"], slot),
             notes=read_notes(reader.status_view["notes"]) or {},
-            beside={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
+            sidecars={what: _sidecar(reader.name, what) for what in ("supervisor", "recorder")},
             memory=_memory(reader.pid),
             tuning=_tuning(reader),
         )
@@ -186,25 +187,24 @@ def _sources(names: list[str], counted: Array) -> dict[str, dict[str, int]]:
     return found
 
 
-def _patches(told: dict[str, Any], slot: Slot, stale_ns: int) -> list[dict[str, Any]]:
-    wall = max(int(slot.head[Head.WALL_NS]), time.time_ns())  # old slots make old readings
-    rows = []
-    for name, row in zip(told["patches"], slot.patches, strict=True):
-        stamp = int(row["stamp_ns"])
-        rows.append(
-            {
-                "name": name,
-                "answer": told["answers"][int(row["answer"])],
-                "age": (wall - stamp) * 1e-9 if stamp else None,
-                "stale": 0 < stale_ns < wall - stamp,
-                "force": float(row["force"]),
-                "contacts": int(row["contacts"]),
-                "invalid": int(row["invalid"]),
-                "rung": int(row["rung"]),
-                "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
-            }
-        )
-    return rows
+def patch_rows(
+    names: list[str], patches: Array, wall_ns: int, stale_ns: int = 0
+) -> list[dict[str, Any]]:
+    """Rows of PATCH as plain values, at a time; `stale_ns`: an unusual age, 0 where not known."""
+    return [
+        {
+            "name": name,
+            "answer": Answer(int(row["answer"])).name.lower(),
+            "age": (wall_ns - int(row["stamp_ns"])) * 1e-9 if row["stamp_ns"] else None,
+            "stale": bool(0 < stale_ns < wall_ns - row["stamp_ns"]),
+            "force": float(row["force"]),
+            "contacts": int(row["contacts"]),
+            "invalid": int(row["invalid"]),
+            "rung": int(row["rung"]),
+            "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
+        }
+        for name, row in zip(names, patches, strict=True)
+    ]
 
 
 def contacts_of(patches: list[str], slot: Slot) -> list[dict[str, Any]]:

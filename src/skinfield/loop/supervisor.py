@@ -1,33 +1,27 @@
-"""Keeps an engine running in its own process: starts it, watches it, starts it again."""
+"""Supervisor of an engine: its process is started, watched, and started again."""
 
 import json
 import math
 import os
 import pickle
-import signal
-import subprocess
-import threading
 import time
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import TracebackType
-from typing import IO, Self
+from typing import Self
 
 from skinfield.errors import InputError, check_offers
 from skinfield.loop.control import address_of
-from skinfield.loop.handover import Change, nameless_file, plain_error, spawn, tail_of
+from skinfield.loop.handover import Change, spawn
 from skinfield.loop.model_config import Configuration
+from skinfield.loop.process_supervisor import Child, SupervisedProcess
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status_text import read_notes, start_in_words
 from skinfield.ring import Ring, RingReader, State
 from skinfield.ring.files import sidecar
 from skinfield.solve import Solver
 
-LOOK = 0.1  # s between looks
 LIMITS = {State.RUNNING: 3.0, State.CALIBRATING: 60.0}  # s without a sign of life
-PAUSES = (0.1, 0.3, 1.0, 3.0)  # s before it is started again, the last for ever
-SETTLED = 30.0  # s after which a failure counts as the first one again
 KEPT = 100  # events
 TAKES_OVER = 60.0  # s from the end of one engine to the first answer of the next
 TRIES = 3  # failures of an engine that never answered, after which it is no use
@@ -56,8 +50,7 @@ class EngineFailed(InputError):
     """An engine that could not even start."""
 
 
-@dataclass(eq=False)
-class Supervisor:
+class Supervisor(SupervisedProcess):
     """Runs the engine of a live skin as long as the `with` block lasts.
 
     Parameters
@@ -68,23 +61,20 @@ class Supervisor:
     ----------
     events : deque of Event
     restarts : int
+    failure : str
+        Of the last process that failed.
     """
 
-    settings: LiveSettings
-    events: deque[Event] = field(default_factory=lambda: deque(maxlen=KEPT), init=False)
-    restarts: int = field(default=0, init=False)
+    poll = 0.1
+    pauses = (0.1, 0.3, 1.0, 3.0)
 
-    def __post_init__(self) -> None:
-        self._child: subprocess.Popen[bytes] | None = None
-        self._said: IO[bytes] | None = None
-        pickle.dumps(self.settings)  # what cannot be sent to a process is told now
+    def __init__(self, settings: LiveSettings) -> None:
+        super().__init__("the engine")
+        pickle.dumps(settings)  # what cannot be sent to a process is told now
+        self.settings = settings
+        self.events: deque[Event] = deque(maxlen=KEPT)
         self._change: Change | None = None
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._watch, name="supervisor", daemon=True)
-        self._began = 0.0
-        self._failures = 0
         self.never_ran = True
-        self.failure = ""
 
     @property
     def status_path(self) -> Path:
@@ -93,59 +83,43 @@ class Supervisor:
 
     def __enter__(self) -> Self:
         try:
-            self._start()
-            self._thread.start()
+            self.begin()
+            self.watch()
         except BaseException:  # a Ctrl-C now must leave nothing behind
             self.stop()
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.stop()
+    def spawn(self) -> Child:
+        """See `SupervisedProcess`."""
+        return spawn(self.settings, self.new_errors())
 
-    def _start(self) -> None:
-        if self._said is not None:
-            self._said.close()
-        self._said = nameless_file()
-        self._child = spawn(self.settings, self._said)
-        self._began = time.monotonic()
-        self._tell("started", f"engine process {self._child.pid}")
+    def begin(self) -> None:
+        """See `SupervisedProcess`; what failed before is told until it answers."""
+        failure = self.failure
+        super().begin()
+        self.failure = failure
 
-    def _watch(self) -> None:
-        while not self._stopping.wait(LOOK):
-            child = self._child
-            if child is None:  # it could not be started
-                self._again()
-                continue
-            code = child.poll()
-            if code is not None:
-                self._gone(code)
-            elif silence := self._hangs(child.pid):
-                child.kill()
-                child.wait()
-                self._tell("hung", f"no sign of life for {silence:g} s: killed")
-                self._again()
-            elif self._change is not None:
-                self._go_on_with(self._change)
+    def look(self, child: Child) -> str:
+        """See `SupervisedProcess`; a change goes on meanwhile."""
+        if silence := self._hangs(child.pid):
+            return f"no sign of life for {silence:g} s"
+        if self._change is not None:
+            self._go_on_with(self._change)
+        return ""
 
     def _go_on_with(self, change: Change) -> None:
         """One step of a change; processes are only started here, as they end with this thread."""
         if change.step():
-            change.switch(self._child)
-            if self._said is not None:
-                self._said.close()
-            self.settings, self._child, self._said = change.settings, change.child, change.said
+            change.switch(self.child)
+            self._forget()
+            self.settings, self.child, self._errors = change.settings, change.child, change.errors
             self._began = time.monotonic()
+            assert self.child is not None  # it was ready
             solver = type(self.settings.solver).__name__
-            assert self._child is not None  # it was ready
-            self._tell("changed", f"engine process {self._child.pid} answers with {solver}")
-            change.done.set()
-        if change.done.is_set():
+            self.report("changed", f"process {self.child.pid} answers with {solver}")
+            change.over.set()
+        if change.over.is_set():
             self._change = None
 
     def reconfigure(self, *, solver: Solver, timeout: float = 180.0) -> None:
@@ -174,38 +148,12 @@ class Supervisor:
             raise EngineFailed("the engine is being changed already, expected one at a time: wait")
         settings = replace(self.settings, solver=solver)
         self._change = change = Change(settings, time.monotonic() + timeout)
-        while not change.done.wait(1.0):
+        while not change.over.wait(1.0):
             if not self._thread.is_alive():
                 change.fail("the skin was stopped")
         if change.failure:
             raise EngineFailed(f"the engine stays as it was: {change.failure}")
         self.wait(TAKES_OVER).close()
-
-    def _gone(self, code: int) -> None:
-        said = self._tail()
-        names = {each.value: each.name for each in signal.Signals}  # not all numbers have one
-        how = f"signal {names.get(-code, -code)}" if code < 0 else f"status {code}"
-        last = said.strip().splitlines()[-1] if said.strip() else how
-        self.failure = plain_error(last)
-        why = "" if self.failure == how else f": {self.failure}"
-        self._tell("failed", f"ended with {how}{why}")
-        self._again()
-
-    def _again(self) -> None:
-        """Start it once more, after a pause that grows while it keeps failing."""
-        if time.monotonic() - self._began > SETTLED:
-            self._failures = 0
-        pause = PAUSES[min(self._failures, len(PAUSES) - 1)]
-        self._failures += 1
-        self._child = None
-        if self._stopping.wait(pause):
-            return
-        self.restarts += 1
-        try:
-            self._start()
-        except OSError as error:  # no memory or process left for it: perhaps later
-            self.failure = str(error)
-            self._tell("failed", f"could not be started again: {error}")
 
     def _hangs(self, pid: int) -> float:
         """How long it has been silent, s, if that is too long; else 0."""
@@ -217,10 +165,8 @@ class Supervisor:
         except InputError:
             return 0.0
 
-    def _tail(self) -> str:
-        return "" if self._said is None else tail_of(self._said)
-
-    def _tell(self, what: str, text: str) -> None:
+    def report(self, what: str, text: str) -> None:
+        """Note what happened, for `events` and for others."""
         self.events.append(Event(time.time_ns(), what, text))
         told = [[each.time_ns, each.what, each.text] for each in self.events]
         path = self.status_path
@@ -250,7 +196,7 @@ class Supervisor:
         end = time.monotonic() + timeout
         while time.monotonic() < end:
             if self.hopeless:
-                raise EngineFailed(f"the engine does not start: {self.failure}")
+                raise EngineFailed(f"{TRIES} starts failed: {self.failure}")
             reader = self._reader(state)
             if reader is not None:
                 self.never_ran &= state != State.RUNNING
@@ -272,7 +218,7 @@ class Supervisor:
         return "it waits for readings, and none has come" if waits else start_in_words(notes)
 
     def _reader(self, state: State) -> RingReader | None:
-        child = self._child
+        child = self.child
         try:
             reader = RingReader(self.settings.name)
         except InputError:
@@ -282,25 +228,18 @@ class Supervisor:
         reader.close()
         return None
 
-    def stop(self, patience: float = 5.0) -> None:
+    def stop(self) -> None:
         """Stop the engine, and take its ring away."""
-        self._stopping.set()
+        self.stopping.set()
         if self._thread.is_alive():
             self._thread.join()
         change, self._change = self._change, None
         if change is not None:
             change.fail("the skin was stopped")
-        child, self._child = self._child, None
+        child = self.child
+        super().stop()
         if child is not None:
-            child.terminate()
-            try:
-                child.wait(patience)
-            except subprocess.TimeoutExpired:
-                child.kill()
-                child.wait()
-            self._tell("stopped", f"engine process {child.pid}")
-        if self._said is not None:
-            self._said.close()
+            self.report("stopped", f"process {child.pid}")
         self.status_path.unlink(missing_ok=True)
         address_of(self.settings.name).unlink(missing_ok=True)  # of an engine that was killed
         Ring.remove(self.settings.name)

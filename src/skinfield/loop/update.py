@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, Ints, check_shape, check_type
+from skinfield.errors import Floats, Ints, check_shape, check_type
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.baseline import quantity_scale
 from skinfield.loop.binding import Binding
@@ -57,35 +57,19 @@ def _beyond_rest(board: Convention) -> float:
     return -board.direction * (unloaded - board.rest)
 
 
-class ContactPublisher(SkinContacts):
-    """The contacts of every patch, which can go on from what was published of them.
+def go_on_from(slot: Slot, contacts: SkinContacts) -> None:
+    """Have contacts go on from a cycle as it was published, and know nothing else.
 
-    Parameters
-    ----------
-    engine : Engine
-    rows : int
-        Contacts per patch, at most.
-    tracks : (1,) int64 array
-        Contacts numbered so far.
+    A replay that begins in the middle has no more than that.
     """
-
-    def __init__(self, engine: Engine, rows: int, tracks: Ints) -> None:
-        super().__init__(engine, rows=rows, ids=tracks)
-
-    def resume(self, kept: Slot) -> None:
-        """Go on from the contacts of a cycle as it was published, and know nothing else.
-
-        A replay that begins in the middle has no more than that.
-        """
-        self.reset()
-        for row, contacts, memory in zip(kept.patches, kept.contacts, self.memory, strict=True):
-            count = int(row["contacts"])
-            told = contacts[:count]
-            for name in ("track", "x", "y"):
-                memory[name][:count] = told[name]
-            memory["last_ns"][:count] = row["stamp_ns"]
-            ages = np.rint(told["age"] * 1e9).astype(np.int64)
-            memory["first_ns"][:count] = row["stamp_ns"] - ages
+    contacts.reset()
+    for row, its, memory in zip(slot.patches, slot.contacts, contacts.memory, strict=True):
+        count = int(row["contacts"])
+        for name in ("track", "x", "y"):
+            memory[name][:count] = its[name][:count]
+        memory["last_ns"][:count] = row["stamp_ns"]
+        ages = np.rint(its["age"][:count] * 1e9).astype(np.int64)
+        memory["first_ns"][:count] = row["stamp_ns"] - ages
 
 
 CONTACT_WORDS = CONTACT.itemsize // 8
@@ -126,19 +110,9 @@ class RuntimeFilters:
         self.watches = False
 
     def tune(self, tuning: Tuning) -> None:
-        """Go by this from now on.
-
-        Raises
-        ------
-        InputError
-            If there is no such grid or patch.
-        """
+        """Go by this, which `Limits.check` has passed, from now on."""
         engine, focus, window = self._engine, tuning.focus, None
-        if tuning.resolution != AUTO and tuning.resolution not in engine.rungs:
-            raise InputError(f"resolution is {tuning.resolution}, expected one of {engine.rungs}")
         if focus is not None:
-            if focus.patch not in engine.names:
-                raise InputError(f"focus is on {focus.patch!r}, expected one of {engine.names}")
             window = (engine.names.index(focus.patch), *focus.low, *focus.high)
         if tuning.smoothing == 0.0:
             self.forget()
@@ -168,7 +142,7 @@ class RuntimeFilters:
             self._at_ns,
         )
 
-    def told(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
+    def strong(self, patch: int, rows: NDArray[Any], words: NDArray[np.int64], count: int) -> int:
         """Drop a patch's contacts below the threshold; how many are left."""
         return int(self._drop_weak(rows, words[patch], CONTACT_WORDS, count, self.threshold))
 
@@ -252,7 +226,7 @@ class Updater:
         self._kept = Slot.empty(self.sizes)
         self._kept_words = self._kept.contact_words
         self.tracks: Ints = np.zeros(1, np.int64) if tracks is None else tracks
-        self._publisher = ContactPublisher(self.engine, model_config.rows, self.tracks)
+        self._contacts = SkinContacts(self.engine, rows=model_config.rows, ids=self.tracks)
         self.filters = RuntimeFilters(self.engine, binding, stale_ns, self._kept)
         self.calibrate(calibration)
         self._rehearse()
@@ -286,8 +260,8 @@ class Updater:
 
     def count_in(self, tracks: Ints) -> None:
         """Number contacts in this array (1,) from now on."""
-        self.tracks = self._publisher.ids = tracks
-        for each in self._publisher.patches:
+        self.tracks = self._contacts.ids = tracks
+        for each in self._contacts.patches:
             each.ids = tracks
 
     def resume(self, slot: Slot) -> None:
@@ -328,7 +302,7 @@ class Updater:
         """
         if reset:
             self.engine.reset()
-            self._publisher.resume(self._kept)
+            go_on_from(self._kept, self._contacts)
         fresh = self._take(channels, now_ns)
         head, kept = slot.head, self._kept
         head[Head.FLAGS] = 0
@@ -339,7 +313,7 @@ class Updater:
             if self.filters.watches:
                 self.filters.attend()
             self.engine.run(self._values, self._given, budget=budget)
-        self._answered(now_ns)
+        self._take_answers(now_ns)
         head[Head.CONTACTS] = self._sum_up(kept.patches, kept.contacts, int(self.tracks[0]))
         self._publish(channels, slot)
         return fresh > 0
@@ -372,7 +346,7 @@ class Updater:
             )
         )
 
-    def _answered(self, now_ns: int) -> None:
+    def _take_answers(self, now_ns: int) -> None:
         """Keep the answers of the patches with a new reading, and drop what is too old."""
         results, kept = self.engine.results, self._kept
         count = self._take_over(
@@ -392,10 +366,10 @@ class Updater:
         for patch in self._touched[:count].tolist():
             pressure, rows = results.pressure_of(patch), kept.contacts[patch]
             kept.pressure[patch, : len(pressure)] = pressure
-            found = self._publisher.find(patch, int(self._newest[patch]), rows)
+            found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
             if self.filters.threshold:
-                count = self.filters.told(patch, rows, self._kept_words, count)
+                count = self.filters.strong(patch, rows, self._kept_words, count)
             kept.patches["contacts"][patch] = count
 
     def _publish(self, channels: Channels, slot: Slot) -> None:
@@ -435,7 +409,7 @@ class Updater:
         self.engine.reset()
         self.filters.forget()
         self._kept.patches[:] = np.zeros(1, PATCH)
-        self._publisher.resume(self._kept)
+        go_on_from(self._kept, self._contacts)
         self.tracks[0] = 0
 
 

@@ -8,35 +8,16 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from skinfield.errors import FileError, InputError
 from skinfield.page.source import DataSource
+from skinfield.record.launch import ReadyRecorders
 from skinfield.record.recorder import RecorderState, read_state
 
 MOST = 99  # files of one second
 SILENT = 30.0  # s without a word of a recorder that says something each second, but while it ends
 KEPT = 20  # sentences that nobody asked for
-
-
-class Recorders(Protocol):
-    """What records; of a kind that takes its time to begin, one may stand ready."""
-
-    def __call__(self, path: Path) -> AbstractContextManager[None]:
-        """Records into the file as long as it is entered."""
-        ...
-
-    def prepare(self) -> None:
-        """From now on one shall stand ready."""
-        ...
-
-    def tend(self) -> None:
-        """See that one does; called again and again."""
-        ...
-
-    def close(self) -> None:
-        """None is wanted any more."""
-        ...
 
 
 class Recordings:
@@ -46,7 +27,7 @@ class Recordings:
     ----------
     name : str
         Of the ring.
-    recorder : Recorders
+    recorder : ReadyRecorders
     replay : function from a path to a DataSource
     folder : Path
         For the files, which are named by the time.
@@ -55,7 +36,7 @@ class Recordings:
     def __init__(
         self,
         name: str,
-        recorder: Recorders,
+        recorder: ReadyRecorders,
         replay: Callable[[Path], DataSource],
         folder: Path,
     ) -> None:

@@ -12,15 +12,13 @@ from typing import Any, Self
 import numpy as np
 
 from skinfield.errors import FileError, InputError, SkinfieldError, check_range
-from skinfield.files.mcap.schema import Cycle
 from skinfield.loop.model_config import ModelConfig
 from skinfield.loop.realtime import Timing, TimingTable
-from skinfield.loop.slots import Slot
+from skinfield.loop.slots import Slot, say_nothing
 from skinfield.loop.snapshot import Snapshot
-from skinfield.loop.status import Status, contacts_of
+from skinfield.loop.status import Status, contacts_of, patch_rows
 from skinfield.page.controller import Controller
 from skinfield.page.source import EngineView, merged_view
-from skinfield.reconstruct.engine.state import Answer
 from skinfield.record.replay import Moment, Replay, ReplayFit
 from skinfield.skin import Skin
 
@@ -31,7 +29,6 @@ ENDS = 10.0  # s for the thread to end
 BACK = 20  # cycles that a new reading is shown for, at the least: its times are those of an answer
 MARKS = 250_000_000  # ns between counts of what was
 RECENT = 1.0  # s that the status calls the last
-MISSING = int(Answer.MISSING)
 
 
 class Clock:
@@ -175,19 +172,11 @@ class Display:
                 self._since, self._snapshot = 0, None
                 self._number, self._wall_ns = each.cycle.number, each.cycle.wall_ns
                 _copy(each.slot, self._slot)
-            self._count(each.cycle, each.fresh)
+            self._count(each)
 
-    def _miss(self) -> None:
-        """All patches are missing."""
-        slot = self._slot
-        slot.patches[:] = np.zeros(1, slot.patches.dtype)
-        slot.patches["answer"], slot.patches["gap"] = MISSING, np.nan
-        slot.head[:] = 0
-        slot.counts[:], slot.values[:], slot.valid[:] = np.nan, 0.0, 0
-
-    def _count(self, recorded: Cycle, fresh: bool) -> None:
-        latency = -1
-        if fresh:
+    def _count(self, each: Moment) -> None:
+        recorded, latency = each.cycle, -1
+        if each.fresh:
             stamp = int(recorded.patches["stamp_ns"].max(initial=0))
             latency = max(recorded.wall_ns + recorded.done_ns - recorded.wake_ns - stamp, 0)
         done = recorded.done_ns
@@ -208,7 +197,8 @@ class Display:
     def lose(self) -> None:
         """Nothing can be shown any more."""
         with self._lock:
-            self._miss()
+            say_nothing(self._slot, 0)
+            self._slot.counts[:] = np.nan
             self._snapshot = None
 
     def snapshot(self) -> Snapshot | None:
@@ -247,10 +237,10 @@ class Display:
             rate=lately.cycles / seconds,
             sources={},
             sources_lately={},
-            patches=[] if found is None else _patches(found, names),
+            patches=[] if found is None else patch_rows(names, found.patches, self._wall_ns),
             contacts=[] if found is None else contacts_of(names, found.slot),
             notes=notes,
-            beside={},
+            sidecars={},
             memory={},
             tuning={},
         )
@@ -259,27 +249,6 @@ class Display:
 def _copy(source: Slot, target: Slot) -> None:
     for part in fields(Slot):
         np.copyto(getattr(target, part.name), getattr(source, part.name))
-
-
-def _patches(found: Snapshot, names: list[str]) -> list[dict[str, Any]]:
-    """Of each patch what a running skin's status tells."""
-    rows, ages = [], found.ages()
-    for name, row in zip(names, found.patches, strict=True):
-        missing = int(row["answer"]) == MISSING
-        rows.append(
-            {
-                "name": name,
-                "answer": Answer(int(row["answer"])).name.lower(),
-                "age": ages[name] if np.isfinite(ages[name]) else None,
-                "stale": missing,
-                "force": float(row["force"]),
-                "contacts": int(row["contacts"]),
-                "invalid": int(row["invalid"]),
-                "rung": int(row["rung"]),
-                "gap": None if np.isnan(row["gap"]) else float(row["gap"]),
-            }
-        )
-    return rows
 
 
 class ReplaySource:
@@ -507,32 +476,12 @@ def opened(path: Path) -> Replay:
     FileError
         If there is nothing to be shown; it says what else can be done with the file.
     """
-    if not _is_other(path):
+    try:
         return Replay(path)
-    raise FileError(
-        f"{path} is a recording of counts alone, expected one of a live skin, as `skinfield "
-        "record` writes it: `skinfield reconstruct` makes contacts and fields of this one"
-    )
-
-
-def _is_other(path: Path) -> bool:
-    """Whether it is a recording of another kind, of those that can be read."""
-    from skinfield.files.mcap.records import MAGIC
-    from skinfield.files.recordings import stream_recording
-
-    try:
-        with path.open("rb") as file:
-            if file.read(len(MAGIC)) == MAGIC:
-                return False
-    except IsADirectoryError:
-        pass
-    except (OSError, ValueError):
-        return False
-    try:
-        stream_recording(path)
-    except SkinfieldError:
-        return False
-    return True
+    except FileError as error:
+        raise FileError(
+            f"{error}; of a recording of counts alone `skinfield reconstruct` makes contacts"
+        ) from error
 
 
 class ReplayController(Controller):

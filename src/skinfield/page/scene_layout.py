@@ -36,7 +36,7 @@ class PlacedPatch:
     patch: Patch
     pose: Floats
 
-    def shown(self, points: Floats) -> Floats:
+    def in_scene(self, points: Floats) -> Floats:
         """Points (N, 3) of the patch's frame, in the picture."""
         return np.asarray(points @ self.pose[:3, :3].T + self.pose[:3, 3])
 
@@ -118,7 +118,7 @@ class SceneLayout:
         """Diagonal of everything, m."""
         if not self.placed:
             return 0.0
-        points = np.concatenate([each.shown(each.patch.positions) for each in self.placed])
+        points = np.concatenate([each.in_scene(each.patch.positions) for each in self.placed])
         return float(np.linalg.norm(np.ptp(points, axis=0)))
 
     def describe(self) -> list[dict[str, Any]]:
@@ -143,14 +143,14 @@ class SceneLayout:
         each = self[number]
         grid = Grid.square(each.patch, rung)
         arrays = [
-            ("positions", each.shown(grid.positions).astype("<f4").ravel()),
+            ("positions", each.in_scene(grid.positions).astype("<f4").ravel()),
             ("normals", each.turned(grid.normals).astype("<f4").ravel()),
             ("plane", grid.plane.astype("<f4").ravel()),
             ("covered", grid.covered.astype("<u1")),
         ]
         if first:
             arrays += [
-                ("taxels", each.shown(each.patch.positions).astype("<f4").ravel()),
+                ("taxels", each.in_scene(each.patch.positions).astype("<f4").ravel()),
                 ("taxel_normals", each.turned(each.patch.normals).astype("<f4").ravel()),
             ]
         rows, columns = grid.shape

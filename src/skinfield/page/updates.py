@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
-from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.slots import Head
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
@@ -46,17 +45,16 @@ def newest_of(snapshots: Sequence[Snapshot]) -> dict[str, Any]:
     if not snapshots:
         return {"cycle": 0, "stamp_ns": 0, "age_s": None, "fresh": False, "late": False}
     newest = max(snapshots, key=lambda each: each.stamp_ns)
-    head = newest.slot.head
-    ready = (int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])) * 1e-3
-    published = int(head[Head.WALL_NS]) + int(head[Head.READY_NS]) - int(head[Head.WAKE_NS])
+    took = round(newest.took * 1e9)
+    published = int(newest.slot.head[Head.WALL_NS]) + took
     latency = (published - newest.stamp_ns) * 1e-3 if newest.stamp_ns else None
     return {
         "cycle": newest.number,
         "stamp_ns": newest.stamp_ns,
         "age_s": finite(newest.age),
         "fresh": newest.fresh,
-        "late": bool(int(head[Head.FLAGS]) & CycleFlag.LATE),
-        "ready_us": ready,
+        "late": newest.late,
+        "ready_us": took * 1e-3,
         "latency_us": latency,
     }
 
@@ -288,9 +286,9 @@ class Updates:
             rows.append(contact_of(row, number, by) | {
                 "old": its.old,
                 "key": f"{each.source.name} {int(row['track'])}",  # each engine counts for itself
-                "position": plain(each.shown(row["position"][None])[0]),
+                "position": plain(each.in_scene(row["position"][None])[0]),
                 "normal": plain(each.turned(row["normal"][None])[0]),
-                "outline": np.round(each.shown(border), 6).tolist(),
+                "outline": np.round(each.in_scene(border), 6).tolist(),
             })  # fmt: skip
         return rows
 
@@ -304,7 +302,7 @@ class Updates:
             names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
             return {name: press[name] for name in names} | {
                 "patch": number,
-                "position": plain(each.shown(surface.position_from_plane(plane))[0]),
+                "position": plain(each.in_scene(surface.position_from_plane(plane))[0]),
                 "normal": plain(each.turned(normal)[0]),
             }
         return None

@@ -42,35 +42,6 @@ def packed(head: dict[str, Any], arrays: Sequence[tuple[str, Array]] = ()) -> by
     return b"".join([PREFIX.pack(MAGIC, len(text)), text, *parts])
 
 
-def unpacked(message: bytes) -> tuple[dict[str, Any], list[Array]]:
-    """Undo `packed`, for tests and clients in Python.
-
-    Raises
-    ------
-    ValueError
-        For what it never makes.
-    """
-    if len(message) < PREFIX.size:
-        raise ValueError(f"message has {len(message)} bytes, expected {PREFIX.size} or more")
-    magic, size = PREFIX.unpack_from(message)
-    if magic != MAGIC or PREFIX.size + size > len(message):
-        raise ValueError(f"message begins with {message[:8]!r}, expected {MAGIC!r} and a length")
-    head = json.loads(message[PREFIX.size : PREFIX.size + size])
-    payload = memoryview(message)[PREFIX.size + size :]
-    try:
-        return head, [_array(each, payload) for each in head["arrays"]]
-    except (KeyError, TypeError, OverflowError) as error:
-        raise ValueError(f"head is {head!r:.80}, expected what `packed` makes: {error}") from error
-
-
-def _array(entry: dict[str, Any], payload: memoryview) -> Array:
-    code = {name: code for code, name in TYPES.items()}[entry["type"]]
-    dtype, at, length = np.dtype("<" + code), entry["at"], entry["length"]
-    if not 0 <= at <= at + length * dtype.itemsize <= len(payload):
-        raise ValueError(f"array {entry['name']!r} reaches beyond the message")
-    return np.frombuffer(payload, dtype, length, at)
-
-
 def scaled(values: Array, low: float, high: float) -> Array:
     """Values as 16 bits between two bounds; those beyond them as the nearer one, NaN as 0."""
     span = high - low

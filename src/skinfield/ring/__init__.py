@@ -1,4 +1,4 @@
-"""A ring in shared memory: one process writes, any number read, and none waits for another.
+"""Ring in shared memory: one process writes, any number read, and none waits for another.
 
 Slots hold the results of cycles, the log holds bytes that must not get lost, and the status holds
 counters. `layout` says where everything lies; ``skinfield_ring.h`` beside it reads a ring from C.

@@ -1,4 +1,4 @@
-"""Where rings lie, and who writes them.
+"""Files of rings: where they lie, and who writes them.
 
 A ring is a file ``skinfield.NAME`` in memory. Its writer holds a lock on it (flock) from before the
 file has that name until it ends, whichever way it ends: so it is certain whether a ring has a
@@ -15,9 +15,6 @@ import weakref
 from pathlib import Path
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from skinfield.errors import FileError, InputError
 
 SHARED = Path("/dev/shm")
@@ -30,13 +27,6 @@ _PATIENCE = 0.5  # s, for those who only look whether there is a lock
 def folder_of(folder: Path | None) -> Path:
     """Where rings lie: in memory where the system has a folder for that."""
     return folder or (SHARED if SHARED.is_dir() else Path(tempfile.gettempdir()))
-
-
-def notes(path: Path) -> tuple[str, ...]:
-    """Say where a ring lies, if that is not memory."""
-    if path.parent == SHARED:
-        return ()
-    return (f"The ring is in {path.parent}, which may be on a disk.",)
 
 
 def path_of(name: str, folder: Path | None) -> Path:
@@ -208,8 +198,3 @@ def mapped_apart(path: Path) -> mmap.mmap:
         return mapped(descriptor, path, write=True)
     finally:
         os.close(descriptor)
-
-
-def octets_of(memory: mmap.mmap) -> NDArray[np.uint8]:
-    """All bytes of a file."""
-    return np.frombuffer(memory, np.uint8)

@@ -1,62 +1,8 @@
 """Layout of a ring's file: header, table of fields, status, slots and log, little-endian.
 
-====== ===== ==========================================================================
-offset bytes what
-====== ===== ==========================================================================
-0      8     ``SKINFLD`` and a zero
-8      4     version of this layout (uint32)
-12     4     bytes of this header, 4096 (uint32)
-16     8     bytes of the file (uint64, as all that follows)
-24     8     offset of the table of fields: first those of a slot, then those of the status
-32     8     how many fields a slot has
-40     8     how many fields the status has
-48     8     offset of the description, a JSON object in UTF-8
-56     8     bytes of the description
-64     8     offset of the status
-72     8     bytes of the status
-80     8     offset of the slots
-88     8     bytes of a slot, a multiple of 64
-96     8     slots
-104    8     offset of the log
-112    8     bytes of the log, a power of two
-120    8     when the ring was made, ns since the epoch
-128    8     head: number of the newest complete slot, 0 before the first
-192    4     futex: the lower half of head; written after head, woken on after that
-256    8     log end: bytes ever appended, always the end of a batch
-264    8     log reserved: bytes that may have been written; never below log end
-320    8     heartbeat, ns of CLOCK_MONOTONIC
-384    4     process of the writer (uint32)
-388    4     state: 0 starting, 1 calibrating, 2 running, 3 stopped, 4 failed (uint32)
-392    4     generation: 1 for the first writer, one more for each that went on (uint32)
-512    512   marks: 64 ends of batches (uint64), see below
-====== ===== ==========================================================================
-
-What changes has cache lines of its own. Entries of the table of fields have 128 bytes:
-
-====== ===== ==========================================================================
-offset bytes what
-====== ===== ==========================================================================
-0      48    name, filled up with zeros
-48     8     type as in NumPy: ``<f8``, ``<i4``, ...; ``u1`` and ``b1`` have a bar before
-56     8     offset from the beginning of the slot, or of the status
-64     8     bytes
-72     8     dimensions, 0 to 6
-80     48    shape, six uint64
-====== ===== ==========================================================================
-
-A slot begins with 64 bytes of its own; fields lie behind:
-
-====== ===== ==========================================================================
-offset bytes what
-====== ===== ==========================================================================
-0      8     lock: 2 n + 1 while slot n is written, 2 n + 2 when it is complete
-8      8     log end when the slot was complete
-16     8     generation of its writer
-====== ===== ==========================================================================
-
-Slot n lies at index n modulo the number of slots. Byte p of the log lies at p modulo its size.
-The log is divided into 64 segments; mark i is the first end of a batch in the newest segment that
-is i modulo 64 in the endless row of segments. A reader that was too slow goes on at a mark.
+What lies where is a table in ``docs/ring.md``, and in C in ``skinfield_ring.h``. What changes has
+cache lines of its own. Slot n lies at index n modulo the number of slots, byte p of the log at p
+modulo its size.
 """
 
 import json

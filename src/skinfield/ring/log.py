@@ -1,4 +1,4 @@
-"""The log of a ring: one appends, each reader takes at its own pace."""
+"""Log of a ring: one appends, each reader takes at its own pace."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,12 +1,11 @@
-"""Readers of a ring in shared memory, which never disturb its writer, and the rings there are."""
+"""Reader of a ring in shared memory, which never disturbs its writer, and the rings there are."""
 
 import contextlib
 import os
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,15 +50,15 @@ class Slot:
     def __iter__(self) -> Iterator[str]:
         return iter(self.arrays)
 
-    def took(self, number: int) -> None:
+    def took(self, number: int) -> Self:
         """Note which slot `octets` now are a whole copy of; 0 if of none."""
         self.number = number
         self.log_end = self._words[SLOT_LOG_END]
         self.generation = self._words[SLOT_GENERATION]
+        return self
 
 
-@dataclass(frozen=True)
-class RingInfo:
+class RingInfo(NamedTuple):
     """A ring that was found.
 
     Attributes
@@ -98,15 +97,8 @@ def _look(path: Path) -> RingInfo:
     name = path.name.removeprefix(files.PREFIX)
     try:
         with RingReader(name, folder=path.parent) as reader:
-            return RingInfo(
-                name,
-                path,
-                reader.pid,
-                reader.state,
-                reader.alive,
-                reader.generation,
-                reader.number,
-            )
+            now = reader.pid, reader.state, reader.alive, reader.generation, reader.number
+            return RingInfo(name, path, *now)
     except FileError as error:
         return RingInfo(name, path, 0, None, _written(path), 0, 0, str(error))
 
@@ -126,6 +118,7 @@ def _written(path: Path) -> bool:
 _TRIES = 64  # to copy the newest slot before the writer comes round
 _LONGEST = 0.5  # s in one system call
 _WORD = 0xFFFFFFFFFFFFFFFF
+_ALL = (slice(None),)
 
 
 class RingReader:
@@ -171,14 +164,14 @@ class RingReader:
         self.slot_fields: tuple[Field, ...] = tuple(each.field for each in plan.slot_fields)
         self.status_fields: tuple[Field, ...] = tuple(each.field for each in plan.status_fields)
         self._fence = system.fence()
-        octets = files.octets_of(self._memory)
+        octets = np.frombuffer(self._memory, np.uint8)
         self._words = memoryview(self._memory)[: len(octets) // 8 * 8].cast("Q")
         self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
         starts, size = plan.header.slot_starts, plan.header.slot_bytes
         self._slots = [octets[start : start + size] for start in starts]
         self._locks = [start // 8 for start in starts]
         self._spans = {
-            placed.field.name: (placed.offset, placed.offset + placed.size)
+            placed.field.name: slice(placed.offset, placed.offset + placed.size)
             for placed in plan.slot_fields
         }
         self._status: dict[str, NDArray[Any]] = {
@@ -268,8 +261,8 @@ class RingReader:
             number = self.number
             if not number:
                 return None
-            if self._copy(number, into):
-                return into
+            if self._copy(number, into, _ALL):
+                return into.took(number)
             if self._fence:
                 self._fence()
             if self.number == number:  # complete, if the file is good
@@ -285,7 +278,7 @@ class RingReader:
         head = self.number
         if not max(0, head - self.slots) < number <= head:
             return None
-        return into if self._copy(number, into) else None
+        return into.took(number) if self._copy(number, into, _ALL) else None
 
     def part(self, number: int, into: Slot, names: Sequence[str]) -> bool:
         """Copy some fields of a certain slot: less to move where the others are large.
@@ -293,39 +286,27 @@ class RingReader:
         Returns
         -------
         bool
-            Whether it was there, and whole. The other fields keep what they had, and so does
-            `into.number`.
+            Whether it was there, and whole. The other fields keep what they had.
         """
         if not max(0, self.number - self.slots) < number:
             return False
+        return self._copy(number, into, [self._spans[name] for name in names])
+
+    def _copy(self, number: int, into: Slot, spans: Sequence[slice]) -> bool:
+        """Copy some octets of a slot, if it was whole before and after."""
         index, fence, whole = number % self.slots, self._fence, 2 * number + 2 & _WORD
         lock, octets = self._locks[index], self._slots[index]
         if self._words[lock] != whole:
             return False
         if fence:
             fence()
-        for name in names:
-            start, end = self._spans[name]
-            into.octets[start:end] = octets[start:end]
-        if fence:
-            fence()
-        return self._words[lock] == whole
-
-    def _copy(self, number: int, into: Slot) -> bool:
-        """Copy a slot, if it was whole before and after."""
-        index, fence, whole = number % self.slots, self._fence, 2 * number + 2 & _WORD
-        lock = self._locks[index]
-        if self._words[lock] != whole:
-            return False
-        if fence:
-            fence()
-        np.copyto(into.octets, self._slots[index])
+        for span in spans:
+            into.octets[span] = octets[span]
         if fence:
             fence()
         if self._words[lock] != whole:
             into.took(0)
             return False
-        into.took(number)
         return True
 
     def wait(self, after: int, timeout: float) -> int:

@@ -148,8 +148,6 @@ class Ring:
         words of one moment.
     generation : int
         1 for the first writer, one more for each that went on.
-    notes : tuple of str
-        Sentences on what this system does not offer; empty on Linux.
     """
 
     def __init__(self, lock: files.Lock, path: Path, plan: Layout, now: Path) -> None:
@@ -165,10 +163,9 @@ class Ring:
             )
         self.description: dict[str, Any] = found.described(str(path))
         self._memory, self._lock = memory, lock
-        octets = files.octets_of(memory)
+        octets = np.frombuffer(memory, np.uint8)
         self._words = memoryview(memory).cast("Q")
         self._signal = system.signal(octets.ctypes.data + 8 * header.FUTEX)
-        self.notes = (*files.notes(path), *system.notes(self._signal))
         self.status: dict[str, NDArray[Any]] = {
             placed.field.name: placed.view(octets, found.header.status_offset)
             for placed in found.status_fields

@@ -1,4 +1,4 @@
-"""What the operating system and the processor are needed for: to wake, and to keep the order.
+"""Futex and memory fences: what a ring needs of operating system and processor.
 
 Order. A lock around a slot, without waiting, needs that others see stores in the order in which
 they were made, and that loads are made in theirs. On x86-64 both hold for ordinary memory without
@@ -149,11 +149,3 @@ def signal(address: int) -> Futex | Polling:
     """What to wake and to wait with on this machine."""
     number = FUTEX.get(machine())
     return Polling() if number is None else Futex(address, number)
-
-
-def notes(used: Futex | Polling) -> tuple[str, ...]:
-    """Say what this machine lacks."""
-    if isinstance(used, Futex):
-        return ()
-    often = f"{POLL * 1e6:g} µs"
-    return (f"This system has no futex that processes share: readers look every {often}.",)

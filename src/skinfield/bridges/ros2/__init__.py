@@ -1,1 +1,1 @@
-"""A live skin where ROS 2 listens: over zenoh without ROS, or as a node within it."""
+"""ROS 2: a live skin over zenoh without ROS, or as a node within it."""

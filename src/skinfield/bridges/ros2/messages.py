@@ -22,7 +22,6 @@ from skinfield.files.ros.messages import WHATS, Outgoing, SkinMessages, of_conta
 from skinfield.files.ros.names import Topics
 from skinfield.loop.client import Live, NotRunning
 from skinfield.loop.fit_ring import FitReader, best_contacts
-from skinfield.loop.slots import Slot
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import Observer, Status
 from skinfield.reconstruct.engine.state import Answer
@@ -129,7 +128,7 @@ def _patches(status: Status) -> Iterator[Row]:
 
 
 def _recorder(status: Status) -> Iterator[Row]:
-    told = status.beside.get("recorder")
+    told = status.sidecars.get("recorder")
     if not isinstance(told, dict):
         return
     lost = sum(int(told.get(f"{why}_bytes", 0)) for why in ("overrun", "dropped"))
@@ -263,7 +262,7 @@ class Pace:
         """What may be done now."""
         return [what for what, when in self._next.items() if when <= now]
 
-    def done(self, what: str, now: float) -> None:
+    def mark(self, what: str, now: float) -> None:
         """It was done: the next is due on the beat, but what was missed is not made up for."""
         every, when = self._every[what], self._next[what]
         self._next[what] = (when if now < when + every else now) + every
@@ -296,10 +295,6 @@ class Talker:
         self.pace = Pace(rates)
         self._health = Observer(live.reader, window=1.0)
         self._fit = FitReader(live.name)
-        self._room = live.reader.slot()  # looked at before a cycle is worth a copy of its own
-        self._looked = Slot.of(self._room.arrays)
-        self._stamps = np.zeros(len(live.skin), np.int64)
-        self._seen = 0
         self._newest: Snapshot | None = None
 
     def close(self) -> None:
@@ -325,11 +320,11 @@ class Talker:
             if self._live.reader.replaced():
                 raise NotRunning(f"{self._live.name!r} was started anew: connect again")
             self._send(self._speaker.of_status(self._health.look(), time.time_ns()))
-            self.pace.done("diagnostics", now)
+            self.pace.mark("diagnostics", now)
         wanted = [what for what in due if what != "diagnostics"]
         if self._live.state != State.RUNNING:
             for what in wanted:
-                self.pace.done(what, now)
+                self.pace.mark(what, now)
         elif wanted:
             self._look(0.0)
             left = self._say(wanted)
@@ -339,17 +334,15 @@ class Talker:
     def _look(self, timeout: float) -> bool:
         """Wait for a reading that is newer than the last one."""
         end = time.monotonic() + timeout
-        reader = self._live.reader
-        while reader.wait(self._seen, max(end - time.monotonic(), 0.0)) > self._seen:
-            copied = reader.latest(self._room)
-            if copied is None:
-                return False
-            self._seen, stamps = copied.number, self._looked.patches["stamp_ns"]
-            if not np.array_equal(stamps, self._stamps):
-                self._stamps[:] = stamps
-                self._newest = self._live.latest()
+        while True:
+            found = self._live.next_answered()
+            if found is not None and found.fresh:
+                self._newest = found
                 return True
-        return False
+            left = end - time.monotonic()
+            if left <= 0.0:
+                return False
+            self._live.reader.wait(self._live.reader.number, left)
 
     def _say(self, wanted: list[str]) -> list[str]:
         """Send what is new of `wanted`; the rest."""
@@ -362,5 +355,5 @@ class Talker:
                 continue
             for out in self._speaker.of_snapshot(self._newest, (what,), self._fit):
                 self._send(out)
-            self.pace.done(what, time.monotonic())
+            self.pace.mark(what, time.monotonic())
         return left

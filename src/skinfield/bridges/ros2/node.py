@@ -1,4 +1,4 @@
-"""A node of ROS 2 that publishes a running skin: `python -m skinfield.bridges.ros2.node [SKIN]`.
+"""Node of ROS 2 that publishes a running skin: `python -m skinfield.bridges.ros2.node [SKIN]`.
 
 For those who run ROS with any middleware; skinfield is installed in its Python. `skinfield_msgs` is
 built by colcon; while it is not, all but the contacts' array is published.

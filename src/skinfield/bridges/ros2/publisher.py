@@ -10,7 +10,7 @@ from typing import Any
 
 from skinfield.bridges.child import say_ready
 from skinfield.bridges.ros2.messages import LOOKS, SAID, Channel, Speaker, Talker
-from skinfield.bridges.ros2.rmw_zenoh import DOMAINS, NO_HASH, Attachment, Node, Publication, Qos
+from skinfield.bridges.ros2.rmw_zenoh import DOMAINS, NO_HASH, Node, Publication, attachment
 from skinfield.bridges.zenoh.session import ZenohSettings, load_zenoh, open_session
 from skinfield.errors import InputError, check_choice, check_count, check_range, check_type
 from skinfield.files.ros.kinds import RosbagKinds
@@ -133,7 +133,7 @@ class Publisher:
         self._token(session, node.token, ends)
         for number, channel in enumerate(channels, 1):
             told = kinds.hash_of(channel.kind) if hashed else NO_HASH
-            each = Publication(node, number, channel.topic, channel.kind, told, Qos(channel.depth))
+            each = Publication(node, number, channel.topic, channel.kind, told, channel.depth)
             outlet = session.declare_publisher(
                 each.key,
                 congestion_control=zenoh.CongestionControl.DROP,  # nobody is waited for
@@ -151,10 +151,10 @@ class Publisher:
         """Send a message to whoever listens."""
         publication, outlet = self._outlets[out.topic]
         self._sent[out.topic] += 1
-        attachment = Attachment(self._sent[out.topic], time.time_ns(), publication.gid)
+        number = self._sent[out.topic]
         outlet.put(
             self._kinds.bytes_of(out.kind, out.message),
-            attachment=attachment.encode(),
+            attachment=attachment(number, time.time_ns(), publication.gid),
         )
 
 

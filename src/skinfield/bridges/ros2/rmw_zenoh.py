@@ -1,4 +1,4 @@
-"""How rmw_zenoh, ROS 2's middleware over zenoh, names and wraps what it sends.
+"""Names and attachments of rmw_zenoh, ROS 2's middleware over zenoh.
 
 Notes
 -----
@@ -9,11 +9,11 @@ and drop messages or end when they meet this one.
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from struct import Struct
 
-from skinfield.errors import FileError, InputError, check_count
+from skinfield.errors import InputError, check_count
 from skinfield.files.ros.names import TOKEN, check_prefix
 
 TOKENS = "@ros2_lv"  # where liveliness tokens are
@@ -23,30 +23,6 @@ GID = 16  # bytes
 DOMAINS = 232  # the last
 DEPTH = 42  # rmw_zenoh's own, which is left out
 KIND = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)")
-
-
-@dataclass(frozen=True)
-class Qos:
-    """Quality of service that a publisher tells; volatile, the last `depth` are kept.
-
-    Parameters
-    ----------
-    depth : int
-    reliable : bool
-    """
-
-    depth: int = 10
-    reliable: bool = True
-
-    def __post_init__(self) -> None:
-        check_count("depth", self.depth, 1, 1 << 20, "messages that are kept")
-
-    @property
-    def text(self) -> str:
-        """As in tokens: what is as usual is left out."""
-        reliability = "" if self.reliable else "2"
-        depth = "" if self.depth == DEPTH else str(self.depth)
-        return f"{reliability}::,{depth}:,:,:,,"
 
 
 @dataclass(frozen=True)
@@ -106,7 +82,8 @@ class Publication:
         Such as `std_msgs/msg/String`.
     hash : str
         Of the kind by REP 2016, or `NO_HASH`.
-    qos : Qos
+    depth : int
+        Messages that are kept for who is slow; volatile, reliable.
     """
 
     node: Node
@@ -114,7 +91,7 @@ class Publication:
     topic: str
     kind: str
     hash: str
-    qos: Qos = field(default_factory=Qos)
+    depth: int = 10
 
     @property
     def key(self) -> str:
@@ -125,7 +102,8 @@ class Publication:
     @cached_property
     def token(self) -> str:
         """Key of the liveliness token."""
-        more = mangled(self.topic), type_name(self.kind), self.hash, self.qos.text
+        quality = f"::,{'' if self.depth == DEPTH else self.depth}:,:,:,,"
+        more = mangled(self.topic), type_name(self.kind), self.hash, quality
         return self.node.token_of(self.number, "MP", *more)
 
     @cached_property
@@ -154,9 +132,8 @@ def type_name(kind: str) -> str:
     return f"{found[1]}::msg::dds_::{found[2]}_"
 
 
-@dataclass(frozen=True)
-class Attachment:
-    """What comes with each message.
+def attachment(number: int, stamp_ns: int, gid: bytes) -> bytes:
+    """The 33 bytes that come with each message.
 
     Parameters
     ----------
@@ -167,28 +144,4 @@ class Attachment:
     gid : bytes
         Of the publisher.
     """
-
-    number: int
-    stamp_ns: int
-    gid: bytes
-
-    def encode(self) -> bytes:
-        """The 33 bytes."""
-        return ATTACHMENT.pack(self.number, self.stamp_ns, GID, self.gid)
-
-    @classmethod
-    def decode(cls, data: bytes) -> "Attachment":
-        """Undo `encode`.
-
-        Raises
-        ------
-        FileError
-            If it is of another form.
-        """
-        if len(data) != ATTACHMENT.size or data[16] != GID:
-            raise FileError(
-                f"attachment is {data[:24].hex()} ({len(data)} bytes), expected two whole numbers "
-                f"and {GID} bytes with their count before them, {ATTACHMENT.size} in all"
-            )
-        number, stamp_ns, _, gid = ATTACHMENT.unpack(data)
-        return cls(number, stamp_ns, gid)
+    return ATTACHMENT.pack(number, stamp_ns, GID, gid)

@@ -1,4 +1,4 @@
-"""Publishes a running skin's contacts on a port of YARP, from a process of its own."""
+"""Publisher of a running skin's contacts on a port of YARP, from a process of its own."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""What of a skin goes to YARP, and where."""
+"""Settings of the YARP bridge: what of a skin is published, and where."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,27 +1,24 @@
 """Messages of the zenoh bridge: estimates, descriptions, calibrations and contacts as bytes."""
 
 import hashlib
-import json
-import math
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
+import msgspec
 import numpy as np
+from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.estimate.live_contacts import CONTACT
 from skinfield.loop.model_config import ModelConfig
-from skinfield.loop.slots import Sizes, Slot
+from skinfield.loop.slots import CONTACT, Sizes, Slot
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field
 from skinfield.ring.layout import LINE, Placed, place
 from skinfield.ring.reader import Slot as Copy
 from skinfield.skin import Skin
-from skinfield.solve import Solver
 
 VERSION = 1
 MAGIC = b"SKE1"
@@ -31,6 +28,10 @@ MOST_SLOT = 1 << 28  # bytes of an estimate
 MOST_NODES, MOST_ROWS, MOST_PATCHES = 1024, 4096, 1 << 14
 _HEAD = struct.Struct("<4sIQqqQQ16s")
 Array = NDArray[Any]
+Whole = Annotated[int, Meta(ge=0, lt=1 << 62)]
+Far = Annotated[float, Meta(ge=-1e3, le=1e3)]  # m or N
+Large = Annotated[float, Meta(ge=-1e12, le=1e12)]
+T = TypeVar("T")
 
 
 class EstimateHead(NamedTuple):
@@ -90,39 +91,26 @@ def newest_stamp(slot: Slot) -> int:
 
 def strict_json(plain: Any) -> bytes:
     """JSON as others read it: what is not finite becomes null."""
-    try:
-        return json.dumps(plain, allow_nan=False).encode()
-    except ValueError:
-        return json.dumps(_finite(plain), allow_nan=False).encode()
+    return msgspec.json.encode(plain)
 
 
-def _finite(plain: Any) -> Any:
-    if isinstance(plain, float):
-        return plain if math.isfinite(plain) else None
-    if isinstance(plain, Mapping):
-        return {key: _finite(value) for key, value in plain.items()}
-    if isinstance(plain, list | tuple):
-        return [_finite(value) for value in plain]
-    return plain
-
-
-def object_of(data: bytes, most: int) -> dict[str, Any]:
-    """A JSON object from others.
+def decoded(kind: type[T], data: bytes, most: int) -> T:
+    """A message from others, with every member of its kind.
 
     Raises
     ------
     InputError
-        If it is none, or longer than `most` bytes.
+        If it is something else, or longer than `most` bytes.
     """
     if len(data) > most:
         raise InputError(f"a message has {len(data)} bytes, expected at most {most}")
     try:
-        plain = json.loads(data)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"a message is {data[:40]!r}..., expected JSON: {error}") from error
-    if not isinstance(plain, dict):
-        raise InputError(f"a message is {data[:40]!r}..., expected a JSON object")
-    return plain
+        return msgspec.json.decode(data, type=kind)
+    except (msgspec.DecodeError, RecursionError, ValueError) as error:
+        raise InputError(
+            f"a message is {data[:40]!r}, expected what skinfield sends: {error}; is the same "
+            "skinfield on all computers?"
+        ) from error
 
 
 def fingerprint_of(description: bytes) -> bytes:
@@ -156,8 +144,26 @@ def described(robot: str, part: str, ring: Mapping[str, Any], fields: tuple[Fiel
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+class _PlacedField(Struct):
+    name: str
+    offset: int
+    dtype: str
+
+
+class _Ring(Struct):
+    model_config: str
+
+
+class _Description(Struct):
+    """What `described` makes, as far as it is read."""
+
+    skinfield_zenoh: int
+    slot_bytes: int
+    slot: list[_PlacedField]
+    ring: _Ring
+
+
+class Plan(NamedTuple):
     """How estimates of one engine are read, from its description.
 
     Attributes
@@ -183,23 +189,19 @@ class Plan:
         InputError
             If it makes no sense, or is of another version.
         """
-        plain = object_of(data, MOST_JSON)
-        if plain.get("skinfield_zenoh") != VERSION:
+        message = decoded(_Description, data, MOST_JSON)
+        if message.skinfield_zenoh != VERSION:
             raise InputError(
-                f"the description is of version {plain.get('skinfield_zenoh')!r:.40}, expected "
-                f"{VERSION}: the same skinfield on all computers"
+                f"the description is of version {message.skinfield_zenoh}, expected {VERSION}: the "
+                "same skinfield on all computers"
             )
-        ring = plain.get("ring")
-        text = ring.get("model_config") if isinstance(ring, dict) else None
-        if not isinstance(text, str):
-            raise InputError("the description has no model_config, expected that of a live skin")
-        model_config = ModelConfig.from_json(text)
+        model_config = ModelConfig.from_json(message.ring.model_config)
         fields, size = place("slot", _sizes(model_config).fields(), LINE)
-        told = [[each.field.name, each.offset, each.field.dtype] for each in fields]
-        if plain.get("slot_bytes") != size or _places(plain.get("slot")) != told:
+        own = [_PlacedField(each.field.name, each.offset, each.field.dtype) for each in fields]
+        if message.slot_bytes != size or message.slot != own:
             raise InputError(
-                f"slots have {plain.get('slot_bytes')!r:.40} bytes, expected {size} of "
-                f"{', '.join(each.field.name for each in fields)}: is it another skinfield?"
+                f"slots have {message.slot_bytes} bytes, expected {size} of "
+                f"{', '.join(each.name for each in own)}: is it another skinfield?"
             )
         return cls(model_config, fingerprint_of(data), fields, size)
 
@@ -222,12 +224,6 @@ class Plan:
     def empty(self) -> Slot:
         """A slot in which every patch is missing."""
         return Slot.of(Copy(self.fields, self.slot_bytes).arrays)
-
-
-def _places(plain: Any) -> Any:
-    if not isinstance(plain, list) or not all(isinstance(each, dict) for each in plain):
-        return None
-    return [[each.get(what) for what in ("name", "offset", "dtype")] for each in plain]
 
 
 def _sizes(model_config: ModelConfig) -> Sizes:
@@ -269,7 +265,7 @@ def _check(what: str, good: Array) -> None:
         raise InputError(f"{what} of an estimate cannot be, expected those of a live skin")
 
 
-class Calibration(NamedTuple):
+class Calibration(Struct, frozen=True, eq=False):
     """What changes while a ring stays, and decides what follows from a pressure.
 
     Attributes
@@ -286,7 +282,7 @@ class Calibration(NamedTuple):
 
     tares: int
     generation: int
-    solver: Solver | None
+    solver: Any
     noise_std: Floats
 
     def packed(self) -> bytes:
@@ -304,38 +300,51 @@ class Calibration(NamedTuple):
         InputError
             If it makes no sense.
         """
-        plain = object_of(data, MOST_JSON)
-        tares, generation = _count(plain.get("tares")), _count(plain.get("generation"))
-        values = plain.get("noise_std")
-        if not isinstance(values, list) or len(values) != taxels or not _all_noise(values):
+        message = decoded(_Calibration, data, MOST_JSON)
+        if len(message.noise_std) != taxels:
             raise InputError(f"a calibration has no noise of {taxels} taxels, expected that")
-        solver = value_from_plain("solver", plain.get("solver"))
-        if solver is not None and not (isinstance(plain["solver"], dict) and _solves(solver)):
-            raise InputError(f"a solver is {plain['solver']!r:.60}, expected one of skinfield's")
-        return cls(tares, generation, solver, np.array(values, np.float64))
+        solver = value_from_plain("solver", message.solver)
+        good = isinstance(message.solver, dict) and callable(getattr(solver, "prepare", None))
+        if not good and message.solver is not None:
+            raise InputError(f"a solver is {message.solver!r:.60}, expected one of skinfield's")
+        noise_std = np.array(message.noise_std, np.float64)
+        return cls(message.tares, message.generation, solver, noise_std)
 
 
-def _solves(solver: object) -> bool:
-    return callable(getattr(solver, "prepare", None))
-
-
-def _count(value: Any) -> int:
-    if type(value) is not int or not 0 <= value < 1 << 62:
-        raise InputError(f"a calibration counts {value!r:.40}, expected a whole number from 0")
-    return value
-
-
-def _all_noise(values: list[Any]) -> bool:
-    return all(type(each) in (int, float) and 0 <= each < 1e30 for each in values)
+class _Calibration(Struct):
+    tares: Whole
+    generation: Whole
+    solver: Any
+    noise_std: list[Annotated[float, Meta(ge=0.0, lt=1e30)]]
 
 
 RECENT_NS = 250_000_000  # that contacts may be of another time than an estimate
-FINDERS = ("engine", "fit")
-VECTORS = ("position", "normal")
-SURE = ("x", "y", "normal_force")  # what every contact has; the rest may be unknown
-PERHAPS = ("force_std", "place_std", "area", "peak_pressure", "age", "speed")
 MOST = 4096  # contacts
-FAR, LARGE = 1e3, 1e12  # m or N, and anything
+
+
+class ContactMessage(Struct):
+    """A contact in plain values, SI units; None where something is not known."""
+
+    track: Whole
+    patch: str
+    position: tuple[Far, Far, Far]
+    normal: tuple[Far, Far, Far]
+    x: Far
+    y: Far
+    normal_force: Far
+    moments: tuple[Large | None, Large | None, Large | None] = (None, None, None)
+    force_std: Large | None = None
+    place_std: Large | None = None
+    area: Large | None = None
+    peak_pressure: Large | None = None
+    age: Large | None = None
+    speed: Large | None = None
+    by: Literal["engine", "fit"] = "engine"
+
+
+class _Contacts(Struct):
+    stamp_ns: Whole
+    contacts: Annotated[list[ContactMessage], Meta(max_length=MOST)]
 
 
 class Contacts(NamedTuple):
@@ -355,6 +364,9 @@ class Contacts(NamedTuple):
     by: list[str]
 
 
+PLAIN = tuple(name for name in ContactMessage.__struct_fields__ if name not in ("patch", "by"))
+
+
 def contacts_from(data: bytes, skin: Skin) -> Contacts:
     """Read the `contacts` of an engine with this skin.
 
@@ -363,50 +375,13 @@ def contacts_from(data: bytes, skin: Skin) -> Contacts:
     InputError
         If they make no sense.
     """
-    plain = object_of(data, MOST_STATUS)
-    stamp, told = plain.get("stamp_ns"), plain.get("contacts")
-    if type(stamp) is not int or not 0 <= stamp < 1 << 62:
-        raise InputError(f"stamp_ns of contacts is {stamp!r:.40}, expected ns since the epoch")
-    if not isinstance(told, list) or len(told) > MOST or not all(type(x) is dict for x in told):
-        raise InputError(f"contacts are no list of at most {MOST} objects, expected that")
+    message = decoded(_Contacts, data, MOST_STATUS)
     places = {patch.name: place for place, patch in enumerate(skin)}
-    rows, by = np.zeros(len(told), CONTACT), []
-    for row, each in zip(rows, told, strict=True):
-        _fill(row, each, places)
-        if each.get("by") not in FINDERS:
-            raise InputError(f"a contact is by {each.get('by')!r:.40}, expected engine or fit")
-        by.append(str(each["by"]))
-    return Contacts(stamp, rows, by)
-
-
-def _fill(row: Any, plain: Mapping[str, Any], places: Mapping[str, int]) -> None:
-    patch, track = plain.get("patch"), plain.get("track")
-    if not isinstance(patch, str) or patch not in places:
-        raise InputError(f"a contact is on patch {patch!r:.40}, expected one of the skin")
-    if type(track) is not int or not 0 <= track < 1 << 62:
-        raise InputError(f"a contact is numbered {track!r:.40}, expected a whole number")
-    row["patch"], row["track"] = places[patch], track
-    for name in VECTORS:
-        values = plain.get(name)
-        if not isinstance(values, list) or len(values) != 3:
-            raise InputError(f"{name} of a contact is {values!r:.40}, expected three numbers")
-        row[name] = [_number(name, each, FAR) for each in values]
-    moments = plain.get("moments")
-    if not isinstance(moments, list) or len(moments) != 3:
-        raise InputError(f"moments of a contact are {moments!r:.40}, expected three numbers")
-    row["moments"] = [_perhaps("moments", each) for each in moments]
-    for name in SURE:
-        row[name] = _number(name, plain.get(name), FAR)
-    for name in PERHAPS:
-        row[name] = _perhaps(name, plain.get(name))
-
-
-def _number(name: str, value: Any, most: float) -> float:
-    good = type(value) in (int, float) and abs(value) <= most
-    if not good:
-        raise InputError(f"{name} of a contact is {value!r:.40}, expected at most {most:g}")
-    return float(value)
-
-
-def _perhaps(name: str, value: Any) -> float:
-    return math.nan if value is None else _number(name, value, LARGE)
+    rows = np.zeros(len(message.contacts), CONTACT)
+    for row, each in zip(rows, message.contacts, strict=True):
+        if each.patch not in places:
+            raise InputError(f"a contact is on patch {each.patch!r:.40}, expected one of the skin")
+        row["patch"] = places[each.patch]
+        for name in PLAIN:
+            row[name] = np.array(getattr(each, name), row[name].dtype)
+    return Contacts(message.stamp_ns, rows, [str(each.by) for each in message.contacts])

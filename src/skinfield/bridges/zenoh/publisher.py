@@ -140,8 +140,7 @@ STATUS = 0.5  # s between what is said of the state
 QUIET = 0.25  # s after which a cycle goes out though it has no new reading
 BACK = 20  # cycles that are looked through for one with a new reading
 TAKEN = 12.0  # s until a name is free of which the computer went away without a word
-HERE = 2.0  # s to wait for the ring at first
-ANEW = 30.0  # s to wait for a ring whose engine is started anew
+HERE = 10.0  # s to wait for the ring
 RATE = 100.0  # estimates per second at most
 
 
@@ -305,7 +304,7 @@ def check_free(session: Any, part: Part) -> None:
 
 
 def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
-    """Publish the ring `name` until told to stop; a ring that takes its place is taken up.
+    """Publish a running skin until told to stop; see `skinfield.bridges.child`.
 
     Raises
     ------
@@ -314,29 +313,12 @@ def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:
     """
     settings = from_plain(PublisherSettings, plain)
     part = Part(settings.robot, name)
-    with open_session(settings.session) as session:
-        live, ready = connect(name, timeout=HERE), False
+    with open_session(settings.session) as session, connect(name, timeout=HERE) as live:
         check_free(session, part)
-        while True:
-            with live:
-                publisher = Publisher(session, live, part, settings.rate)
-                with publisher.there():
-                    if not ready:
-                        say_ready(key=part.key("**"), id=str(session.info.zid()))
-                        ready = True
-                    while not stop.is_set() and not live.reader.replaced():
-                        publisher.step()
-            if stop.is_set():
-                return
-            live = _anew(name, stop)
-
-
-def _anew(name: str, stop: threading.Event) -> Live:
-    """The ring that took the place of another."""
-    end = time.monotonic() + ANEW
-    while True:
-        try:
-            return connect(name, timeout=SLICE)
-        except NotRunning:
-            if stop.is_set() or time.monotonic() > end:
-                raise
+        publisher = Publisher(session, live, part, settings.rate)
+        with publisher.there():
+            say_ready(key=part.key("**"), id=str(session.info.zid()))
+            while not stop.is_set():
+                publisher.step()
+                if live.reader.replaced():
+                    raise NotRunning(f"{name!r} was started anew: the bridge begins anew, too")

@@ -11,17 +11,15 @@ from numpy.typing import NDArray
 
 from skinfield.bridges.zenoh.messages import (
     MOST_SLOT,
-    MOST_STATUS,
     RECENT_NS,
     Calibration,
     Contacts,
     EstimateHead,
     Plan,
     contacts_from,
-    object_of,
 )
 from skinfield.bridges.zenoh.session import Part
-from skinfield.bridges.zenoh.status_messages import blank_status, checked_status
+from skinfield.bridges.zenoh.status_messages import blank_status, status_from
 from skinfield.errors import InputError, check_positive
 from skinfield.loop.model_config import ModelConfig, Models
 from skinfield.loop.snapshot import Snapshot
@@ -58,7 +56,6 @@ class ReceivedEstimate:
 
     head: EstimateHead
     payload: Any
-    received_ns: int
     monotonic: float
     excess: float  # s that it took longer than the fastest lately
 
@@ -169,7 +166,7 @@ class ZenohSource:
             return
         with self._news:
             excess = self._delay.excess((now - head.sent_ns) * 1e-9, monotonic)
-            self._received = ReceivedEstimate(head, payload, now, monotonic, excess)
+            self._received = ReceivedEstimate(head, payload, monotonic, excess)
             self._heard, self._wanted = monotonic, (head.tares, head.generation)
             self.counts.received += 1
             self.counts.octets += size
@@ -178,7 +175,7 @@ class ZenohSource:
     def take_status(self, data: bytes) -> None:
         """Keep what it says of itself."""
         try:
-            status = checked_status(object_of(data, MOST_STATUS), self.skin)
+            status = status_from(data, self.skin)
         except InputError as error:
             self.refuse(error)
             return

@@ -1,8 +1,8 @@
 """Real time: priorities, pinned processors, locked memory, and how well they do.
 
 `RealTime` asks the system for what a loop needs and reports what it got. `PeriodicClock` and
-`EventWaiter` wait for the next cycle. `TimeHistogram` and `TimingTable` count times where others
-can read them while the loop runs.
+`EventWaiter` wait for the next cycle. `TimingTable` counts times where others can read them
+while the loop runs.
 """
 
 from skinfield.loop.realtime.clock import EventWaiter as EventWaiter
@@ -12,7 +12,6 @@ from skinfield.loop.realtime.layout import WORDS as WORDS
 from skinfield.loop.realtime.setup import RealTime as RealTime
 from skinfield.loop.realtime.setup import RealTimeStatus as RealTimeStatus
 from skinfield.loop.realtime.timing import Quantiles as Quantiles
-from skinfield.loop.realtime.timing import TimeHistogram as TimeHistogram
 from skinfield.loop.realtime.timing import Timing as Timing
 from skinfield.loop.realtime.timing import TimingTable as TimingTable
 from skinfield.loop.realtime.timing import quantiles as quantiles

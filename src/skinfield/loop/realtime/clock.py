@@ -1,18 +1,14 @@
-"""Waiting for the next cycle: a periodic clock, and events on file descriptors."""
+"""Clocks of a real-time loop: a periodic one, and one that waits for file descriptors."""
 
-import ctypes
 import select
-import selectors
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import Protocol
 
 from skinfield.errors import check_count
-from skinfield.loop.realtime import system
 
-MONOTONIC, ABSOLUTE = 1, 1  # CLOCK_MONOTONIC and TIMER_ABSTIME of Linux
-SECOND = 1_000_000_000
+NS = 1e-9
 
 
 class Waiter(Protocol):
@@ -28,29 +24,10 @@ class Waiter(Protocol):
         ...
 
 
-class Sleeper:
-    """Sleep until a time of `time.monotonic_ns`, without drift and without slack of one's own."""
-
-    def __init__(self) -> None:
-        self._until = _Time()
-        self._address = ctypes.byref(self._until)
-        self._nanosleep = getattr(system.LIBRARY, "clock_nanosleep", None)
-
-    def sleep_until(self, due_ns: int) -> None:
-        """Return at once if that is past; signals are handled meanwhile and do not end it."""
-        if self._nanosleep is None:
-            while (left := due_ns - time.monotonic_ns()) > 0:
-                time.sleep(1e-9 * left)
-            return
-        self._until.seconds, self._until.nanoseconds = divmod(due_ns, SECOND)
-        while self._nanosleep(MONOTONIC, ABSOLUTE, self._address, None):
-            pass  # EINTR: Python has handled the signal between two calls
-
-
-class _Time(ctypes.Structure):
-    """`struct timespec` of Linux on 64 bits."""
-
-    _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
+def sleep_until(due_ns: int) -> None:
+    """Sleep until a time of `time.monotonic_ns`; a signal is handled and does not end it."""
+    while (left := due_ns - time.monotonic_ns()) > 0:
+        time.sleep(NS * left)
 
 
 class PeriodicClock:
@@ -78,11 +55,10 @@ class PeriodicClock:
         check_count("period_ns", period_ns, 1000, 1 << 40, "time from cycle to cycle in ns")
         self.period_ns = period_ns
         self.skipped = 0
-        self._sleeper = Sleeper()
         self._due = None if first_ns is None else first_ns - period_ns
         self._grace = 0
 
-    def early(self, lead_ns: int) -> bool:
+    def wake_before(self, lead_ns: int) -> bool:
         """Sleep until `lead_ns` before the next cycle is due, to prepare for it.
 
         What is done then may end somewhat late: `wait` then begins the cycle at once, rather than
@@ -99,7 +75,7 @@ class PeriodicClock:
         if time.monotonic_ns() > due - lead_ns:
             return False
         self._grace = self.period_ns // 2
-        self._sleeper.sleep_until(due - lead_ns)
+        sleep_until(due - lead_ns)
         return True
 
     def wait(self) -> tuple[int, int]:
@@ -120,11 +96,10 @@ class PeriodicClock:
             self.skipped += missed
             due += missed * self.period_ns
         self._due = due
-        self._sleeper.sleep_until(due)
+        sleep_until(due)
         return due, time.monotonic_ns()
 
 
-NS = 1e-9
 AGAIN_NS = 1_000_000_000  # between two looks at which descriptors there are
 REST = 10  # a rest after each cycle is one of so many parts of its time
 
@@ -165,8 +140,7 @@ class EventWaiter:
         check_count("longest_ns", longest_ns, 1000, 1 << 40, "longest time between cycles in ns")
         check_count("shortest_ns", shortest_ns, 0, longest_ns, "shortest time between cycles in ns")
         self.longest_ns, self.shortest_ns = longest_ns, shortest_ns
-        self._sleeper = Sleeper()
-        self._poll = _EPoll() if hasattr(select, "epoll") else _AnyPoll()
+        self._poll = select.poll()
         self._watched: tuple[int, ...] = ()
         self._woke = self._asked = time.monotonic_ns()
         self._ask = filenos if callable(filenos) else None
@@ -176,10 +150,14 @@ class EventWaiter:
         """Wait for these descriptors from now on: after a source was opened again."""
         wanted = tuple(filenos)
         for gone in set(self._watched) - set(wanted):
-            self._poll.forget(gone)
-        for each in wanted:  # all of them: a number may stand for another file now
-            self._poll.watch(each)
+            self._forget(gone)
+        for each in wanted:
+            self._poll.register(each, select.POLLIN)
         self._watched = wanted
+
+    def _forget(self, fileno: int) -> None:
+        with suppress(KeyError):  # it was closed, and is forgotten already
+            self._poll.unregister(fileno)
 
     def wait(self) -> tuple[int, int]:
         """Sleep until something arrives, or the longest wait is over.
@@ -197,56 +175,10 @@ class EventWaiter:
             self._asked = now
             self.watch(self._ask())
         rested = now + (now - self._woke) // REST
-        self._sleeper.sleep_until(max(self._woke + self.shortest_ns, rested))
-        arrived = self._poll.wait((due - time.monotonic_ns()) * NS)
+        sleep_until(max(self._woke + self.shortest_ns, rested))
+        events = self._poll.poll(max((due - time.monotonic_ns()) * 1e-6, 0.0))
+        for fileno, event in events:
+            if event & select.POLLNVAL:
+                self._forget(fileno)
         self._woke = now = time.monotonic_ns()
-        return (now if arrived else min(due, now)), now
-
-    def close(self) -> None:
-        """Give the system's object back; the descriptors stay open."""
-        self._poll.close()
-
-
-class _EPoll:
-    """Linux: nothing is built anew per wait."""
-
-    def __init__(self) -> None:
-        self._epoll = select.epoll()
-
-    def watch(self, fileno: int) -> None:
-        with suppress(FileExistsError):  # the same file as before
-            self._epoll.register(fileno, select.EPOLLIN)
-
-    def forget(self, fileno: int) -> None:
-        with suppress(OSError):  # a file that was closed has left by itself
-            self._epoll.unregister(fileno)
-
-    def wait(self, seconds: float) -> bool:
-        return bool(self._epoll.poll(max(seconds, 0.0), 1))
-
-    def close(self) -> None:
-        self._epoll.close()
-
-
-class _AnyPoll:
-    """Other systems."""
-
-    def __init__(self) -> None:
-        self._selector = selectors.DefaultSelector()
-
-    def watch(self, fileno: int) -> None:
-        self.forget(fileno)
-        self._selector.register(fileno, selectors.EVENT_READ)
-
-    def forget(self, fileno: int) -> None:
-        with suppress(KeyError):
-            self._selector.unregister(fileno)
-
-    def wait(self, seconds: float) -> bool:
-        if not self._selector.get_map():  # which Windows refuses to wait for
-            time.sleep(max(seconds, 0.0))
-            return False
-        return bool(self._selector.select(max(seconds, 0.0)))
-
-    def close(self) -> None:
-        self._selector.close()
+        return (now if events else min(due, now)), now

@@ -1,4 +1,4 @@
-"""Where in an array which number of a histogram stands."""
+"""Layout of a histogram of times: where in an array which number stands."""
 
 OCTAVE_BITS = 6  # 64 bins per power of two: a bin is at most 1/64 of its times wide
 TOP = (1 << 34) - 1  # ns: the last bin ends with it, 17.2 s

@@ -8,9 +8,9 @@ import gc
 import os
 import struct
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, field, fields
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -35,13 +35,7 @@ class RealTimeStatus:
         Whether the system keeps other work off that processor.
     memory : str
         "locked" (also what is allocated later), "locked so far" or "not locked".
-    heap_kept : bool
-        Whether freed memory stays with the process.
     gc_frozen : bool
-    timer_slack_ns : int or None, ns
-        By which the system may delay wakes outside SCHED_FIFO; None where it cannot be set.
-    kept_awake : bool
-        Whether processors stay out of deep sleep.
     kernel : str
         Name and release, and how it is preempted where it says so.
     refused : tuple of str
@@ -55,10 +49,7 @@ class RealTimeStatus:
     cpu: int | None
     isolated: bool
     memory: str
-    heap_kept: bool
     gc_frozen: bool
-    timer_slack_ns: int | None
-    kept_awake: bool
     kernel: str
     refused: tuple[str, ...] = ()
     disturbances: tuple[str, ...] = ()
@@ -70,10 +61,7 @@ class RealTimeStatus:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        return {
-            name: list(value) if isinstance(value, tuple) else value
-            for name, value in asdict(self).items()
-        }
+        return vars(self) | {"refused": list(self.refused), "disturbances": list(self.disturbances)}
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "RealTimeStatus":
@@ -102,7 +90,6 @@ class RealTimeStatus:
         return f"{', '.join(parts)}; {self.kernel}"
 
 
-TRIM_THRESHOLD, MMAP_MAX = 128 * 1024, 65536  # defaults of the GNU C library
 CAP_IPC_LOCK = 14  # number of the capability, of linux/capability.h
 LATENCY = Path("/dev/cpu_dma_latency")
 _awake: list[int] = []  # the descriptor that keeps processors awake for as long as it is open
@@ -244,14 +231,13 @@ def _collect(wanted: "RealTime", outcome: Outcome) -> None:
 
 
 def _lock(wanted: "RealTime", outcome: Outcome) -> None:
-    outcome.granted.update(memory="not locked", heap_kept=False)
+    outcome.granted["memory"] = "not locked"
     if not wanted.lock_memory or not system.LINUX:
         return
     try:
         for name, value in ((system.M_TRIM_THRESHOLD, -1), (system.M_MMAP_MAX, 0)):
             if not system.call("mallopt", name, value):
                 raise OSError(0, "the C library refuses the setting")
-        outcome.granted["heap_kept"] = True
     except OSError as error:
         outcome.refused.append(f"freed memory goes back to the system: {error.strerror}")
     # Under a limit, memory that is locked as it is allocated would make allocations fail.
@@ -288,7 +274,6 @@ def _may_lock_all() -> bool:
 
 
 def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:
-    outcome.granted["kept_awake"] = bool(_awake)
     if not wanted.keep_awake or _awake or not system.LINUX:
         return
     try:
@@ -302,23 +287,13 @@ def _stay_awake(wanted: "RealTime", outcome: Outcome) -> None:
         )
         return
     _awake.append(held)
-    outcome.granted["kept_awake"] = True
-
-
-def let_sleep() -> None:
-    """Let processors sleep again."""
-    while _awake:
-        os.close(_awake.pop())
 
 
 def _slack(outcome: Outcome) -> None:
-    outcome.granted["timer_slack_ns"] = None
     if not system.LINUX:
         return
     try:
         system.call("prctl", system.PR_SET_TIMERSLACK, 1, 0, 0, 0)
-        slack = system.call("prctl", system.PR_GET_TIMERSLACK, 0, 0, 0, 0)
-        outcome.granted["timer_slack_ns"] = slack
     except OSError as error:
         outcome.refused.append(
             f"timer slack not set: {error.strerror}; wakes come up to 50 µs late"
@@ -331,58 +306,6 @@ def capabilities() -> int:
         if line.startswith("CapEff:"):
             return int(line.split()[1], 16)
     return 0
-
-
-@dataclass(frozen=True)
-class SchedulerState:
-    """What `restore` goes back to.
-
-    Attributes
-    ----------
-    policy, priority : int or None
-        Of the calling thread; None where the system has no such thing.
-    cpus : frozenset of int or None
-    slack_ns : int or None, ns
-    gc_enabled : bool
-    """
-
-    policy: int | None
-    priority: int
-    cpus: frozenset[int] | None
-    slack_ns: int | None
-    gc_enabled: bool
-
-    @classmethod
-    def now(cls) -> "SchedulerState":
-        """How things are."""
-        slack, policy, priority, cpus = None, None, 0, None
-        with suppress(OSError):
-            slack = system.call("prctl", system.PR_GET_TIMERSLACK, 0, 0, 0, 0)
-        if system.LINUX:
-            policy, priority = os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
-            cpus = frozenset(os.sched_getaffinity(0))
-        return cls(policy, priority, cpus, slack, gc.isenabled())
-
-    def restore(self) -> None:
-        """Go back; what cannot be taken back, such as the layout of the heap, stays."""
-        if self.policy is not None and self.cpus is not None:
-            usual = os.sched_param(self.priority)
-            try:
-                os.sched_setscheduler(0, self.policy, usual)
-            except PermissionError:  # only root may clear the flag
-                os.sched_setscheduler(0, self.policy | os.SCHED_RESET_ON_FORK, usual)
-            os.sched_setaffinity(0, self.cpus)
-        with suppress(OSError):
-            system.call("munlockall")
-        with suppress(OSError):
-            system.call("mallopt", system.M_TRIM_THRESHOLD, TRIM_THRESHOLD)
-            system.call("mallopt", system.M_MMAP_MAX, MMAP_MAX)
-        if self.slack_ns is not None:
-            system.call("prctl", system.PR_SET_TIMERSLACK, self.slack_ns, 0, 0, 0)
-        let_sleep()
-        gc.unfreeze()
-        if self.gc_enabled:
-            gc.enable()
 
 
 @dataclass(frozen=True)
@@ -426,21 +349,10 @@ class RealTime:
         garbage collector frozen as they are then. Processes and threads that are started later are
         not real-time themselves; they do inherit the processor.
         """
-        from skinfield.loop.realtime.system import disturbances, kernel
-
         outcome = request_all(self)
         return RealTimeStatus(
             **outcome.granted,
-            kernel=kernel(),
+            kernel=system.kernel(),
             refused=tuple(outcome.refused),
-            disturbances=disturbances(outcome.granted["cpu"]),
+            disturbances=system.disturbances(outcome.granted["cpu"]),
         )
-
-    @contextmanager
-    def during(self) -> Iterator[RealTimeStatus]:
-        """Ask, and give everything back at the end: for measurements within a longer process."""
-        before = SchedulerState.now()
-        try:
-            yield self.apply()
-        finally:
-            before.restore()

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
-PR_SET_TIMERSLACK, PR_GET_TIMERSLACK = 29, 30
+PR_SET_TIMERSLACK = 29
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4
 LINUX = sys.platform == "linux"
 LIBRARY = ctypes.CDLL(None, use_errno=True) if LINUX else None  # the C library of this process
@@ -115,13 +115,7 @@ def kernel() -> str:
 
 
 def disturbances(cpu: int | None) -> tuple[str, ...]:
-    """A sentence each.
-
-    Parameters
-    ----------
-    cpu : int or None
-        To which the loop is pinned.
-    """
+    """What makes a loop on this processor late, or on any: a sentence each."""
     return tuple(_disturbances(cpu))
 
 

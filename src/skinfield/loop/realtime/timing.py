@@ -63,37 +63,6 @@ class Quantiles:
         return {**times, "count": self.count}
 
 
-class TimeHistogram:
-    """Times, counted into an array that may lie in shared memory.
-
-    Parameters
-    ----------
-    counts : (WORDS,) uint64 array, optional
-        Counted on from what it holds; by default zeros.
-
-    Raises
-    ------
-    InputError
-        If `counts` has another shape or type, or cannot be written.
-    """
-
-    def __init__(self, counts: Counts | None = None) -> None:
-        from skinfield.loop.realtime.timing_kernel import add_time
-
-        self.counts: Counts = np.zeros(WORDS, np.uint64) if counts is None else counts
-        check_words("counts", self.counts, (WORDS,))
-        self._add = add_time
-        self._add(np.zeros(WORDS, np.uint64), 0)  # compiled, or loaded, before the first time
-
-    def add(self, time_ns: int) -> None:
-        """Count one time in ns; one below 0 counts as 0."""
-        self._add(self.counts, time_ns)
-
-    def quantiles(self, before: Counts | None = None) -> Quantiles | None:
-        """See `quantiles`."""
-        return quantiles(self.counts, before)
-
-
 def check_words(name: str, words: Counts, shape: tuple[int, ...]) -> None:
     """Raise InputError unless compiled code may count into `words`."""
     check_shape(name, words, shape, "the words of histograms, see skinfield.loop.realtime.layout")

@@ -1,4 +1,4 @@
-"""Counting times, compiled. The layout is that of `timing`; the arrays are checked there."""
+"""Kernels of timing, compiled: times into histograms, whose arrays `timing` has checked."""
 
 import numpy as np
 from numpy.typing import NDArray
