@@ -18,8 +18,8 @@ from skinfield.wire.sources.boards import CySkinCan, CySkinSharedMemory, ICubCan
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT, PacketSerial, PacketTcp, PacketUdp
 from skinfield.wire.sources.replay import ReplaySource, pressed
 from skinfield.wire.sources.yarp import YarpPort, YarpText
-from skinfield.wire.yarp.bottle import port_of
-from skinfield.wire.yarp.name_server import PORT as YARP_PORT
+from skinfield.wire.yarp import PORT as YARP_PORT
+from skinfield.wire.yarp import port_of
 
 T = TypeVar("T")
 YES, NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0")

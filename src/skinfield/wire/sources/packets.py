@@ -6,7 +6,6 @@ came for `SILENCE`: then once a second. Devices that send by themselves need not
 
 import fcntl
 import os
-import select
 import socket
 import struct
 import termios
@@ -34,7 +33,8 @@ from skinfield.wire.can.datagrams import (
 )
 from skinfield.wire.packet.codec import PacketDecoder, PacketDevice, PacketScanner
 from skinfield.wire.packet.packets import PacketKind, encode_command
-from skinfield.wire.sources.streams import PATIENCE, LinkedStream, connecting, is_connected
+from skinfield.wire.sources.links import BreakingLink, DialledLink
+from skinfield.wire.sources.streams import LinkedStream
 
 SILENCE = 1_000_000_000  # ns
 START, STOP = encode_command(PacketKind.START), encode_command(PacketKind.STOP)
@@ -66,53 +66,6 @@ def ports_of(devices: Sequence[PacketDevice], names: Sequence[str], unit: str) -
     return tuple(
         Port(name, device.channels, unit) for name, device in zip(names, devices, strict=True)
     )
-
-
-class BreakingLink:
-    """Connection of one file descriptor; where it breaks, `fault` says why, and nothing raises."""
-
-    def __init__(self, label: str) -> None:
-        self._label, self._number = label, -1
-        self.up, self.fault = False, ""
-
-    def reopen(self) -> bool:
-        """Try to get it back, without waiting; whether it is up now."""
-        raise NotImplementedError
-
-    def close(self) -> None:
-        """Let go of it."""
-        raise NotImplementedError
-
-    def _opened(self, number: int) -> bool:
-        self._number, self.up, self.fault = number, True, ""
-        return True
-
-    def _broke(self, error: Exception | str) -> int:
-        self.close()
-        self.fault = f"{self._label}: {getattr(error, 'strerror', None) or error}"
-        return 0
-
-    def filenos(self) -> Sequence[int]:
-        """Of the connection, while it is up."""
-        return (self._number,) if self.up else ()
-
-    def send(self, data: bytes) -> None:
-        """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
-        if self.up:
-            try:
-                os.write(self._number, data)
-            except (BlockingIOError, InterruptedError):
-                return
-            except OSError as error:
-                self._broke(error)
-
-
-class ByteLink(BreakingLink):
-    """Connection that brings bytes."""
-
-    def receive(self, into: Octets) -> int:
-        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
-        raise NotImplementedError
 
 
 class PacketStream(LinkedStream):
@@ -165,14 +118,14 @@ class PacketStream(LinkedStream):
 class ByteStream(PacketStream):
     """See `PacketStream`."""
 
-    _link: ByteLink
+    _link: "DialledLink | SerialLink"
 
     def __init__(
         self,
         devices: Sequence[PacketDevice],
         names: Sequence[str],
         unit: str,
-        link: ByteLink,
+        link: "DialledLink | SerialLink",
         command: bool,
     ) -> None:
         super().__init__(devices, names, unit, link, command)
@@ -216,7 +169,7 @@ class PacketSource:
         object.__setattr__(self, "devices", checked_devices(self.devices))
         object.__setattr__(self, "names", tuple(self.names))
 
-    def _stream(self, link: ByteLink) -> ByteStream:
+    def _stream(self, link: "DialledLink | SerialLink") -> ByteStream:
         try:
             devices = checked_devices(self.devices)
             return ByteStream(devices, self.names, self.unit, link, self.command)
@@ -303,14 +256,14 @@ class UdpLink(BreakingLink):
         try:
             self._socket, self.buffer_bytes = unicast_socket(self._own)
         except OSError as error:
-            return bool(self._broke(error))
+            return bool(self.broke(error))
         self.batch.of_new_socket()
         return self._opened(self._socket.fileno())
 
     def receive(self) -> int:
         """Fill the batch; how many datagrams."""
         count = self.batch.receive(self._socket, BATCH) if self._socket is not None else 0
-        return count if count >= 0 else self._broke(os.strerror(-count))
+        return count if count >= 0 else self.broke(os.strerror(-count))
 
     def send(self, data: bytes) -> None:
         """Send one datagram to the peer."""
@@ -319,7 +272,7 @@ class UdpLink(BreakingLink):
             self._out.lengths[0] = len(data)
             sent = self._out.send(self._socket, 1, connected=False)
             if sent < 0:
-                self._broke(os.strerror(-sent))
+                self.broke(os.strerror(-sent))
 
     def close(self) -> None:
         """Let go of the socket."""
@@ -406,60 +359,9 @@ class PacketTcp(PacketSource):
         InputError
             If the host is not understood.
         """
-        return self._stream(TcpLink(self.host, self.port))
-
-
-class TcpLink(ByteLink):
-    """A connection to a server."""
-
-    def __init__(self, host: str, port: int) -> None:
-        self._place = resolved(host, port, "host")
-        super().__init__(f"tcp {host}:{port}")
-        self._socket: socket.socket | None = None
-        self._poll = select.poll()
-        self._begun = 0.0  # when the attempt that goes on began; 0: none does
-        self.reopen()
-
-    def reopen(self) -> bool:
-        """Begin to connect, unless that goes on already."""
-        if self._begun and monotonic() - self._begun < PATIENCE:
-            return self._is_connected()
-        self.close()
-        self.fault = f"{self._label}: connecting"
-        try:
-            self._socket, self._poll = connecting(self._place)
-        except OSError as error:
-            return bool(self._broke(error))
-        self._begun = monotonic()
-        return self._is_connected()
-
-    def _is_connected(self) -> bool:
-        """Whether the attempt succeeded by now."""
-        try:
-            if self._socket is None or not is_connected(self._socket, self._poll):
-                return False
-        except OSError as error:
-            return bool(self._broke(error))
-        self._begun = 0.0
-        return self._opened(self._socket.fileno())
-
-    def receive(self, into: Octets) -> int:
-        """Write what has arrived."""
-        if self._socket is None or not self.up:
-            self._is_connected()  # what it brings is read once all know that it is up
-            return 0
-        try:
-            count = self._socket.recv_into(into.data)
-        except (BlockingIOError, InterruptedError):
-            return 0
-        except OSError as error:
-            return self._broke(error)
-        return count or self._broke("the server closed the connection")
-
-    def close(self) -> None:
-        """Let go of the connection."""
-        let_go(self._socket)
-        self._socket, self._begun, self.up = None, 0.0, False
+        return self._stream(
+            DialledLink(f"tcp {self.host}:{self.port}", resolved(self.host, self.port, "host"))
+        )
 
 
 @dataclass(frozen=True)
@@ -525,7 +427,7 @@ def pyserial() -> ModuleType:
     return module
 
 
-class SerialLink(ByteLink):
+class SerialLink(BreakingLink):
     """A serial line; pyserial sets it up, reading is the system's own call."""
 
     def __init__(self, path: str, baud: int) -> None:
@@ -559,7 +461,7 @@ class SerialLink(ByteLink):
                 f"line {self._path} at {self._baud} bit/s: {error}, expected a rate that it has"
             ) from error
         except OSError as error:  # SerialException is one
-            return bool(self._broke(error))
+            return bool(self.broke(error))
         self._node = node.st_dev, node.st_ino
         self._look = monotonic() + LOOK
         return self._opened(self._port.fileno())
@@ -578,7 +480,7 @@ class SerialLink(ByteLink):
         except (BlockingIOError, InterruptedError):
             return 0
         except (OSError, ValueError) as error:
-            return self._broke(error)
+            return self.broke(error)
         return 0
 
     def _check_node(self) -> None:
