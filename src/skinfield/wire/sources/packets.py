@@ -17,14 +17,12 @@ from time import monotonic
 from types import ModuleType
 from typing import Any
 
-import numpy as np
-
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import Octets
 from skinfield.wire.can.datagrams import (
+    TRANSIENT,
     Datagrams,
-    address_octets,
     buffer_note,
     let_go,
     peer_from_text,
@@ -227,12 +225,8 @@ class UdpLink(BreakingLink):
     def __init__(self, settings: PacketUdp) -> None:
         self._own = resolved(settings.host, settings.port, "host")
         super().__init__(f"udp {self._own.address}")
-        peer = peer_from_text(settings.peer) if settings.peer else None
+        self.peer = peer_from_text(settings.peer).address if settings.peer else None
         self.batch = Datagrams(BATCH, LONGEST)
-        self._out = Datagrams(1, LONGEST)
-        self.has_peer = peer is not None
-        if peer is not None:
-            self._out.address(np.frombuffer(address_octets(peer.family, peer.address), np.uint8))
         self._socket: socket.socket | None = None
         self.buffer_bytes = 0
         self.reopen()
@@ -262,17 +256,19 @@ class UdpLink(BreakingLink):
 
     def receive(self) -> int:
         """Fill the batch; how many datagrams."""
-        count = self.batch.receive(self._socket, BATCH) if self._socket is not None else 0
-        return count if count >= 0 else self.broke(os.strerror(-count))
+        try:
+            return self.batch.receive(self._socket) if self._socket is not None else 0
+        except OSError as error:
+            return self.broke(error)
 
     def send(self, data: bytes) -> None:
         """Send one datagram to the peer."""
-        if self._socket is not None and self.has_peer:
-            self._out.octets[0, : len(data)] = np.frombuffer(data, np.uint8)
-            self._out.lengths[0] = len(data)
-            sent = self._out.send(self._socket, 1, connected=False)
-            if sent < 0:
-                self.broke(os.strerror(-sent))
+        if self._socket is not None and self.peer is not None:
+            try:
+                self._socket.sendto(data, self.peer)
+            except OSError as error:
+                if error.errno not in TRANSIENT:
+                    self.broke(error)
 
     def close(self) -> None:
         """Let go of the socket."""
@@ -288,7 +284,7 @@ class PacketUdpStream(PacketStream):
     def __init__(self, source: PacketUdp) -> None:
         link, devices = UdpLink(source), checked_devices(source.devices)
         try:
-            super().__init__(devices, source.names, source.unit, link, link.has_peer)
+            super().__init__(devices, source.names, source.unit, link, link.peer is not None)
             self._first = self._count = self._overflowed = 0
             self._decode(Blocks(1024), 0)  # compiles before the first packet
         except BaseException:
