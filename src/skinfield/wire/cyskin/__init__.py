@@ -1,16 +1,10 @@
-"""CySkin: its packets over CAN and EtherCAT, its modules and channels, its shared memory."""
+"""CySkin: its packets over CAN, its modules and channels, its shared memory."""
 
 from skinfield.wire.cyskin.board import CySkinBoardState as CySkinBoardState
-from skinfield.wire.cyskin.board import Declaration as Declaration
-from skinfield.wire.cyskin.board import ModuleDetails as ModuleDetails
-from skinfield.wire.cyskin.board import command_messages as command_messages
 from skinfield.wire.cyskin.board import start_messages as start_messages
 from skinfield.wire.cyskin.board import stop_messages as stop_messages
 from skinfield.wire.cyskin.codec import CySkinDecoder as CySkinDecoder
 from skinfield.wire.cyskin.codec import CySkinEncoder as CySkinEncoder
-from skinfield.wire.cyskin.codec import CySkinEtherCat as CySkinEtherCat
-from skinfield.wire.cyskin.codec import Reply as Reply
-from skinfield.wire.cyskin.codec import board_from_init as board_from_init
 from skinfield.wire.cyskin.modules import CdcSpeed as CdcSpeed
 from skinfield.wire.cyskin.modules import Command as Command
 from skinfield.wire.cyskin.modules import CySkinBoard as CySkinBoard
