@@ -56,8 +56,14 @@ SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64
 
 
 @njit
-def survey(words: Words, highest: Ints) -> int:
-    """Words up to the end of the last whole block; notes the highest channel, less 1: `highest[0]`.
+def survey(words: Words, bounds: Ints) -> int:
+    """Words up to the end of the last whole block.
+
+    Parameters
+    ----------
+    words : (W,) int64 array
+    bounds : (2,) int64 array
+        Written: channels, the highest one's number and 1; newest stamp, ns.
 
     Returns
     -------
@@ -75,7 +81,8 @@ def survey(words: Words, highest: Ints) -> int:
         if words[at] < 0 or words[0] < 0 or abs(words[at] - words[0]) > SPAN:
             break
         if kind <= STATUS:
-            highest[0] = max(highest[0], first + count)
+            bounds[0] = max(bounds[0], first + count)
+        bounds[1] = max(bounds[1], words[at])
         at += HEADER_WORDS + size
     return int(at)
 
