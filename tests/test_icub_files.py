@@ -17,13 +17,12 @@ from skinfield.wire.icub import (
     SetTriangles,
     SkinType,
     Transmit,
-    boards_for,
     command_from,
     configuration_for,
     kind_for,
     load_configuration,
 )
-from skinfield.wire.icub.robot_files import LARGEST, tree_of, without_comments
+from skinfield.wire.icub.robot_files import LARGEST, LINE, tree_of, without_comments
 
 
 @pytest.fixture
@@ -236,7 +235,7 @@ def test_what_is_no_robot_s_file(tmp_path, data, error):
 
 def test_comments_keep_their_lines():
     assert without_comments(b"a<!-- \n <!-- -- \n -->b<!---->c<!-- d") == b"a\n\nbc<!-- d"
-    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x").children[0].line == 3
+    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x")[0].get(LINE) == "3"
 
 
 PIECES = st.lists(
@@ -269,7 +268,7 @@ def test_any_file_is_read_or_refused(tmp_path_factory, text, pieces, data):
 def test_patches_laid_on_boards_keep_their_channels():
     hexagon = generators.hexagon72()
     found = configuration_for(hexagon, period_ms=20)
-    assert found.addresses == ((0, 1),) == boards_for(hexagon)
+    assert found.addresses == ((0, 1),)
     assert found.ports == (PortRun("hexagon72", 0, 192, 0),)
     places = 12 * hexagon.module + (hexagon.uid & 15).astype(int) - 1  # triangle and taxel
     assert (places == hexagon.channel).all()

@@ -26,7 +26,6 @@ from skinfield.wire.icub.commands import message_id as message_id
 from skinfield.wire.icub.commands import skin_type as skin_type
 from skinfield.wire.icub.configuration import BoardSettings as BoardSettings
 from skinfield.wire.icub.configuration import ICubConfiguration as ICubConfiguration
-from skinfield.wire.icub.configuration import boards_for as boards_for
 from skinfield.wire.icub.configuration import configuration_for as configuration_for
 from skinfield.wire.icub.configuration import kind_for as kind_for
 from skinfield.wire.icub.configuration import load_configuration as load_configuration
