@@ -15,6 +15,7 @@ from skinfield.wire.cyskin.modules import Refusal as Refusal
 from skinfield.wire.cyskin.modules import boards_from_skin as boards_from_skin
 from skinfield.wire.cyskin.modules import boards_from_uids as boards_from_uids
 from skinfield.wire.cyskin.modules import on_boards as on_boards
+from skinfield.wire.cyskin.modules import on_enough_boards as on_enough_boards
 from skinfield.wire.cyskin.modules import port_of as port_of
 from skinfield.wire.cyskin.modules import skin_on_boards as skin_on_boards
 from skinfield.wire.cyskin.modules import uids_of as uids_of

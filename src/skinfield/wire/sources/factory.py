@@ -1,7 +1,6 @@
 """Sources from the words of a command line, third parties' included; and ports of patches."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, TypeVar
@@ -10,7 +9,7 @@ from skinfield.errors import InputError, check_offers
 from skinfield.signal import Port, Source
 from skinfield.skin import Patch, Skin
 from skinfield.wire.can.bus import bus_settings, host_and_port, listens, own_address
-from skinfield.wire.cyskin.modules import CySkinBoard, on_boards
+from skinfield.wire.cyskin.modules import CySkinBoard, on_boards, on_enough_boards
 from skinfield.wire.cyskin.wire import CySkinWire, Unchecked
 from skinfield.wire.icub.configuration import configuration_for, load_configuration
 from skinfield.wire.packet.codec import PacketDevice
@@ -25,7 +24,6 @@ T = TypeVar("T")
 YES, NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0")
 
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
-MOST_BOARDS = 16
 STREAMS = ("udp", "tcp", "serial")
 
 
@@ -211,7 +209,7 @@ def _called(point: EntryPoint, skin: Skin, texts: Mapping[str, str]) -> Source:
 
 def skin_for(hardware: str, skin: Skin) -> Skin:
     """The skin on the channels that its hardware has: CySkin's go by uid, others keep theirs."""
-    return _on_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
+    return on_enough_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
 
 
 def icub(request: SourceRequest) -> Source:
@@ -276,18 +274,10 @@ def shared_memory(request: SourceRequest) -> Source:
 def _boards(request: SourceRequest) -> tuple[CySkinBoard, ...]:
     text = request.options.text("boards", "")
     if not text:
-        return _on_boards(request.skin)[1]
+        return on_enough_boards(request.skin)[1]
     if not all(part.strip().isdecimal() for part in text.split(",")):
         raise InputError(f"boards are {text!r}, expected their numbers with commas, as 1,2")
     return on_boards(request.skin, [int(part) for part in text.split(",")])[1]
-
-
-def _on_boards(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
-    """The skin on boards 1, 2, ... as many as its modules need."""
-    for count in range(1, MOST_BOARDS):
-        with suppress(InputError):  # more modules than so many boards carry
-            return on_boards(skin, range(1, count + 1))
-    return on_boards(skin, range(1, MOST_BOARDS + 1))
 
 
 def packet(request: SourceRequest) -> Source:
