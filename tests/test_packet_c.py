@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from packet_reference import decode
 
 import skinfield
 from skinfield.signal import Blocks, Channels, Count, counters
@@ -174,8 +175,7 @@ def test_packets_of_c_are_read(compiled: Compiler) -> None:
     from skinfield.wire.packet import PacketDevice
 
     decoder, blocks, seen = PacketDecoder([PacketDevice(7, 300)]), Blocks(1 << 14), counters()
-    octets = np.frombuffer(data, np.uint8)
-    assert decoder.decode(octets, len(octets), blocks, 0, seen, 5) == 6
+    assert decode(decoder, data, blocks, seen) == 6
     state = Channels(300)
     state.apply(blocks)
     expected = np.arange(300.0) * 200

@@ -197,7 +197,7 @@ class PortRun:
 
 @dataclass(frozen=True)
 class SkinWrapper:
-    """What a ``skin_wrapper`` file says: runs of ports, and the names of the devices they are of."""
+    """What a ``skin_wrapper`` file says: runs of ports, and names of the devices they are of."""
 
     ports: tuple[PortRun, ...]
     devices: tuple[str, ...]
@@ -345,10 +345,10 @@ def device_from(path: str, root: Element) -> SkinDevice | None:
     lists: list[tuple[Element, int]] = []
     if patches is not None:
         for node in patches.findall("param"):
-            prefix, _, number = (node.get("name") or "").partition("Patch")
+            prefix, _, text = (node.get("name") or "").partition("Patch")
             if prefix == "skinCanAddrs":
                 what = "skinCanAddrsPatch and its number"
-                lists.append((node, values.whole(node, number, 0, 255, what)))
+                lists.append((node, values.whole(node, text, 0, 255, what)))
         if len({number for _, number in lists}) < max(len(lists), 1):
             what = "skinCanAddrsPatch1, 2, each once"
             raise values.spoilt(patches, f"{len(lists)} lists", what)

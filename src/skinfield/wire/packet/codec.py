@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,16 +13,11 @@ from skinfield.wire.packet.packets import (
     CRC_BYTES,
     DTYPES,
     HEADER_BYTES,
-    HELLO,
     LONGEST,
-    LONGEST_NAME,
     LONGEST_PAYLOAD,
     WIDTH,
-    Hello,
     PacketKind,
 )
-
-NO_ROOM = -1
 
 
 @dataclass(frozen=True)
@@ -44,34 +38,6 @@ class PacketDevice:
     def __post_init__(self) -> None:
         check_count("number of a device", self.number, 0, 0xFFFE, "65535 stands for all of them")
         check_count("channels of a device", self.channels, 1, 65535, "taxels and dummies")
-
-
-@dataclass(frozen=True)
-class DeviceState:
-    """What is known of one device.
-
-    Attributes
-    ----------
-    packets : int
-        That were new or late.
-    restarts : int
-        Times that it began anew.
-    reading : int
-        Number of the last reading that was complete, modulo 65536.
-    time_us : int, µs
-        Of its clock, in the newest packet.
-    hello : Hello or None
-        The newest.
-    hellos : int
-        How many came.
-    """
-
-    packets: int
-    restarts: int
-    reading: int
-    time_us: int
-    hello: Hello | None
-    hellos: int
 
 
 class PacketDecoder:
@@ -107,53 +73,12 @@ class PacketDecoder:
         self.state[:, OFFSET] = np.cumsum([0, *channels[:-1]])
         self.window: Ints = np.zeros((count, WINDOW), np.int64)
         self.marks: Octets = np.zeros(sum(channels), np.uint8)
-        self.hellos: Octets = np.zeros((count, HELLO.size + LONGEST_NAME), np.uint8)
         self._torn: Ints = np.zeros(1, np.int64)
-        self._one: tuple[Any, ...] = (np.zeros(1, np.int64), np.zeros(1, np.int64))
 
     @property
     def channels(self) -> int:
         """Of all devices."""
         return len(self.marks)
-
-    def decode(
-        self,
-        octets: Octets,
-        length: int,
-        blocks: Blocks,
-        channel: int,
-        counters: Ints,
-        now_ns: int,
-    ) -> int:
-        """Append what one datagram brings.
-
-        Parameters
-        ----------
-        octets : (L,) uint8 array
-            One or more packets, one after the other.
-        length : int
-            Bytes of it that are used.
-        blocks : Blocks
-        channel : int
-            Of the first device's first channel.
-        counters : (len(Count),) int64 array
-        now_ns : int, ns
-            Stamp of the blocks.
-
-        Returns
-        -------
-        int
-            Packets; `NO_ROOM` (-1) if the blocks might not hold them: then nothing was taken, and
-            the datagram is to be handed in again.
-        """
-        before = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
-        lengths, stamps = self._one
-        lengths[0], stamps[0] = length, now_ns
-        taken = self.decode_many(
-            octets[np.newaxis], lengths, stamps, 0, 1, blocks, channel, counters
-        )
-        after = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
-        return after - before if taken else NO_ROOM
 
     def decode_many(
         self,
@@ -175,8 +100,10 @@ class PacketDecoder:
         stamp_ns : (N,) int64 array, ns
             When each came in.
         first, last : int
-        blocks, channel, counters
-            As for `decode`.
+        blocks : Blocks
+        channel : int
+            Of the first device's first channel.
+        counters : (len(Count),) int64 array
 
         Returns
         -------
@@ -190,26 +117,8 @@ class PacketDecoder:
             decode_datagrams(
                 datagrams, lengths, stamp_ns, first, last, blocks.words, blocks.octets,
                 blocks.singles, blocks.end, channel, self.slots, self.state, self.window,
-                self.marks, self.hellos, counters, self._torn,
+                self.marks, counters, self._torn,
             )
-        )  # fmt: skip
-
-    def device(self, index: int = 0) -> DeviceState:
-        """What is known of device `index`."""
-        from skinfield.wire.packet import kernel as t
-
-        row = self.state[index]
-        hello = None
-        if row[t.HELLOS]:
-            payload = self.hellos[index, : row[t.HELLO_LENGTH]].tobytes()
-            try:
-                hello = Hello.from_payload(payload)
-            except InputError:  # of a newer device, or one that fills it in wrongly
-                hello = None
-        return DeviceState(
-            packets=int(row[t.PACKETS]), restarts=int(row[t.RESTARTS]),
-            reading=int(row[t.READING]), time_us=int(row[t.TIME]), hello=hello,
-            hellos=int(row[t.HELLOS]),
         )  # fmt: skip
 
 
@@ -246,8 +155,10 @@ class PacketScanner:
         ----------
         received : int
             Bytes; 0 to go on with those that had no room in the blocks before.
-        blocks, channel, counters, now_ns
-            As for `PacketDecoder.decode`.
+        blocks, channel, counters
+            As for `PacketDecoder.decode_many`.
+        now_ns : int, ns
+            Stamp of the blocks.
 
         Returns
         -------
@@ -261,7 +172,7 @@ class PacketScanner:
         counters[Count.BYTES] += received
         at, packets = decode_run(
             self.octets, 0, used, False, self._torn, blocks.words, blocks.octets, blocks.singles,
-            blocks.end, channel, now_ns, own.slots, own.state, own.window, own.marks, own.hellos,
+            blocks.end, channel, now_ns, own.slots, own.state, own.window, own.marks,
             counters,
         )  # fmt: skip
         if at:

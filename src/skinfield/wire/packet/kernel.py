@@ -29,8 +29,8 @@ NEW, TWICE, LATE = 0, 1, 2
 
 # columns of a device's state
 OFFSET, CHANNELS, STARTED, NEWEST, FIRST, JUMP, OWED, RESTARTS = 0, 1, 2, 3, 4, 5, 6, 7
-HELLO_TIME, TIME, MARKED, HELLOS, HELLO_LENGTH, READING, PACKETS = 8, 9, 10, 11, 12, 13, 14
-COLUMNS = 15
+HELLO_TIME, TIME, MARKED = 8, 9, 10
+COLUMNS = 11
 NO_JUMP = -1
 
 Row = NDArray[np.int64]
@@ -265,7 +265,6 @@ def decode_run(
     state: Table,
     window: Table,
     marks: Octets,
-    hellos: Octets,
     counters: Ints,
 ) -> tuple[int, int]:
     """Take the packets in `octets[start:stop]`.
@@ -287,7 +286,6 @@ def decode_run(
     window : (D, WINDOW) int64 array
     marks : (C,) uint8 array
         1 where a packet of counts left a status behind.
-    hellos : (D, H) uint8 array
     counters : (len(Count),) int64 array
 
     Returns
@@ -304,7 +302,7 @@ def decode_run(
                 break
             take_packet(
                 octets, at, words, payloads, singles, end, channel, now_ns, slots, state, window,
-                marks, hellos, counters,
+                marks, counters,
             )  # fmt: skip
             torn[0] = 0
             at += size
@@ -332,7 +330,6 @@ def take_packet(
     state: Table,
     window: Table,
     marks: Octets,
-    hellos: Octets,
     counters: Ints,
 ) -> None:
     """Take one whole packet, for whose blocks there is room."""
@@ -345,16 +342,11 @@ def take_packet(
     order = track(row, window[slot], u32(octets, at + 8), time, kind == HELLO, counters)
     if order == TWICE:
         return
-    row[PACKETS] += 1
     stamp = now_ns
     if order == LATE:
         stamp -= min(1000 * ((row[TIME] - time) & 0xFFFFFFFF), LATEST_NS)
     else:
         row[TIME] = time
-        if octets[at + 22] & LAST_FLAG:
-            row[READING] = u16(octets, at + 20)
-    if kind == HELLO:
-        take_hello(octets, at, row, hellos[slot])
     first, count = u16(octets, at + 16), u16(octets, at + 18)
     if stated_payload(kind, count) < 0:
         return
@@ -429,16 +421,6 @@ def note_status(
         begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, 0)
 
 
-@inner
-def take_hello(octets: Octets, at: int, row: Row, hello: Octets) -> None:
-    """Keep the newest HELLO of a device."""
-    length = min(u16(octets, at + 6), len(hello))
-    for i in range(length):
-        hello[i] = octets[at + HEADER_BYTES + i]
-    row[HELLOS] += 1
-    row[HELLO_LENGTH] = length
-
-
 @njit
 def decode_datagrams(
     datagrams: NDArray[np.uint8],
@@ -455,7 +437,6 @@ def decode_datagrams(
     state: Table,
     window: Table,
     marks: Octets,
-    hellos: Octets,
     counters: Ints,
     torn: Ints,
 ) -> int:
@@ -473,7 +454,7 @@ def decode_datagrams(
         start, final = int(np.int64(0)), length >= 0
         decode_run(
             datagrams[i], start, length, final, torn, words, payloads, singles, end, channel,
-            stamps[i], slots, state, window, marks, hellos, counters,
+            stamps[i], slots, state, window, marks, counters,
         )  # fmt: skip
     return last
 

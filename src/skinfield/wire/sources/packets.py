@@ -67,13 +67,7 @@ def ports_of(devices: Sequence[PacketDevice], names: Sequence[str], unit: str) -
 
 
 class PacketStream(LinkedStream):
-    """Packets over one link; see `skinfield.signal.Stream`.
-
-    Attributes
-    ----------
-    decoder : PacketDecoder
-        Its `device` tells what is known of each.
-    """
+    """Packets over one link; see `skinfield.signal.Stream`."""
 
     def __init__(
         self,
