@@ -30,7 +30,6 @@ from skinfield.signal.capacitance import rest_capacitance as rest_capacitance
 from skinfield.signal.capacitance import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
-from skinfield.signal.faults import FaultLimits as FaultLimits
 from skinfield.signal.faults import Faults as Faults
 from skinfield.signal.faults import Verdict as Verdict
 from skinfield.signal.faults import find_faults as find_faults
