@@ -195,8 +195,7 @@ def test_commands_are_heard_in_c(compiled: Compiler) -> None:
 
 def test_packets_of_python_are_found_in_c(compiled: Compiler) -> None:
     encoder = PacketEncoder(1000, device=3)
-    encoder.encode(np.arange(1000), 5)
-    data = b"noise" + encoder.octets.tobytes() + b"SF\x01\x02"
+    data = b"noise" + b"".join(encoder.encode(np.arange(1000), 5)) + b"SF\x01\x02"
     lines = compiled.run("checker", CHECKER, data).decode().splitlines()
     assert lines == ["2 3 0 723", "2 3 1 277"]
 

@@ -69,8 +69,6 @@ def device_of(patch: Patch, number: int) -> Device:
             "packets: split it up"
         )
     encoder = PacketEncoder(patch.n_channels, device=number)
-    encoder.encode(np.zeros(patch.n_channels), 0)  # compiles before the first reading
-    encoder.sequence = encoder.reading = 0
     return Device(patch, number, encoder, np.full(patch.n_channels, REST))
 
 
@@ -120,7 +118,7 @@ class PacketWire(Wire):
     def __init__(self, link: Link, fates: Fates) -> None:
         super().__init__(fates)
         self.link = link
-        self.made: list[memoryview] = []
+        self.made: list[bytes] = []
         self._waiting = b""
 
     @property
@@ -134,9 +132,9 @@ class PacketWire(Wire):
 
     def _put(self, order: Sequence[int]) -> None:
         for index in order:
-            self.say(self.made[index] if index >= 0 else memoryview(self._waiting))
+            self.say(self.made[index] if index >= 0 else self._waiting)
 
-    def say(self, packet: memoryview) -> None:
+    def say(self, packet: bytes) -> None:
         """Send a packet."""
         if self.link.send(packet):
             self.sent += 1
@@ -144,7 +142,7 @@ class PacketWire(Wire):
             self.refused += 1
 
     def _remember(self, index: int) -> None:
-        self._waiting = bytes(self.made[index])
+        self._waiting = self.made[index]
 
     def _let_go(self) -> None:
         self.link.close()
@@ -232,7 +230,7 @@ class PacketDevices(Hardware):
         )
         device.encoder.sequence = (device.encoder.sequence + 1) & 0xFFFFFFFF
         if not self._wire.off and self._wire.link.heard:
-            self._wire.say(memoryview(encode_packet(packet)))
+            self._wire.say(encode_packet(packet))
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
@@ -243,8 +241,7 @@ class PacketDevices(Hardware):
             device.values[device.patch.channel] = self.converters.counts[self._rows(board)]
             for module in device.unplugged:
                 device.values[device.patch.channel[device.patch.module == module]] = 0.0
-            for index in range(device.encoder.encode(device.values, device.clock_us)):
-                made.append(device.encoder.packet(index).data)
+            made += device.encoder.encode(device.values, device.clock_us)
         self.readings += len(members)
         self._wire.send(len(made))
 

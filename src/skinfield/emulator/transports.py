@@ -26,7 +26,7 @@ class Link:
     address: str  # where a host finds it
     heard: bool  # whether somebody is there to send to, as far as is known
 
-    def send(self, packet: memoryview) -> bool:
+    def send(self, packet: bytes) -> bool:
         """Send a packet; False if it was not taken, and then none of it was."""
         raise NotImplementedError
 
@@ -98,7 +98,7 @@ class UdpLink(Link):
             raise
         self.address, self.heard = place_of(self._socket), self._peer is not None
 
-    def send(self, packet: memoryview) -> bool:
+    def send(self, packet: bytes) -> bool:
         """See `Link`."""
         if self._peer is None:
             return False
@@ -135,11 +135,11 @@ class _Bytes(Link):
     def __init__(self) -> None:
         self._rest = b""
 
-    def _write(self, data: memoryview | bytes) -> int:
+    def _write(self, data: bytes) -> int:
         """Bytes taken, 0 if none; raises BrokenPipeError when the other side is gone."""
         raise NotImplementedError
 
-    def send(self, packet: memoryview) -> bool:
+    def send(self, packet: bytes) -> bool:
         """See `Link`."""
         if self._rest:
             self._rest = self._rest[self._write(self._rest) :]
@@ -148,7 +148,7 @@ class _Bytes(Link):
         taken = self._write(packet)
         if taken == 0:
             return False
-        self._rest = bytes(packet[taken:])
+        self._rest = packet[taken:]
         return True
 
 
@@ -169,7 +169,7 @@ class TcpLink(_Bytes):
             raise
         self.address, self.heard = place_of(self._server), False
 
-    def _write(self, data: memoryview | bytes) -> int:
+    def _write(self, data: bytes) -> int:
         if self._client is None:
             return 0
         try:
@@ -242,7 +242,7 @@ class TerminalLink(_Bytes):
                 self.close()
                 raise FileError(f"{channel} cannot be made: {error.strerror}") from error
 
-    def _write(self, data: memoryview | bytes) -> int:
+    def _write(self, data: bytes) -> int:
         try:
             return os.write(self._near, data)
         except OSError:

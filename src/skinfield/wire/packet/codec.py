@@ -16,7 +16,10 @@ from skinfield.wire.packet.packets import (
     LONGEST,
     LONGEST_PAYLOAD,
     WIDTH,
+    Packet,
+    PacketFlag,
     PacketKind,
+    encode_packet,
 )
 
 
@@ -190,7 +193,7 @@ ETHERNET = 1472 - HEADER_BYTES - CRC_BYTES  # bytes of payload of a datagram tha
 
 
 class PacketEncoder:
-    """Readings of one device to packets; nothing is allocated after the beginning.
+    """Readings of one device to packets, in plain Python: for devices in software.
 
     Parameters
     ----------
@@ -203,10 +206,6 @@ class PacketEncoder:
 
     Attributes
     ----------
-    octets : (B,) uint8 array
-        The packets of the last reading, one after the other.
-    offsets : (P + 1,) int64 array
-        Packet i is `octets[offsets[i]:offsets[i + 1]]`.
     sequence, reading : int
         Numbers of the next packet and reading; whoever sends a HELLO in between adds 1.
     """
@@ -227,16 +226,10 @@ class PacketEncoder:
         width = WIDTH[self.kind]
         check_count("payload", payload, width, LONGEST_PAYLOAD, "bytes of a packet's payload")
         self.channels, self.device, self.per_packet = channels, device, payload // width
-        packets = -(-channels // self.per_packet)
-        self.octets: Octets = np.zeros(
-            packets * (HEADER_BYTES + CRC_BYTES) + width * channels, np.uint8
-        )
-        self.offsets: Ints = np.zeros(packets + 1, np.int64)
-        self._values: NDArray[np.generic] = np.zeros(channels, DTYPES[self.kind])
         self.sequence = self.reading = 0
 
-    def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> int:
-        """Write the packets of one reading.
+    def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> list[bytes]:
+        """Packets of one reading.
 
         Parameters
         ----------
@@ -245,25 +238,20 @@ class PacketEncoder:
         time_us : int, µs
             Of the device's clock.
         status : Status
-
-        Returns
-        -------
-        int
-            Packets.
         """
-        from skinfield.wire.packet.kernel import encode_reading
-
-        check_shape("values", np.asarray(values), (self.channels,), "one per channel")
-        self._values[:] = values
-        packets = encode_reading(
-            self._values.view(np.uint8), WIDTH[self.kind], self.channels, int(self.kind),
-            self.device, 0, self.per_packet, self.sequence, self.reading, time_us & 0xFFFFFFFF,
-            int(status), self.octets, self.offsets,
-        )  # fmt: skip
-        self.sequence = (self.sequence + packets) & 0xFFFFFFFF
+        array = np.asarray(values).astype(DTYPES[self.kind])
+        check_shape("values", array, (self.channels,), "one per channel")
+        packets = []
+        for first in range(0, self.channels, self.per_packet):
+            part = array[first : first + self.per_packet]
+            last = first + len(part) == self.channels
+            packet = Packet(
+                kind=self.kind, device=self.device, sequence=self.sequence, time_us=time_us,
+                channel=first, count=len(part), reading=self.reading,
+                flags=PacketFlag.LAST if last else PacketFlag.NONE, status=status,
+                payload=part.tobytes(),
+            )  # fmt: skip
+            packets.append(encode_packet(packet))
+            self.sequence = (self.sequence + 1) & 0xFFFFFFFF
         self.reading = (self.reading + 1) & 0xFFFF
-        return int(packets)
-
-    def packet(self, index: int) -> Octets:
-        """Bytes of packet `index` of the last reading, without copying."""
-        return self.octets[self.offsets[index] : self.offsets[index + 1]]
+        return packets
