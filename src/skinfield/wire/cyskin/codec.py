@@ -1,6 +1,6 @@
 """Codec of CySkin's sensor data over CAN: messages to blocks, and counts to messages."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,7 @@ from skinfield.signal.block import Octets
 from skinfield.wire.cyskin.modules import (
     MODULES,
     RESPONSES,
+    Command,
     CySkinBoard,
     channels_of,
     checked_boards,
@@ -144,7 +145,7 @@ class CySkinDecoder(CanDecoder):
 
 
 class CySkinEncoder:
-    """Boards of one bus: their responses to messages, compiled, without allocating.
+    """Boards of one bus: their responses to messages, in plain Python: for boards in software.
 
     Parameters
     ----------
@@ -172,8 +173,6 @@ class CySkinEncoder:
         wire: CySkinWire | None = None,
         per_packet: int = RESPONSES,
     ) -> None:
-        from skinfield.wire.cyskin.kernel import ROOM
-
         check_count("per_packet", per_packet, 1, RESPONSES, "responses in a packet")
         self.boards = checked_boards(boards)
         self.wire, self.per_packet = wire or CySkinWire(), per_packet
@@ -181,13 +180,11 @@ class CySkinEncoder:
         count = len(self.table.numbers)
         self.counts: NDArray[np.uint16] = np.zeros(channels_of(self.boards), np.uint16)
         self.sends: NDArray[np.bool_] = np.ones(count, np.bool_)
-        self._check, self._sums = self.wire.checksum.numbers, table_of(self.wire.checksum)
-        self._packet: Octets = np.zeros(ROOM, np.uint8)
 
     @property
     def messages_per_reading(self) -> int:
         """CAN messages of one reading of all boards of the bus."""
-        fixed = 4 + int(self._check[1])  # octets beside the responses
+        fixed = 4 + int(self.wire.checksum.numbers[1])  # octets beside the responses
         total = 0
         for row, count in enumerate(self.table.counts):
             sensors = int(self.table.begins[row, count] - self.table.begins[row, 0])
@@ -209,22 +206,30 @@ class CySkinEncoder:
         InputError
             If `messages` has too few rows.
         """
-        from skinfield.wire.cyskin.kernel import encode_board
-
         check_count("first", first, 0, len(messages), "row of the messages")
-        table, row = self.table, first
-        for board, number in enumerate(table.numbers):
-            if not self.sends[board]:
-                continue
-            row = encode_board(
-                self.counts, number, table.channels, table.begins[board], table.counts[board],
-                self.per_packet, self.wire.extended, self.wire.big_endian, self._check, self._sums,
-                self._packet, messages.ids, messages.lengths, messages.data, messages.stamp_ns,
-                row, stamp_ns,
-            )  # fmt: skip
-            if row < 0:
-                raise InputError(
-                    f"messages have {len(messages)} rows, expected "
-                    f"{first + self.messages_per_reading}: a whole reading behind those before"
-                )
+        row = first
+        for board in np.flatnonzero(self.sends).tolist():
+            number = int(self.table.numbers[board])
+            for data in self._readings(board):
+                packet = self.wire.packet(Command.SENSOR_DATA, data)
+                for identifier, part in self.wire.messages(number, packet):
+                    if row == len(messages):
+                        raise InputError(
+                            f"messages have {len(messages)} rows, expected "
+                            f"{first + self.messages_per_reading}: a whole reading behind those "
+                            "before"
+                        )
+                    messages.put(row, identifier, part)
+                    messages.stamp_ns[row] = stamp_ns
+                    row += 1
         return row
+
+    def _readings(self, board: int) -> Iterator[bytes]:
+        """Module, first sensor and responses of each packet of a board."""
+        begins = self.table.begins[board, : self.table.counts[board] + 1]
+        form = ">u2" if self.wire.big_endian else "<u2"
+        for at in range(int(begins[0]), int(begins[-1]), self.per_packet):
+            module = int(np.searchsorted(begins, at, "right")) - 1
+            channels = self.table.channels[at : min(at + self.per_packet, int(begins[-1]))]
+            responses = self.counts[channels].astype(form).tobytes()
+            yield bytes([module, at - int(begins[module])]) + responses

@@ -1,4 +1,4 @@
-"""CySkin's packets, compiled: checksums, runs of sensors, copies, decoding and encoding."""
+"""CySkin's packets, compiled: checksums, runs of sensors, copies, decoding."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,6 @@ FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
 SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
 ROOM = 280  # octets of a packet: 2 of head, 255 of data, 2 of checksum, and copies
 IDLE, SKIPPING = -1, -2  # instead of how many octets came
-
-NO_ROOM = -1  # instead of how many messages were written
 
 
 @inner
@@ -403,114 +401,3 @@ def take_responses(
         words, payloads, end, stamp_ns, channel, channels, start, start + responses, packet, 4,
         big_endian, counters,
     )  # fmt: skip
-
-
-@njit
-def encode_board(
-    counts: NDArray[np.uint16],
-    number: int,
-    channels: Ints,
-    begins: Ints,
-    modules: int,
-    per_packet: int,
-    extended: bool,
-    big_endian: bool,
-    check: Table,
-    table: Table,
-    packet: Octets,
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
-    first: int,
-    stamp_ns: int,
-) -> int:
-    """Write one reading of one board as messages from row `first` on.
-
-    Parameters
-    ----------
-    counts : (C,) uint16 array
-        Of all channels of the port.
-    channels, begins, modules : arrays, int
-        As in `SensorTable`, of this board.
-    per_packet : int
-        Responses in a packet at most.
-    packet : (ROOM,) uint8 array
-        Scratch.
-
-    Returns
-    -------
-    int
-        Row behind the last message, or NO_ROOM.
-    """
-    at, end, module = begins[0], begins[modules], 0
-    while at < end:
-        while begins[module + 1] <= at:
-            module += 1
-        some = min(per_packet, end - at)
-        length = fill(
-            packet, counts, channels, at, some, module, at - begins[module], big_endian, check,
-            table,
-        )  # fmt: skip
-        first = split(packet, length, number, extended, ids, lengths, data, stamps, first, stamp_ns)
-        if first < 0:
-            return NO_ROOM
-        at += some
-    return first
-
-
-@inner
-def fill(
-    packet: Octets,
-    counts: NDArray[np.uint16],
-    channels: Ints,
-    at: int,
-    some: int,
-    module: int,
-    sensor: int,
-    big_endian: bool,
-    check: Table,
-    table: Table,
-) -> int:
-    """Write one packet of sensor data; its octets."""
-    packet[0], packet[1], packet[2], packet[3] = SENSOR_DATA, 2 + 2 * some, module, sensor
-    to = 4
-    for k in range(some):
-        count = int(counts[channels[at + k]])
-        high, low = count >> 8, count & 0xFF
-        packet[to] = high if big_endian else low
-        packet[to + 1] = low if big_endian else high
-        to += 2
-    crc = summed(packet, 0, to, check, table)
-    for k in range(check[1]):
-        packet[to + k] = (crc >> (8 * k)) & 0xFF
-    return int(to + check[1])
-
-
-@inner
-def split(
-    packet: Octets,
-    length: int,
-    number: int,
-    extended: bool,
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
-    row: int,
-    stamp_ns: int,
-) -> int:
-    """Write a packet as messages from `row` on; the row behind them, or NO_ROOM."""
-    if row + ((length + 7) >> 3) > len(ids):
-        return NO_ROOM
-    for at in range(0, length, 8):
-        part = FIRST if at == 0 else MID
-        if at + 8 >= length:
-            part = LAST if at else SINGLE
-        ids[row] = (EXTENDED | part << 26 | number) if extended else (part << 8 | number)
-        lengths[row] = min(8, length - at)
-        for k in range(8):
-            data[row, k] = packet[at + k] if at + k < length else 0
-        stamps[row] = stamp_ns
-        row += 1
-    return row
