@@ -18,7 +18,7 @@ from skinfield.wire.cyskin import (
     Unchecked,
     matching_checksums,
 )
-from skinfield.wire.cyskin.shared_memory import SensorOrder, snapshot_of
+from skinfield.wire.cyskin.shared_memory import SensorOrder
 
 INTERPRETED = True
 FENCE = 0x0123456789ABCDEF
@@ -120,14 +120,10 @@ def as_host(wire: CySkinWire, data: bytes) -> None:
 
 def as_memory(data: bytes) -> None:
     """Words of the shared memory."""
-    words = np.frombuffer(data[: len(data) // 4 * 4], np.uint32)
-    try:
-        found = snapshot_of(words)
-    except InputError:
-        return
+    uids, responses = np.frombuffer(data[: len(data) // 8 * 8], np.uint32).reshape(2, -1)
     order, blocks = SensorOrder(BOARDS), Blocks(1 << 16)
-    order.follow(found.uids)
-    assert order.put(found.responses, blocks, 0, counters(), 5)
+    order.follow(uids)
+    assert order.put(responses, blocks, 0, counters(), 5)
     Channels(48).apply(blocks)
 
 

@@ -244,16 +244,8 @@ class ICubBoards(CanBoards[BoardState]):
 
     def _configure(self, number: int) -> None:
         """Put a board's state into the encoder of its bus."""
-        state, board = self.states[number], self.boards[number]
-        encoder = self._lines[board.bus].encoder
-        for row, triangle in enumerate(board.triangles, board.row):
-            encoder.configure(
-                row,
-                message_class=state.message_class,
-                no_load=state.no_load,
-                shift=state.triangles[triangle].shift,
-                kind=state.kind,
-            )
+        board = self.boards[number]
+        self._lines[board.bus].encoder.follow(board.address, self.states[number])
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""

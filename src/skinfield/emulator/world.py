@@ -374,7 +374,6 @@ class Solving:
 MOST = 64  # presses at once, by hand
 KEPT = 20  # notes
 LONGEST_ID = 64  # characters
-Published = tuple[str, int, Tool, float, float, float]
 
 
 class World:
@@ -398,7 +397,7 @@ class World:
         self._solving = Solving(layer)
         self._by_hand: dict[str, Touch] = {}
         self._numbers = itertools.count(1)
-        self._published: tuple[Published, ...] | None = None
+        self._published: list[Touch] | None = None
         self.notes: list[str] = []
         self._warm()
         self.play(scene)
@@ -460,10 +459,9 @@ class World:
             The presses; None where nothing has changed since the last call.
         """
         touches = self.touches(time)
-        published = tuple((t.id, t.patch, t.tool, t.x, t.y, t.force) for t in touches)
-        if published == self._published:
+        if touches == self._published:
             return None
-        self._published = published
+        self._published = touches
         return self._render(touches, change)
 
     def _render(self, touches: list[Touch], change: Floats) -> list[tuple[Touch, float]]:

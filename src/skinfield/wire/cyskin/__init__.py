@@ -20,7 +20,6 @@ from skinfield.wire.cyskin.modules import port_of as port_of
 from skinfield.wire.cyskin.modules import skin_on_boards as skin_on_boards
 from skinfield.wire.cyskin.modules import uids_of as uids_of
 from skinfield.wire.cyskin.shared_memory import SharedMemoryReader as SharedMemoryReader
-from skinfield.wire.cyskin.shared_memory import SharedMemoryWriter as SharedMemoryWriter
 from skinfield.wire.cyskin.wire import Assembler as Assembler
 from skinfield.wire.cyskin.wire import Checksum as Checksum
 from skinfield.wire.cyskin.wire import Crc as Crc
