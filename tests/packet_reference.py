@@ -17,12 +17,11 @@ def decode(
     seen: np.ndarray,
     now_ns: int = 5,
     channel: int = 0,
-    length: int | None = None,
 ) -> int | None:
     """Take one datagram; its packets, or None where the blocks might not hold them."""
     octets = np.frombuffer(data, np.uint8)[np.newaxis]
     before = int(seen[Count.RECEIVED] + seen[Count.FOREIGN])
-    lengths = np.array([len(data) if length is None else length])
+    lengths = np.array([len(data)])
     taken = decoder.decode_many(octets, lengths, np.array([now_ns]), 0, 1, blocks, channel, seen)
     return int(seen[Count.RECEIVED] + seen[Count.FOREIGN]) - before if taken else None
 

@@ -11,8 +11,6 @@ from skinfield.wire.cyskin import (
     CySkinDecoder,
     CySkinEncoder,
     CySkinModule,
-    CySkinWire,
-    Unchecked,
 )
 
 BOARDS = (
@@ -156,31 +154,3 @@ def test_without_room_it_goes_on_where_it_stopped() -> None:
         at, found = then, found + small.data.tobytes()
     assert found == whole.data.tobytes()
     assert seen[Count.RECEIVED] == len(rows)
-
-
-ANY_ROW = st.tuples(
-    st.one_of(st.sampled_from([0x101, 0x201, 0x401, 0x501, 0x407]), st.integers(0, 2**32 - 1)),
-    st.integers(0, 255),
-    st.one_of(
-        st.binary(min_size=8, max_size=8),
-        st.binary(min_size=6, max_size=6).map(lambda b: b"\x43" + b[:1] + b),
-    ),
-)
-
-
-@given(st.lists(ANY_ROW, max_size=60))
-def test_any_messages_are_decoded_or_counted(drawn: list) -> None:
-    wire = CySkinWire(checksum=Unchecked(1))  # lets more of it through
-    decoder, seen, blocks = CySkinDecoder(BOARDS, wire=wire), counters(), Blocks(1 << 14)
-    blocks.words[:] = 0x55
-    messages = CanMessages(60)
-    for row, (identifier, length, data) in enumerate(drawn):
-        messages.ids[row], messages.lengths[row] = identifier, length
-        messages.data[row] = list(data)
-    assert decoder.decode(messages, len(drawn), blocks, 3, seen) == len(drawn)
-    state = Channels(3 + CHANNELS)
-    state.apply(blocks)
-    assert np.isnan(state.counts[:3]).all()
-    assert (blocks.words[blocks.end[0] :] == 0x55).all()
-    assert (seen >= 0).all()
-    decoder.reset()

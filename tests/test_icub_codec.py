@@ -257,15 +257,6 @@ def test_what_makes_no_sense_is_no_command(data):
     assert command_from(bytes.fromhex(data)) is None
 
 
-@given(st.binary(max_size=8), st.sampled_from(list(Firmware)))
-def test_any_bytes_are_a_command_or_none(data, firmware):
-    command, before = command_from(data), BoardState(firmware=firmware)
-    after = before.after(data)
-    assert after.ignored == (command is None)
-    if command is not None:
-        assert command_from(command.data) == command
-
-
 def test_a_board_is_configured_and_started_as_a_robot_does():
     board = BoardState()
     assert (board.kind, board.period_ms, board.no_load, board.sending) == (0, 40, 240, False)

@@ -430,27 +430,3 @@ def test_longest_packet_fits_the_smallest_scanner() -> None:
     assert seen[Count.READINGS] == 1
     with pytest.raises(InputError, match="received"):
         scanner.take(2 * LONGEST + 1, blocks, 0, seen, 5)
-
-
-@given(st.binary(max_size=200), st.integers(0, 250), st.booleans())
-def test_any_bytes_are_decoded_or_refused(data: bytes, length: int, framed: bool) -> None:
-    if framed and len(data) >= 4:  # let most of them get past the sum
-        data = raw_packet(
-            data[0], sequence=data[1], channel=data[2], count=data[3], payload=data[4:]
-        )
-    decoder, blocks, seen = PacketDecoder(30), Blocks(4096), counters()
-    blocks.words[:] = 0x55
-    taken = decode(decoder, data, blocks, seen, length=length)
-    assert taken is not None
-    Channels(30).apply(blocks)
-    assert (blocks.words[blocks.end[0] :] == 0x55).all()
-    try:
-        found = len(list(packets_of(data)))
-    except InputError:
-        found = -1
-    if length >= len(data):
-        assert found in (-1, taken)
-        try:
-            packet_from_bytes(data).values  # noqa: B018
-        except InputError:
-            assert taken == 0 or data[:2] != b"SF"

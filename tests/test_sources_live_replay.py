@@ -229,16 +229,6 @@ def test_ports_of_a_live_recording(tmp_path: Path) -> None:
         ReplaySource(path, ports=(Port("hand", 12),)).open()
 
 
-@given(st.binary(max_size=200))
-def test_any_words_are_played_or_refused(data: bytes) -> None:
-    words = np.frombuffer(data[: len(data) // 8 * 8], np.int64)
-    try:
-        stream = BlockReplayStream((), words, 1.0, False, "file")
-    except InputError:
-        return
-    polled(stream, START)
-
-
 def test_a_simulated_press(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation, "LADDER", 1)  # takes seconds for each
     source = pressed(HEXAGON, period=1.0, rest=0.5, rate=20.0, force=2.0)
