@@ -40,46 +40,54 @@ ROUNDS = 8  # of a poll
 BUFFER = 1 << 18  # bytes
 
 
-def checked_devices(devices: Sequence[PacketDevice] | int) -> tuple[PacketDevice, ...]:
-    """Devices as a tuple; a number stands for device 1 with so many channels."""
-    if isinstance(devices, int):
-        return (PacketDevice(1, devices),)
-    return tuple(devices)
+class PacketSource:
+    """Settings of devices, whatever their packets come by."""
 
+    devices: Sequence[PacketDevice] | int
+    names: Sequence[str]
+    unit: str
 
-def ports_of(devices: Sequence[PacketDevice], names: Sequence[str], unit: str) -> tuple[Port, ...]:
-    """A port for each device.
-
-    Raises
-    ------
-    InputError
-        If there are names, but not one for each.
-    """
-    if not names:
-        names = ["skin"] if len(devices) == 1 else [f"device{each.number}" for each in devices]
-    if len(names) != len(devices):
-        raise InputError(
-            f"names are {list(names)}, expected {len(devices)}: one for each device's port"
+    def __post_init__(self) -> None:
+        devices = self.devices
+        known = (PacketDevice(1, devices),) if isinstance(devices, int) else tuple(devices)
+        names = tuple(self.names) or tuple(
+            "skin" if len(known) == 1 else f"device{each.number}" for each in known
         )
-    return tuple(
-        Port(name, device.channels, unit) for name, device in zip(names, devices, strict=True)
-    )
+        object.__setattr__(self, "devices", known)
+        object.__setattr__(self, "names", names)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """One for each device.
+
+        Raises
+        ------
+        InputError
+            If there are names, but not one for each.
+        """
+        devices = self.devices
+        assert not isinstance(devices, int)  # since it was made
+        if len(self.names) != len(devices):
+            raise InputError(
+                f"names are {list(self.names)}, expected {len(devices)}: one for each device's port"
+            )
+        return tuple(
+            Port(name, device.channels, self.unit)
+            for name, device in zip(self.names, devices, strict=True)
+        )
 
 
 class PacketStream(LinkedStream):
     """Packets over one link; see `skinfield.signal.Stream`."""
 
-    def __init__(
-        self,
-        devices: Sequence[PacketDevice],
-        names: Sequence[str],
-        unit: str,
-        link: BreakingLink,
-        command: bool,
-    ) -> None:
-        super().__init__(ports_of(devices, names, unit), [link])
+    def __init__(self, source: PacketSource, link: BreakingLink, command: bool) -> None:
+        try:
+            super().__init__(source.ports, [link])
+            self.decoder = PacketDecoder(source.devices)
+        except BaseException:
+            link.close()
+            raise
         self._link = link
-        self.decoder = PacketDecoder(devices)
         self._command = command
         self._heard_ns = 0
         self._new = True  # connection, over which nothing was told yet
@@ -113,14 +121,9 @@ class ByteStream(PacketStream):
     _link: "DialledLink | SerialLink"
 
     def __init__(
-        self,
-        devices: Sequence[PacketDevice],
-        names: Sequence[str],
-        unit: str,
-        link: "DialledLink | SerialLink",
-        command: bool,
+        self, source: PacketSource, link: "DialledLink | SerialLink", command: bool
     ) -> None:
-        super().__init__(devices, names, unit, link, command)
+        super().__init__(source, link, command)
         self._scanner = PacketScanner(self.decoder, BUFFER)
         self._scanner.take(0, Blocks(1024), 0, self.counters, 0)  # compiles
 
@@ -147,27 +150,6 @@ BATCHES = 16  # of a poll
 UDP_PORT = 43210
 TCP_PORT = 43211
 LOOK = 0.25  # s between two looks at whether the device's node is still there
-
-
-class PacketSource:
-    """Settings of devices, whatever their packets come by."""
-
-    devices: Sequence[PacketDevice] | int
-    names: Sequence[str]
-    unit: str
-    command: bool
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "devices", checked_devices(self.devices))
-        object.__setattr__(self, "names", tuple(self.names))
-
-    def _stream(self, link: "DialledLink | SerialLink") -> ByteStream:
-        try:
-            devices = checked_devices(self.devices)
-            return ByteStream(devices, self.names, self.unit, link, self.command)
-        except BaseException:
-            link.close()
-            raise
 
 
 @dataclass(frozen=True)
@@ -276,14 +258,10 @@ class PacketUdpStream(PacketStream):
     _link: UdpLink
 
     def __init__(self, source: PacketUdp) -> None:
-        link, devices = UdpLink(source), checked_devices(source.devices)
-        try:
-            super().__init__(devices, source.names, source.unit, link, link.peer is not None)
-            self._first = self._count = self._overflowed = 0
-            self._decode(Blocks(1024), 0)  # compiles before the first packet
-        except BaseException:
-            link.close()
-            raise
+        link = UdpLink(source)
+        super().__init__(source, link, link.peer is not None)
+        self._first = self._count = self._overflowed = 0
+        self._decode(Blocks(1024), 0)  # compiles before the first packet
 
     @property
     def address(self) -> tuple[str, int]:
@@ -349,9 +327,9 @@ class PacketTcp(PacketSource):
         InputError
             If the host is not understood.
         """
-        return self._stream(
-            DialledLink(f"tcp {self.host}:{self.port}", resolved(self.host, self.port, "host"))
-        )
+        place = resolved(self.host, self.port, "host")
+        link = DialledLink(f"tcp {self.host}:{self.port}", place)
+        return ByteStream(self, link, self.command)
 
 
 @dataclass(frozen=True)
@@ -395,7 +373,7 @@ class PacketSerial(PacketSource):
         InputError
             If pyserial is not installed, or the line cannot be set up so.
         """
-        return self._stream(SerialLink(self.path, self.baud))
+        return ByteStream(self, SerialLink(self.path, self.baud), self.command)
 
 
 def pyserial() -> ModuleType:
