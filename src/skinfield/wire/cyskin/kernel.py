@@ -12,7 +12,7 @@ SUM, UNCHECKED = 0, 2
 HOW, WIDTH, BEGIN, FINAL, REFLECTED, HIGH_FIRST = 0, 1, 2, 3, 4, 5  # of `numbers`
 
 Table = NDArray[np.int64]
-SHORTS = 2  # as `Kind`
+SHORTS, NO_STATUS = np.int64(2), np.int64(0)  # as `Kind` and `Status`
 READINGS = 1  # as `Count`
 
 RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as `Count`
@@ -118,7 +118,7 @@ def put_pairs(
     high, low = (0, 1) if big_endian else (1, 0)
     while start < stop:
         count = run_length(channels, start, stop)
-        to = begin_block(words, end, stamp_ns, channel + channels[start], count, SHORTS, 0)
+        to = begin_block(words, end, stamp_ns, channel + channels[start], count, SHORTS, NO_STATUS)
         for i in range(count):
             payloads[to + 2 * i] = octets[at + 2 * i + low]
             payloads[to + 2 * i + 1] = octets[at + 2 * i + high]
