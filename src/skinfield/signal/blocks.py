@@ -17,7 +17,7 @@ class Blocks:
     """Blocks of one poll of the sources, one after the other in one memory.
 
     Compiled decoders write through `words`, `octets` and `end` by the functions of
-    `acquisition.kernel`; others by `put`. Nothing is allocated after the beginning.
+    `blocks_kernel`; others by `put`. Nothing is allocated after the beginning.
 
     Parameters
     ----------

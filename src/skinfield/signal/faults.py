@@ -100,7 +100,8 @@ def find_faults(
     if calibration is not None and len(calibration) != taxels:
         raise InputError(
             f"counts has {taxels} columns, expected {len(calibration)} as the calibration of "
-            f"{calibration.patch_name!r} has: pick the taxels of the port with sources.readings_for"
+            f"{calibration.patch_name!r} has: pick the taxels of the port with "
+            "files.recordings.readings_for"
         )
     clamped = np.zeros(counts.shape, bool) if convention is None else convention.saturated(counts)
     absent = np.isnan(counts).all(axis=0)

@@ -132,7 +132,7 @@ class CySkinBoard:
     Parameters
     ----------
     number : int
-        In the identifiers of its CAN messages; of its slave on EtherCAT.
+        In the identifiers of its CAN messages.
     modules : tuple of CySkinModule
         In the board's own order: what `MODULE_DETAILS` says. Sensor data names them by it.
     bus : int
