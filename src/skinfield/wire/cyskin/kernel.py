@@ -1,5 +1,7 @@
 """CySkin's packets, compiled: checksums, runs of sensors, copies, decoding."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,8 @@ SUM, UNCHECKED = 0, 2
 HOW, WIDTH, BEGIN, FINAL, REFLECTED, HIGH_FIRST = 0, 1, 2, 3, 4, 5  # of `numbers`
 
 Table = NDArray[np.int64]
-SHORTS, NO_STATUS = np.int64(2), np.int64(0)  # as `Kind` and `Status`
+SHORTS: Any = np.int64(2)  # as `Kind`; a plain number would be a type of its own to Numba
+NO_STATUS: Any = np.int64(0)
 READINGS = 1  # as `Count`
 
 RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as `Count`

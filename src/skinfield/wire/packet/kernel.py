@@ -8,6 +8,8 @@ the packet after it follows, or at once when it is a HELLO with the sequence num
 right in both cases; what a device sent before its first packet came through is not known.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +22,11 @@ BEGIN = 0xFFFF
 S, F, VERSION = 0x53, 0x46, 1
 HEADER_BYTES, CRC_BYTES, LONGEST_PAYLOAD = 24, 2, 4064
 BYTES, SHORTS, FLOATS, STATUS, SIGNED = 1, 2, 3, 4, 5  # as `PacketKind`
-BLOCK_STATUS, BLOCK_FLOATS = np.int64(4), np.int64(3)  # as `Kind`
+# As `Kind` and `Status`; a plain number would be a type of its own to Numba.
+BLOCK_STATUS: Any = np.int64(4)
+BLOCK_FLOATS: Any = np.int64(3)
+NO_STATUS: Any = np.int64(0)
 MORE, NONE = 0, -1
-NO_STATUS = np.int64(0)
 WINDOW = 1024  # packets
 FAR = 1 << 24  # packets ahead, beyond which a device is rather believed to have begun anew
 LOST, DUPLICATED, SWAPPED = 2, 6, 7  # as `Count`
@@ -83,7 +87,7 @@ def crc_ccitt(octets: Octets, start: int, stop: int) -> int:
 @inner
 def u16(octets: Octets, at: int) -> int:
     """Little-endian, of two bytes."""
-    return np.int64(octets[at]) | np.int64(octets[at + 1]) << 8
+    return int(np.int64(octets[at]) | np.int64(octets[at + 1]) << 8)
 
 
 @inner
@@ -119,7 +123,7 @@ def packet_size(octets: Octets, at: int, stop: int) -> int:
     if room < HEADER_BYTES:
         return MORE
     length = u16(octets, at + 6)
-    stated = stated_payload(np.int64(octets[at + 3]), u16(octets, at + 18))
+    stated = stated_payload(int(np.int64(octets[at + 3])), u16(octets, at + 18))
     if length > LONGEST_PAYLOAD or (stated >= 0 and stated != length):
         return NONE
     end = at + HEADER_BYTES + length
@@ -143,7 +147,7 @@ def next_magic(octets: Octets, at: int, stop: int) -> int:
 @inner
 def words_needed(octets: Octets, at: int) -> int:
     """Words of blocks that a packet may become, at most."""
-    kind, count = np.int64(octets[at + 3]), u16(octets, at + 18)
+    kind, count = int(np.int64(octets[at + 3])), u16(octets, at + 18)
     if stated_payload(kind, count) < 0:
         return 0
     clearing = 2 + payload_words(BLOCK_STATUS, count)
@@ -333,7 +337,7 @@ def take_packet(
     counters: Ints,
 ) -> None:
     """Take one whole packet, for whose blocks there is room."""
-    kind, slot = np.int64(octets[at + 3]), slots[u16(octets, at + 4)]
+    kind, slot = int(np.int64(octets[at + 3])), slots[u16(octets, at + 4)]
     if slot < 0 or kind >= COMMANDS:
         counters[FOREIGN] += 1
         return
@@ -372,7 +376,7 @@ def take_counts(
     counters: Ints,
 ) -> None:
     """Append the blocks of a packet of counts or of status, whose bounds were checked."""
-    kind, first, count = np.int64(octets[at + 3]), u16(octets, at + 16), u16(octets, at + 18)
+    kind, first, count = int(np.int64(octets[at + 3])), u16(octets, at + 16), u16(octets, at + 18)
     status, own, payload = octets[at + 23] & STATUS_BITS, row[OFFSET] + first, at + HEADER_BYTES
     if kind == STATUS:
         to = begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, status)
