@@ -4,7 +4,8 @@ import numpy as np
 
 from skinfield.signal import CanMessages
 from skinfield.signal.can import ERROR, EXTENDED, REMOTE
-from skinfield.wire.can.kernel import messages_of_structs, structs_of_messages, take_headers
+from skinfield.wire.can.adapters import structs_of
+from skinfield.wire.can.kernel import messages_of_structs, take_headers
 
 INTERPRETED = True
 DATAGRAMS, ROOM = 3, 16
@@ -13,12 +14,9 @@ CONTROL = 64  # bytes of control messages of a datagram
 
 def packed(*identifiers: int) -> bytes:
     """A datagram of messages without data."""
-    rows, octets = CanMessages(len(identifiers)), np.zeros(16 * len(identifiers), np.uint8)
+    rows = CanMessages(len(identifiers))
     rows.ids[:] = identifiers
-    structs_of_messages(
-        rows.ids, rows.lengths, rows.data, 0, len(rows), octets, octets.view(np.uint32)
-    )
-    return octets.tobytes()
+    return structs_of(rows, 0, len(rows))
 
 
 SEEDS = [

@@ -1,4 +1,6 @@
-"""CySkin's CAN messages, process data and answers: any bytes are decoded, or counted."""
+"""CySkin's CAN messages and shared memory: any bytes are decoded, or counted."""
+
+from contextlib import suppress
 
 import numpy as np
 
@@ -10,18 +12,13 @@ from skinfield.wire.cyskin import (
     CySkinBoard,
     CySkinBoardState,
     CySkinDecoder,
-    CySkinEtherCat,
     CySkinModule,
     CySkinWire,
-    Declaration,
-    ModuleDetails,
     Sum,
     Unchecked,
-    board_from_init,
     matching_checksums,
 )
-from skinfield.wire.cyskin.codec import PROCESS, data_from_responses, init_from_board
-from skinfield.wire.cyskin.shared_memory import SensorOrder, snapshot_of
+from skinfield.wire.cyskin.shared_memory import SensorOrder
 
 INTERPRETED = True
 FENCE = 0x0123456789ABCDEF
@@ -31,7 +28,7 @@ BOARDS = (
 )
 WIRES = [
     CySkinWire(checksum=Unchecked(1)),
-    CySkinWire(checksum=Unchecked(0), numbered=True, extended=True, big_endian=False),
+    CySkinWire(checksum=Unchecked(0), extended=True, big_endian=False),
     CySkinWire(checksum=Sum()),
     CySkinWire(checksum=Crc(octets=2, polynomial=0x1021, reflected=True)),
 ]
@@ -51,10 +48,7 @@ SEEDS = [
     bytes([n]) + rows(wire, 1, wire.packet(0x43, bytes([0, 10]) + bytes(range(20))))
     + rows(wire, 2, wire.packet(0x3D, b"\xff"))
     for n, wire in enumerate(WIRES)
-] + [
-    b"\0" + data_from_responses(0, 3, range(9)),
-    b"\0" + init_from_board(BOARDS[0]),
-]  # fmt: skip
+] + [b"\0" + bytes([0, 2, 0, 12, 0, 11, 1, 2, 0, 3, 255, 255])]  # fmt: skip
 
 
 def one_input(data: bytes) -> None:
@@ -62,9 +56,8 @@ def one_input(data: bytes) -> None:
     wire = WIRES[data[0] % len(WIRES)] if data else WIRES[0]
     as_messages(wire, data[1:])
     as_host(wire, data[1:])
-    as_process_data(data[1:])
     as_memory(data[1:])
-    as_answers(data[1:])
+    as_checksums(data[1:])
 
 
 def as_messages(wire: CySkinWire, data: bytes) -> None:
@@ -98,7 +91,6 @@ def as_messages(wire: CySkinWire, data: bytes) -> None:
         at, found = then, found + small.data.tobytes()
     assert found == whole.data.tobytes()
     assert (again == seen).all()
-    decoder.replies()
 
 
 def fenced(size: int) -> Blocks:
@@ -126,43 +118,18 @@ def as_host(wire: CySkinWire, data: bytes) -> None:
             assert wire.unpacked(wire.packet(*answer)) == answer
 
 
-def as_process_data(data: bytes) -> None:
-    """A slave's segments; its first message."""
-    octets = np.frombuffer(data[:PROCESS].ljust(PROCESS, b"\0"), np.uint8)
-    slaves, blocks = CySkinEtherCat(BOARDS), Blocks(1 << 16)
-    for slave in range(2):
-        slaves.decode(octets, slave, blocks, 0, counters(), 5)
-    Channels(48).apply(blocks)
-    try:
-        board = board_from_init(data)
-    except InputError:
-        return
-    assert board_from_init(init_from_board(board)) == board
-
-
 def as_memory(data: bytes) -> None:
     """Words of the shared memory."""
-    words = np.frombuffer(data[: len(data) // 4 * 4], np.uint32)
-    try:
-        found = snapshot_of(words)
-    except InputError:
-        return
+    uids, responses = np.frombuffer(data[: len(data) // 8 * 8], np.uint32).reshape(2, -1)
     order, blocks = SensorOrder(BOARDS), Blocks(1 << 16)
-    order.follow(found.uids)
-    assert order.put(found.responses, blocks, 0, counters(), 5)
+    order.follow(uids)
+    assert order.put(responses, blocks, 0, counters(), 5)
     Channels(48).apply(blocks)
 
 
-def as_answers(data: bytes) -> None:
-    """Fields of answers; checksums that fit."""
-    for read in (Declaration.from_data, lambda d: ModuleDetails.from_data(d, "big").module):
-        try:
-            read(data)
-        except InputError:
-            continue
+def as_checksums(data: bytes) -> None:
+    """A packet whose checksum is looked for."""
     if len(data) > 200:
         return  # many sums of many octets are slow
-    try:
+    with suppress(InputError):
         matching_checksums([data])
-    except InputError:
-        return

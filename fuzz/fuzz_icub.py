@@ -1,37 +1,32 @@
-"""iCub's messages, commands and arrays: any bytes are decoded, or counted as malformed."""
+"""iCub's messages and commands: any bytes are decoded, or counted as malformed."""
 
 import numpy as np
 
-from skinfield.errors import InputError
 from skinfield.signal import Blocks, CanMessages, Channels, Count, blocks_of, counters
 from skinfield.wire.icub import (
     BoardState,
     Firmware,
     ICubDecoder,
     ICubEncoder,
-    array_of_messages,
     command_from,
-    messages_of_array,
 )
 
 INTERPRETED = True
 SEEDS = [
     bytes.fromhex("d0040000080140f0f0f08cf0f0f0 d00400000801c0f0f0f0f0f00011") * 2,
     bytes.fromhex("4d0032f000000000 50000f0201002200 0700000000000000 4c01010300200035"),
-    bytes.fromhex("180a0200d58440f0f0f08cf0f0f0d584c0f0f0f0f0f02000"),
 ]
 ROOM, FENCE = 40, 0x0123456789ABCDEF
-MESSAGES, INTO = CanMessages(ROOM), CanMessages(300)
+MESSAGES = CanMessages(ROOM)
 BLOCKS, CHANNELS, COUNTERS = Blocks(2048), Channels(3 * 192), counters()
 DECODERS = [ICubDecoder([(0, 13), (1, 3), (0, 2)], bus, period=0.01) for bus in (0, 1)]
 ENCODERS = [ICubEncoder([(1, t) for t in range(16)]), ICubEncoder([(1, 0)], firmware=Firmware.MTB3)]
 
 
 def one_input(data: bytes) -> None:
-    """Read the same bytes as messages, as a host's commands, and as an array over Ethernet."""
+    """Read the same bytes as messages, and as a host's commands."""
     as_messages(data)
     as_commands(data)
-    as_array(data)
 
 
 def as_messages(data: bytes) -> None:
@@ -75,18 +70,3 @@ def as_commands(data: bytes) -> None:
         encoder.follow(1, state)
         encoder.raw[0] = np.frombuffer(data[:24].ljust(24, b"\0"), np.uint16)
         assert encoder.encode(MESSAGES, 0, 0) == 2 * int(encoder.sends.sum())
-
-
-def as_array(data: bytes) -> None:
-    """An array that is read is written again as it was."""
-    octets = np.frombuffer(data, np.uint8)
-    end = messages_of_array(octets, len(data), INTO, 0, 0, COUNTERS)
-    if end:
-        try:
-            again = array_of_messages(INTO, 0, end, max(data[0], 1))
-        except InputError:
-            assert (INTO.ids[:end] > 0x7FF).any()
-            return
-        for k in range(end):
-            at, length = 4 + 10 * k, int(INTO.lengths[k])
-            assert again[at : at + 2 + length] == data[at : at + 2 + length]

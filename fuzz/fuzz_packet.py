@@ -64,8 +64,8 @@ def read(data: bytes) -> None:
     octets = np.frombuffer(data, np.uint8)
     blocks, whole = fenced(3 * len(data) + 64)
     seen, decoder = counters(), PacketDecoder(DEVICES)
-    taken = decoder.decode(octets, len(octets), blocks, 5, seen, 10**9)
-    assert taken == seen[Count.RECEIVED] + seen[Count.FOREIGN]
+    stamps, lengths = np.array([10**9]), np.array([len(octets)])
+    assert decoder.decode_many(octets[np.newaxis], lengths, stamps, 0, 1, blocks, 5, seen) == 1
     look(blocks, whole, decoder)
     plain_packets(data)
     scanner, again = PacketScanner(PacketDecoder(DEVICES)), counters()
@@ -93,8 +93,6 @@ def look(blocks: Blocks, whole: np.ndarray, decoder: PacketDecoder) -> None:
     channels = Channels(5 + decoder.channels)
     assert channels.apply(blocks) == len(list(blocks_of(blocks.data)))
     assert np.isnan(channels.counts[:5]).all()
-    for index in range(len(DEVICES)):
-        decoder.device(index)
 
 
 def plain_packets(data: bytes) -> None:

@@ -30,7 +30,6 @@ class Reference:
     malformed: int = 0
     lost: int = 0
     blocks: int = 0
-    replies: list = field(default_factory=list)
     duplicated: int = 0
     before: dict = field(default_factory=dict)  # whole packet and its last message
 
@@ -105,7 +104,6 @@ class Reference:
             self.malformed += 1
             return
         if packet[0] != 0x43:
-            self.replies.append((board, packet[0], packet[2:-1]))
             return
         if size < 2 or size % 2:
             self.malformed += 1

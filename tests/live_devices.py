@@ -14,7 +14,14 @@ from skinfield.signal import CanMessages, Stream
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings, open_bus
-from skinfield.wire.cyskin import CySkinEncoder, SharedMemoryWriter, on_boards
+from skinfield.wire.cyskin import CySkinEncoder, on_boards
+from skinfield.wire.cyskin.shared_memory import (
+    DATA_HEAD,
+    HEADER_WORDS,
+    Area,
+    data_words,
+    words_from_uids,
+)
 from skinfield.wire.icub import ICubConfiguration, configuration_for
 from skinfield.wire.packet import encode_command, packets_of
 from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
@@ -202,6 +209,34 @@ class SerialLine:
     def close(self) -> None:
         if self.path.is_symlink():
             self.unplug()
+
+
+class SharedMemoryWriter:
+    """The side of CySkin's tool: makes the memory, and removes it."""
+
+    def __init__(self, uids: np.ndarray, key: int, data_key: int) -> None:
+        self._uids = words_from_uids(uids)
+        count = len(self._uids)
+        self._header = Area(key, HEADER_WORDS, create=True)
+        self._data = Area(data_key, data_words(count), create=True)
+        self._header.words[2] = data_key
+        self._header.words[:2] = count, 0
+        self.sample = 0
+
+    def write(self, responses: np.ndarray, time_ms: int) -> None:
+        """Write one sample (N,), in the tool's own order."""
+        words, count = self._data.words, len(self._uids)
+        words[DATA_HEAD : DATA_HEAD + count] = self._uids
+        words[DATA_HEAD + count :] = responses
+        words[2] = count
+        words[1] = time_ms
+        words[0] = self.sample
+        self.sample += 1
+
+    def close(self) -> None:
+        for area in (self._header, self._data):
+            area.remove()
+            area.close()
 
 
 class Memory:

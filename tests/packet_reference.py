@@ -4,6 +4,28 @@ import struct
 from binascii import crc_hqx
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from skinfield.signal import Blocks, Count
+from skinfield.wire.packet import PacketDecoder
+
+
+def decode(
+    decoder: PacketDecoder,
+    data: bytes | np.ndarray,
+    blocks: Blocks,
+    seen: np.ndarray,
+    now_ns: int = 5,
+    channel: int = 0,
+) -> int | None:
+    """Take one datagram; its packets, or None where the blocks might not hold them."""
+    octets = np.frombuffer(data, np.uint8)[np.newaxis]
+    before = int(seen[Count.RECEIVED] + seen[Count.FOREIGN])
+    lengths = np.array([len(data)])
+    taken = decoder.decode_many(octets, lengths, np.array([now_ns]), 0, 1, blocks, channel, seen)
+    return int(seen[Count.RECEIVED] + seen[Count.FOREIGN]) - before if taken else None
+
+
 WIDTHS = {1: 1, 2: 2, 3: 4, 5: 2}
 FORMATS = {1: "B", 2: "H", 3: "f", 5: "h"}
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from skinfield.errors import InputError
 from skinfield.signal import Blocks, Channels, Kind, Status, blocks_of
-from skinfield.signal.blocks_kernel import put_status
+from skinfield.signal.blocks_kernel import begin_block
 
 BLOCK = st.tuples(
     st.one_of(st.integers(0, 2**62), st.integers(0, 3 * 10**9)),
@@ -18,6 +18,12 @@ BLOCK = st.tuples(
     st.sampled_from([Kind.BYTES, Kind.SHORTS, Kind.FLOATS]),
     st.sampled_from([Status.OK, Status.NO_ACK, Status.INVALID | Status.NOT_CONNECTED]),
 )
+
+
+def put(blocks: Blocks, data: bytes) -> None:
+    """Whole blocks as they were recorded."""
+    blocks.octets[: len(data)] = np.frombuffer(data, np.uint8)
+    blocks.end[0] = len(data) // 8
 
 
 def test_bytes_of_a_block_are_those_of_the_table() -> None:
@@ -65,7 +71,8 @@ def test_channels_hold_what_the_last_block_brought(drawn: list) -> None:
 
 def test_status_reaches_its_channels_and_no_others() -> None:
     blocks, channels = Blocks(1024), Channels(24)
-    assert put_status(blocks.words, blocks.octets, blocks.end, 5, 12, 12, 1, 0b100000000010)
+    at = begin_block(blocks.words, blocks.end, 5, 12, 12, int(Kind.STATUS), 1)
+    blocks.octets[at : at + 2] = 0b0000_0010, 0b1000
     channels.apply(blocks)
     assert channels.status[:12].tolist() == [0] * 12
     assert channels.status[12:].tolist() == [1, 5, 1, 1, 1, 1, 1, 1, 1, 1, 1, 5]
@@ -83,7 +90,7 @@ def test_a_block_that_does_not_fit_changes_nothing() -> None:
 @given(st.binary(max_size=256))
 def test_any_bytes_are_applied_or_refused(data: bytes) -> None:
     blocks, channels = Blocks(512), Channels(8)
-    blocks.put_data(data[: len(data) // 8 * 8])
+    put(blocks, data[: len(data) // 8 * 8])
     try:
         read = list(blocks_of(blocks.data))
         beyond = any(b.kind <= Kind.STATUS and b.channel + b.count > 8 for b in read)
@@ -102,7 +109,7 @@ def test_settings_of_older_recordings_are_passed_over() -> None:
     old = [struct.pack("<qIHBB", 5, 0, 3, kind, 0) for kind in (7, 8, 9, 10)]
     sizes = (144, 24, 48, 8)
     data = b"".join(head + bytes(size) for head, size in zip(old, sizes, strict=True))
-    blocks.put_data(counts + data + counts)
+    put(blocks, counts + data + counts)
     assert [block.payload.tolist() for block in blocks_of(blocks.data)] == [[7, 8, 9]] * 2
     assert channels.apply(blocks) == 2
     assert channels.counts[2:5].tolist() == [7, 8, 9]

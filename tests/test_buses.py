@@ -13,7 +13,7 @@ from bus_peers import drawn_messages, free_port, group, opened, pair, receive, w
 from skinfield.errors import InputError
 from skinfield.signal import CanMessages
 from skinfield.signal.can import ERROR, EXTENDED, REMOTE
-from skinfield.wire.can import BusSettings, datagrams, open_bus
+from skinfield.wire.can import BusSettings, open_bus
 from skinfield.wire.can.adapters import BATCH, PER_DATAGRAM, SocketCanBus
 from skinfield.wire.can.kernel import TOO_LONG, take_headers
 
@@ -56,12 +56,7 @@ def wire() -> tuple[SocketCanBus, socket.socket]:
     theirs.close()
 
 
-@pytest.mark.parametrize("singly", [False, True])
-def test_datagrams_of_udp_hold_structs_of_linux(
-    singly: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if singly:  # as on a system without recvmmsg
-        monkeypatch.setattr(datagrams, "many_at_once", lambda name: None)
+def test_datagrams_of_udp_hold_structs_of_linux() -> None:
     messages = drawn_messages(np.random.default_rng(3), PER_DATAGRAM + 9)
     expected = [struct_of(messages, row) for row in range(len(messages))]
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:

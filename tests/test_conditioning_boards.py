@@ -23,22 +23,6 @@ def test_bytes_are_those_of_the_firmware(board, v):
     assert board.counts_from_difference(v) == firmware(v, board.no_load, board.shift)
 
 
-@given(boards)
-def test_all_bytes_survive_the_way_there_and_back(board):
-    byte = np.arange(1.0, 255.0)
-    v = board.difference_from_counts(byte)
-    for edge in (np.floor(v), v - ((1 << board.shift) - 1) / 2, v + ((1 << board.shift) - 1) / 2):
-        np.testing.assert_array_equal(board.counts_from_difference(edge), byte)
-
-
-@given(boards, st.integers(-4000, 40000))
-def test_difference_is_known_to_half_of_what_is_dropped(board, v):
-    byte = board.counts_from_difference(v)
-    if not board.saturated(byte):
-        off = abs(board.difference_from_counts(byte) - v)
-        assert off <= ((1 << board.shift) - 1) / 2
-
-
 def test_known_messages():
     board = ICubByte()  # rest, +400, and +2000 converter counts
     assert board.counts_from_difference([0, 400, 2000, -2000]).tolist() == [0xF0, 0x8C, 0, 255]
@@ -53,17 +37,14 @@ def test_pressure_lowers_the_byte_and_the_gain_says_so():
     assert np.sign(board.gain(0.167e-12, 1e-15)) == board.direction == -1
 
 
-def test_wrong_recordings_are_refused_and_nan_is_kept():
-    with pytest.raises(InputError, match="not a raw iCub recording"):
-        ICubByte().difference_from_counts([240, 256])
-    with pytest.raises(InputError, match=r"counts\[0\] is 239.5"):
-        ICubByte().difference_from_counts([239.5])
+def test_wrong_settings_are_refused_and_nan_is_kept():
+    with pytest.raises(InputError, match=r"difference is 239\.5"):
+        ICubByte().counts_from_difference(239.5)
     with pytest.raises(InputError, match="no_load is 255"):
         ICubByte(no_load=255)
     with pytest.raises(InputError, match="shift is -1"):
         ICubByte(shift=-1)
     assert np.isnan(ICubByte().counts_from_difference([np.nan])).all()
-    assert np.isnan(ICubByte().difference_from_counts([np.nan])).all()
 
 
 @given(st.floats(-1e6, 1e6))
@@ -72,11 +53,7 @@ def test_words_clip_at_both_ends(difference):
     word = board.counts_from_difference(difference)
     assert word == min(max(round(difference), 0), 65535)
     assert board.saturated(word) == (word == 65535)
-    assert board.difference_from_counts(word) == word
 
 
 def test_zero_is_the_floor_of_a_word_and_valid():
-    board = CySkinCount()
-    assert not board.saturated(np.array([0.0]))
-    with pytest.raises(InputError, match="not a CySkin recording"):
-        board.difference_from_counts([-1])
+    assert not CySkinCount().saturated(np.array([0.0]))

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from skinfield.errors import InputError
 from skinfield.signal import (
     Chain,
-    ConstantVelocity,
     Exponential,
     MovingMedian,
     NoFilter,
@@ -29,7 +28,6 @@ FILTERS = {
     "median 3": MovingMedian(3),
     "median 9": MovingMedian(9),
     "random walk": RandomWalk(noise_std=2.0, process_std=8.0),
-    "constant velocity": ConstantVelocity(noise_std=2.0, acceleration_std=40.0),
     "chain": Chain((MovingMedian(5), Exponential(time_constant=0.1))),
     "chain of smoothers": Chain((Exponential(time_constant=0.1), Exponential(time_constant=0.1))),
 }
@@ -64,12 +62,6 @@ def test_how_late_half_a_step_is():
     slow = Exponential(time_constant=1.0)
     assert rise_time(slow, RATE) == pytest.approx(math.log(2.0), abs=1.5 / RATE)
     assert rise_time(slow, RATE, within=0.1) == math.inf
-    assert rise_time(FILTERS["constant velocity"], RATE) < 0.1
-
-
-def test_a_filter_without_lag_overshoots():
-    peak = step_response(FILTERS["constant velocity"], RATE, 2.0).max()
-    assert 1.1 < peak < 1.35
 
 
 @every_filter
@@ -130,25 +122,6 @@ def test_median_is_the_median(values, window):
     np.testing.assert_allclose(filtered(MovingMedian(window), counts, RATE)[:, 0], wanted)
 
 
-def test_kalman_is_the_textbook_one():
-    """Against matrices, with a gap in the readings."""
-    rate, r, s = 40.0, 1.5, 30.0
-    z = np.cumsum(np.random.default_rng(7).standard_normal(80))
-    z[30:36] = np.nan
-    dt = 1 / rate
-    f = np.array([[1, dt], [0, 1]])
-    q = s**2 * np.array([[dt**3 / 3, dt**2 / 2], [dt**2 / 2, dt]])
-    x, p, wanted = np.array([z[0], 0.0]), np.diag([r**2, 2 * r**2 / dt**2]), []
-    for value in z:
-        x, p = f @ x, f @ p @ f.T + q
-        if not np.isnan(value):
-            gain = p[:, 0] / (p[0, 0] + r**2)
-            x, p = x + gain * (value - x[0]), p - np.outer(gain, p[0])
-        wanted.append(np.nan if np.isnan(value) else x[0])
-    got = filtered(ConstantVelocity(noise_std=r, acceleration_std=s), z[:, None], rate)[:, 0]
-    np.testing.assert_allclose(got, wanted, rtol=1e-9, atol=1e-9)
-
-
 def test_random_walk_runs_in_faster_than_the_exponential_that_it_becomes():
     kalman = RandomWalk(noise_std=5.0, process_std=1.0)
     weight = float(kalman.weights(RATE))
@@ -199,7 +172,7 @@ def test_unusable_settings_are_refused():
         (lambda: Exponential(time_constant=0.0), "time_constant is 0.0"),
         (lambda: MovingMedian(4), "window is 4, expected an odd"),
         (lambda: RandomWalk(noise_std=0.0, process_std=1.0), "noise_std is 0.0"),
-        (lambda: ConstantVelocity(noise_std=[np.nan], acceleration_std=1.0), "noise_std is"),
+        (lambda: RandomWalk(noise_std=[np.nan], process_std=1.0), "noise_std is"),
         (lambda: RandomWalk(noise_std=1.0, process_std=-1.0), "process_std is -1.0"),
         (lambda: Chain(()), "filters is empty"),
         (lambda: MovingMedian(3).prepare(3, 0.0), "rate is 0.0"),

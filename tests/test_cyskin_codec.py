@@ -1,4 +1,4 @@
-"""CySkin's packets: bytes written out by hand, checksums, readings, boards, EtherCAT."""
+"""CySkin's packets: bytes written out by hand, checksums, readings, boards."""
 
 import numpy as np
 import pytest
@@ -19,18 +19,13 @@ from skinfield.wire.cyskin import (
     CySkinBoardState,
     CySkinDecoder,
     CySkinEncoder,
-    CySkinEtherCat,
     CySkinModule,
     CySkinWire,
-    Declaration,
-    ModuleDetails,
     Refusal,
     Sum,
     Unchecked,
-    board_from_init,
     boards_from_uids,
     checksum_of,
-    command_messages,
     matching_checksums,
     on_boards,
     port_of,
@@ -39,7 +34,6 @@ from skinfield.wire.cyskin import (
     stop_messages,
     uids_of,
 )
-from skinfield.wire.cyskin.codec import PROCESS, data_from_responses, init_from_board
 
 MODULES = (CySkinModule(100), CySkinModule(101, 0b0111_1111_1110), CySkinModule(102))
 BOARDS = (CySkinBoard(5, MODULES[:2]), CySkinBoard(9, MODULES[2:], bus=1))
@@ -88,7 +82,7 @@ def test_sensor_data_in_three_messages() -> None:
     ],
 )
 def test_golden_sync(wire: CySkinWire, identifiers: tuple[int, ...], packet: str) -> None:
-    found = list(command_messages(wire, 5, Command.SYNC))
+    found = list(wire.messages(5, wire.packet(Command.SYNC)))
     assert found == [(identifiers[0], bytes.fromhex(packet))]
 
 
@@ -139,7 +133,6 @@ WIRES = st.builds(
     CySkinWire,
     extended=st.booleans(),
     big_endian=st.booleans(),
-    numbered=st.booleans(),
     checksum=st.one_of(
         st.builds(
             Crc, octets=st.just(1), polynomial=st.sampled_from([7, 0x31]),
@@ -229,28 +222,11 @@ def test_the_checksum_of_a_board_is_found() -> None:
         (lambda: CySkinWire().unpacked(b"\x3b\x01\x00"), "3 octets, expected"),
         (lambda: CySkinWire().unpacked(b"\x3b\x00\x00"), "expected 6e"),
         (lambda: start_messages(BOARDS, period_ms=0), "between two readings"),
-        (lambda: ModuleDetails.from_data(b"123", "big"), "expected 11"),
-        (lambda: Declaration.from_data(b"1"), "too short"),
     ],
 )
 def test_mistakes_are_named(make: object, says: str) -> None:
     with pytest.raises(InputError, match=says):
         make()  # type: ignore[operator]
-
-
-def test_answers_are_kept_for_whoever_asks() -> None:
-    wire, rows = CySkinWire(), []
-    for command, data in ((Command.UID, b"\0\0\0\x05"), (Command.DECLARE, bytes(range(20)))):
-        rows += [(i, d.hex()) for i, d in wire.messages(5, wire.packet(command, data))]
-    messages, count = messages_from(rows)
-    decoder, seen = CySkinDecoder(BOARDS), counters()
-    decoder.decode(messages, count, Blocks(1024), 0, seen)
-    first, second = decoder.replies()
-    assert (first.board, first.command, first.data) == (5, Command.UID, b"\0\0\0\x05")
-    assert second.data == bytes(range(20))
-    assert decoder.replies() == []
-    assert seen[Count.RECEIVED] == count
-    assert seen[Count.READINGS] == 0
 
 
 def test_uids_channels_and_skins() -> None:
@@ -298,11 +274,12 @@ def test_a_board_in_software_obeys_and_answers() -> None:
         state, answers = state.after(*wire.unpacked(packet[1]))
     assert (state.sending, state.period_ms, answers) == (True, 20, [])
     state, answers = state.after(Command.DECLARE, b"")
-    assert Declaration.from_data(answers[0][1]) == Declaration(2, 0, (12, 10))
+    assert answers == [(Command.DECLARE, bytes([2, 0, 12, 10]))]
     state, answers = state.after(Command.MODULE_DETAILS, b"\xff")
-    found = [ModuleDetails.from_data(data, "big").module for _, data in answers]
-    assert tuple(found) == BOARDS[0].modules
-    assert answers[0][1].hex(" ") == "00 00 00 00 64 0c 00 0f ff 00 00"
+    assert [data.hex(" ") for _, data in answers] == [
+        "00 00 00 00 64 0c 00 0f ff 00 00",
+        "01 00 00 00 65 0a 00 07 fe 00 00",
+    ]
     state, answers = state.after(Command.MODULE_DETAILS, b"\x02")
     assert answers == [(Command.ERROR, bytes([Command.MODULE_DETAILS, Refusal.INVALID]))]
     state, answers = state.after(Command.COLD_REBOOT, b"")
@@ -311,79 +288,3 @@ def test_a_board_in_software_obeys_and_answers() -> None:
     assert answers == [(Command.UID, b"\0\0\0\x05")]
     state = state.after(Command.SYNC, b"")[0].after(Command.SET_AUTO_SYNC, b"\0")[0]
     assert (state.sending, state.syncs, state.ignored) == (False, 1, 2)
-
-
-ETHERCAT_MODULES = (CySkinModule(0x5678), CySkinModule(7, 0x7FE), CySkinModule(9))
-BOARD = CySkinBoard(300, ETHERCAT_MODULES)
-
-
-def process(message: bytes) -> np.ndarray:
-    return np.frombuffer(message.ljust(PROCESS, b"\xee"), np.uint8)
-
-
-def test_golden_process_data() -> None:
-    init = "01 aa 00 1f 2c010000 02 00 78560000 0c 00 ff0f 00 00 01 07000000 0a 00 fe07 00 00"
-    assert init_from_board(CySkinBoard(300, ETHERCAT_MODULES[:2])) == bytes.fromhex(init)
-    assert board_from_init(process(bytes.fromhex(init)).tobytes()) == CySkinBoard(
-        300, ETHERCAT_MODULES[:2]
-    )
-    data = "02 00 00 0c 00 0b 0102 0003 ffff"
-    assert data_from_responses(0, 11, [258, 3, 65535]) == bytes.fromhex(data)
-    slaves = CySkinEtherCat([CySkinBoard(1, (CySkinModule(1),)), BOARD])
-    blocks, seen = Blocks(), counters()
-    assert slaves.channels == 48
-    long = init.replace("78560000", "78563412")  # a sui of 32 bits, of which uids have 16
-    assert board_from_init(bytes.fromhex(long)) == CySkinBoard(300, ETHERCAT_MODULES[:2])
-    assert slaves.decode(process(bytes.fromhex(data)), 1, blocks, 100, seen, 55)
-    assert [(b.stamp_ns, b.channel, b.payload.tolist()) for b in blocks_of(blocks.data)] == [
-        (55, 123, [258]),
-        (55, 125, [3, 65535]),
-    ]
-    assert seen[Count.RECEIVED] == 1
-    assert seen[Count.BYTES] == 12
-
-
-@given(st.integers(0, 3), st.integers(0, 13), st.integers(0, 40))
-def test_process_data_land_where_they_should(module: int, sensor: int, count: int) -> None:
-    sensors = [12 * m + s for m, each in enumerate(ETHERCAT_MODULES) for s in each.sensors]
-    begins = [0, 12, 22, 34]
-    values = np.arange(count) * 7
-    slaves, blocks, seen = CySkinEtherCat([BOARD]), Blocks(), counters()
-    slaves.decode(process(data_from_responses(module, sensor, values)), 0, blocks, 0, seen, 5)
-    there = module < 3 and sensor < begins[module + 1] - begins[module]
-    if there and begins[module] + sensor + count <= 34:
-        state, start = Channels(36), begins[module] + sensor
-        state.apply(blocks)
-        np.testing.assert_array_equal(state.counts[sensors[start : start + count]], values)
-        assert np.isfinite(state.counts).sum() == count
-    else:
-        assert seen[Count.FOREIGN] == 1
-        assert len(blocks.data) == 0
-
-
-@given(st.binary(max_size=80))
-def test_any_process_data_are_decoded_or_counted(data: bytes) -> None:
-    slaves, blocks, seen = CySkinEtherCat([BOARD]), Blocks(4096), counters()
-    for message in (data, b"\x02\0" + data, b"\x02\0\0" + data):
-        slaves.decode(process(message), 0, blocks, 0, seen, 5)
-    Channels(36).apply(blocks)
-    for message in (data, b"\x01\xaa" + data):
-        try:
-            board_from_init(message)
-        except InputError:
-            continue
-
-
-def test_mistakes_in_process_data_are_named() -> None:
-    with pytest.raises(InputError, match="expected 01 aa"):
-        board_from_init(bytes(40))
-    with pytest.raises(InputError, match="say that 200 modules"):
-        board_from_init(b"\x01\xaa" + bytes(6) + b"\xc8" + bytes(40))
-    with pytest.raises(InputError, match="at most 1917"):
-        data_from_responses(0, 0, np.zeros(1918))
-    with pytest.raises(InputError, match="three segments"):
-        CySkinEtherCat([BOARD]).decode(np.zeros(7, np.uint8), 0, Blocks(), 0, counters(), 5)
-    slaves, seen = CySkinEtherCat([BOARD]), counters()
-    full = Blocks(24)
-    assert not slaves.decode(process(data_from_responses(0, 0, [1] * 9)), 0, full, 0, seen, 5)
-    assert not seen.any()

@@ -1,6 +1,5 @@
 """iCub's messages: golden bytes, the firmware's formulas, a host's commands, blocks."""
 
-import struct
 from collections import Counter
 
 import numpy as np
@@ -29,18 +28,14 @@ from skinfield.wire.icub import (
     ICubEncoder,
     MessageClass,
     SetBoard,
-    SetOldBoard,
-    SetOldSkin,
     SetTriangles,
     SkinType,
     Transmit,
     addressed_board,
-    array_of_messages,
     command_from,
     gains_of,
     host_message,
     message_id,
-    messages_of_array,
     port_of,
     triangle_payloads,
 )
@@ -237,8 +232,6 @@ COMMANDS = {
     ),
     "07 00": Transmit(True),
     "07 01": Transmit(False),
-    "4c 01 01 03 00 20 00 35": SetOldBoard(timer=3, cdc_offset=0x2000, time=0x3500),
-    "4e 02 22 f0 00 ff ff 0a": SetOldSkin(),
 }
 
 
@@ -262,15 +255,6 @@ def test_the_address_is_in_the_identifier():
 )
 def test_what_makes_no_sense_is_no_command(data):
     assert command_from(bytes.fromhex(data)) is None
-
-
-@given(st.binary(max_size=8), st.sampled_from(list(Firmware)))
-def test_any_bytes_are_a_command_or_none(data, firmware):
-    command, before = command_from(data), BoardState(firmware=firmware)
-    after = before.after(data)
-    assert after.ignored == (command is None)
-    if command is not None:
-        assert command_from(command.data) == command
 
 
 def test_a_board_is_configured_and_started_as_a_robot_does():
@@ -303,19 +287,6 @@ def test_the_older_generation_goes_on_sending():
     assert board.sending
 
 
-def test_the_old_setup_starts_a_board():
-    board = BoardState(firmware=Firmware.MTB3, no_load=200)
-    board = board.after(SetOldBoard(timer=3, cdc_offset=7, time=3125).data)
-    assert (board.sending, board.calibrations, board.period_ms) == (True, 1, 10)
-    assert (board.no_load, board.triangles[9].cdc_offset) == (200, 7)
-    assert board.message_class == MessageClass.ANALOG
-    board = board.after(SetOldSkin(shift=3, no_load=235, param=0x08, mask=0x8001).data)
-    assert (board.kind, board.no_load) == (SkinType.COMPENSATED, 235)
-    assert [t for t, each in enumerate(board.triangles) if each.enabled] == [0, 15]
-    assert board.after(SetOldSkin().data).kind == SkinType.UNCOMPENSATED
-    assert BoardState(no_load=200).after(SetOldBoard().data).no_load == 240  # its default
-
-
 def test_what_a_board_does_not_know_switches_the_correction_off():
     assert BoardState().after(bytes.fromhex("4d 63 32 f0")).kind == SkinType.UNCOMPENSATED
 
@@ -329,68 +300,6 @@ def test_wrong_settings_are_said():
         host_message(16, Transmit(True))
     with pytest.raises(InputError, match="triangles is 3"):
         BoardState(triangles=BoardState().triangles[:3])
-
-
-ITEM = st.tuples(st.integers(0, 0x7FF), st.binary(max_size=8))
-
-
-def of_items(items):
-    messages = CanMessages(max(len(items), 1))
-    for row, (identifier, data) in enumerate(items):
-        messages.ids[row], messages.lengths[row] = identifier, len(data)
-        messages.data[row, : len(data)] = list(data)
-    return messages
-
-
-@given(st.lists(ITEM, max_size=24))
-def test_arrays_hold_messages(items):
-    array = array_of_messages(of_items(items), 0, len(items))
-    assert array[:4] == bytes([24, 10, len(items), 0])
-    assert len(array) == 244
-    for k, (identifier, data) in enumerate(items):
-        info, payload = struct.unpack_from("<H8s", array, 4 + 10 * k)
-        assert (info & 0xFFF, info >> 12, payload) == (identifier, len(data), data.ljust(8, b"\0"))
-    into, counts = CanMessages(30), counters()
-    octets = np.frombuffer(array, np.uint8)
-    assert messages_of_array(octets, len(array), into, 3, 77, counts) == 3 + len(items)
-    for row, (identifier, data) in enumerate(items, 3):
-        assert (into.ids[row], into.lengths[row], into.stamp_ns[row]) == (identifier, len(data), 77)
-        assert into.data[row].tobytes() == data.ljust(8, b"\0")
-    assert not counts.any()
-
-
-@given(
-    st.one_of(
-        st.binary(max_size=300),
-        st.builds(
-            lambda size, rest: bytes([24, 10, size, 0]) + rest,
-            st.integers(0, 24),
-            st.binary(max_size=260),
-        ),
-    ),
-    st.integers(0, 40),
-)
-def test_any_bytes_are_an_array_or_none(data, first):
-    octets = np.frombuffer(data + b"\0", np.uint8)
-    into, counts = CanMessages(40), counters()
-    try:
-        end = messages_of_array(octets, len(data), into, first, 0, counts)
-    except InputError:
-        assert data[2] > 40 - first
-        return
-    size = data[2] if len(data) > 3 else 0
-    good = len(data) > 3 and data[1] == 10 and size <= data[0] and 4 + 10 * size <= len(data)
-    good = good and all(data[5 + 10 * k] >> 4 <= 8 for k in range(size))
-    assert end == first + (size if good else 0)
-    assert counts[Count.MALFORMED] == (not good)
-    assert not into.ids[end:].any()
-
-
-def test_what_no_array_can_hold_is_said():
-    with pytest.raises(InputError, match="count is 25"):
-        array_of_messages(CanMessages(30), 0, 25)
-    with pytest.raises(InputError, match="identifier 0x800 and 0 octets"):
-        array_of_messages(of_items([(0x800, b"")]), 0, 1)
 
 
 def test_a_triangle_becomes_counts_and_status():

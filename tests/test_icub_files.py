@@ -1,8 +1,6 @@
 """Configuration of iCub's boards: robots' XML, garbage in its place, patches without files."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from icub_files import OLD_SKIN, SKIN, SPEC, WRAPPER
 
 from skinfield.errors import FileError, InputError
@@ -17,13 +15,12 @@ from skinfield.wire.icub import (
     SetTriangles,
     SkinType,
     Transmit,
-    boards_for,
     command_from,
     configuration_for,
     kind_for,
     load_configuration,
 )
-from skinfield.wire.icub.robot_files import LARGEST, tree_of, without_comments
+from skinfield.wire.icub.robot_files import LARGEST, LINE, tree_of, without_comments
 
 
 @pytest.fixture
@@ -236,40 +233,13 @@ def test_what_is_no_robot_s_file(tmp_path, data, error):
 
 def test_comments_keep_their_lines():
     assert without_comments(b"a<!-- \n <!-- -- \n -->b<!---->c<!-- d") == b"a\n\nbc<!-- d"
-    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x").children[0].line == 3
-
-
-PIECES = st.lists(
-    st.one_of(
-        st.sampled_from([SKIN, SPEC, WRAPPER, OLD_SKIN, LAUGHS]),
-        st.sampled_from(
-            ["<!--", "-->", "<group name='patches'>", "</group>", " 0x ", "\0", "&amp;"]
-        ),
-        st.text(max_size=6),
-    ),
-    max_size=4,
-)
-
-
-@given(st.sampled_from([SKIN, SPEC, WRAPPER, OLD_SKIN]), PIECES, st.data())
-def test_any_file_is_read_or_refused(tmp_path_factory, text, pieces, data):
-    for piece in pieces:
-        at = data.draw(st.integers(0, len(text)))
-        stop = data.draw(st.integers(at, min(len(text), at + 20)))
-        text = text[:at] + piece + text[stop:]
-    path = tmp_path_factory.getbasetemp() / "any.xml"
-    path.write_bytes(text.encode("utf-8", "surrogatepass"))
-    try:
-        found = load_configuration(path)
-    except FileError:
-        return
-    assert all(command_from(data) for _, data in found.messages())
+    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x")[0].get(LINE) == "3"
 
 
 def test_patches_laid_on_boards_keep_their_channels():
     hexagon = generators.hexagon72()
     found = configuration_for(hexagon, period_ms=20)
-    assert found.addresses == ((0, 1),) == boards_for(hexagon)
+    assert found.addresses == ((0, 1),)
     assert found.ports == (PortRun("hexagon72", 0, 192, 0),)
     places = 12 * hexagon.module + (hexagon.uid & 15).astype(int) - 1  # triangle and taxel
     assert (places == hexagon.channel).all()

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from packet_reference import decode
 
 import skinfield
 from skinfield.signal import Blocks, Channels, Count, counters
@@ -174,8 +175,7 @@ def test_packets_of_c_are_read(compiled: Compiler) -> None:
     from skinfield.wire.packet import PacketDevice
 
     decoder, blocks, seen = PacketDecoder([PacketDevice(7, 300)]), Blocks(1 << 14), counters()
-    octets = np.frombuffer(data, np.uint8)
-    assert decoder.decode(octets, len(octets), blocks, 0, seen, 5) == 6
+    assert decode(decoder, data, blocks, seen) == 6
     state = Channels(300)
     state.apply(blocks)
     expected = np.arange(300.0) * 200
@@ -195,8 +195,7 @@ def test_commands_are_heard_in_c(compiled: Compiler) -> None:
 
 def test_packets_of_python_are_found_in_c(compiled: Compiler) -> None:
     encoder = PacketEncoder(1000, device=3)
-    encoder.encode(np.arange(1000), 5)
-    data = b"noise" + encoder.octets.tobytes() + b"SF\x01\x02"
+    data = b"noise" + b"".join(encoder.encode(np.arange(1000), 5)) + b"SF\x01\x02"
     lines = compiled.run("checker", CHECKER, data).decode().splitlines()
     assert lines == ["2 3 0 723", "2 3 1 277"]
 

@@ -179,6 +179,18 @@ def poll_until(stream: object, condition: object, blocks: Blocks | None = None) 
     wait_for(polled)
 
 
+def counts_when(stream: object, channels: int, there: slice | list[int]) -> Channels:
+    """Counts of a stream's channels, once some of them are there."""
+    found, blocks = Channels(channels), Blocks()
+
+    def came() -> bool:
+        found.apply(blocks)
+        return bool(np.isfinite(found.counts[there]).all())
+
+    poll_until(stream, came, blocks)
+    return found
+
+
 def test_messages_over_a_bus_start_the_boards_and_stop_them(board: ICubBoard) -> None:
     stream = ICubCan(board.configuration, (board.settings,)).open()
     expected = list(board.configuration.messages())
@@ -208,13 +220,7 @@ def test_who_only_listens_tells_nothing(board: ICubBoard) -> None:
     stream = ICubCan(board.configuration, (board.settings,), configure=False).open()
     poll_until(stream, lambda: stream.up)
     board.send()
-    channels, blocks = Channels(192), Blocks()
-
-    def came() -> bool:
-        channels.apply(blocks)
-        return bool(np.isfinite(channels.counts[:72]).all())
-
-    poll_until(stream, came, blocks)
+    channels = counts_when(stream, 192, slice(72))
     assert (channels.counts[:72] == 1).all()
     assert np.isnan(channels.counts[72:]).all()
     stream.close()
@@ -228,13 +234,7 @@ def test_two_buses_bring_one_port_each_its_boards() -> None:
     devices[0].send()
     devices[1].send()
     devices[1].send()
-    channels, blocks = Channels(384), Blocks()
-
-    def came() -> bool:
-        channels.apply(blocks)
-        return bool(np.isfinite(channels.counts[[0, 192]]).all())
-
-    poll_until(stream, came, blocks)
+    channels = counts_when(stream, 384, [0, 192])
     poll_until(stream, lambda: stream.counters[Count.RECEIVED] == 36)
     assert channels.counts[0] == 1
     assert stream.ports[0].channels == 384
@@ -242,13 +242,6 @@ def test_two_buses_bring_one_port_each_its_boards() -> None:
     stream.close()
     for each in devices:
         each.close()
-
-
-def test_the_robots_own_files(shared_data: object) -> None:
-    folder = shared_data / "robots-configuration-skin" / "ergoCubSN001"  # type: ignore[operator]
-    spec = folder / "hardware" / "skin" / "torso-eb22-skinSpec.xml"
-    with pytest.raises(InputError, match="no addresses of boards"):
-        load_configuration(spec)
 
 
 def test_the_number_of_buses_must_fit() -> None:
@@ -265,13 +258,7 @@ def test_a_cyskin_board_over_a_bus() -> None:
     poll_until(stream, lambda: len(device.listen()) >= len(start))
     assert device.told == start
     device.send()
-    channels, blocks = Channels(72), Blocks()
-
-    def came() -> bool:
-        channels.apply(blocks)
-        return bool(np.isfinite(channels.counts).all())
-
-    poll_until(stream, came, blocks)
+    channels = counts_when(stream, 72, slice(None))
     np.testing.assert_array_equal(channels.counts, np.arange(72) + 1)
     stream.close()
     device.close()

@@ -24,7 +24,7 @@ from skinfield.emulator import (
 )
 from skinfield.emulator import world as press_tables
 from skinfield.emulator import world as truth_module
-from skinfield.emulator.can_boards import NEVER, Fates, Schedule
+from skinfield.emulator.hardware import NEVER, Fates, Schedule
 from skinfield.emulator.kernels import add_press
 from skinfield.emulator.packet import Ear
 from skinfield.emulator.scenes import (
@@ -293,19 +293,17 @@ MS = 1_000_000
 def test_fates_of_messages_can_be_counted_from_what_arrives(seed):
     """Numbers that are missing, doubled, or behind a later one: a second count, in plain Python."""
     rng = np.random.default_rng(seed)
-    fates = Fates(50, Wires(lose=0.1, duplicate=0.1, swap=0.1), rng)
+    fates = Fates(Wires(lose=0.1, duplicate=0.1, swap=0.1), rng)
     out, first, kept = [], 0, None
     for burst in rng.integers(0, 50, 200):
-        going = fates.draw(int(burst))
-        for index in fates.order[:going]:
-            out.append(kept if index == -1 else first + int(index))
-        if fates.waiting[0] >= 0:
-            kept, fates.waiting[0] = first + int(fates.waiting[0]), -1
+        out += [kept if index == -1 else first + index for index in fates.draw(int(burst))]
+        if fates.waiting >= 0:
+            kept, fates.waiting = first + fates.waiting, -1
         first += int(burst)
     numbers = np.array(out)
-    missing = first - len(set(out)) - int(fates.waiting[0] == -1)
+    missing = first - len(set(out)) - int(fates.waiting == -1)
     behind = (numbers < np.maximum.accumulate(numbers)).sum()
-    lost, doubled, swapped = fates.counts.tolist()
+    lost, doubled, swapped = fates.counts.values()
     assert (lost, doubled, swapped) == (missing, len(out) - len(set(out)), behind)
     assert min(lost, doubled, swapped) > 0.05 * first
 

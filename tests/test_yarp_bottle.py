@@ -9,12 +9,10 @@ from hypothesis import strategies as st
 from skinfield.errors import InputError
 from skinfield.wire.yarp import (
     Vocab,
-    bottle_from_bytes,
     bottle_from_text,
     bytes_from_bottle,
     text_from_bottle,
 )
-from skinfield.wire.yarp.bottle import same
 
 GOLDEN = [  # as YARP's documentation of its data format and of its ports shows them
     ('0 "hello world"', [0, "hello world"]),
@@ -29,7 +27,7 @@ GOLDEN = [  # as YARP's documentation of its data format and of its ports shows 
 
 @pytest.mark.parametrize(("text", "values"), GOLDEN)
 def test_golden_texts(text: str, values: list[object]) -> None:
-    assert same(bottle_from_text(text), values)
+    assert repr(bottle_from_text(text)) == repr(values)
     assert text_from_bottle(values) == text
 
 
@@ -62,12 +60,7 @@ def test_golden_bytes() -> None:
     assert bytes_from_bottle([1.0, -2.5]) == ints(276, 2) + struct.pack("<2d", 1.0, -2.5)
     mixed = ints(256, 3) + ints(257, 2, 7, 8) + ints(4, 2) + b"ab" + ints(9) + b"add\0"
     assert bytes_from_bottle([[7, 8], "ab", Vocab("add")]) == mixed
-    assert bottle_from_bytes(mixed) == [[7, 8], "ab", Vocab("add")]
     assert bytes_from_bottle([]) == ints(256, 0)
-    with pytest.raises(InputError, match="expected no more than there are"):
-        bottle_from_bytes(mixed[:-1])
-    with pytest.raises(InputError, match="expected none"):
-        bottle_from_bytes(mixed + b"x")
 
 
 words = st.text(
@@ -92,5 +85,4 @@ def test_what_is_written_is_read_back(values: list[object]) -> None:
     text = text_from_bottle(values)
     assert "\n" not in text
     assert "\r" not in text
-    assert same(bottle_from_text(text), values)
-    assert same(bottle_from_bytes(bytes_from_bottle(values)), values)
+    assert repr(bottle_from_text(text)) == repr(values)

@@ -98,16 +98,10 @@ def test_a_reader_types_what_yarps_page_says(port: Port, visitor: Visitor) -> No
         b"\r\n",
         b"Port command not understood.\r\n",
     )
-    at = f"127.0.0.1:{port.socket_port}"
-    visitor.says(
-        b"*\r\n",
-        f"This is /out at tcp://{at}/\r\nThere are no outgoing connections\r\n"
-        "There is an input connection from foo to /out using text\r\n".encode(),
-    )
     assert port.write(VALUES) == 0
     visitor.says(b"r\r\n", b"")
     port.step(0.1)
-    assert port.connections(True) == {"foo": "text"}
+    assert port.outputs == {"foo": "text"}
     assert port.write(VALUES, envelope(12, 1215723086.182938)) == 1
     expected = b"D 12 1215723086.182938\r\n" + TEXT
     assert visitor.reads(len(expected)) == expected
@@ -134,20 +128,6 @@ def test_what_yarp_connect_says_to_a_port(port: Port, visitor: Visitor) -> None:
     assert visitor.is_closed()
 
 
-def test_a_tool_that_speaks_tcp(port: Port, visitor: Visitor) -> None:
-    hello = yarp_number(7777 + 3 + 128)
-    assert hello == b"YA\xe4\x1e\0\0RP"  # as yarp_protocol.dox has it
-    welcome = yarp_number(port.socket_port)
-    visitor.says(hello + ints(6) + b"admin\0", welcome)
-    ask = ints(257 + 8, 1) + b"ver\0"
-    tell = ints(256, 4, 9) + b"ver\0" + ints(1, 1, 1, 2, 1, 3)
-    visitor.says(block(command(b"a"), ask), block(tell) + yarp_number(0))
-    visitor.says(block(command(b"r")), yarp_number(0))
-    assert port.write(VALUES, "7 1.5") == 1
-    expected = block(command(b"D 7 1.5"), BYTES)
-    assert visitor.reads(len(expected)) == expected
-
-
 def test_a_message_goes_out_when_the_one_before_is_acknowledged(
     port: Port, visitor: Visitor
 ) -> None:
@@ -171,7 +151,7 @@ def test_a_reader_that_takes_nothing_holds_up_nobody(port: Port, visitor: Visito
         other.reads(len(big[0]) + 5)
     assert port.skipped > 0
     assert port.sent > 200
-    assert len(port.connections(True)) == 1  # of the one name
+    assert len(port.outputs) == 1  # of the one name
     other.close()
 
 
@@ -219,7 +199,7 @@ def test_it_connects_when_it_is_told_to(carrier: str) -> None:
         assert port.add(f"{carrier}://reader").startswith("Added connection from /out to ")
         assert port.add("/nobody") == "Do not know how to connect to /nobody"
         port.write(VALUES, "7 1.5")
-        assert port.connections(True) == {"/reader": carrier}
+        assert port.outputs == {"/reader": carrier}
         assert port.remove("/reader") == "Removed connection from /out to /reader"
         wait_for(lambda: len(reader._threads) > 1)
         for thread in reader._threads[1:]:
@@ -242,7 +222,7 @@ def test_a_name_server_that_is_not_there() -> None:
     with socket.create_server(("127.0.0.1", 0)) as free:
         place = free.getsockname()[1]
     with pytest.raises(InputError, match="expected a running `yarp server`"):
-        yarp.NameServer("127.0.0.1", place).request(["query", "/x"], "me")
+        yarp.NameServer("127.0.0.1", place).where("me", "/x")
 
 
 def test_a_party_that_says_nothing_is_let_go(

@@ -65,7 +65,7 @@ class Stepped:
     def meet(self, bus):
         """Wait until a bus knows its host, which said so with an empty datagram."""
         until = time.monotonic() + LONG
-        while not self.skin.hardware.wires[bus].bus._addressed and time.monotonic() < until:
+        while self.skin.hardware.wires[bus].bus._peer is None and time.monotonic() < until:
             self.skin.hardware.listen(self.now_ns, 0.0)
 
     def hear(self):

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skinfield.emulator.can_boards import CanBoards, CanWire, Schedule, open_buses
+from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
 from skinfield.emulator.electronics import Converters, converters_of, joined, manufacture
+from skinfield.emulator.hardware import Fates, Schedule
 from skinfield.emulator.settings import VirtualSettings, numbers_of
 from skinfield.errors import InputError, Ints
 from skinfield.skin import Skin
@@ -15,18 +16,17 @@ from skinfield.wire.cyskin import (
     CySkinBoardState,
     CySkinEncoder,
     CySkinWire,
-    on_boards,
+    on_enough_boards,
 )
 from skinfield.wire.cyskin.modules import SENSORS
 
-MOST_BOARDS = 16
 TEMPERATURE = 1000.0  # counts of a module's sensor 0 at 25 °C; what real ones send is not public
 PER_KELVIN = 20.0  # counts/K of it
 PLAIN_NOISE = 20.0  # counts of it, as recordings have
 
 
 class CySkinBoards(CanBoards[CySkinBoardState]):
-    """See `skin.Hardware`. All boards are on one bus.
+    """See `Hardware`. All boards are on one bus.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
     """
 
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
-        placed, self.boards = boards_of(skin)
+        placed, self.boards = on_enough_boards(skin)
         self.wire = CySkinWire()
         rng = np.random.default_rng([settings.seed, 2])
         fresh = [
@@ -49,9 +49,10 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         converters = _converters(skin, settings, len(self._channel))
         (bus,) = open_buses(settings, 1)
         self._encoder = CySkinEncoder(self.boards, wire=self.wire)
-        can = CanWire(bus, self._encoder.messages_per_reading, settings.wires, rng)
+        room = self._encoder.messages_per_reading
+        self._can = CanWire(bus, room, Fates(settings.wires, rng))
         schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        super().__init__(fresh, converters, schedule, [can], settings.rate)
+        super().__init__(fresh, converters, schedule, [self._can], settings.rate)
         self._synced: list[int] = []
         self._encode(0)  # compiles before the first reading
 
@@ -65,16 +66,16 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         except InputError:
             return False  # damaged: boards pass it over
         meant = False
-        for number, playing in enumerate(self._playing):
-            board = self.boards[number].number
-            if playing.quiet or address not in (board, self.wire.every_board):
+        for number, board in enumerate(self.boards):
+            if number in self.quiet or address not in (board.number, self.wire.every_board):
                 continue
-            before = playing.state
-            playing.state, answers = before.after(command, arguments)
+            before = self.states[number]
+            self.states[number], answers = before.after(command, arguments)
             for answer, content in answers:
-                for message in self.wire.messages(board, self.wire.packet(answer, content)):
-                    self.wires[bus].bus.send(*message)
-            if playing.state.syncs != before.syncs:
+                packet = self.wire.packet(answer, content)
+                for message in self.wire.messages(board.number, packet):
+                    self._can.bus.send(*message)
+            if self.states[number].syncs != before.syncs:
                 self._synced.append(number)
             self.commands += 1
             meant = True
@@ -93,7 +94,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         self._encoder.sends[:] = False
         self._encoder.sends[list(members)] = True
         self.readings += len(members)
-        self.wires[0].send(self._encode(now_ns))
+        self._can.send(self._encode(now_ns))
 
     def _encode(self, now_ns: int) -> int:
         """Write the messages of the boards that send; how many."""
@@ -103,7 +104,7 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
         scatter(self.converters.counts, self._channel, encoder.counts)
         for module in self._unplugged:
             encoder.counts[module * SENSORS : (module + 1) * SENSORS] = 0
-        return encoder.encode(self.wires[0].made, 0, now_ns)
+        return encoder.encode(self._can.made, 0, now_ns)
 
     def _plug(self, what: str, plugged: bool | None) -> None:
         modules = self._modules(what)
@@ -123,19 +124,6 @@ class CySkinBoards(CanBoards[CySkinBoardState]):
             before = sum(counts[:number])
             found += [before + m for m in numbers_of(second, counts[number], "module")]
         return found
-
-
-def boards_of(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
-    """The skin on the channels of CySkin's boards, and these: numbers 1, 2, ... as many as needed.
-
-    See `wire.cyskin.on_boards`.
-    """
-    for count in range(1, MOST_BOARDS):
-        try:
-            return on_boards(skin, tuple(range(1, count + 1)))
-        except InputError:
-            continue  # more modules than so many boards carry
-    return on_boards(skin, tuple(range(1, MOST_BOARDS + 1)))
 
 
 def _channels(placed: Skin, boards: Sequence[CySkinBoard]) -> Ints:

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from skinfield.emulator.can_boards import CanBoards, CanWire, Schedule, open_buses
+from skinfield.emulator.can_boards import CanBoards, CanWire, open_buses
 from skinfield.emulator.electronics import Converters, converters_of, joined, manufacture
+from skinfield.emulator.hardware import Fates, Schedule
 from skinfield.emulator.settings import VirtualSettings, numbers_of
 from skinfield.errors import Ints
 from skinfield.simulate.electronics import ThermalPads
@@ -172,7 +173,7 @@ class Line:
 
 
 class ICubBoards(CanBoards[BoardState]):
-    """See `skin.Hardware`.
+    """See `Hardware`.
 
     Parameters
     ----------
@@ -213,20 +214,19 @@ class ICubBoards(CanBoards[BoardState]):
             if board.bus == number
             for triangle in board.triangles
         ]
-        wire = CanWire(bus, 2 * len(triangles), settings.wires, rng)
+        wire = CanWire(bus, 2 * len(triangles), Fates(settings.wires, rng))
         encoder = ICubEncoder(triangles, firmware=firmware)
         return Line(wire, encoder, slots_of(skin, self.boards, number))
 
     def _obey(self, bus: int, identifier: int, data: bytes, warmth: float) -> bool:
         address = addressed_board(identifier)
-        for number, playing in enumerate(self._playing):
-            board = self.boards[number]
-            if (board.bus, board.address) != (bus, address) or playing.quiet:
+        for number, board in enumerate(self.boards):
+            if (board.bus, board.address) != (bus, address) or number in self.quiet:
                 continue
-            before = playing.state
-            playing.state = before.after(data)
+            before = self.states[number]
+            self.states[number] = before.after(data)
             self.commands += 1
-            if playing.state.calibrations != before.calibrations:
+            if self.states[number].calibrations != before.calibrations:
                 self._base(number, warmth)
             self._configure(number)
             return True
@@ -244,16 +244,8 @@ class ICubBoards(CanBoards[BoardState]):
 
     def _configure(self, number: int) -> None:
         """Put a board's state into the encoder of its bus."""
-        state, board = self._playing[number].state, self.boards[number]
-        encoder = self._lines[board.bus].encoder
-        for row, triangle in enumerate(board.triangles, board.row):
-            encoder.configure(
-                row,
-                message_class=state.message_class,
-                no_load=state.no_load,
-                shift=state.triangles[triangle].shift,
-                kind=state.kind,
-            )
+        board = self.boards[number]
+        self._lines[board.bus].encoder.follow(board.address, self.states[number])
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
@@ -261,11 +253,10 @@ class ICubBoards(CanBoards[BoardState]):
             line.encoder.sends[:] = False
         used = set()
         for number in members:
-            playing = self._playing[number]
-            board = self.boards[number]
+            board, state = self.boards[number], self.states[number]
             sends = self._lines[board.bus].encoder.sends
             for row, triangle in enumerate(board.triangles, board.row):
-                sends[row] = playing.state.triangles[triangle].enabled
+                sends[row] = state.triangles[triangle].enabled
             used.add(board.bus)
         self.readings += len(members)
         for bus, count in zip(used, self._encode(used, now_ns), strict=True):

@@ -1,16 +1,15 @@
 """Microcontrollers that send packets: one for each patch."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from time import monotonic_ns
-from typing import Any
 
 import numpy as np
 
-from skinfield.emulator.can_boards import FAULTS, Fates, Schedule, chances_of
 from skinfield.emulator.electronics import Converters, converters_from, starts_of
+from skinfield.emulator.hardware import Fates, Hardware, Schedule, Wire
 from skinfield.emulator.settings import VirtualSettings, numbers_of
-from skinfield.emulator.transports import open_link
+from skinfield.emulator.transports import Link, open_link
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Patch, Skin
 from skinfield.wire.packet import (
@@ -44,7 +43,7 @@ class Device:
     encoder : PacketEncoder
     values : (n_channels,) array
     period : float, s
-    sending, quiet : bool
+    sending : bool
     """
 
     patch: Patch
@@ -53,7 +52,6 @@ class Device:
     values: Floats
     period: float = PERIOD
     sending: bool = True
-    quiet: bool = False
     unplugged: set[int] = field(default_factory=set)
     booted_ns: int = field(default_factory=monotonic_ns)
 
@@ -71,8 +69,6 @@ def device_of(patch: Patch, number: int) -> Device:
             "packets: split it up"
         )
     encoder = PacketEncoder(patch.n_channels, device=number)
-    encoder.encode(np.zeros(patch.n_channels), 0)  # compiles before the first reading
-    encoder.sequence = encoder.reading = 0
     return Device(patch, number, encoder, np.full(patch.n_channels, REST))
 
 
@@ -116,8 +112,44 @@ class Ear:
         return len(self._bytes) < whole <= LONGEST
 
 
-class PacketDevices:
-    """See `skin.Hardware`.
+class PacketWire(Wire):
+    """The link of all devices; `made` has the packets to send."""
+
+    def __init__(self, link: Link, fates: Fates) -> None:
+        super().__init__(fates)
+        self.link = link
+        self.made: list[bytes] = []
+        self._waiting = b""
+
+    @property
+    def address(self) -> str:
+        """See `Wire`."""
+        return self.link.address
+
+    def filenos(self) -> Sequence[int]:
+        """See `Wire`."""
+        return self.link.filenos()
+
+    def _put(self, order: Sequence[int]) -> None:
+        for index in order:
+            self.say(self.made[index] if index >= 0 else self._waiting)
+
+    def say(self, packet: bytes) -> None:
+        """Send a packet."""
+        if self.link.send(packet):
+            self.sent += 1
+        else:
+            self.refused += 1
+
+    def _remember(self, index: int) -> None:
+        self._waiting = self.made[index]
+
+    def _let_go(self) -> None:
+        self.link.close()
+
+
+class PacketDevices(Hardware):
+    """See `Hardware`.
 
     Parameters
     ----------
@@ -128,78 +160,57 @@ class PacketDevices:
     def __init__(self, skin: Skin, settings: VirtualSettings) -> None:
         rng = np.random.default_rng([settings.seed, 2])
         self.devices = [device_of(patch, n) for n, patch in enumerate(skin, 1)]
-        self.off, self.reboots = False, 0
         self._starts = starts_of(skin)
-        self.converters: Converters = packet_converters(skin, settings)
-        self._base = self.converters.level.copy()
-        self.schedule = Schedule(settings.spread, settings.wires.jitter, rng)
-        self._rate = settings.rate
-        packets = sum(len(device.encoder.offsets) for device in self.devices)
-        self._fates = Fates(packets, settings.wires, rng)
-        self._waiting = b""
+        converters = packet_converters(skin, settings)
+        self._base = converters.level.copy()
+        self._wire = PacketWire(open_link(settings), Fates(settings.wires, rng))
+        schedule = Schedule(settings.spread, settings.wires.jitter, rng)
+        super().__init__(len(self.devices), converters, schedule, [self._wire], settings.rate)
         self._ear = Ear()
-        self.readings = self.commands = self.sent = self.refused = self.withheld = 0
-        self._link = open_link(settings)
-
-    @property
-    def addresses(self) -> list[str]:
-        """See `Hardware`."""
-        return [self._link.address]
-
-    @property
-    def chances(self) -> Mapping[str, float]:
-        """See `Hardware`."""
-        return chances_of(self._fates)
 
     def start(self, now_ns: int) -> None:
         """See `Hardware`; each device says what it is first."""
         for device in self.devices:
             self._hello(device)
-        self._reschedule(now_ns)
+        super().start(now_ns)
 
-    def _reschedule(self, now_ns: int) -> None:
-        periods = {
-            place: round(1e9 / self._rate if self._rate else 1e9 * device.period)
-            for place, device in enumerate(self.devices)
-            if device.sending and not device.quiet
-        }
-        self.schedule.set(periods if self._link.heard else {}, len(self.devices), now_ns)
-
-    def filenos(self) -> Sequence[int]:
-        """See `Hardware`."""
-        return self._link.filenos()
+    def _period(self, board: int) -> float | None:
+        device = self.devices[board]
+        return device.period if device.sending and self._wire.link.heard else None
 
     def listen(self, now_ns: int, warmth: float) -> None:
         """See `Hardware`."""
-        before = self._link.heard
-        for packet in self._ear.packets(self._link.receive()):
-            for device in self.devices:
-                if packet.device in (device.number, EVERY_DEVICE) and not device.quiet:
-                    self._obey(device, packet, warmth)
-        if self._link.heard and not before:
+        before = self._wire.link.heard
+        for packet in self._ear.packets(self._wire.link.receive()):
+            for board, device in enumerate(self.devices):
+                if packet.device in (device.number, EVERY_DEVICE) and board not in self.quiet:
+                    self._obey(board, packet, warmth)
+        if self._wire.link.heard and not before:
             for device in self.devices:
                 self._hello(device)
         self._reschedule(now_ns)
 
-    def _obey(self, device: Device, packet: Packet, warmth: float) -> None:
+    def _obey(self, board: int, packet: Packet, warmth: float) -> None:
         self.commands += 1
-        result = DONE
+        device, result = self.devices[board], DONE
         if packet.kind in (PacketKind.START, PacketKind.STOP):
             device.sending = packet.kind == PacketKind.START
         elif packet.kind == PacketKind.PERIOD and len(packet.payload) >= 4:
             micros = int.from_bytes(packet.payload[:4], "little")
             device.period = max(micros, FASTEST_US) * 1e-6
         elif packet.kind == PacketKind.TARE:
-            place = self.devices.index(device)
-            rows = slice(int(self._starts[place]), int(self._starts[place + 1]))
-            offset = self.converters.quiet(warmth)[rows] - REST
-            self.converters.level[rows] -= offset
+            rows = self._rows(board)
+            self.converters.level[rows] -= self.converters.quiet(warmth)[rows] - REST
         elif packet.kind == PacketKind.ASK:
             self._hello(device)
         else:
             result = UNKNOWN
         answer = Answer(int(packet.kind), result, packet.sequence)
         self._say(device, PacketKind.ANSWER, answer.payload)
+
+    def _rows(self, board: int) -> slice:
+        """Taxels of a device, among those of all patches."""
+        return slice(int(self._starts[board]), int(self._starts[board + 1]))
 
     def _hello(self, device: Device) -> None:
         hello = Hello(
@@ -218,119 +229,41 @@ class PacketDevices:
             payload=payload,
         )
         device.encoder.sequence = (device.encoder.sequence + 1) & 0xFFFFFFFF
-        if not self.off and self._link.heard:
-            self._send(memoryview(encode_packet(packet)))
+        if not self._wire.off and self._wire.link.heard:
+            self._wire.say(encode_packet(packet))
 
     def send(self, members: Sequence[int], now_ns: int) -> None:
         """See `Hardware`."""
-        packets: list[memoryview] = []
-        for place in members:
-            device = self.devices[place]
-            first, last = self._starts[place], self._starts[place + 1]
-            device.values[device.patch.channel] = self.converters.counts[first:last]
+        made = self._wire.made
+        made.clear()
+        for board in members:
+            device = self.devices[board]
+            device.values[device.patch.channel] = self.converters.counts[self._rows(board)]
             for module in device.unplugged:
                 device.values[device.patch.channel[device.patch.module == module]] = 0.0
-            for index in range(device.encoder.encode(device.values, device.clock_us)):
-                packets.append(device.encoder.packet(index).data)
+            made += device.encoder.encode(device.values, device.clock_us)
         self.readings += len(members)
-        if self.off:
-            self.withheld += len(packets)
-        elif self._fates.idle:
-            for packet in packets:
-                self._send(packet)
-        else:
-            self._send_by_fate(packets)
+        self._wire.send(len(made))
 
-    def _send_by_fate(self, packets: list[memoryview]) -> None:
-        going = self._fates.draw(len(packets))
-        for index in self._fates.order[:going].tolist():
-            self._send(packets[index] if index >= 0 else memoryview(self._waiting))
-        waiting = int(self._fates.waiting[0])
-        if waiting >= 0:
-            self._waiting = bytes(packets[waiting])
-            self._fates.waiting[0] = -1
+    def _reset(self, board: int) -> None:
+        self.devices[board].sending, self.devices[board].period = True, PERIOD
 
-    def _send(self, packet: memoryview) -> None:
-        if self._link.send(packet):
-            self.sent += 1
-        else:
-            self.refused += 1
-
-    def _boot(self, device: Device) -> None:
+    def _awake(self, board: int, warmth: float) -> None:
         """Begin anew: the numbers of packets and readings, and the clock."""
+        device, rows = self.devices[board], self._rows(board)
         device.booted_ns = monotonic_ns()
         device.encoder.sequence = device.encoder.reading = 0
-        place = self.devices.index(device)
-        rows = slice(int(self._starts[place]), int(self._starts[place + 1]))
         self.converters.level[rows] = self._base[rows]
         self._hello(device)
 
-    def check(self, kind: str, what: str) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            self._modules(what)
-        elif kind == "bus-off":
-            numbers_of(what, 1, "bus")
-        else:
-            self._devices(what)
-
-    def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """See `Hardware`."""
-        self.check(kind, what)
-        if kind == "unplug":
-            for device, module in self._modules(what):
-                device.unplugged.add(module)
-        elif kind == "bus-off":
-            self.off = True
-        else:
-            for device in self._devices(what):
-                device.quiet, device.sending, device.period = True, True, PERIOD
-                self.reboots += 1
-            self._reschedule(now_ns)
-
-    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
-        """See `Hardware`."""
-        if kind == "unplug":
-            for device, module in self._modules(what):
-                device.unplugged.discard(module)
-        elif kind == "bus-off":
-            self.off = False
-        else:
-            for device in self._devices(what):
-                device.quiet = False
-                self._boot(device)
-            self._reschedule(now_ns)
-
-    def _devices(self, what: str) -> list[Device]:
-        return [self.devices[n] for n in numbers_of(what, len(self.devices), "device")]
-
-    def _modules(self, what: str) -> list[tuple[Device, int]]:
+    def _plug(self, what: str, plugged: bool | None) -> None:
         """Modules of device 0, as ``"3"``, or of the named one, as ``"1.3"``."""
         first, dot, second = what.partition(".")
-        found = []
-        for device in self._devices(first) if dot else self.devices[:1]:
-            modules = np.unique(device.patch.module).tolist()
-            for place in numbers_of(second if dot else first, len(modules), "module"):
-                found.append((device, int(modules[place])))
-        return found
-
-    def set_chances(self, lose: float, duplicate: float, swap: float) -> None:
-        """See `Hardware`."""
-        self._fates.chances[:] = lose, duplicate, swap
-
-    def counts(self) -> dict[str, Any]:
-        """See `Hardware`."""
-        return {
-            "messages": self.sent,
-            **{name: int(self._fates.counts[i]) for i, name in enumerate(FAULTS)},
-            "refused": self.refused,
-            "withheld": self.withheld,
-            "commands": self.commands,
-            "reboots": self.reboots,
-        }
-
-    def close(self) -> None:
-        """See `Hardware`."""
-        if self._fates.waiting[0] == -1 and self._waiting and not self.off:
-            self._send(memoryview(self._waiting))
-        self._link.close()
+        boards = numbers_of(first, len(self.devices), "device") if dot else [0]
+        for device in (self.devices[board] for board in boards):
+            modules = np.unique(device.patch.module)
+            numbers = numbers_of(second if dot else first, len(modules), "module")
+            if plugged:
+                device.unplugged.difference_update(modules[numbers].tolist())
+            elif plugged is not None:
+                device.unplugged.update(modules[numbers].tolist())

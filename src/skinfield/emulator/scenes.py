@@ -414,9 +414,7 @@ def _points_at_one_place(fields: Mapping[str, Any], skin: Skin, patch: int) -> t
     start = number(fields, "start_s", 0.0, 0.0, LATEST, "seconds since the scene began")
     seconds = number(fields, "seconds", 1.0, 1e-3, LATEST, "for how long")
     ramp = min(number(fields, "ramp_s", RAMP, 0.0, LATEST, "of pressing"), seconds / 2.0)
-    times = (start, start + ramp, start + seconds - ramp, start + seconds)
-    forces = (0.0, force, force, 0.0)
-    return tuple(Point(t, x, y, f) for t, f in zip(times, forces, strict=True))
+    return _press_and_lift(patch, Tool(), x, y, force, start, seconds, ramp).points
 
 
 def _points(path: Any, fields: Mapping[str, Any], skin: Skin, patch: int) -> tuple[Point, ...]:

@@ -9,12 +9,12 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from skinfield.emulator.can_boards import NEVER, Schedule
 from skinfield.emulator.electronics import Converters, starts_of
+from skinfield.emulator.hardware import NEVER, Hardware
 from skinfield.emulator.scenes import Touch, number, patch_index, scene_from_text
 from skinfield.emulator.settings import (
     FOREVER,
@@ -29,92 +29,6 @@ from skinfield.emulator.world import Truth, World
 from skinfield.errors import InputError, Ints
 from skinfield.files.layouts.load import skin_from_text
 from skinfield.skin import Skin
-
-
-class Hardware(Protocol):
-    """Boards on their buses.
-
-    Attributes
-    ----------
-    converters : Converters
-        Its first channels are the taxels of all patches.
-    schedule : Schedule
-    addresses : sequence of str
-        Where a host finds each bus.
-    readings : int
-        Of boards, that were made so far.
-    """
-
-    @property
-    def converters(self) -> Converters:
-        """See above."""
-        ...
-
-    @property
-    def schedule(self) -> Schedule:
-        """See above."""
-        ...
-
-    @property
-    def addresses(self) -> Sequence[str]:
-        """See above."""
-        ...
-
-    @property
-    def readings(self) -> int:
-        """See above."""
-        ...
-
-    @property
-    def chances(self) -> Mapping[str, float]:
-        """Probabilities of `lose`, `duplicate` and `swap`, per message."""
-        ...
-
-    def start(self, now_ns: int) -> None:
-        """Send from now on what sends without being told."""
-        ...
-
-    def check(self, kind: str, what: str) -> None:
-        """Raise InputError if there is no such triangle, board or bus."""
-        ...
-
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when a host says something."""
-        ...
-
-    def listen(self, now_ns: int, warmth: float) -> None:
-        """Take in what hosts say, and answer; never waits."""
-        ...
-
-    def send(self, members: Sequence[int], now_ns: int) -> None:
-        """Send the counts of now from some boards."""
-        ...
-
-    def begin(self, kind: str, what: str, now_ns: int) -> None:
-        """Begin a fault of a triangle, board or bus.
-
-        Raises
-        ------
-        InputError
-            If there is no such one.
-        """
-        ...
-
-    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
-        """End it."""
-        ...
-
-    def set_chances(self, lose: float, duplicate: float, swap: float) -> None:
-        """Change what happens to messages from now on."""
-        ...
-
-    def counts(self) -> dict[str, Any]:
-        """What was sent and what was done to it: whole numbers."""
-        ...
-
-    def close(self) -> None:
-        """Let go of the buses."""
-        ...
 
 
 def open_hardware(skin: Skin, settings: VirtualSettings) -> Hardware:
@@ -502,15 +416,11 @@ class VirtualSkin:
 
     def set_wires(self, fields: Mapping[str, Any]) -> dict[str, float]:
         """Change probabilities of losing, doubling and swapping from now on."""
-        chances = dict(self.hardware.chances)
-        for name in chances:
-            if name in fields:
-                value = fields[name]
-                plain = isinstance(value, int | float) and not isinstance(value, bool)
-                if not plain or not 0.0 <= value <= 1.0:
-                    raise InputError(f"{name} is {value!r:.60}, expected a probability, 0 to 1")
-                chances[name] = float(value)
-        self.hardware.set_chances(chances["lose"], chances["duplicate"], chances["swap"])
+        chances = {
+            name: number(fields, name, chance, 0.0, 1.0, "a probability")
+            for name, chance in self.hardware.chances.items()
+        }
+        self.hardware.set_chances(chances)
         return chances
 
     def close(self) -> None:

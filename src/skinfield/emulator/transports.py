@@ -7,7 +7,7 @@ import tty
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import FileError, InputError, SkinfieldError
@@ -20,34 +20,27 @@ SEND_BUFFER = 1 << 20  # bytes
 DATAGRAMS = 64
 
 
-class Link(Protocol):
+class Link:
     """Takes whole packets; never waits."""
 
-    @property
-    def address(self) -> str:
-        """Where a host finds it."""
-        ...
+    address: str  # where a host finds it
+    heard: bool  # whether somebody is there to send to, as far as is known
 
-    @property
-    def heard(self) -> bool:
-        """Whether somebody is there to send to, as far as is known."""
-        ...
-
-    def send(self, packet: memoryview) -> bool:
+    def send(self, packet: bytes) -> bool:
         """Send a packet; False if it was not taken, and then none of it was."""
-        ...
+        raise NotImplementedError
 
     def receive(self) -> bytes:
         """What hosts have said."""
-        ...
+        raise NotImplementedError
 
     def filenos(self) -> Sequence[int]:
         """File descriptors that become readable when one says something."""
-        ...
+        raise NotImplementedError
 
     def close(self) -> None:
         """Let go of it."""
-        ...
+        raise NotImplementedError
 
 
 def open_link(settings: VirtualSettings) -> Link:
@@ -72,7 +65,13 @@ def open_link(settings: VirtualSettings) -> Link:
         ) from error
 
 
-class UdpLink:
+def place_of(sock: socket.socket) -> str:
+    """Where a socket is bound, as host:port."""
+    host, port = sock.getsockname()[:2]
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
+class UdpLink(Link):
     """Datagrams to a host, or to whoever asked last.
 
     Parameters
@@ -97,19 +96,9 @@ class UdpLink:
         except BaseException:
             self._socket.close()
             raise
+        self.address, self.heard = place_of(self._socket), self._peer is not None
 
-    @property
-    def address(self) -> str:
-        """Where commands go."""
-        host, port = self._socket.getsockname()
-        return f"{host}:{port}"
-
-    @property
-    def heard(self) -> bool:
-        """See `Link`."""
-        return self._peer is not None
-
-    def send(self, packet: memoryview) -> bool:
+    def send(self, packet: bytes) -> bool:
         """See `Link`."""
         if self._peer is None:
             return False
@@ -125,6 +114,7 @@ class UdpLink:
         for _ in range(DATAGRAMS):
             try:
                 data, self._peer = self._socket.recvfrom(READ_BYTES)
+                self.heard = True
             except OSError:
                 break
             received += data
@@ -139,17 +129,17 @@ class UdpLink:
         self._socket.close()
 
 
-class _Bytes:
+class _Bytes(Link):
     """A stream of bytes that takes whole packets; what does not fit goes before the next."""
 
     def __init__(self) -> None:
         self._rest = b""
 
-    def _write(self, data: memoryview | bytes) -> int:
+    def _write(self, data: bytes) -> int:
         """Bytes taken, 0 if none; raises BrokenPipeError when the other side is gone."""
         raise NotImplementedError
 
-    def send(self, packet: memoryview) -> bool:
+    def send(self, packet: bytes) -> bool:
         """See `Link`."""
         if self._rest:
             self._rest = self._rest[self._write(self._rest) :]
@@ -158,7 +148,7 @@ class _Bytes:
         taken = self._write(packet)
         if taken == 0:
             return False
-        self._rest = bytes(packet[taken:])
+        self._rest = packet[taken:]
         return True
 
 
@@ -177,19 +167,9 @@ class TcpLink(_Bytes):
         except BaseException:
             self._server.close()
             raise
+        self.address, self.heard = place_of(self._server), False
 
-    @property
-    def address(self) -> str:
-        """See `Link`."""
-        host, port = self._server.getsockname()
-        return f"{host}:{port}"
-
-    @property
-    def heard(self) -> bool:
-        """See `Link`."""
-        return self._client is not None
-
-    def _write(self, data: memoryview | bytes) -> int:
+    def _write(self, data: bytes) -> int:
         if self._client is None:
             return 0
         try:
@@ -203,7 +183,7 @@ class TcpLink(_Bytes):
     def _drop(self) -> None:
         if self._client is not None:
             self._client.close()
-        self._client, self._rest = None, b""
+        self._client, self._rest, self.heard = None, b"", False
 
     def receive(self) -> bytes:
         """See `Link`."""
@@ -212,7 +192,7 @@ class TcpLink(_Bytes):
             self._drop()
             client.setblocking(False)
             client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._client = client
+            self._client, self.heard = client, True
         if self._client is None:
             return b""
         try:
@@ -262,7 +242,7 @@ class TerminalLink(_Bytes):
                 self.close()
                 raise FileError(f"{channel} cannot be made: {error.strerror}") from error
 
-    def _write(self, data: memoryview | bytes) -> int:
+    def _write(self, data: bytes) -> int:
         try:
             return os.write(self._near, data)
         except OSError:
@@ -374,8 +354,7 @@ class Control:
     @property
     def address(self) -> str:
         """Where it is reached."""
-        host, port = self._socket.getsockname()[:2]
-        return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+        return place_of(self._socket)
 
     def fileno(self) -> int:
         """Of the socket."""

@@ -8,7 +8,8 @@ import os
 import subprocess
 import sys
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -29,26 +30,21 @@ from skinfield.emulator.scenes import (
     patch_index,
     place_of,
 )
-from skinfield.errors import FileError, Floats, InputError, Ints
+from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Skin
 
 LINES = 20_000  # in memory: 200 s of a press that moves all the time
 PRESSES = 40_000  # of these lines
 INTERVAL_NS = 10_000_000  # between lines while a press only moves
-PRESS = np.dtype(
-    [
-        ("patch", np.int64), ("x", float), ("y", float), ("position", float, 3), ("force", float),
-        ("radius", float), ("contact_radius", float),
-    ]
-)  # fmt: skip
 Line = dict[str, Any]
+Touches = list[tuple[Touch, float]]
 
 
 class Truth:
     """Lines about the presses: one at each change of what presses, and every 10 ms on the way.
 
-    A line holds from its stamp to that of the next one. The newest are in memory, all of which is
-    there from the beginning; all are in the file.
+    A line holds from its stamp to that of the next one. The newest are in memory; all are in the
+    file.
 
     Parameters
     ----------
@@ -70,15 +66,11 @@ class Truth:
     def __init__(self, skin: Skin, path: str = "") -> None:
         self._skin = skin
         self.made = 0
-        self._presses = 0  # so far
-        self._stamp_ns: Ints = np.full(LINES, -1, np.int64)
-        self._first: Ints = np.full(LINES, -1, np.int64)  # press of each line, and how many
-        self._count: Ints = np.full(LINES, -1, np.int64)
-        self._table = np.ones(PRESSES, PRESS)
-        self._names, self._shapes = [""] * PRESSES, [""] * PRESSES
-        self._ids: tuple[str, ...] | None = None
+        self._lines: deque[tuple[int, Touches]] = deque()
+        self._presses = 0  # of these lines
+        self._ids: list[str] | None = None
         self._last_ns = 0
-        self._waiting: tuple[list[tuple[Touch, float]], int] | None = None
+        self._waiting: tuple[Touches, int] | None = None
         self._file: IO[str] | None = None
         if path:
             try:
@@ -86,15 +78,14 @@ class Truth:
             except OSError as error:
                 raise FileError(f"{path} cannot be written: {error.strerror}") from error
 
-    def note(self, touches: Iterable[tuple[Touch, float]], stamp_ns: int) -> None:
+    def note(self, touches: Touches, stamp_ns: int) -> None:
         """Take down what presses from now on, with the radius of each touch, m."""
-        touches = list(touches)
-        ids = tuple(touch.id for touch, _ in touches)
         self._waiting = None
-        if ids == self._ids and stamp_ns - self._last_ns < INTERVAL_NS:
+        same = [touch.id for touch, _ in touches] == self._ids
+        if same and stamp_ns - self._last_ns < INTERVAL_NS:
             self._waiting = (touches, stamp_ns)
-            return
-        self._write(touches, stamp_ns)
+        else:
+            self._write(touches, stamp_ns)
 
     def settle(self, stamp_ns: int) -> None:
         """Take down the end of a movement that was too soon after the line before."""
@@ -102,54 +93,41 @@ class Truth:
             self._write(*self._waiting)
             self._waiting = None
 
-    def _write(self, touches: list[tuple[Touch, float]], stamp_ns: int) -> None:
-        self._ids, self._last_ns = tuple(touch.id for touch, _ in touches), stamp_ns
-        row = self.made % LINES
-        self._stamp_ns[row], self._first[row] = stamp_ns, self._presses
-        self._count[row] = len(touches)
-        for touch, contact_radius in touches:
-            self._put(touch, contact_radius)
-        self.made += 1
+    def _write(self, touches: Touches, stamp_ns: int) -> None:
+        self._ids, self._last_ns = [touch.id for touch, _ in touches], stamp_ns
+        self._lines.append((stamp_ns, touches))
+        self._presses += len(touches)
+        while len(self._lines) > LINES or self._presses > PRESSES:
+            self._presses -= len(self._lines.popleft()[1])
         if self._file is not None:
-            self._file.write(json.dumps(self._line(self.made - 1)) + "\n")
+            self._file.write(json.dumps(self._line(self.made, stamp_ns, touches)) + "\n")
+        self.made += 1
 
-    def _put(self, touch: Touch, contact_radius: float) -> None:
-        row = self._presses % PRESSES
-        surface = self._skin.patches[touch.patch].surface
-        position = surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
-        self._table[row] = (
-            touch.patch, touch.x, touch.y, position, touch.force, touch.tool.radius, contact_radius,
-        )  # fmt: skip
-        self._names[row], self._shapes[row] = touch.id, touch.tool.shape
-        self._presses += 1
+    def _line(self, number: int, stamp_ns: int, touches: Touches) -> Line:
+        presses = [self._press(touch, radius) for touch, radius in touches]
+        return {"number": number, "stamp_ns": stamp_ns, "presses": presses}
 
-    def _line(self, number: int) -> Line:
-        row = number % LINES
-        first = int(self._first[row])
-        presses = [self._press(i % PRESSES) for i in range(first, first + int(self._count[row]))]
-        return {"number": number, "stamp_ns": int(self._stamp_ns[row]), "presses": presses}
-
-    def _press(self, row: int) -> Line:
-        press = self._table[row]
+    def _press(self, touch: Touch, contact_radius: float) -> Line:
+        patch = self._skin.patches[touch.patch]
+        position = patch.surface.position_from_plane(np.array([[touch.x, touch.y]]))[0]
         return {
-            "id": self._names[row],
-            "patch": self._skin.patches[int(press["patch"])].name,
-            "x": float(press["x"]),
-            "y": float(press["y"]),
-            "position": press["position"].tolist(),
-            "force": float(press["force"]),
-            "radius": float(press["radius"]),
-            "shape": self._shapes[row],
-            "contact_radius": float(press["contact_radius"]),
+            "id": touch.id,
+            "patch": patch.name,
+            "x": touch.x,
+            "y": touch.y,
+            "position": position.tolist(),
+            "force": touch.force,
+            "radius": touch.tool.radius,
+            "shape": touch.tool.shape,
+            "contact_radius": contact_radius,
         }
 
     def after(self, number: int, most: int) -> list[Line]:
         """Lines from `number` on, at most so many, as far as they are in memory."""
-        start = max(number, self.made - LINES, 0)
-        oldest = self._presses - PRESSES
-        while start < self.made and self._first[start % LINES] < oldest:
-            start += 1
-        return [self._line(i) for i in range(start, min(start + most, self.made))]
+        first = self.made - len(self._lines)
+        begin = max(number, first)
+        lines = itertools.islice(self._lines, begin - first, begin - first + most)
+        return [self._line(begin + i, *line) for i, line in enumerate(lines)]
 
     def close(self) -> None:
         """Close the file."""
@@ -278,7 +256,7 @@ def is_stored(tool: Tool, layer: Layer, pad_diameter: float) -> bool:
 def _code() -> str:
     """Digest of the sources that a table comes from, so that no change of them is missed."""
     root, digest = Path(__file__).parent.parent, hashlib.sha256()
-    for room in ("simulate", "mechanics", "observation"):
+    for room in ("simulate", "elastic"):
         for file in sorted((root / room).rglob("*.py")):
             digest.update(file.read_bytes())
     digest.update(Path(__file__).read_bytes())
@@ -396,7 +374,6 @@ class Solving:
 MOST = 64  # presses at once, by hand
 KEPT = 20  # notes
 LONGEST_ID = 64  # characters
-Published = tuple[str, int, Tool, float, float, float]
 
 
 class World:
@@ -420,7 +397,7 @@ class World:
         self._solving = Solving(layer)
         self._by_hand: dict[str, Touch] = {}
         self._numbers = itertools.count(1)
-        self._published: tuple[Published, ...] | None = None
+        self._published: list[Touch] | None = None
         self.notes: list[str] = []
         self._warm()
         self.play(scene)
@@ -482,10 +459,9 @@ class World:
             The presses; None where nothing has changed since the last call.
         """
         touches = self.touches(time)
-        published = tuple((t.id, t.patch, t.tool, t.x, t.y, t.force) for t in touches)
-        if published == self._published:
+        if touches == self._published:
             return None
-        self._published = published
+        self._published = touches
         return self._render(touches, change)
 
     def _render(self, touches: list[Touch], change: Floats) -> list[tuple[Touch, float]]:

@@ -20,10 +20,8 @@ from skinfield.signal.can import CanDecoder as CanDecoder
 from skinfield.signal.can import CanMessages as CanMessages
 from skinfield.signal.capacitance import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
 from skinfield.signal.capacitance import CapacitanceConverter as CapacitanceConverter
-from skinfield.signal.capacitance import capacitance_change_from_gap as capacitance_change_from_gap
 from skinfield.signal.capacitance import capacitance_from_gap as capacitance_from_gap
 from skinfield.signal.capacitance import gap_from_capacitance as gap_from_capacitance
-from skinfield.signal.capacitance import gap_from_capacitance_change as gap_from_capacitance_change
 from skinfield.signal.capacitance import pad_area as pad_area
 from skinfield.signal.capacitance import (
     relative_capacitance_from_strain as relative_capacitance_from_strain,
@@ -32,11 +30,9 @@ from skinfield.signal.capacitance import rest_capacitance as rest_capacitance
 from skinfield.signal.capacitance import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
-from skinfield.signal.faults import FaultLimits as FaultLimits
 from skinfield.signal.faults import Faults as Faults
 from skinfield.signal.faults import Verdict as Verdict
 from skinfield.signal.faults import find_faults as find_faults
-from skinfield.signal.filters.kalman import ConstantVelocity as ConstantVelocity
 from skinfield.signal.filters.kalman import RandomWalk as RandomWalk
 from skinfield.signal.filters.smoothing import Chain as Chain
 from skinfield.signal.filters.smoothing import Exponential as Exponential
@@ -59,11 +55,7 @@ from skinfield.signal.source import Stream as Stream
 from skinfield.signal.source import counters as counters
 from skinfield.signal.stationary import QuietStretch as QuietStretch
 from skinfield.signal.stationary import quiet_stretch as quiet_stretch
-from skinfield.signal.tensile_test import LinearCurve as LinearCurve
 from skinfield.signal.tensile_test import ModulusFit as ModulusFit
-from skinfield.signal.tensile_test import StressCurve as StressCurve
-from skinfield.signal.tensile_test import TableCurve as TableCurve
 from skinfield.signal.tensile_test import TensileTest as TensileTest
-from skinfield.signal.tensile_test import curve_from_tension as curve_from_tension
 from skinfield.signal.tensile_test import initial_modulus as initial_modulus
 from skinfield.signal.tensile_test import load_tensile_test as load_tensile_test

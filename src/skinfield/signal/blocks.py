@@ -17,7 +17,7 @@ class Blocks:
     """Blocks of one poll of the sources, one after the other in one memory.
 
     Compiled decoders write through `words`, `octets` and `end` by the functions of
-    `acquisition.kernel`; others by `put`. Nothing is allocated after the beginning.
+    `blocks_kernel`; others by `put`. Nothing is allocated after the beginning.
 
     Parameters
     ----------
@@ -104,23 +104,6 @@ class Blocks:
 
         if not put_number(self.words, self.end, stamp_ns, source, int(kind), number):
             raise self._full(1)
-
-    def put_data(self, data: bytes | Octets) -> None:
-        """Append whole blocks as they were recorded.
-
-        Raises
-        ------
-        Full
-            If they do not fit.
-        """
-        octets = np.frombuffer(data, np.uint8)
-        if len(octets) % WORD:
-            raise InputError(f"data has {len(octets)} bytes, expected a multiple of {WORD}: blocks")
-        start, count = int(self.end[0]), len(octets) // WORD
-        if start + count > len(self.words):
-            raise self._full(len(octets))
-        self.octets[start * WORD : (start + count) * WORD] = octets
-        self.end[0] = start + count
 
     def _full(self, more: int) -> Full:
         return Full(

@@ -75,49 +75,6 @@ def begin_block(
 
 
 @njit
-def put_octets(
-    words: Words,
-    octets: Octets,
-    end: Words,
-    stamp_ns: int,
-    channel: int,
-    kind: int,
-    status: int,
-    source: Octets,
-    start: int,
-    count: int,
-) -> bool:
-    """Append a block of `count` channels whose payload is `source[start:]`; False if full."""
-    at = begin_block(words, end, stamp_ns, channel, count, kind, status)
-    if at < 0:
-        return False
-    width = 1 if kind == BYTES else 2 if kind == SHORTS else 4
-    for i in range(count * width):
-        octets[at + i] = source[start + i]
-    return True
-
-
-@njit
-def put_status(
-    words: Words,
-    octets: Octets,
-    end: Words,
-    stamp_ns: int,
-    channel: int,
-    count: int,
-    status: int,
-    out_of_range: int,
-) -> bool:
-    """Append the status of up to 64 channels; bit i of `out_of_range` is channel + i."""
-    at = begin_block(words, end, stamp_ns, channel, count, STATUS, status)
-    if at < 0:
-        return False
-    for i in range((count + 7) >> 3):
-        octets[at + i] = (out_of_range >> (8 * i)) & 0xFF
-    return True
-
-
-@njit
 def put_number(
     words: Words, end: Words, stamp_ns: int, source: int, kind: int, number: int
 ) -> bool:

@@ -124,25 +124,6 @@ class ICubByte:
         byte = np.where(v <= low_load, 255.0, np.where(v >= high_load, 0.0, dropped))
         return np.asarray(np.where(np.isnan(v), np.nan, byte))
 
-    def difference_from_counts(self, counts: ArrayLike) -> Floats:
-        """Converter's differences v from bytes: the middle of what the byte can mean.
-
-        Off by at most (2**shift - 1) / 2 converter counts; at a clamp only a bound.
-
-        Raises
-        ------
-        InputError
-            If a value is not a whole number from 0 to 255.
-        """
-        byte = _whole("counts", counts)
-        if np.any((byte < 0) | (byte > 255)):
-            raise InputError(
-                f"counts run from {np.nanmin(byte):g} to {np.nanmax(byte):g}, expected bytes "
-                "from 0 to 255: this is not a raw iCub recording"
-            )
-        size = 1 << self.shift
-        return np.asarray((self.no_load - byte) * size + (size - 1) / 2.0)
-
     def gain(self, rest_capacitance: float, farads_per_count: float) -> float:
         """Bytes per unit of ΔC/C₀, negative, for a pad of `rest_capacitance`, F.
 
@@ -195,22 +176,6 @@ class CySkinCount:
     def counts_from_difference(self, difference: ArrayLike) -> Floats:
         """Words from differences, counts: rounded, clipped at 0 and at the largest."""
         return np.clip(np.rint(as_floats("difference", difference)), 0.0, self.highest)
-
-    def difference_from_counts(self, counts: ArrayLike) -> Floats:
-        """Differences from words: themselves; 0 means 0 or less, the largest that or more.
-
-        Raises
-        ------
-        InputError
-            If a value is not a whole number from 0 to `highest`.
-        """
-        words = _whole("counts", counts)
-        if np.any((words < 0) | (words > self.highest)):
-            raise InputError(
-                f"counts run from {np.nanmin(words):g} to {np.nanmax(words):g}, expected 0 to "
-                f"{self.highest:g}: this is not a CySkin recording"
-            )
-        return words
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -249,7 +249,7 @@ class Calibration:
             raise InputError(
                 f"{name} has shape {array.shape}, expected ({len(self)},) or "
                 f"(readings, {len(self)}): one column per taxel of {self.patch_name!r}; pick the "
-                "columns of the port with sources.readings_for"
+                "columns of the port with files.recordings.readings_for"
             )
         return array
 

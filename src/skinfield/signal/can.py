@@ -53,7 +53,7 @@ class CanMessages:
         if len(data) > 8:
             raise InputError(f"data has {len(data)} octets, expected up to 8: classic CAN")
         self.ids[row], self.lengths[row], self.stamp_ns[row] = identifier, len(data), 0
-        self.data[row, : len(data)] = np.frombuffer(data, np.uint8)
+        self.data[row] = np.frombuffer(data.ljust(8, b"\0"), np.uint8)
 
     def check_rows(self, first: int, count: int) -> None:
         """Raise InputError unless rows `first` to `first + count` are there."""

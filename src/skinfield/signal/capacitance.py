@@ -62,43 +62,6 @@ def gap_from_capacitance(
     return np.asarray(_permittivity_times_area(area, relative_permittivity) / capacitance)
 
 
-def capacitance_change_from_gap(
-    gap: ArrayLike, rest_gap: float, *, area: float, relative_permittivity: float
-) -> Floats:
-    """Capacitance in contact less that at rest, F: eq. (2), ε₀ εᵣ A (hₙ - hₚ) / (hₙ hₚ).
-
-    Parameters
-    ----------
-    gap : array, m
-        The paper's hₚ, in contact.
-    rest_gap : float, m
-        The paper's hₙ.
-    area, relative_permittivity
-        As in `capacitance_from_gap`.
-    """
-    check_positive("rest_gap", rest_gap, "the thickness of the elastomer at rest, in metres")
-    gap = _above("gap", gap, 0.0, "the distance of the two electrodes in metres")
-    scale = _permittivity_times_area(area, relative_permittivity)
-    return np.asarray(scale * (rest_gap - gap) / (rest_gap * gap))
-
-
-def gap_from_capacitance_change(
-    change: ArrayLike, rest_gap: float, *, area: float, relative_permittivity: float
-) -> Floats:
-    """Gap in contact, m, from the change of capacitance, F: eq. (2) read backwards.
-
-    Raises
-    ------
-    InputError
-        If a change takes away all of the capacitance at rest, which no gap does.
-    """
-    check_positive("rest_gap", rest_gap, "the thickness of the elastomer at rest, in metres")
-    scale = _permittivity_times_area(area, relative_permittivity)
-    low = -scale / rest_gap
-    change = _above("change", change, low, "a pad cannot lose more than it has at rest")
-    return np.asarray(scale * rest_gap / (scale + change * rest_gap))
-
-
 def relative_capacitance_from_strain(strain: ArrayLike) -> Floats:
     """Relative change of capacitance, ΔC/C₀, from the gap strain v = indentation / thickness.
 

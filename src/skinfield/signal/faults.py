@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, check_positive, check_range
+from skinfield.errors import Floats, InputError
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
 from skinfield.signal.stationary import fast_noise, readings_per_value, recorded, whole_numbers
@@ -33,44 +33,14 @@ _MEANING = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class FaultLimits:
-    """When a taxel counts as faulty.
-
-    Parameters
-    ----------
-    least_changes : int
-        Of value, that nearly all varying taxels must have shown before one without any is dead.
-    least_steps : int
-        The same of changes that rounding alone does not make, see `steps`.
-    stuck_readings : int
-        Least length of a final run of one value.
-    stuck_changes : float
-        Steps that the taxel would have shown in that run at its own earlier rate, and half of
-        which it must have shown before.
-    stuck_longer : float
-        Times its longest earlier run.
-    noisy : float
-        Times the noise of its calibration, or else of the median taxel.
-    saturated_share : float
-        Of its readings.
-    """
-
-    least_changes: int = 10
-    least_steps: int = 3
-    stuck_readings: int = 50
-    stuck_changes: float = 20.0
-    stuck_longer: float = 3.0
-    noisy: float = 5.0
-    saturated_share: float = 0.5
-
-    def __post_init__(self) -> None:
-        for name in (
-            "least_changes", "least_steps", "stuck_readings", "stuck_changes", "stuck_longer",
-            "noisy",
-        ):  # fmt: skip
-            check_positive(name, getattr(self, name), "a limit above which a taxel is faulty")
-        check_range("saturated_share", self.saturated_share, 0.0, 1.0, "a share of the readings")
+LEAST_CHANGES = 10  # that nearly all varying taxels must have shown before one without any is dead
+LEAST_STEPS = 3  # the same of changes that rounding alone does not make, see `steps`
+STUCK_READINGS = 50  # least length of a final run of one value
+STUCK_CHANGES = 20.0  # steps that a taxel would have shown in that run at its own earlier rate, and
+# half of which it must have shown before
+STUCK_LONGER = 3.0  # times its longest earlier run
+TOO_NOISY = 5.0  # times the noise of its calibration, or else of the median taxel
+SATURATED_SHARE = 0.5  # of its readings
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +78,6 @@ def find_faults(
     convention: Convention | None = None,
     *,
     calibration: Calibration | None = None,
-    limits: FaultLimits | None = None,
 ) -> Faults:
     """Judge each taxel over a recording.
 
@@ -120,33 +89,33 @@ def find_faults(
         Knows the clamps; without it no taxel is found saturated.
     calibration : Calibration, optional
         Its noise is what a taxel should have; without it, the median taxel's.
-    limits : FaultLimits, optional
 
     Raises
     ------
     InputError
         If there is no number, or the width is not that of the calibration.
     """
-    counts, limits = recorded(counts), limits or FaultLimits()
+    counts = recorded(counts)
     taxels = counts.shape[1]
     if calibration is not None and len(calibration) != taxels:
         raise InputError(
             f"counts has {taxels} columns, expected {len(calibration)} as the calibration of "
-            f"{calibration.patch_name!r} has: pick the taxels of the port with sources.readings_for"
+            f"{calibration.patch_name!r} has: pick the taxels of the port with "
+            "files.recordings.readings_for"
         )
     clamped = np.zeros(counts.shape, bool) if convention is None else convention.saturated(counts)
     absent = np.isnan(counts).all(axis=0)
     changed, stepped = _changes(counts), steps(counts)
     varying = np.asarray(changed.any(axis=0))
-    decided = _enough(changed, varying, limits.least_changes)
-    decided = decided and _enough(stepped, varying, limits.least_steps)
+    decided = _enough(changed, varying, LEAST_CHANGES)
+    decided = decided and _enough(stepped, varying, LEAST_STEPS)
     run = _final_run(counts)
     verdict = np.zeros(taxels, np.int8)
-    verdict[_too_noisy(counts, calibration, limits) & varying] = Verdict.NOISY
-    verdict[_stuck(changed, stepped, run, clamped[-1], limits) & varying] = Verdict.STUCK
+    verdict[_too_noisy(counts, calibration) & varying] = Verdict.NOISY
+    verdict[_stuck(changed, stepped, run, clamped[-1]) & varying] = Verdict.STUCK
     if decided:
         verdict[~varying] = Verdict.DEAD
-    verdict[clamped.mean(axis=0) > limits.saturated_share] = Verdict.SATURATED
+    verdict[clamped.mean(axis=0) > SATURATED_SHARE] = Verdict.SATURATED
     verdict[absent] = Verdict.ABSENT
     since = np.where(verdict == Verdict.OK, -1, 0)
     since = np.where(verdict == Verdict.STUCK, len(counts) - run, since)
@@ -189,34 +158,31 @@ def _stuck(
     stepped: Bools,
     run: NDArray[np.int64],
     clamped_now: Bools,
-    limits: FaultLimits,
 ) -> Bools:
     """Final runs that a taxel's own past, and the others' present, make incredible."""
     stuck = np.zeros(len(run), bool)
-    for taxel in np.flatnonzero((run >= limits.stuck_readings) & ~clamped_now):
+    for taxel in np.flatnonzero((run >= STUCK_READINGS) & ~clamped_now):
         before = stepped[: len(stepped) + 1 - run[taxel], taxel]
-        if before.sum() < limits.stuck_changes / 2:
+        if before.sum() < STUCK_CHANGES / 2:
             continue
         at = np.flatnonzero(before)
         longest = int(np.max(np.diff(at, prepend=-1)))
         missed = before.mean() * run[taxel]
         others = changed[len(changed) + 1 - run[taxel] :].any(axis=0).mean()
         stuck[taxel] = (
-            missed >= limits.stuck_changes
-            and run[taxel] >= limits.stuck_longer * longest
-            and others > 0.5
+            missed >= STUCK_CHANGES and run[taxel] >= STUCK_LONGER * longest and others > 0.5
         )
     return stuck
 
 
-def _too_noisy(counts: Floats, calibration: Calibration | None, limits: FaultLimits) -> Bools:
+def _too_noisy(counts: Floats, calibration: Calibration | None) -> Bools:
     noise = fast_noise(counts, readings_per_value(counts))
     if calibration is not None:
         expected = np.where(calibration.alive, calibration.noise_std, np.inf)
     else:
         varying = noise[~np.isnan(noise)]
         expected = np.full(len(noise), np.median(varying) if len(varying) else np.inf)
-    return np.asarray((noise > limits.noisy * expected) & (expected > 0))
+    return np.asarray((noise > TOO_NOISY * expected) & (expected > 0))
 
 
 def _sentences(

@@ -17,7 +17,6 @@ from skinfield.loop.fit_ring import FitReader, best_contacts
 from skinfield.loop.snapshot import Snapshot
 from skinfield.settings import from_plain
 from skinfield.wire.yarp import Port, envelope
-from skinfield.wire.yarp.name_server import query
 
 HERE = 10.0  # s to wait for the ring
 SLICE = 0.02  # s at most without a look at the port
@@ -111,12 +110,8 @@ def keep_registered(ports: tuple[Port, ...], stop: threading.Event) -> None:
     while not stop.wait(ASK):
         for port in ports:
             with suppress(InputError):  # not there now: asked again soon
-                if (
-                    port.server is None
-                    or port.server.request(query(port.name), port.name).registration
-                ):
-                    continue
-                port.register()
+                if port.server is not None and port.server.where(port.name, port.name) is None:
+                    port.register()
 
 
 def serve(name: str, plain: Mapping[str, Any], stop: threading.Event) -> None:

@@ -1,6 +1,5 @@
 """Filters for light touch: settings that are prepared once and applied to every reading."""
 
-from skinfield.signal.filters.kalman import ConstantVelocity as ConstantVelocity
 from skinfield.signal.filters.kalman import RandomWalk as RandomWalk
 from skinfield.signal.filters.smoothing import Chain as Chain
 from skinfield.signal.filters.smoothing import Exponential as Exponential

@@ -10,6 +10,7 @@ import os
 import socket
 import struct
 from collections.abc import Sequence
+from contextlib import suppress
 from time import time_ns
 from types import ModuleType
 from typing import Any
@@ -17,12 +18,13 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import InputError, Ints
+from skinfield.signal.block import Octets
 from skinfield.signal.can import ERROR, EXTENDED, REMOTE, CanMessages
 from skinfield.wire.can.bus import INTERFACES, Bus, BusSettings
 from skinfield.wire.can.datagrams import (
+    TRANSIENT,
     Datagrams,
-    Place,
-    address_octets,
+    address_from_octets,
     buffer_note,
     let_go,
     peer_from_text,
@@ -31,7 +33,8 @@ from skinfield.wire.can.datagrams import (
     unicast_socket,
 )
 
-STRUCT = 16  # bytes of struct can_frame
+FRAME = np.dtype([("id", "<u4"), ("length", "u1"), ("pad", "u1", 3), ("data", "u1", 8)])
+STRUCT = FRAME.itemsize  # bytes of struct can_frame
 BATCH = 128  # datagrams of one system call
 PER_DATAGRAM = 64  # messages that are sent in a datagram of UDP
 LONGEST = 92 * STRUCT  # bytes of a datagram of UDP that are read: Ethernet carries 1472
@@ -40,7 +43,7 @@ ERRORS_OF_INTEREST = 0x1FFFFFFF  # CAN_ERR_MASK: all kinds
 ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or not set up
 
 
-class SocketBus:
+class SocketBus(Bus):
     """What both have in common; see `Bus`.
 
     Parameters
@@ -50,71 +53,45 @@ class SocketBus:
         Of a datagram that is read.
     together : int
         Messages that are sent in a datagram, at most.
-
-    Attributes
-    ----------
-    buffer_bytes : int
-        Of the receive buffer, as the system granted it.
     """
 
     def __init__(self, settings: BusSettings, longest: int, together: int) -> None:
-        from skinfield.wire.can.kernel import messages_of_structs, structs_of_messages
+        from skinfield.wire.can.kernel import messages_of_structs
 
-        self.settings, self._together = settings, together
-        self._in, self._out = Datagrams(BATCH, longest), Datagrams(BATCH, STRUCT * together)
-        self._words_in = self._in.flat.view(np.uint32)
-        self._words_out = self._out.flat.view(np.uint32)
-        self._read, self._write = messages_of_structs, structs_of_messages
+        super().__init__(settings)
+        self._together = together
+        self._in, self._read = Datagrams(BATCH, longest), messages_of_structs
+        self._octets = self._in.octets.reshape(-1)
+        self._words = self._octets.view(np.uint32)
         self._counts: Ints = np.zeros(2, np.int64)
         self._cursor: Ints = np.zeros(2, np.int64)  # datagram and byte that are read next
         self._taken = 0  # datagrams of the last batch
-        self._one = CanMessages(1)
         self._socket: socket.socket | None = None
-        self._connected, self._addressed = True, True
-        self.up, self.fault, self.octets, self.buffer_bytes = False, "", 0, 0
         self._take(self._one, 0)  # compiles before the first message
-        self._encode(self._one, 0, 0)
-
-    @property
-    def overflowed(self) -> int:
-        """Messages that the system dropped for want of room; of UDP, datagrams of messages."""
-        return self._in.dropped
-
-    @property
-    def malformed(self) -> int:
-        """What came and was no message of classic CAN."""
-        return int(self._counts[0])
-
-    @property
-    def errors(self) -> int:
-        """Messages by which the bus reports an error."""
-        return int(self._counts[1])
-
-    @property
-    def note(self) -> str:
-        """What should be known of it, in words."""
-        return buffer_note(self.settings.label, self.buffer_bytes)
 
     def _use(self, sock: socket.socket, buffer_bytes: int) -> None:
         """Take over an open socket."""
         self._in.of_new_socket()
         self._cursor[:], self._taken = 0, 0
-        self._socket, self.buffer_bytes, self.up, self.fault = sock, buffer_bytes, True, ""
+        self._socket, self.up, self.fault = sock, True, ""
+        self.note = buffer_note(self.settings.label, buffer_bytes)
 
     def receive(self, into: CanMessages, first: int = 0) -> int:
-        """Take in what has arrived."""
+        """See `Bus`."""
         at, room, empty = first, len(into), False
         while at < room and self._socket is not None:
             if self._cursor[0] == self._taken:
                 if empty:
                     break
-                count = self._in.receive(self._socket, BATCH)
-                if count < 0:
-                    self._broke(-count)
+                try:
+                    count = self._in.receive(self._socket)
+                except OSError as error:
+                    self._broke(error)
                     break
                 if not count:
                     break
                 self.octets += self._in.bytes
+                self.overflowed = self._in.dropped
                 self._cursor[:], self._taken, empty = 0, count, count < BATCH
                 self._came(count)
             at = self._take(into, at)
@@ -125,78 +102,51 @@ class SocketBus:
 
     def _take(self, into: CanMessages, at: int) -> int:
         batch = self._in
-        return int(
-            self._read(
-                batch.flat,
-                self._words_in,
-                batch.octets.shape[1],
-                batch.lengths,
-                batch.stamp_ns,
-                self._taken,
-                self._cursor,
-                at,
-                into.ids,
-                into.lengths,
-                into.data,
-                into.stamp_ns,
-                self._counts,
-            )
-        )
-
-    def send(self, identifier: int, data: bytes) -> bool:
-        """Send one message."""
-        self._one.put(0, identifier, data)
-        return self.send_many(self._one, 1) == 1
+        end = self._read(
+            self._octets, self._words, batch.octets.shape[1], batch.lengths, batch.stamp_ns,
+            self._taken, self._cursor, at, into.ids, into.lengths, into.data, into.stamp_ns,
+            self._counts,
+        )  # fmt: skip
+        self.malformed, self.errors = self._counts.tolist()
+        return int(end)
 
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
-        """Send rows of `messages`; a full queue of the system takes fewer."""
+        """See `Bus`; a full queue of the system takes fewer."""
         messages.check_rows(first, count)
-        done = 0
-        while done < count and self._socket is not None and self._addressed:
-            part = min(BATCH * self._together, count - done)
-            datagrams = self._encode(messages, first + done, part)
-            sent = self._out.send(self._socket, datagrams, self._connected)
-            if sent < 0:
-                self._broke(-sent)
+        octets, sent = structs_of(messages, first, count), 0
+        while sent < count and self._socket is not None:
+            part = min(self._together, count - sent)
+            try:
+                if not self._put(self._socket, octets[STRUCT * sent : STRUCT * (sent + part)]):
+                    break
+            except OSError as error:
+                if error.errno not in TRANSIENT:
+                    self._broke(error)
                 break
-            done += min(sent * self._together, part)
-            if sent < datagrams:
-                break
-        return done
+            sent += part
+        return sent
 
-    def _encode(self, messages: CanMessages, first: int, count: int) -> int:
-        """Write messages into datagrams; how many these are."""
-        self._write(
-            messages.ids,
-            messages.lengths,
-            messages.data,
-            first,
-            count,
-            self._out.flat,
-            self._words_out,
-        )
-        datagrams = -(-count // self._together)
-        if datagrams:
-            self._out.lengths[: datagrams - 1] = STRUCT * self._together
-            self._out.lengths[datagrams - 1] = STRUCT * (count - (datagrams - 1) * self._together)
-        return datagrams
+    def _put(self, sock: socket.socket, datagram: bytes) -> bool:
+        """Send a datagram; False if nobody is known whom to."""
+        return sock.send(datagram) > 0
 
     def filenos(self) -> Sequence[int]:
         """Of the socket."""
         return (self._socket.fileno(),) if self._socket is not None else ()
 
-    def _broke(self, code: int) -> None:
-        self._release()
-        self.fault = f"{self.settings.label}: {os.strerror(code)}"
-
     def _release(self) -> None:
         let_go(self._socket)
         self._socket, self.up = None, False
 
-    def close(self) -> None:
-        """Let go of what is open."""
-        self._release()
-        self.fault = "closed"
+
+def structs_of(messages: CanMessages, first: int, count: int) -> bytes:
+    """Rows `first` to `first + count` as struct can_frame, one behind the other."""
+    rows = slice(first, first + count)
+    frames = np.zeros(count, FRAME)
+    frames["id"], frames["length"] = messages.ids[rows], np.minimum(messages.lengths[rows], 8)
+    there = np.arange(8) < frames["length"][:, None]
+    frames["data"] = np.where(there, messages.data[rows], 0)
+    return frames.tobytes()
 
 
 class UdpBus(SocketBus):
@@ -205,13 +155,14 @@ class UdpBus(SocketBus):
     def __init__(self, settings: BusSettings) -> None:
         super().__init__(settings, LONGEST, PER_DATAGRAM)
         self._own = resolved(settings.channel or "127.0.0.1", settings.port, "channel")
-        self._peer: Place | None = peer_from_text(settings.peer) if settings.peer else None
-        self._connected, self._addressed = False, False
-        if self._peer is not None and self._peer.family != self._own.family:
+        peer = peer_from_text(settings.peer) if settings.peer else None
+        if peer is not None and peer.family != self._own.family:
             raise InputError(
                 f"peer is {settings.peer!r} and channel {settings.channel!r}, expected both of "
                 "IPv4 or both of IPv6"
             )
+        self._peer = peer.address if peer is not None else None
+        self._name: Octets = np.zeros(0, np.uint8)  # of who sent last
         self.reopen()
 
     @property
@@ -228,24 +179,26 @@ class UdpBus(SocketBus):
         try:
             self._use(*unicast_socket(self._own))
         except OSError as error:
-            self.fault = f"{self.settings.label}: {error.strerror or error}"
+            self._broke(error)
             return False
-        if self._peer is not None and self._socket is not None:
-            name = address_octets(self._peer.family, self._peer.address)
-            self._out.address(np.frombuffer(name, np.uint8))
-            self._addressed = True
-            # an empty datagram tells a host that only answers where to answer to
-            self._out.lengths[0] = 0
-            self._out.send(self._socket, 1, connected=False)
+        if self.settings.peer and self._socket is not None:
+            with suppress(OSError):
+                # an empty datagram tells a host that only answers where to answer to
+                self._put(self._socket, b"")
+        return True
+
+    def _put(self, sock: socket.socket, datagram: bytes) -> bool:
+        if self._peer is None:
+            return False
+        sock.sendto(datagram, self._peer)
         return True
 
     def _came(self, count: int) -> None:
         """Without a peer that is configured, answers go to whoever sent last."""
-        if self._peer is None:
-            name = self._in.names[count - 1]
-            if not self._addressed or (name != self._out.names[0]).any():
-                self._out.address(name)
-                self._addressed = True
+        name = self._in.names[count - 1]
+        if not self.settings.peer and not np.array_equal(name, self._name):
+            self._name = name.copy()
+            self._peer = address_from_octets(name.tobytes())
 
 
 class SocketCanBus(SocketBus):
@@ -270,12 +223,9 @@ class SocketCanBus(SocketBus):
         """Open the socket anew."""
         self._release()
         device = self.settings.channel or "can0"
+        sock = None
         try:
             sock = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
-        except OSError as error:
-            self.fault = f"{self.settings.label}: {error.strerror or error}"
-            return False
-        try:
             sock.setsockopt(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, struct.pack("=I", ERRORS_OF_INTEREST))
             sock.bind((device,))
             code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
@@ -283,7 +233,9 @@ class SocketCanBus(SocketBus):
                 raise OSError(code, os.strerror(code))
         except OSError as error:
             let_go(sock)
-            self.fault = f"{device}: {error.strerror or error}{_remedy(error.errno, device)}"
+            self.fault = f"{device}: {error.strerror or error}"
+            if error.errno in ABSENT:
+                self.fault += f"; ip link set {device} up type can bitrate 1000000"
             return False
         self._use(sock, set_options(sock))
         return True
@@ -311,12 +263,6 @@ def _check_system() -> None:
             ) from None
 
 
-def _remedy(code: int | None, device: str) -> str:
-    if code not in ABSENT:
-        return ""
-    return f"; ip link set {device} up type can bitrate 1000000"
-
-
 NEAR = 1_000_000_000  # ns: stamps further off are of a clock of the adapter's own
 
 
@@ -338,26 +284,19 @@ def python_can() -> ModuleType:
     return can
 
 
-class PythonCanBus:
+class PythonCanBus(Bus):
     """See `Bus` and `BusSettings`."""
 
     def __init__(self, settings: BusSettings) -> None:
+        super().__init__(settings)
         self._can = python_can()
-        self.settings = settings
-        self._check_interface()
-        self._bus: Any = None
-        self._one = CanMessages(1)
-        self.up, self.fault = False, ""
-        self.overflowed, self.malformed, self.errors, self.octets = 0, 0, 0, 0
-        self._open()
-
-    def _check_interface(self) -> None:
         known = sorted(self._can.VALID_INTERFACES)
-        if self.settings.interface not in known:
+        if settings.interface not in known:
             raise InputError(
-                f"interface is {self.settings.interface!r}, expected {INTERFACES}: "
-                f"{', '.join(known)}"
+                f"interface is {settings.interface!r}, expected {INTERFACES}: {', '.join(known)}"
             )
+        self._bus: Any = None
+        self._open()
 
     def reopen(self) -> bool:
         """Open it anew."""
@@ -426,11 +365,6 @@ class PythonCanBus:
         self.octets += len(data)
         return 1
 
-    def send(self, identifier: int, data: bytes) -> bool:
-        """Send one message."""
-        self._one.put(0, identifier, data)
-        return self.send_many(self._one, 1) == 1
-
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """Send rows of `messages`."""
         messages.check_rows(first, count)
@@ -458,10 +392,6 @@ class PythonCanBus:
             data=None if remote else messages.data[row, :length].tobytes(),
         )
 
-    def _broke(self, error: Exception) -> None:
-        self._release()
-        self.fault = f"{self.settings.label}: {error}"
-
     def filenos(self) -> Sequence[int]:
         """Of the adapter, where it has one."""
         try:
@@ -478,11 +408,6 @@ class PythonCanBus:
             except Exception as error:
                 self.fault = f"{self.settings.label}: {error}"
 
-    def close(self) -> None:
-        """Let go of the adapter."""
-        self._release()
-        self.fault = "closed"
-
 
 def open_bus(settings: BusSettings) -> Bus:
     """Open a bus.
@@ -498,14 +423,5 @@ def open_bus(settings: BusSettings) -> Bus:
         If the settings cannot be used: no such interface, address not understood, package not
         installed, no CAN in this system.
     """
-    if settings.interface == "udp":
-        pass
-
-        return UdpBus(settings)
-    if settings.interface == "socketcan":
-        pass
-
-        return SocketCanBus(settings)
-    pass
-
-    return PythonCanBus(settings)
+    kinds: dict[str, type[Bus]] = {"udp": UdpBus, "socketcan": SocketCanBus}
+    return kinds.get(settings.interface, PythonCanBus)(settings)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal.can import CanMessages
@@ -55,8 +54,12 @@ class BusSettings:
         return f"{self.interface}:{self.channel or self.port}"
 
 
-class Bus(Protocol):
+class Bus:
     """An open bus; no call waits. A bus that breaks is down until `reopen` says it is back.
+
+    Parameters
+    ----------
+    settings : BusSettings
 
     Attributes
     ----------
@@ -65,44 +68,22 @@ class Bus(Protocol):
     fault : str
         Why it is down, in words; empty while it is up.
     overflowed : int
-        Messages that the system dropped for want of room, since it was opened.
+        Messages that the system dropped for want of room, since it was opened; of UDP, datagrams.
     malformed : int
         Datagrams that were no message of classic CAN.
     errors : int
         Messages by which the bus reports an error.
     octets : int
         Bytes received.
+    note : str
+        What should be known of it, in words.
     """
 
-    @property
-    def up(self) -> bool:
-        """See above."""
-        ...
-
-    @property
-    def fault(self) -> str:
-        """See above."""
-        ...
-
-    @property
-    def overflowed(self) -> int:
-        """See above."""
-        ...
-
-    @property
-    def malformed(self) -> int:
-        """See above."""
-        ...
-
-    @property
-    def errors(self) -> int:
-        """See above."""
-        ...
-
-    @property
-    def octets(self) -> int:
-        """See above."""
-        ...
+    def __init__(self, settings: BusSettings) -> None:
+        self.settings = settings
+        self.up, self.fault, self.note = False, "", ""
+        self.overflowed = self.malformed = self.errors = self.octets = 0
+        self._one = CanMessages(1)
 
     def receive(self, into: CanMessages, first: int = 0) -> int:
         """Take in what has arrived, as far as there is room from row `first` on.
@@ -112,7 +93,7 @@ class Bus(Protocol):
         int
             Messages; they lie in rows `first` to `first` plus so many.
         """
-        ...
+        raise NotImplementedError
 
     def send(self, identifier: int, data: bytes) -> bool:
         """Send one message; False if the system did not take it.
@@ -120,27 +101,37 @@ class Bus(Protocol):
         Parameters
         ----------
         identifier : int
-            With the bits of `acquisition.can` where it has 29 bits or is a remote request.
+            With the bits of `signal.can` where it has 29 bits or is a remote request.
         data : bytes
             Up to 8.
         """
-        ...
+        self._one.put(0, identifier, data)
+        return self.send_many(self._one, 1) == 1
 
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """Send rows `first` to `first + count`; how many the system took, the first ones."""
-        ...
+        raise NotImplementedError
 
     def filenos(self) -> Sequence[int]:
         """File descriptors that become readable when something arrives; may be none."""
-        ...
+        raise NotImplementedError
 
     def reopen(self) -> bool:
         """Try to get a bus back that is down; whether it is up now."""
-        ...
+        raise NotImplementedError
+
+    def _broke(self, error: Exception) -> None:
+        self._release()
+        self.fault = f"{self.settings.label}: {getattr(error, 'strerror', None) or error}"
+
+    def _release(self) -> None:
+        """Let go of what is open."""
+        raise NotImplementedError
 
     def close(self) -> None:
         """Let go of it; a second time does nothing."""
-        ...
+        self._release()
+        self.fault = "closed"
 
 
 MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast

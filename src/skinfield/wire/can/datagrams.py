@@ -1,12 +1,14 @@
-"""Datagrams of UDP and of CAN in batches: one system call takes in or sends all there are."""
+"""Datagrams of UDP and of CAN in batches: one system call takes in all there are."""
 
 import ctypes
 import errno
+import os
 import socket
 import struct
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from time import time_ns
 from typing import NamedTuple, cast
 
@@ -25,7 +27,6 @@ SO_SNDBUFFORCE = 32
 RECEIVE_BUFFER = 8 << 20  # bytes: about 20 000 datagrams of one CAN message each
 SEND_BUFFER = 2 << 20
 NAME = 32  # bytes for any address of IPv4 and IPv6
-HEADER = 64  # bytes of struct mmsghdr
 CONTROL = 64  # bytes for the control messages of a datagram: a stamp takes 32, drops 24
 TRANSIENT = {  # of a send or a receive: nothing is broken, less or nothing went through
     errno.EAGAIN,
@@ -38,9 +39,7 @@ TRANSIENT = {  # of a send or a receive: nothing is broken, less or nothing went
 
 
 class Datagrams:
-    """Room for a batch of datagrams; nothing is allocated after the beginning.
-
-    Where the system has no `recvmmsg` and `sendmmsg`, one call per datagram does the same.
+    """Room for a batch of received datagrams; nothing is allocated after the beginning.
 
     Parameters
     ----------
@@ -57,14 +56,15 @@ class Datagrams:
     stamp_ns : (batch,) int64 array, ns
         When the kernel took it in, else when it was read.
     names : (batch, 32) uint8 array
-        Addresses as struct sockaddr_in or sockaddr_in6: senders, after `receive`.
+        Senders, as struct sockaddr_in or sockaddr_in6.
     bytes : int
         Of the last batch.
     """
 
     def __init__(self, batch: int, size: int) -> None:
+        from skinfield.wire.can.kernel import take_headers
+
         self.octets: Octets = np.zeros((batch, size), np.uint8)
-        self.flat: Octets = self.octets.reshape(-1)
         self.lengths: Ints = np.zeros(batch, np.int64)
         self.stamp_ns: Ints = np.zeros(batch, np.int64)
         self.names: Octets = np.zeros((batch, NAME), np.uint8)
@@ -73,15 +73,6 @@ class Datagrams:
         self._drops: Ints = np.zeros(2, np.int64)
         self._headers: Ints = np.zeros((batch, 8), np.int64)
         self._vectors: Ints = np.zeros((batch, 2), np.int64)
-        self._receive = many_at_once("recvmmsg")
-        self._send = many_at_once("sendmmsg")
-        self._rows = [memoryview(row) for row in self.octets]
-        self._point()
-        self._warm()
-
-    def _point(self) -> None:
-        """Fill in what the headers point at."""
-        batch, size = self.octets.shape
         steps = np.arange(batch)
         self._vectors[:, 0] = self.octets.ctypes.data + steps * size
         self._vectors[:, 1] = size
@@ -92,168 +83,71 @@ class Datagrams:
         self._headers[:, 4] = self._control.ctypes.data + steps * CONTROL
         self._headers[:, 5] = CONTROL
         self._pointer = self._headers.ctypes.data
-
-    def _warm(self) -> None:
-        """Compile before the first datagram comes."""
-        from skinfield.wire.can.kernel import take_headers
-
         self._take_headers = take_headers
-        self._take(0, 0)
+        self._receive = recvmmsg()
+        self._take(0, 0)  # compiles before the first datagram comes
 
     def _take(self, count: int, now_ns: int) -> None:
         self.bytes = self._take_headers(
-            self._headers,
-            self._control,
-            count,
-            now_ns,
-            self.lengths,
-            self.stamp_ns,
-            self._drops,
-            NAME,
-            CONTROL,
-        )
-
-    def __len__(self) -> int:
-        return len(self.lengths)
+            self._headers, self._control, count, now_ns, self.lengths, self.stamp_ns, self._drops,
+            NAME, CONTROL,
+        )  # fmt: skip
 
     @property
     def dropped(self) -> int:
-        """Datagrams that the kernel dropped for want of room, in all; 0 where it does not tell."""
+        """Datagrams that the kernel dropped for want of room, in all."""
         return int(self._drops[1])
 
     def of_new_socket(self) -> None:
         """Forget the count of an earlier socket; what was dropped stays counted."""
         self._drops[0] = 0
 
-    def receive(self, sock: socket.socket, limit: int) -> int:
-        """Take in up to `limit` datagrams that have arrived; never waits.
+    def receive(self, sock: socket.socket) -> int:
+        """Take in what has arrived, as far as the batch has room; never waits.
 
         Returns
         -------
         int
-            Datagrams, or minus the errno of an error that is not transient.
+            Datagrams.
+
+        Raises
+        ------
+        OSError
+            That is not transient.
         """
-        limit = min(limit, len(self.lengths))
-        if self._receive is None:
-            return self._receive_singly(sock, limit)
+        limit = len(self.lengths)
         count = self._receive(sock.fileno(), self._pointer, limit, socket.MSG_DONTWAIT, None)
         if count > 0:
             self._take(count, time_ns())
             return count
         code = ctypes.get_errno() if count < 0 else 0
-        if code == errno.ENOSYS:  # the library has it, the system does not
-            self._receive = None
-        return _verdict(code) if code != errno.ENOSYS else 0
-
-    def _receive_singly(self, sock: socket.socket, limit: int) -> int:
-        self.bytes = 0
-        for i in range(limit):
-            try:
-                length, _, flags, sender = sock.recvmsg_into([self._rows[i]])
-            except OSError as error:
-                return i or _verdict(error.errno or errno.EIO)
-            self.bytes += length
-            self.lengths[i] = -1 if flags & socket.MSG_TRUNC else length
-            self.stamp_ns[i] = time_ns()
-            if sock.family in (socket.AF_INET, socket.AF_INET6) and sender:
-                name = np.frombuffer(address_octets(sock.family, sender), np.uint8)
-                self.names[i, : len(name)] = name
-        return limit
-
-    def address(self, name: Octets) -> None:
-        """Address all datagrams to `name`, the octets of a struct sockaddr_in or sockaddr_in6."""
-        self.names[:, : len(name)] = name
-        family = int(self.names[0, 0])
-        self._headers[:, 1] = 28 if family == socket.AF_INET6 else 16
-
-    def send(self, sock: socket.socket, count: int, connected: bool) -> int:
-        """Send the first `count` datagrams of `lengths`; never waits.
-
-        Parameters
-        ----------
-        connected : bool
-            Whether the socket knows where to, else what `address` was given last.
-
-        Returns
-        -------
-        int
-            Datagrams that the system took, or minus the errno of an error that is not transient.
-        """
-        if self._send is None:
-            return self._send_singly(sock, count, connected)
-        self._vectors[:count, 1] = self.lengths[:count]
-        self._headers[:count, 5] = 0
-        if connected:
-            self._headers[:count, 1] = 0
-        done = 0
-        while done < count:
-            sent = self._send(
-                sock.fileno(), self._pointer + done * HEADER, count - done, socket.MSG_DONTWAIT
-            )
-            if sent <= 0:
-                code = ctypes.get_errno()
-                if code == errno.ENOSYS:
-                    self._send = None
-                    return self._send_singly(sock, count, connected)
-                return done or _verdict(code)
-            done += sent
-        return done
-
-    def _send_singly(self, sock: socket.socket, count: int, connected: bool) -> int:
-        for i in range(count):
-            octets = self._rows[i][: self.lengths[i]]
-            try:
-                if connected:
-                    sock.send(octets)
-                else:
-                    sock.sendto(octets, address_from_octets(self.names[i].tobytes()))
-            except OSError as error:
-                return i or _verdict(error.errno or errno.EIO)
-        return count
+        if code and code not in TRANSIENT:
+            raise OSError(code, os.strerror(code))
+        return 0
 
 
-def _verdict(code: int) -> int:
-    return 0 if code == 0 or code in TRANSIENT else -code
+@cache
+def recvmmsg() -> Call:
+    """The system's call, which takes in many datagrams at once.
 
-
-def many_at_once(name: str) -> Call | None:
-    """`recvmmsg` or `sendmmsg`; None where the system, or the layout of its structures, differs."""
-    if sys.platform != "linux" or sys.byteorder != "little" or ctypes.sizeof(ctypes.c_void_p) != 8:
-        return None
-    try:
-        call = getattr(ctypes.CDLL(None, use_errno=True), name)
-    except (OSError, AttributeError):
-        return None
-    receives = name == "recvmmsg"
+    Raises
+    ------
+    InputError
+        Where the system, or the layout of its structures, is another than Linux's of 64 bits.
+    """
+    known = sys.platform == "linux" and sys.byteorder == "little"
+    if not known or ctypes.sizeof(ctypes.c_void_p) != 8:
+        raise InputError("UDP and SocketCAN are asked for, expected Linux of 64 bits")
+    call = ctypes.CDLL(None, use_errno=True).recvmmsg
     call.restype = ctypes.c_int
-    call.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int] + (
-        [ctypes.c_void_p] if receives else []
-    )
+    call.argtypes = [
+        ctypes.c_int, ctypes.c_void_p, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p,
+    ]  # fmt: skip
     return cast(Call, call)
 
 
-def address_octets(family: int, address: tuple[str | int, ...]) -> bytes:
-    """Bytes of struct sockaddr_in or sockaddr_in6."""
-    host, port = str(address[0]), int(address[1])
-    if family == socket.AF_INET6:
-        flow, scope = (int(each) for each in (*address[2:4], 0, 0)[:2])
-        host_octets = socket.inet_pton(socket.AF_INET6, host.partition("%")[0])
-        return (
-            struct.pack("=H", family)
-            + struct.pack(">HI", port, flow)
-            + host_octets
-            + struct.pack("=I", scope)
-        )
-    return (
-        struct.pack("=H", family)
-        + struct.pack(">H", port)
-        + socket.inet_pton(socket.AF_INET, host)
-        + bytes(8)
-    )
-
-
-def address_from_octets(octets: bytes) -> tuple[str | int, ...]:
-    """The same the other way round."""
+def address_from_octets(octets: bytes) -> Address:
+    """Address of the bytes of struct sockaddr_in or sockaddr_in6."""
     (family,) = struct.unpack_from("=H", octets)
     if family == socket.AF_INET6:
         port, flow = struct.unpack_from(">HI", octets, 2)
@@ -268,11 +162,15 @@ def set_options(sock: socket.socket) -> int:
     What the system does not know is left out: stamps are then the caller's, and drops unseen.
     """
     sock.setblocking(False)
-    _enlarge(sock, SO_RCVBUFFORCE, socket.SO_RCVBUF, RECEIVE_BUFFER)
-    _enlarge(sock, SO_SNDBUFFORCE, socket.SO_SNDBUF, SEND_BUFFER)
-    if sys.platform == "linux":
-        for option in (SO_TIMESTAMPNS, SO_RXQ_OVFL):
-            _try(sock, option, 1)
+    for forced, option, size in (
+        (SO_RCVBUFFORCE, socket.SO_RCVBUF, RECEIVE_BUFFER),
+        (SO_SNDBUFFORCE, socket.SO_SNDBUF, SEND_BUFFER),
+    ):
+        # without the system's limit where that is permitted, else up to it
+        if not _is_set(sock, forced, size):
+            _is_set(sock, option, size)
+    for option in (SO_TIMESTAMPNS, SO_RXQ_OVFL):
+        _is_set(sock, option, 1)
     return sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
 
 
@@ -287,13 +185,7 @@ def buffer_note(label: str, size: int) -> str:
     )
 
 
-def _enlarge(sock: socket.socket, force: int, ordinary: int, size: int) -> None:
-    """Without the system's limit where that is permitted, else up to it."""
-    if not (sys.platform == "linux" and _try(sock, force, size)):
-        _try(sock, ordinary, size)
-
-
-def _try(sock: socket.socket, option: int, value: int) -> bool:
+def _is_set(sock: socket.socket, option: int, value: int) -> bool:
     try:
         sock.setsockopt(socket.SOL_SOCKET, option, value)
     except OSError:

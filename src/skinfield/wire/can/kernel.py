@@ -143,24 +143,3 @@ def messages_of_structs(
                 data[first, j] = octets[at + 8 + j] if j < size else 0
             first += 1
     return first
-
-
-@njit
-def structs_of_messages(
-    ids: Words32,
-    sizes: Octets,
-    data: Octets,
-    first: int,
-    count: int,
-    octets: Octets,
-    words: Words32,
-) -> None:
-    """Write `count` messages from row `first` on as structs, one behind the other."""
-    for i in range(count):
-        at, row = i * STRUCT, first + i
-        size = min(sizes[row], 8)
-        words[at >> 2] = ids[row]
-        octets[at + 4] = size
-        octets[at + 5], octets[at + 6], octets[at + 7] = 0, 0, 0
-        for j in range(8):
-            octets[at + 8 + j] = data[row, j] if j < size else 0

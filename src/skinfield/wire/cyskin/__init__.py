@@ -1,16 +1,10 @@
-"""CySkin: its packets over CAN and EtherCAT, its modules and channels, its shared memory."""
+"""CySkin: its packets over CAN, its modules and channels, its shared memory."""
 
 from skinfield.wire.cyskin.board import CySkinBoardState as CySkinBoardState
-from skinfield.wire.cyskin.board import Declaration as Declaration
-from skinfield.wire.cyskin.board import ModuleDetails as ModuleDetails
-from skinfield.wire.cyskin.board import command_messages as command_messages
 from skinfield.wire.cyskin.board import start_messages as start_messages
 from skinfield.wire.cyskin.board import stop_messages as stop_messages
 from skinfield.wire.cyskin.codec import CySkinDecoder as CySkinDecoder
 from skinfield.wire.cyskin.codec import CySkinEncoder as CySkinEncoder
-from skinfield.wire.cyskin.codec import CySkinEtherCat as CySkinEtherCat
-from skinfield.wire.cyskin.codec import Reply as Reply
-from skinfield.wire.cyskin.codec import board_from_init as board_from_init
 from skinfield.wire.cyskin.modules import CdcSpeed as CdcSpeed
 from skinfield.wire.cyskin.modules import Command as Command
 from skinfield.wire.cyskin.modules import CySkinBoard as CySkinBoard
@@ -21,11 +15,11 @@ from skinfield.wire.cyskin.modules import Refusal as Refusal
 from skinfield.wire.cyskin.modules import boards_from_skin as boards_from_skin
 from skinfield.wire.cyskin.modules import boards_from_uids as boards_from_uids
 from skinfield.wire.cyskin.modules import on_boards as on_boards
+from skinfield.wire.cyskin.modules import on_enough_boards as on_enough_boards
 from skinfield.wire.cyskin.modules import port_of as port_of
 from skinfield.wire.cyskin.modules import skin_on_boards as skin_on_boards
 from skinfield.wire.cyskin.modules import uids_of as uids_of
 from skinfield.wire.cyskin.shared_memory import SharedMemoryReader as SharedMemoryReader
-from skinfield.wire.cyskin.shared_memory import SharedMemoryWriter as SharedMemoryWriter
 from skinfield.wire.cyskin.wire import Assembler as Assembler
 from skinfield.wire.cyskin.wire import Checksum as Checksum
 from skinfield.wire.cyskin.wire import Crc as Crc

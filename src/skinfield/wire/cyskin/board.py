@@ -1,15 +1,15 @@
 """Boards of CySkin: a host's commands, and the state of a board that obeys them.
 
 Commands and their arguments are those of the public functions (`cynet_comm_utils.h`); the order of
-the answers' fields is that of their arguments and of the same structures on EtherCAT. Numbers of
-several octets have the order of `CySkinWire.big_endian`.
+the answers' fields is that of their arguments. Numbers of several octets have the order of
+`CySkinWire.big_endian`.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from skinfield.errors import InputError, check_count
+from skinfield.errors import check_count
 from skinfield.wire.cyskin.modules import (
     EVERY_MODULE,
     CdcSpeed,
@@ -28,13 +28,6 @@ Packet = tuple[int, bytes]  # command, data
 def order_of(wire: CySkinWire) -> Literal["big", "little"]:
     """Of the octets of a number."""
     return "big" if wire.big_endian else "little"
-
-
-def command_messages(
-    wire: CySkinWire, board: int, command: int, data: bytes = b""
-) -> Iterator[Message]:
-    """CAN messages of a command to a board, or to `wire.every_board`."""
-    return wire.messages(board, wire.packet(command, data))
 
 
 def start_messages(
@@ -62,15 +55,15 @@ def start_messages(
     check_count("period_ms", period_ms, 1, 0xFFFF, "ms between two readings")
     wire = wire or CySkinWire()
     period = period_ms.to_bytes(2, order_of(wire))
-    found: list[Message] = []
+    messages: list[Message] = []
     for board in boards:
         for command, data in (
             (Command.SET_MODULE_GROUPING, bytes([EVERY_MODULE, grouping])),
             (Command.SET_AUTO_SYNC_PERIOD, period),
             (Command.SET_AUTO_SYNC, b"\x01"),
         ):
-            found += command_messages(wire, board.number, command, data)
-    return found
+            messages += wire.messages(board.number, wire.packet(command, data))
+    return messages
 
 
 def stop_messages(boards: Iterable[CySkinBoard], wire: CySkinWire | None = None) -> list[Message]:
@@ -79,99 +72,8 @@ def stop_messages(boards: Iterable[CySkinBoard], wire: CySkinWire | None = None)
     return [
         message
         for board in boards
-        for message in command_messages(wire, board.number, Command.SET_AUTO_SYNC, b"\x00")
+        for message in wire.messages(board.number, wire.packet(Command.SET_AUTO_SYNC, b"\x00"))
     ]
-
-
-@dataclass(frozen=True)
-class Declaration:
-    """Answer to DECLARE: count, first, then the number of sensors of each module from it on.
-
-    Parameters
-    ----------
-    modules : int
-        Of the board, in all.
-    first : int
-    sensors : tuple of int
-    """
-
-    modules: int
-    first: int
-    sensors: tuple[int, ...]
-
-    @property
-    def data(self) -> bytes:
-        """Octets of the packet's data."""
-        return bytes([self.modules, self.first, *self.sensors])
-
-    @classmethod
-    def from_data(cls, data: bytes) -> "Declaration":
-        """Read it back; raises InputError if it is too short."""
-        if len(data) < 2:
-            raise InputError(f"declaration {data.hex()} is too short, expected 2 octets or more")
-        return cls(data[0], data[1], tuple(data[2:]))
-
-
-@dataclass(frozen=True, kw_only=True)
-class ModuleDetails:
-    """Answer to MODULE_DETAILS: index u8, sui u32, sensors u8, grouping u8, uncut u16, CDC u8 u8.
-
-    On EtherCAT the same 11 octets, little-endian, follow one another.
-
-    Parameters
-    ----------
-    index : int
-        Of the module on its board.
-    sui : int
-    sensors : int
-    grouping : int
-    uncut : int
-        Bit s is set if sensor s is there.
-    cdc_control, cdc_speed : int
-    """
-
-    index: int
-    sui: int
-    sensors: int
-    grouping: int = Grouping.NONE
-    uncut: int = 0xFFF
-    cdc_control: int = 0
-    cdc_speed: int = 0
-
-    def data(self, order: Literal["big", "little"]) -> bytes:
-        """Octets of the packet's data."""
-        return (
-            bytes([self.index])
-            + self.sui.to_bytes(4, order)
-            + bytes([self.sensors, self.grouping])
-            + self.uncut.to_bytes(2, order)
-            + bytes([self.cdc_control, self.cdc_speed])
-        )
-
-    @classmethod
-    def from_data(cls, data: bytes, order: Literal["big", "little"]) -> "ModuleDetails":
-        """Read it back; raises InputError if it is too short."""
-        if len(data) < DETAILS:
-            raise InputError(
-                f"details of a module {data.hex()} have {len(data)} octets, expected {DETAILS}"
-            )
-        return cls(
-            index=data[0], sui=int.from_bytes(data[1:5], order), sensors=data[5],
-            grouping=data[6], uncut=int.from_bytes(data[7:9], order), cdc_control=data[9],
-            cdc_speed=data[10],
-        )  # fmt: skip
-
-    @property
-    def module(self) -> CySkinModule:
-        """As a part of a board; raises InputError if it has no sensor.
-
-        With the low 16 bits of the sui: the maker's tools make uids of no more, and so have layouts
-        and recordings.
-        """
-        return CySkinModule(self.sui & 0xFFFF, self.uncut & 0xFFF)
-
-
-DETAILS = 11  # octets
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,9 +127,8 @@ class CySkinBoardState:
             case Command.UID, _:
                 return self, [(command, self.board.number.to_bytes(4, order))]
             case Command.DECLARE, _:
-                sensors = tuple(len(module.sensors) for module in self.board.modules)
-                count = len(sensors)
-                return self, [(command, Declaration(count, 0, sensors).data)]
+                sensors = [len(module.sensors) for module in self.board.modules]
+                return self, [(command, bytes([len(sensors), 0, *sensors]))]
             case Command.MODULE_DETAILS, n if n >= 1:
                 return self._details(data[0])
         return self._refused(command, Refusal.UNSUPPORTED)
@@ -237,14 +138,20 @@ class CySkinBoardState:
         chosen = modules if index == EVERY_MODULE else modules[index : index + 1]
         if not chosen:
             return self._refused(Command.MODULE_DETAILS, Refusal.INVALID)
-        answers: list[Packet] = []
-        for place, module in chosen:
-            details = ModuleDetails(
-                index=place, sui=module.sui, sensors=len(module.sensors), grouping=self.grouping,
-                uncut=module.uncut, cdc_speed=self.cdc_speed,
-            )  # fmt: skip
-            answers.append((Command.MODULE_DETAILS, details.data(order_of(self.wire))))
-        return self, answers
+        return self, [
+            (Command.MODULE_DETAILS, self._detail(place, module)) for place, module in chosen
+        ]
+
+    def _detail(self, place: int, module: CySkinModule) -> bytes:
+        """Index u8, sui u32, sensors u8, grouping u8, uncut u16, control and speed of the CDC."""
+        order = order_of(self.wire)
+        return (
+            bytes([place])
+            + module.sui.to_bytes(4, order)
+            + bytes([len(module.sensors), self.grouping])
+            + module.uncut.to_bytes(2, order)
+            + bytes([0, self.cdc_speed])
+        )
 
     def _refused(self, command: int, error: Refusal) -> tuple["CySkinBoardState", list[Packet]]:
         state = replace(self, ignored=self.ignored + 1)

@@ -1,4 +1,6 @@
-"""CySkin's packets, compiled: checksums, runs of sensors, copies, decoding and encoding."""
+"""CySkin's packets, compiled: checksums, runs of sensors, copies, decoding."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,17 +14,16 @@ SUM, UNCHECKED = 0, 2
 HOW, WIDTH, BEGIN, FINAL, REFLECTED, HIGH_FIRST = 0, 1, 2, 3, 4, 5  # of `numbers`
 
 Table = NDArray[np.int64]
-SHORTS = 2  # as `Kind`
+SHORTS: Any = np.int64(2)  # as `Kind`; a plain number would be a type of its own to Numba
+NO_STATUS: Any = np.int64(0)
 READINGS = 1  # as `Count`
 
 RECEIVED, LOST, MALFORMED, FOREIGN, DUPLICATED, OCTETS = 0, 2, 4, 5, 6, 10  # as `Count`
 EXTENDED, REMOTE_OR_ERROR = 0x80000000, 0x60000000
 FIRST, MID, LAST, SINGLE = 1, 2, 4, 5  # as `Part`
 SENSOR_DATA, FIRST_COMMAND = 0x43, 0x10
-ROOM = 280  # octets of a packet: 1 of number, 2 of head, 255 of data, 2 of checksum, and copies
+ROOM = 280  # octets of a packet: 2 of head, 255 of data, 2 of checksum, and copies
 IDLE, SKIPPING = -1, -2  # instead of how many octets came
-
-NO_ROOM = -1  # instead of how many messages were written
 
 
 @inner
@@ -120,7 +121,7 @@ def put_pairs(
     high, low = (0, 1) if big_endian else (1, 0)
     while start < stop:
         count = run_length(channels, start, stop)
-        to = begin_block(words, end, stamp_ns, channel + channels[start], count, SHORTS, 0)
+        to = begin_block(words, end, stamp_ns, channel + channels[start], count, SHORTS, NO_STATUS)
         for i in range(count):
             payloads[to + 2 * i] = octets[at + 2 * i + low]
             payloads[to + 2 * i + 1] = octets[at + 2 * i + high]
@@ -234,7 +235,6 @@ def decode_messages(
     numbers: Ints,
     extended: bool,
     big_endian: bool,
-    numbered: bool,
     check: Table,
     table: Table,
     channels: Ints,
@@ -243,9 +243,6 @@ def decode_messages(
     packets: Octets,
     used: Ints,
     previous: Ints,
-    last_number: Ints,
-    replies: Octets,
-    reply_heads: Ints,
     words: Words,
     payloads: Octets,
     end: Words,
@@ -274,11 +271,6 @@ def decode_messages(
         Octets of the packet that is coming in, or IDLE, or SKIPPING.
     previous : (B,) int64 array
         Octets of the packet that came before, which still stands in `packets`; 0 of none.
-    last_number : (B,) int64 array
-    replies : (R, ROOM) uint8 array
-        Packets that are no sensor data, for whoever asked.
-    reply_heads : (R + 1, 2) int64 array
-        Board and octets of each; in the last row, first, how many.
     words, payloads, end : arrays
         Of `Blocks`.
     channel : int
@@ -300,15 +292,11 @@ def decode_messages(
             counters[RECEIVED] += 1
             if assemble(packets[row], used, previous, row, part, data, i, length, counters):
                 packet = packets[row]
-                head = checked_head(packet, used[row], numbered, check, table, counters)
-                if head == 1:
-                    follow_number(row, int(packet[0]), last_number, counters)
-                if head >= 0 and packet[head] != SENSOR_DATA:
-                    keep_reply(packet, head, check[1], row, replies, reply_heads)
-                elif head >= 0:
+                whole = is_good(packet, used[row], check, table, counters)
+                if whole and packet[0] == SENSOR_DATA:
                     take_responses(
-                        packet, head + 2, int(packet[head + 1]), row, stamps[i], big_endian,
-                        channels, begins, counts, words, payloads, end, channel, counters,
+                        packet, row, stamps[i], big_endian, channels, begins, counts, words,
+                        payloads, end, channel, counters,
                     )  # fmt: skip
                 used[row], previous[row] = IDLE, used[row]
     return count
@@ -360,58 +348,29 @@ def missing(packet: Octets, so_far: int) -> int:
 
 
 @inner
-def checked_head(
-    packet: Octets, length: int, numbered: bool, check: Table, table: Table, counters: Ints
-) -> int:
-    """Octet at which the command of a whole packet stands; -1 of a damaged one."""
-    head, tail = 0, check[1]
+def is_good(packet: Octets, length: int, check: Table, table: Table, counters: Ints) -> bool:
+    """Whether a packet is whole, its checksum right, and its command one that is known."""
+    tail = check[1]
     if length >= 1 and packet[0] < FIRST_COMMAND:
-        if not numbered:
-            counters[FOREIGN] += 1
-            return -1
-        head = 1
-    if length < head + 2 + tail:
+        counters[FOREIGN] += 1
+        return False
+    if length < 2 + tail:
         counters[MALFORMED] += 1
-        return -1
-    extra = length - (head + 2 + int(packet[head + 1]) + tail)
+        return False
+    extra = length - (2 + int(packet[1]) + tail)
     if extra < 0:
         counters[LOST] += (7 - extra) >> 3
-        return -1
+        return False
     if extra & 7 or not is_whole(packet, length, extra, check, table):
         counters[MALFORMED] += 1
-        return -1
+        return False
     counters[DUPLICATED] += extra >> 3
-    return head
+    return True
 
 
 @inner
-def follow_number(row: int, number: int, last_number: Ints, counters: Ints) -> None:
-    """Count the packets that are missing between the last number and this."""
-    if last_number[row] >= 0:
-        counters[LOST] += (number - last_number[row] - 1) & 15
-    last_number[row] = number
-
-
-@inner
-def keep_reply(
-    packet: Octets, head: int, tail: int, row: int, replies: Octets, reply_heads: Ints
-) -> None:
-    """Keep an answer while there is room."""
-    length = head + 2 + int(packet[head + 1]) + tail
-    held = reply_heads[len(replies), 0]
-    if held >= len(replies):
-        return
-    for k in range(length):
-        replies[held, k] = packet[k]
-    reply_heads[held, 0], reply_heads[held, 1] = row, length
-    reply_heads[len(replies), 0] = held + 1
-
-
-@njit
 def take_responses(
-    octets: Octets,
-    at: int,
-    size: int,
+    packet: Octets,
     row: int,
     stamp_ns: int,
     big_endian: bool,
@@ -423,145 +382,25 @@ def take_responses(
     end: Words,
     channel: int,
     counters: Ints,
-) -> bool:
-    """Append what sensor data brings: module, first sensor, responses; False, and nothing, if full.
+) -> None:
+    """Append what sensor data brings: module, first sensor, responses.
 
     Data of a module or sensor that the board has not is foreign: nothing of it is taken, as it
     would land on other taxels.
     """
+    size = int(packet[1])
     if size < 2 or size & 1:
         counters[MALFORMED] += 1
-        return True
-    module, sensor, responses = int(octets[at]), int(octets[at + 1]), (size - 2) >> 1
+        return
+    module, sensor, responses = int(packet[2]), int(packet[3]), (size - 2) >> 1
     if module >= counts[row]:
         counters[FOREIGN] += 1
-        return True
+        return
     start = begins[row, module] + sensor
     if start >= begins[row, module + 1] or start + responses > begins[row, counts[row]]:
         counters[FOREIGN] += 1
-        return True
-    return put_pairs(
-        words, payloads, end, stamp_ns, channel, channels, start, start + responses, octets, at + 2,
+        return
+    put_pairs(
+        words, payloads, end, stamp_ns, channel, channels, start, start + responses, packet, 4,
         big_endian, counters,
     )  # fmt: skip
-
-
-@njit
-def encode_board(
-    counts: NDArray[np.uint16],
-    number: int,
-    channels: Ints,
-    begins: Ints,
-    modules: int,
-    per_packet: int,
-    extended: bool,
-    big_endian: bool,
-    sequence: int,
-    check: Table,
-    table: Table,
-    packet: Octets,
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
-    first: int,
-    stamp_ns: int,
-) -> tuple[int, int]:
-    """Write one reading of one board as messages from row `first` on.
-
-    Parameters
-    ----------
-    counts : (C,) uint16 array
-        Of all channels of the port.
-    channels, begins, modules : arrays, int
-        As in `SensorTable`, of this board.
-    per_packet : int
-        Responses in a packet at most.
-    sequence : int
-        Number of the first packet, or -1 for none.
-    packet : (ROOM,) uint8 array
-        Scratch.
-
-    Returns
-    -------
-    row, sequence : int
-        Behind the last message, or NO_ROOM; number of the next packet.
-    """
-    at, end, module = begins[0], begins[modules], 0
-    while at < end:
-        while begins[module + 1] <= at:
-            module += 1
-        some = min(per_packet, end - at)
-        length = fill(
-            packet, counts, channels, at, some, module, at - begins[module], big_endian, sequence,
-            check, table,
-        )  # fmt: skip
-        first = split(packet, length, number, extended, ids, lengths, data, stamps, first, stamp_ns)
-        if first < 0:
-            return NO_ROOM, sequence
-        if sequence >= 0:
-            sequence = (sequence + 1) & 15
-        at += some
-    return first, sequence
-
-
-@inner
-def fill(
-    packet: Octets,
-    counts: NDArray[np.uint16],
-    channels: Ints,
-    at: int,
-    some: int,
-    module: int,
-    sensor: int,
-    big_endian: bool,
-    sequence: int,
-    check: Table,
-    table: Table,
-) -> int:
-    """Write one packet of sensor data; its octets."""
-    head = 0
-    if sequence >= 0:
-        packet[0], head = sequence, 1
-    packet[head], packet[head + 1] = SENSOR_DATA, 2 + 2 * some
-    packet[head + 2], packet[head + 3] = module, sensor
-    to = head + 4
-    for k in range(some):
-        count = int(counts[channels[at + k]])
-        high, low = count >> 8, count & 0xFF
-        packet[to] = high if big_endian else low
-        packet[to + 1] = low if big_endian else high
-        to += 2
-    crc = summed(packet, 0, to, check, table)
-    for k in range(check[1]):
-        packet[to + k] = (crc >> (8 * k)) & 0xFF
-    return int(to + check[1])
-
-
-@inner
-def split(
-    packet: Octets,
-    length: int,
-    number: int,
-    extended: bool,
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
-    row: int,
-    stamp_ns: int,
-) -> int:
-    """Write a packet as messages from `row` on; the row behind them, or NO_ROOM."""
-    if row + ((length + 7) >> 3) > len(ids):
-        return NO_ROOM
-    for at in range(0, length, 8):
-        part = FIRST if at == 0 else MID
-        if at + 8 >= length:
-            part = LAST if at else SINGLE
-        ids[row] = (EXTENDED | part << 26 | number) if extended else (part << 8 | number)
-        lengths[row] = min(8, length - at)
-        for k in range(8):
-            data[row, k] = packet[at + k] if at + k < length else 0
-        stamps[row] = stamp_ns
-        row += 1
-    return row

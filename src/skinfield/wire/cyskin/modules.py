@@ -7,6 +7,7 @@ Sensors that were cut off are left out of what a board sends, so their channels 
 """
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import IntEnum, IntFlag
 
@@ -20,6 +21,7 @@ from skinfield.skin.patch import Skin
 SENSORS = 12  # of a module; number 0 is its temperature
 MODULES = 248  # of a board
 EVERY_MODULE = 255
+MOST_BOARDS = 16
 LONGEST_DATA = 255  # octets, as one octet says how many
 RESPONSES = 126  # in one packet of sensor data at most: (255 - 2) / 2
 
@@ -130,7 +132,7 @@ class CySkinBoard:
     Parameters
     ----------
     number : int
-        In the identifiers of its CAN messages; of its slave on EtherCAT.
+        In the identifiers of its CAN messages.
     modules : tuple of CySkinModule
         In the board's own order: what `MODULE_DETAILS` says. Sensor data names them by it.
     bus : int
@@ -288,6 +290,14 @@ def on_boards(skin: Skin, numbers: Sequence[int] = (1,)) -> tuple[Skin, tuple[Cy
     temperature = bool((uids & np.uint64(15) != 0).all())
     boards = boards_from_uids(uids, numbers, temperature=temperature)
     return skin_on_boards(skin, boards), boards
+
+
+def on_enough_boards(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
+    """As `on_boards`, with boards 1, 2, ... as many as the modules need."""
+    for count in range(1, MOST_BOARDS):
+        with suppress(InputError):  # more modules than so many boards carry
+            return on_boards(skin, range(1, count + 1))
+    return on_boards(skin, range(1, MOST_BOARDS + 1))
 
 
 def _with_new_uids(skin: Skin) -> Skin:

@@ -1,4 +1,4 @@
-"""Shared memory of CySkin's acquisition tool: its layout, reading and writing it.
+"""Shared memory of CySkin's acquisition tool: its layout, and reading it.
 
 Two areas of uint32 in the machine's own order, as `shared_memory_publisher` writes them:
 
@@ -22,14 +22,14 @@ next may be on their way already.
 """
 
 import ctypes
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import InputError, Ints, check_count, check_shape
+from skinfield.errors import InputError, Ints, check_count
 from skinfield.signal import Blocks, Count
 from skinfield.wire.cyskin.modules import CySkinBoard, channels_of, checked_boards, uids_of
 
@@ -65,38 +65,6 @@ def words_from_uids(uids: ArrayLike) -> Words32:
             "of 28: the shared memory holds no more"
         )
     return values.astype(np.uint32)
-
-
-class Snapshot(NamedTuple):
-    """The data, taken apart without copying.
-
-    Attributes
-    ----------
-    sample, time_ms, active : int
-    uids, responses : (N,) uint32 arrays
-    """
-
-    sample: int
-    time_ms: int
-    active: int
-    uids: Words32
-    responses: Words32
-
-
-def snapshot_of(words: Words32) -> Snapshot:
-    """Take data words apart.
-
-    Raises
-    ------
-    InputError
-        If there are not 2 N + 3 of them.
-    """
-    sensors = (len(words) - DATA_HEAD) // 2
-    if sensors < 0 or len(words) != data_words(sensors):
-        raise InputError(f"data have {len(words)} words, expected 2 N + 3 of them for N sensors")
-    sample, time_ms, active = words[:DATA_HEAD].tolist()
-    uids = words[DATA_HEAD : DATA_HEAD + sensors]
-    return Snapshot(sample, time_ms, active, uids, words[DATA_HEAD + sensors :])
 
 
 class SensorOrder:
@@ -272,7 +240,16 @@ class SharedMemoryReader:
         """See above."""
         return self._areas is not None
 
-    def open(self) -> bool:
+    @property
+    def fault(self) -> str:
+        """Why it is not up."""
+        return "" if self.up else f"no shared memory with key {self.key}: no tool runs"
+
+    def filenos(self) -> Sequence[int]:
+        """None: memory tells nobody."""
+        return ()
+
+    def reopen(self) -> bool:
         """Map the memory if it is there; whether it is. Harmless when it is mapped already."""
         if self._areas is not None:
             return True
@@ -308,19 +285,21 @@ class SharedMemoryReader:
         words = self._areas[1].words
         if self._sample == int(words[0]) or not self._copied(words):
             return 0
-        found = snapshot_of(self._copies[0])
-        if found.sample == self._sample or (found.sample == 0 and found.active == 0):
+        copy = self._copies[0]
+        sample, active = int(copy[0]), int(copy[2])
+        if sample == self._sample or (sample == 0 and active == 0):
             return 0  # nothing was written yet
-        if found.responses.max() > HIGHEST:
+        uids, responses = copy[DATA_HEAD:].reshape(2, -1)
+        if responses.max() > HIGHEST:
             counters[Count.MALFORMED] += 1
-            self._sample = found.sample
+            self._sample = sample
             return 0
-        self.order.follow(found.uids)
-        if not self.order.put(found.responses, blocks, channel, counters, now_ns):
+        self.order.follow(uids)
+        if not self.order.put(responses, blocks, channel, counters, now_ns):
             return 0
-        if 0 <= self._sample < found.sample:
-            counters[Count.LOST] += found.sample - self._sample - 1
-        self._sample = found.sample
+        if 0 <= self._sample < sample:
+            counters[Count.LOST] += sample - self._sample - 1
+        self._sample = sample
         counters[Count.RECEIVED] += 1
         counters[Count.FOREIGN] += self.order.unknown > 0
         counters[Count.BYTES] += words.nbytes
@@ -355,56 +334,3 @@ class SharedMemoryReader:
             for area in self._areas:
                 area.close()
             self._areas = None
-
-
-class SharedMemoryWriter:
-    """The tool's side, for a skin in software and tests: makes the memory, and removes it.
-
-    Parameters
-    ----------
-    uids : (N,) array
-    key, data_key : int
-        Of header and data. 450 and 64 are the tool's; anything else keeps out of its way.
-    """
-
-    def __init__(self, uids: ArrayLike, key: int = HEADER_KEY, data_key: int = DATA_KEY) -> None:
-        check_count("key", key, 1, HIGHEST_KEY, "of the header's shared memory")
-        check_count("data_key", data_key, 1, HIGHEST_KEY, "of the data's shared memory")
-        self._uids = words_from_uids(uids)
-        count = len(self._uids)
-        check_count("uids", count, 1, MOST, "one for each sensor")
-        self._header = Area(key, HEADER_WORDS, create=True)
-        try:
-            self._data = Area(data_key, data_words(count), create=True)
-        except (OSError, InputError):
-            self._header.remove()
-            self._header.close()
-            raise
-        self._header.words[2] = data_key
-        self._header.words[0], self._header.words[1] = count, 0
-        self.sample = 0
-
-    def write(self, responses: ArrayLike, time_ms: int) -> None:
-        """Write one sample, in the tool's own order.
-
-        Parameters
-        ----------
-        responses : (N,) array
-            Whole numbers from 0 on.
-        time_ms : int, ms
-        """
-        values, words = np.asarray(responses), self._data.words
-        count = len(self._uids)
-        check_shape("responses", values, (count,), "one per uid")
-        words[DATA_HEAD : DATA_HEAD + count] = self._uids
-        words[DATA_HEAD + count :] = values
-        words[2] = count
-        words[1] = time_ms & 0xFFFFFFFF
-        words[0] = self.sample
-        self.sample = (self.sample + 1) & 0xFFFFFFFF
-
-    def close(self) -> None:
-        """Remove both areas."""
-        for area in (self._header, self._data):
-            area.remove()
-            area.close()

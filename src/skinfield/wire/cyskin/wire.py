@@ -60,16 +60,18 @@ class Crc:
             check_count(name, getattr(self, name), 0, (1 << 8 * self.octets) - 1, "of its width")
 
     @property
-    def table(self) -> Table:
-        """What each octet contributes (256,)."""
-        return _crc_table(self.octets, self.polynomial, self.reflected).copy()
-
-    @property
     def numbers(self) -> Table:
         """How, octets, begin, final, reflected, high first: for the kernels."""
         return np.array(
             [CRC, self.octets, self.begin, self.final, self.reflected, self.high_first], np.int64
         )
+
+
+def table_of(checksum: "Checksum") -> Table:
+    """What each octet contributes to a CRC (256,), for the kernels; others need none."""
+    if not isinstance(checksum, Crc):
+        return np.zeros(256, np.int64)
+    return _crc_table(checksum.octets, checksum.polynomial, checksum.reflected).copy()
 
 
 @cache
@@ -100,11 +102,6 @@ class Sum:
     negated: bool = True
 
     @property
-    def table(self) -> Table:
-        """Not used."""
-        return np.zeros(256, np.int64)
-
-    @property
     def numbers(self) -> Table:
         """How, octets, begin, final, reflected, high first: for the kernels."""
         return np.array([SUM, 1, 0, self.negated, 0, 0], np.int64)
@@ -126,11 +123,6 @@ class Unchecked:
         check_count("octets", self.octets, 0, 2, "of the checksum that is not looked at")
 
     @property
-    def table(self) -> Table:
-        """Not used."""
-        return np.zeros(256, np.int64)
-
-    @property
     def numbers(self) -> Table:
         """How, octets, begin, final, reflected, high first: for the kernels."""
         return np.array([UNCHECKED, self.octets, 0, 0, 0, 0], np.int64)
@@ -147,7 +139,7 @@ def checksum_of(data: bytes, checksum: Checksum) -> bytes:
     if how == SUM:
         total = sum(data) & 0xFF
         return bytes([-total & 0xFF if final else total])
-    table, crc, mask = checksum.table.tolist(), int(begin), (1 << 8 * octets) - 1
+    table, crc, mask = table_of(checksum).tolist(), int(begin), (1 << 8 * octets) - 1
     for octet in data:
         if reflected:
             crc = crc >> 8 ^ table[(crc ^ octet) & 0xFF]
@@ -228,16 +220,11 @@ class CySkinWire:
         of CAN it is not public.
     checksum : Checksum
         CRC-8 by the header `cynet_network.h`; its polynomial is not public.
-    numbered : bool
-        Whether a packet that begins with an octet below 0x10 is taken as sequence number (which
-        the header says) followed by a packet as usual (which is assumed), numbers counting to 15.
-        Otherwise it is left out.
     """
 
     extended: bool = False
     big_endian: bool = True
     checksum: Checksum = field(default_factory=Crc)
-    numbered: bool = False
 
     @property
     def every_board(self) -> int:
@@ -251,7 +238,7 @@ class CySkinWire:
             return EXTENDED | int(part) << EXTENDED_SHIFT | board
         return int(part) << STANDARD_SHIFT | board
 
-    def packet(self, command: int, data: bytes = b"", number: int | None = None) -> bytes:
+    def packet(self, command: int, data: bytes = b"") -> bytes:
         """Application packet: command, size, data, checksum.
 
         Parameters
@@ -260,16 +247,10 @@ class CySkinWire:
             Octet from 0x10 on.
         data : bytes
             At most 255.
-        number : int, optional
-            Sequence number, 0 to 15, to stand before it.
         """
         check_count("command", command, FIRST_COMMAND, 255, "an octet; below are numbers")
         check_count("octets of data", len(data), 0, LONGEST_DATA, "split it up")
-        head = b""
-        if number is not None:
-            check_count("number", number, 0, FIRST_COMMAND - 1, "of a packet")
-            head = bytes([number])
-        body = head + bytes([command, len(data)]) + data
+        body = bytes([command, len(data)]) + data
         return body + checksum_of(body, self.checksum)
 
     def messages(self, board: int, packet: bytes) -> Iterator[Message]:
@@ -290,9 +271,8 @@ class CySkinWire:
         InputError
             If it is shorter or longer than it says, or its checksum is wrong.
         """
-        at = 1 if self.numbered and packet and packet[0] < FIRST_COMMAND else 0
         tail = int(self.checksum.numbers[1])
-        if len(packet) < at + 2 or len(packet) != at + 2 + packet[at + 1] + tail:
+        if len(packet) < 2 or len(packet) != 2 + packet[1] + tail:
             raise InputError(
                 f"packet {packet.hex()} has {len(packet)} octets, expected command, size, as many "
                 f"octets of data and {tail} of checksum"
@@ -305,7 +285,7 @@ class CySkinWire:
                 f"{expected.hex()}: it is damaged, or the board sums in another way; see "
                 "matching_checksums"
             )
-        return body[at], body[at + 2 :]
+        return body[0], body[2:]
 
 
 class Assembler:

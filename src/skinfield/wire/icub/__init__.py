@@ -1,10 +1,8 @@
-"""Skin of iCub and ergoCub on CAN, and inside the Ethernet of their boards."""
+"""Skin of iCub and ergoCub on CAN."""
 
 from skinfield.wire.icub.codec import ICubDecoder as ICubDecoder
 from skinfield.wire.icub.codec import ICubEncoder as ICubEncoder
-from skinfield.wire.icub.codec import array_of_messages as array_of_messages
 from skinfield.wire.icub.codec import gains_of as gains_of
-from skinfield.wire.icub.codec import messages_of_array as messages_of_array
 from skinfield.wire.icub.codec import port_of as port_of
 from skinfield.wire.icub.codec import triangle_payloads as triangle_payloads
 from skinfield.wire.icub.commands import BOARD_CHANNELS as BOARD_CHANNELS
@@ -17,8 +15,6 @@ from skinfield.wire.icub.commands import Firmware as Firmware
 from skinfield.wire.icub.commands import Message as Message
 from skinfield.wire.icub.commands import MessageClass as MessageClass
 from skinfield.wire.icub.commands import SetBoard as SetBoard
-from skinfield.wire.icub.commands import SetOldBoard as SetOldBoard
-from skinfield.wire.icub.commands import SetOldSkin as SetOldSkin
 from skinfield.wire.icub.commands import SetTriangles as SetTriangles
 from skinfield.wire.icub.commands import SkinType as SkinType
 from skinfield.wire.icub.commands import Transmit as Transmit
@@ -30,7 +26,6 @@ from skinfield.wire.icub.commands import message_id as message_id
 from skinfield.wire.icub.commands import skin_type as skin_type
 from skinfield.wire.icub.configuration import BoardSettings as BoardSettings
 from skinfield.wire.icub.configuration import ICubConfiguration as ICubConfiguration
-from skinfield.wire.icub.configuration import boards_for as boards_for
 from skinfield.wire.icub.configuration import configuration_for as configuration_for
 from skinfield.wire.icub.configuration import kind_for as kind_for
 from skinfield.wire.icub.configuration import load_configuration as load_configuration

@@ -13,14 +13,9 @@ TRIANGLES = 16  # of a board
 TAXELS = 12  # channels of a triangle, thermal pads included
 BOARD_CHANNELS = TRIANGLES * TAXELS
 
-HEAD, TAIL = 0x40, 0xC0  # first octet of the two messages of a triangle
-HEAD_TAXELS, TAIL_TAXELS = 7, 5
-DEBUG_ID = 0x100  # of messages that hosts skip
 
 SET_TRANSMISSION = 0x07
-SET_OLD_BOARD = 0x4C
 SET_BOARD = 0x4D
-SET_OLD_SKIN = 0x4E
 SET_TRIANGLES = 0x50
 POLLING = 2  # class of the host's messages
 CDC_OFFSET = 0x2200  # of the converter, on robots
@@ -151,77 +146,7 @@ class Transmit:
         return bytes([SET_TRANSMISSION, 0 if self.on else 1])
 
 
-@dataclass(frozen=True, kw_only=True)
-class SetOldBoard:
-    """Setup of old firmware. ``4C 01 01 timer offset_low offset_high time_low time_high``.
-
-    The board takes the offset, calibrates and starts to send.
-
-    Parameters
-    ----------
-    timer : int
-        1: every 40 ms; 3: by `time`.
-    cdc_offset : int
-        Of the converter, 16 bits.
-    time : int
-        Of the timer, in its own steps: 312.5 to a millisecond.
-    """
-
-    timer: int = 1
-    cdc_offset: int = 0x2000
-    time: int = 0
-
-    def __post_init__(self) -> None:
-        check_count("timer", self.timer, 0, 255, "1 for 40 ms, 3 for a time of your own")
-        check_count("cdc_offset", self.cdc_offset, 0, 0xFFFF, "16 bits")
-        check_count("time", self.time, 0, 0xFFFF, "16 bits")
-
-    @property
-    def data(self) -> bytes:
-        """Bytes of the message."""
-        words = self.cdc_offset.to_bytes(2, "little") + self.time.to_bytes(2, "little")
-        return bytes([SET_OLD_BOARD, 0x01, 0x01, self.timer]) + words
-
-
-@dataclass(frozen=True, kw_only=True)
-class SetOldSkin:
-    """Second setup of old firmware. ``4E shift shift3_1 no_load param mask_low mask_high 0A``.
-
-    Parameters
-    ----------
-    shift : int
-        Bits that the board drops.
-    coarse_shifts : int
-        The same for sums of three and of all taxels, four bits each.
-    no_load : int
-        Byte of an unloaded taxel.
-    param : int
-        Bit 3: correct the drift; bits 1 and 0: kind of skin.
-    mask : int
-        Bit t is set if triangle t is sent.
-    """
-
-    shift: int = 2
-    coarse_shifts: int = 0x22
-    no_load: int = 240
-    param: int = 0
-    mask: int = 0xFFFF
-
-    def __post_init__(self) -> None:
-        check_count("shift", self.shift, 0, 15, "bits that the board drops")
-        check_count("coarse_shifts", self.coarse_shifts, 0, 255, "four bits each")
-        check_count("no_load", self.no_load, 0, 255, "the byte of an unloaded taxel")
-        check_count("param", self.param, 0, 255, "8 bits")
-        check_count("mask", self.mask, 0, 0xFFFF, "a bit per triangle")
-
-    @property
-    def data(self) -> bytes:
-        """Bytes of the message."""
-        head = bytes([SET_OLD_SKIN, self.shift, self.coarse_shifts, self.no_load, self.param])
-        return head + self.mask.to_bytes(2, "little") + b"\x0a"
-
-
-Command = SetBoard | SetTriangles | Transmit | SetOldBoard | SetOldSkin
+Command = SetBoard | SetTriangles | Transmit
 
 
 def host_message(board: int, command: Command) -> Message:
@@ -254,23 +179,7 @@ def command_from(data: bytes) -> Command | None:
                 enabled=bool(data[4] & 1),
                 cdc_offset=data[5] | data[6] << 8,
             )
-        case 0x4C, 8:
-            return SetOldBoard(
-                timer=data[3], cdc_offset=data[4] | data[5] << 8, time=data[6] | data[7] << 8
-            )
-        case 0x4E, n if n >= 7:
-            return SetOldSkin(
-                shift=data[1] & 15,
-                coarse_shifts=data[2],
-                no_load=data[3],
-                param=data[4],
-                mask=data[5] | data[6] << 8,
-            )
     return None
-
-
-OLD_PERIOD_MS = 40
-TIMER_STEPS = 312.5  # of the old setup's timer, per millisecond
 
 
 @dataclass(frozen=True)
@@ -339,8 +248,6 @@ class BoardState:
         4D      kind, period, rest; mtb4 also switches all triangles off until a 50 comes
         50      settings of triangles; new calibration; mtb4 stops to send
         07      sends, or stops
-        4C      new calibration; sends; mtb4 also takes its defaults
-        4E      shift, rest, correction, mask of triangles
         ======= ========================================================================
         """
         command = command_from(data)
@@ -357,10 +264,6 @@ class BoardState:
             case Transmit():
                 configured = self.configured or command.on
                 return replace(self, sending=command.on, configured=configured)
-            case SetOldBoard():
-                return self._as_old_board(command)
-            case SetOldSkin():
-                return self._as_old_skin(command)
 
     def _as_board(self, command: SetBoard) -> "BoardState":
         triangles = self.triangles
@@ -384,35 +287,6 @@ class BoardState:
             configured=True,
             sending=self.sending and self.firmware == Firmware.MTB3,
             calibrations=self.calibrations + 1,
-        )
-
-    def _as_old_board(self, command: SetOldBoard) -> "BoardState":
-        period = OLD_PERIOD_MS
-        if command.timer & 15 == 3 and self.firmware == Firmware.MTB3:
-            period = min(max(round(command.time / TIMER_STEPS), 1), 255)
-        start = BoardState() if self.firmware == Firmware.MTB4 else self
-        return replace(
-            self,
-            kind=start.kind,
-            no_load=start.no_load,
-            period_ms=period,
-            triangles=tuple(
-                replace(each, cdc_offset=command.cdc_offset) for each in start.triangles
-            ),
-            sending=True,
-            calibrations=self.calibrations + 1,
-        )
-
-    def _as_old_skin(self, command: SetOldSkin) -> "BoardState":
-        corrected = command.param >> 3 & 1
-        return replace(
-            self,
-            kind=_kind(command.param & 3) if corrected else SkinType.UNCOMPENSATED,
-            no_load=command.no_load,
-            triangles=tuple(
-                TriangleState(bool(command.mask >> t & 1), command.shift, each.cdc_offset)
-                for t, each in enumerate(self.triangles)
-            ),
         )
 
 

@@ -1,9 +1,10 @@
 """Configuration of skin boards: from a robot's files, or for patches of a skin."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from skinfield.wire.icub.commands import (
     host_message,
 )
 from skinfield.wire.icub.robot_files import (
-    Node,
+    LINE,
     PortRun,
     SkinDevice,
     SkinSpec,
@@ -179,111 +180,95 @@ def load_configuration(*paths: str | Path, last_patch_first: bool = True) -> ICu
     FileError
         If a file cannot be read or used, or they do not go together.
     """
-    found: dict[type, tuple[str, SkinSpec | SkinDevice | SkinWrapper]] = {}
-    for path in paths:
-        for part in _parts(str(path), read_tree(Path(path))):
-            if type(part) in found:
+    found: dict[str, tuple[str, Any]] = {}
+    for path in map(str, paths):
+        for part in _parts(path, read_tree(Path(path))):
+            name = type(part).__name__
+            if name in found:
                 raise FileError(
-                    f"{path}: is a second {type(part).__name__} beside {found[type(part)][0]}, "
-                    "expected one skin, one skinSpec, one wrapper"
+                    f"{path}: is a second {name} beside {found[name][0]}, expected one skin, one "
+                    "skinSpec, one wrapper"
                 )
-            found[type(part)] = str(path), part
-    path, device = found.get(SkinDevice, ("", None))
-    if not isinstance(device, SkinDevice):
+            found[name] = path, part
+    if "SkinDevice" not in found:
         raise FileError(
             f"{', '.join(str(path) for path in paths) or 'no file'}: no addresses of boards, "
             "expected a *-skin.xml with skinCanAddrsPatch1 or skinCanIds"
         )
-    spec_path, spec = found.get(SkinSpec, (path, None))
-    wrapper_path, wrapper = found.get(SkinWrapper, (path, None))
-    return _assembled(
-        device,
-        spec if isinstance(spec, SkinSpec) else None,
-        wrapper if isinstance(wrapper, SkinWrapper) else None,
-        (path, spec_path, wrapper_path),
-        last_patch_first,
-    )
-
-
-def _parts(path: str, root: Node) -> Iterable[SkinSpec | SkinDevice | SkinWrapper]:
-    parts = [read(path, root) for read in (spec_from, device_from, wrapper_from)]
-    good = [part for part in parts if part is not None]
-    if not good:
-        raise FileError(
-            f"{path}:{root.line}: {root.tag} {root.name!r} says nothing of a skin, expected "
-            "defaultCfgBoard, patches, skinCanIds or ports"
-        )
-    return good
-
-
-def _assembled(
-    device: SkinDevice,
-    spec: SkinSpec | None,
-    wrapper: SkinWrapper | None,
-    paths: tuple[str, str, str],
-    last_patch_first: bool,
-) -> ICubConfiguration:
+    path, device = found["SkinDevice"]
+    spec_path, spec = found.get("SkinSpec", ("", None))
+    wrapper_path, wrapper = found.get("SkinWrapper", (path, None))
     notes = list(spec.notes if spec else ())
     if spec is None:
         notes.append(
-            f"{paths[0]}: no settings of boards, the usual ones are taken; it includes "
+            f"{path}: no settings of boards, the usual ones are taken; it includes "
             f"{', '.join(device.includes) or 'nothing'}, which is not followed: give that file too"
         )
     if wrapper and device.name not in wrapper.devices:
         notes.append(
-            f"{paths[2]}: is of {', '.join(wrapper.devices) or 'no device'}, not {device.name}"
+            f"{wrapper_path}: is of {', '.join(wrapper.devices) or 'no device'}, not {device.name}"
         )
-    buses = tuple(number for number, _ in device.patches)
-    order = (
-        reversed(list(enumerate(device.patches))) if last_patch_first else enumerate(device.patches)
-    )
-    boards = [BoardSettings(bus, address) for bus, (_, all_) in order for address in all_]
+    order = list(enumerate(device.patches))[:: -1 if last_patch_first else 1]
+    boards = [
+        _specified(bus, address, patch, spec)
+        for bus, (patch, addresses) in order
+        for address in addresses
+    ]
     if spec:
-        boards = [_as_specified(board, buses[board.bus], spec) for board in boards]
-        _check_sets(device, spec, paths[1])
+        _check_sets(device, spec, spec_path)
     try:
         return ICubConfiguration(
             tuple(boards),
-            buses,
+            tuple(number for number, _ in device.patches),
             device.name,
             wrapper.ports if wrapper else (),
             spec.diagnostic if spec else False,
             tuple(notes),
         )
     except InputError as error:
-        raise FileError(f"{paths[2]}: {error}") from error
+        raise FileError(f"{wrapper_path}: {error}") from error
 
 
-def _as_specified(board: BoardSettings, patch: int, spec: SkinSpec) -> BoardSettings:
+def _parts(path: str, root: Element) -> list[SkinSpec | SkinDevice | SkinWrapper]:
+    parts = [read(path, root) for read in (spec_from, device_from, wrapper_from)]
+    good = [part for part in parts if part is not None]
+    if not good:
+        raise FileError(
+            f"{path}:{root.get(LINE)}: {root.tag} {root.get('name', '')!r} says nothing of a skin, "
+            "expected defaultCfgBoard, patches, skinCanIds or ports"
+        )
+    return good
+
+
+def _specified(bus: int, address: int, patch: int, spec: SkinSpec | None) -> BoardSettings:
+    if spec is None:
+        return BoardSettings(bus, address)
     settings, triangles = spec.board, [spec.triangle] * TRIANGLES
     for boards in spec.boards:
-        if boards.patch == patch and boards.first <= board.address <= boards.last:
+        if boards.patch == patch and boards.first <= address <= boards.last:
             settings = boards.settings
     for run in spec.triangles:
-        if run.patch == patch and run.board == board.address:
-            for t in range(run.first, run.last + 1):
-                triangles[t] = run.settings
-    return replace(board, board=settings, triangles=tuple(triangles))
+        if run.patch == patch and run.board == address:
+            triangles[run.first : run.last + 1] = [run.settings] * (run.last + 1 - run.first)
+    return BoardSettings(bus, address, settings, tuple(triangles))
 
 
 def _check_sets(device: SkinDevice, spec: SkinSpec, path: str) -> None:
     """Raise FileError if a special setting is of a board that is not there."""
     known = dict(device.patches)
-    for boards in spec.boards:
-        for address in range(boards.first, boards.last + 1):
-            _check_board(known, boards.patch, address, path, boards.line)
-    for run in spec.triangles:
-        _check_board(known, run.patch, run.board, path, run.line)
-
-
-def _check_board(
-    known: dict[int, tuple[int, ...]], patch: int, address: int, path: str, line: int
-) -> None:
-    if address not in known.get(patch, ()):
-        there = "; ".join(f"{n}: {' '.join(map(str, all_))}" for n, all_ in known.items())
-        raise FileError(
-            f"{path}:{line}: sets board {address} of patch {patch}, expected one of {there}"
-        )
+    wanted = [
+        (boards.patch, address, boards.line)
+        for boards in spec.boards
+        for address in range(boards.first, boards.last + 1)
+    ]
+    for patch, address, line in wanted + [
+        (run.patch, run.board, run.line) for run in spec.triangles
+    ]:
+        if address not in known.get(patch, ()):
+            there = "; ".join(f"{n}: {' '.join(map(str, all_))}" for n, all_ in known.items())
+            raise FileError(
+                f"{path}:{line}: sets board {address} of patch {patch}, expected one of {there}"
+            )
 
 
 def kind_for(patch: Patch) -> SkinType:
@@ -342,8 +327,3 @@ def configuration_for(
             boards.append(BoardSettings(bus, FIRST_ADDRESS + address, settings, triangles))
     buses = tuple(range(1 + boards[-1].bus))
     return ICubConfiguration(tuple(boards), buses, "+".join(names), tuple(ports))
-
-
-def boards_for(*patches: Patch) -> tuple[tuple[int, int], ...]:
-    """(bus, address) of the boards of `configuration_for`, in the order of the channels."""
-    return configuration_for(*patches).addresses

@@ -1,4 +1,4 @@
-"""Messages of an iCub's skin boards, compiled: decoding in order, encoding, ROP frames.
+"""Messages of an iCub's skin boards, compiled: decoding in order, and encoding.
 
 A triangle sends head, tail, head, tail; only where that order breaks is anything counted, so that
 nothing is where no message is missing, doubled or out of place, whatever rate the board has, and
@@ -46,8 +46,6 @@ TAIL_WORDS = 6  # a block of 5 counts and one of status
 Shorts = NDArray[np.uint16]
 Bools = NDArray[np.bool_]
 NO_ACK, NOT_CONNECTED = 1, 2
-HEAD_BYTES, ITEM_BYTES = 4, 10
-NO_ARRAY, NO_ROOM = -1, -2
 
 
 @inner
@@ -389,35 +387,3 @@ def encode_raw(raw: Shorts, data: Octets, row: int) -> None:
         else:
             data[row + 1, i - 6] = raw[i] & 0xFF
     data[row + 1, 6] = data[row + 1, 7] = 0
-
-
-@njit
-def messages_of_array(
-    octets: Octets,
-    length: int,
-    ids: NDArray[np.uint32],
-    lengths: Octets,
-    data: Octets,
-    stamps: Ints,
-    first: int,
-    stamp_ns: int,
-) -> int:
-    """Row behind the last message written, `NO_ARRAY` or `NO_ROOM`; then nothing was written."""
-    if length < HEAD_BYTES or length > len(octets):
-        return NO_ARRAY
-    capacity, item, size = int(octets[0]), int(octets[1]), int(octets[2])
-    if item != ITEM_BYTES or size > capacity or HEAD_BYTES + ITEM_BYTES * size > length:
-        return NO_ARRAY
-    for k in range(size):
-        if octets[HEAD_BYTES + ITEM_BYTES * k + 1] >> 4 > 8:
-            return NO_ARRAY
-    if first + size > len(ids):
-        return NO_ROOM
-    for k in range(size):
-        at, row = HEAD_BYTES + ITEM_BYTES * k, first + k
-        ids[row] = octets[at] | (np.uint32(octets[at + 1] & 15) << 8)
-        lengths[row] = octets[at + 1] >> 4
-        stamps[row] = stamp_ns
-        for i in range(8):
-            data[row, i] = octets[at + 2 + i] if i < lengths[row] else 0
-    return int(first + size)

@@ -1,4 +1,4 @@
-"""Robot descriptions of yarprobotinterface: XML with lines, and the runs of ports in them.
+"""Parser of robot descriptions of yarprobotinterface: skin boards, their settings, runs of ports.
 
 Comments are cut out first, up to the nearest ``-->``: files of real robots have comments within
 comments, which XML forbids and the robots' own parser accepts.
@@ -10,9 +10,9 @@ the devices, then first and last channel of the port.
 boards. XIncludes are not followed: each file is handed in, and what one includes is told.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
+from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
 from skinfield.errors import FileError
@@ -20,48 +20,13 @@ from skinfield.wire.icub.commands import BOARDS, TRIANGLES, SetBoard, TriangleSt
 
 LARGEST = 1 << 20  # bytes; the largest of those seen has 10 kB
 DEEPEST = 32  # elements within each other
+LINE = " line"  # attribute, which no file can have, with the line of each element
 YES, NO = ("true", "1"), ("false", "0")
+HIGHEST_CHANNEL = 1 << 20
+SETS_OF_ROBOTS = 20  # special settings of triangles that the robots' own software reads
 
 
-@dataclass(eq=False)
-class Node:
-    """One element.
-
-    Attributes
-    ----------
-    tag, name, text : str
-        Name of the element; its attribute `name`, empty if absent; its text, stripped.
-    line : int
-        From 1.
-    attributes : dict
-    children : list of Node
-    """
-
-    tag: str
-    line: int
-    attributes: dict[str, str]
-    text: str = ""
-    children: list["Node"] = field(default_factory=list)
-
-    @property
-    def name(self) -> str:
-        """See above."""
-        return self.attributes.get("name", "")
-
-    def walk(self) -> Iterator["Node"]:
-        """Elements of the file from here inwards, in its order."""
-        waiting = [self]
-        while waiting:
-            node = waiting.pop()
-            yield node
-            waiting.extend(reversed(node.children))
-
-    def find(self, tag: str, name: str) -> "Node | None":
-        """First element within of such tag and name."""
-        return next((node for node in self.walk() if node.tag == tag and node.name == name), None)
-
-
-def read_tree(path: Path) -> Node:
+def read_tree(path: Path) -> Element:
     """Root element of a file.
 
     Raises
@@ -78,8 +43,8 @@ def read_tree(path: Path) -> Node:
     return tree_of(data, str(path))
 
 
-def tree_of(data: bytes, name: str) -> Node:
-    """Root element of a file's bytes; `name` is for errors.
+def tree_of(data: bytes, name: str) -> Element:
+    """Root element of a file's bytes, its elements with their `LINE`; `name` is for errors.
 
     Raises
     ------
@@ -88,9 +53,35 @@ def tree_of(data: bytes, name: str) -> Node:
     """
     if len(data) > LARGEST:
         raise FileError(f"{name}: larger than {LARGEST} bytes, expected a robot's XML file")
-    builder = _Builder(name)
+    builder, parser, depth = TreeBuilder(), expat.ParserCreate(), 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            raise FileError(
+                f"{name}:{parser.CurrentLineNumber}: more than {DEEPEST} elements within each "
+                "other, expected a robot's XML file"
+            )
+        builder.start(tag, {**attributes, LINE: str(parser.CurrentLineNumber)})
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    def entity(entity: str, *_: object) -> None:
+        raise FileError(
+            f"{name}:{parser.CurrentLineNumber}: declares the entity {entity!r}, expected "
+            "none: robots' files need none, and such files can fill the memory; take it out"
+        )
+
+    parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler, parser.EntityDeclHandler = builder.data, entity
     try:
-        builder.parser.Parse(without_comments(data), True)
+        parser.Parse(without_comments(data), True)
+        return builder.close()
     except expat.ExpatError as error:
         raise FileError(
             f"{name}:{error.lineno}: {expat.ErrorString(error.code)}, expected well-formed XML"
@@ -99,9 +90,6 @@ def tree_of(data: bytes, name: str) -> Node:
         if isinstance(error, FileError):
             raise
         raise FileError(f"{name}: {error}, expected XML in UTF-8") from error
-    if builder.root is None:
-        raise FileError(f"{name}: has no element, expected a robot's XML file")
-    return builder.root
 
 
 def without_comments(data: bytes) -> bytes:
@@ -117,46 +105,14 @@ def without_comments(data: bytes) -> bytes:
         at = stop + 3
 
 
-class _Builder:
-    """Makes nodes of what expat says."""
+def name_of(node: Element) -> str:
+    """Attribute `name` of an element, or its tag."""
+    return node.get("name") or node.tag
 
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.root: Node | None = None
-        self._open: list[Node] = []
-        self.parser = parser = expat.ParserCreate()
-        parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
-        parser.buffer_text = True
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._characters
-        parser.EntityDeclHandler = self._entity
 
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self._open) >= DEEPEST:
-            raise FileError(
-                f"{self.name}:{self.parser.CurrentLineNumber}: more than {DEEPEST} elements within "
-                "each other, expected a robot's XML file"
-            )
-        node = Node(tag, self.parser.CurrentLineNumber, attributes)
-        if self._open:
-            self._open[-1].children.append(node)
-        else:
-            self.root = node
-        self._open.append(node)
-
-    def _end(self, tag: str) -> None:
-        node = self._open.pop()
-        node.text = node.text.strip()
-
-    def _characters(self, text: str) -> None:
-        self._open[-1].text += text
-
-    def _entity(self, name: str, *_: object) -> None:
-        raise FileError(
-            f"{self.name}:{self.parser.CurrentLineNumber}: declares the entity {name!r}, expected "
-            "none: robots' files need none, and such files can fill the memory; take it out"
-        )
+def text_of(node: Element) -> str:
+    """All text directly within an element, stripped."""
+    return "".join([node.text or "", *(child.tail or "" for child in node)]).strip()
 
 
 def words(text: str) -> list[str]:
@@ -164,68 +120,60 @@ def words(text: str) -> list[str]:
     return text.translate(str.maketrans("()\"'", "    ")).split()
 
 
-def spoilt(path: str, node: Node, text: str, expected: str) -> FileError:
-    """Error about an element."""
-    excerpt = text if len(text) <= 60 else f"{text[:57]}..."
-    return FileError(
-        f"{path}:{node.line}: {node.name or node.tag} is {excerpt!r}, expected {expected}"
-    )
+@dataclass(frozen=True)
+class Values:
+    """Reader of the values of one file, of that path; all raise FileError with the line."""
+
+    path: str
+
+    def spoilt(self, node: Element, text: str, expected: str) -> FileError:
+        """Error about an element."""
+        excerpt = text if len(text) <= 60 else f"{text[:57]}..."
+        return self.missing(node, f"is {excerpt!r}, expected {expected}")
+
+    def missing(self, node: Element, what: str) -> FileError:
+        """Error about an element that lacks something."""
+        return FileError(f"{self.path}:{node.get(LINE)}: {name_of(node)} {what}")
+
+    def whole(self, node: Element, text: str, low: int, high: int, what: str) -> int:
+        """Whole number, decimal or with 0x."""
+        base = 16 if text.lower().startswith("0x") else 10
+        try:
+            value = int(text, base) if len(text) < 20 and text.isascii() else None
+        except ValueError:
+            value = None
+        if value is None or not low <= value <= high:
+            raise self.spoilt(node, text, f"{what}, a whole number from {low} to {high}")
+        return value
+
+    def yes(self, node: Element, text: str) -> bool:
+        """Whether true."""
+        if text.lower() not in YES + NO:
+            raise self.spoilt(node, text, "true or false")
+        return text.lower() in YES
+
+    def param(self, group: Element, name: str) -> tuple[Element, str]:
+        """Parameter of a group, and its text, which has one word at least."""
+        node = next((each for each in group.findall("param") if each.get("name") == name), None)
+        if node is None:
+            raise self.missing(group, f"has no param {name!r}, expected one")
+        if not words(text_of(node)):
+            raise self.spoilt(node, text_of(node), "a value")
+        return node, text_of(node)
+
+    def one(self, group: Element, name: str, low: int, high: int, what: str) -> int:
+        """Whole number of a parameter."""
+        node, text = self.param(group, name)
+        return self.whole(node, text.strip("\"' "), low, high, what)
+
+    def many(self, node: Element, low: int, high: int, what: str) -> tuple[int, ...]:
+        """Whole numbers of a parameter."""
+        return tuple(self.whole(node, word, low, high, what) for word in words(text_of(node)))
 
 
-def whole(path: str, node: Node, text: str, low: int, high: int, what: str) -> int:
-    """Whole number, decimal or with 0x."""
-    expected = f"{what}, a whole number from {low} to {high}"
-    try:
-        value = int(text, 16 if text.lower().startswith("0x") else 10) if len(text) < 20 else None
-    except ValueError:
-        value = None
-    if value is None or not text.isascii() or not low <= value <= high:
-        raise spoilt(path, node, text, expected)
-    return value
-
-
-def yes(path: str, node: Node, text: str) -> bool:
-    """Whether true."""
-    if text.lower() not in YES + NO:
-        raise spoilt(path, node, text, "true or false")
-    return text.lower() in YES
-
-
-def param(path: str, group: Node, name: str) -> Node:
-    """Parameter of a group, with one word at least.
-
-    Raises
-    ------
-    FileError
-        If there is none, or it is empty.
-    """
-    found = [node for node in group.children if node.tag == "param" and node.name == name]
-    if not found:
-        raise FileError(
-            f"{path}:{group.line}: {group.name or group.tag} has no param {name!r}, expected one"
-        )
-    if not words(found[0].text):
-        raise spoilt(path, found[0], found[0].text, "a value")
-    return found[0]
-
-
-def one(path: str, group: Node, name: str, low: int, high: int, what: str) -> int:
-    """Whole number of a parameter."""
-    node = param(path, group, name)
-    return whole(path, node, node.text.strip("\"' "), low, high, what)
-
-
-def many(path: str, node: Node, low: int, high: int, what: str) -> tuple[int, ...]:
-    """Whole numbers of a parameter."""
-    return tuple(whole(path, node, word, low, high, what) for word in words(node.text))
-
-
-HIGHEST_CHANNEL = 1 << 20
-SETS_OF_ROBOTS = 20  # special settings of triangles that the robots' own software reads
-TELLING = {  # parameters of devices that carry the addresses themselves
-    "canDeviceNum": "a CAN device",
-    "skinCanIds": "an address",
-}
+def named(root: Element, tag: str, name: str) -> Element | None:
+    """First element of such tag and name."""
+    return next((node for node in root.iter(tag) if node.get("name") == name), None)
 
 
 @dataclass(frozen=True)
@@ -249,25 +197,13 @@ class PortRun:
 
 @dataclass(frozen=True)
 class SkinWrapper:
-    """What a ``skin_wrapper`` file says.
+    """What a ``skin_wrapper`` file says: runs of ports, and names of the devices they are of."""
 
-    Parameters
-    ----------
-    name : str
-    ports : tuple of PortRun
-    devices : tuple of str
-        Names of the skins whose channels it passes on, in this order.
-    total : int
-        Channels that it counts on; 0 if it does not say.
-    """
-
-    name: str
     ports: tuple[PortRun, ...]
     devices: tuple[str, ...]
-    total: int = 0
 
 
-def wrapper_from(path: str, root: Node) -> SkinWrapper | None:
+def wrapper_from(path: str, root: Element) -> SkinWrapper | None:
     """Ports; None if the file has none.
 
     Raises
@@ -275,32 +211,24 @@ def wrapper_from(path: str, root: Node) -> SkinWrapper | None:
     FileError
         If a value is missing or cannot be used.
     """
-    ports, networks = root.find("paramlist", "ports"), root.find("paramlist", "networks")
+    values, ports = Values(path), named(root, "paramlist", "ports")
     if ports is None:
         return None
-    runs = [_port_run(path, node) for node in ports.children if node.tag == "elem"]
+    runs = []
+    for node in ports.findall("elem"):
+        row = values.many(node, 0, HIGHEST_CHANNEL, "channels")
+        port = node.get("name")
+        if not port or len(row) != 4 or row[1] < row[0] or row[1] - row[0] != row[3] - row[2]:
+            expected = "first and last channel of the devices, first and last of the port, as many"
+            raise values.spoilt(node, text_of(node), expected)
+        runs.append(PortRun(port, row[0], row[1] - row[0] + 1, row[2]))
     if not runs:
-        raise FileError(f"{path}:{ports.line}: ports has no elem, expected one for each port")
-    total = root.find("param", "total_taxels")
+        raise values.missing(ports, "has no elem, expected one for each port")
+    networks = named(root, "paramlist", "networks")
+    devices = [] if networks is None else networks.findall("elem")
     return SkinWrapper(
-        root.name,
-        tuple(runs),
-        tuple(
-            word
-            for node in (networks.children if networks else [])
-            if node.tag == "elem"
-            for word in words(node.text)
-        ),
-        whole(path, total, total.text, 0, HIGHEST_CHANNEL, "channels") if total else 0,
+        tuple(runs), tuple(word for node in devices for word in words(text_of(node)))
     )
-
-
-def _port_run(path: str, node: Node) -> PortRun:
-    row = many(path, node, 0, HIGHEST_CHANNEL, "channels")
-    expected = "first and last channel of the devices, first and last of the port, as many"
-    if not node.name or len(row) != 4 or row[1] < row[0] or row[1] - row[0] != row[3] - row[2]:
-        raise spoilt(path, node, node.text, expected)
-    return PortRun(node.name, row[0], row[1] - row[0] + 1, row[2])
 
 
 @dataclass(frozen=True)
@@ -312,7 +240,7 @@ class BoardSet:
     patch, first, last : int
         Number of the patch, or of the CAN device; addresses, both within.
     settings : SetBoard
-    line : int
+    line : str
         Of its file.
     """
 
@@ -320,7 +248,7 @@ class BoardSet:
     first: int
     last: int
     settings: SetBoard
-    line: int
+    line: str
 
 
 @dataclass(frozen=True)
@@ -332,7 +260,7 @@ class TriangleSet:
     first: int
     last: int
     settings: TriangleState
-    line: int
+    line: str
 
 
 @dataclass(frozen=True)
@@ -353,8 +281,8 @@ class SkinDevice:
 
     Parameters
     ----------
-    name, kind : str
-        Of the device; `embObjSkin` behind an Ethernet board, `canBusSkin` on CAN itself.
+    name : str
+        Of the device.
     patches : tuple of (patch, addresses)
         By rising number: 1 and 2 are the two CAN buses of an Ethernet board; else the CAN device.
     includes : tuple of str
@@ -362,12 +290,11 @@ class SkinDevice:
     """
 
     name: str
-    kind: str
     patches: tuple[tuple[int, tuple[int, ...]], ...]
     includes: tuple[str, ...] = ()
 
 
-def spec_from(path: str, root: Node) -> SkinSpec | None:
+def spec_from(path: str, root: Element) -> SkinSpec | None:
     """Settings of boards and triangles; None if the file has none.
 
     Raises
@@ -375,41 +302,38 @@ def spec_from(path: str, root: Node) -> SkinSpec | None:
     FileError
         If a value is missing or cannot be used.
     """
-    board, triangle = (
-        root.find("group", "defaultCfgBoard"),
-        root.find("group", "defaultCfgTriangle"),
-    )
+    values = Values(path)
+    groups = {
+        name: named(root, "group", name) for name in ("defaultCfgBoard", "defaultCfgTriangle")
+    }
+    board, triangle = groups.values()
     if board is None and triangle is None:
         return None
     if board is None or triangle is None:
-        missing = "defaultCfgBoard" if board is None else "defaultCfgTriangle"
-        raise FileError(f"{path}:{root.line}: has no group {missing!r}, expected it and its pair")
-    diagnostic, enabled = param(path, board, "diagnostic"), param(path, triangle, "enabled")
-    rows = _sets(path, root, "specialCfgTriangles", "triangleSetCfg", 7)
+        absent = next(name for name, group in groups.items() if group is None)
+        raise values.missing(root, f"has no group {absent!r}, expected it and its pair")
+    rows = _sets(values, root, "specialCfgTriangles", "triangleSetCfg", 7)
     notes: tuple[str, ...] = ()
     if len(rows) > SETS_OF_ROBOTS:
         notes = (
             f"{path}: {len(rows)} sets of triangles are in force; the robots' own software reads "
             f"the first {SETS_OF_ROBOTS} only",
         )
+    triangle_words = [values.param(triangle, name) for name in ("enabled", "shift", "cdcOffset")]
     return SkinSpec(
-        _board(path, [_word(path, board, name) for name in ("period", "skinType", "noLoad")]),
-        TriangleState(
-            yes(path, enabled, enabled.text),
-            one(path, triangle, "shift", 0, 15, "bits that boards drop"),
-            one(path, triangle, "cdcOffset", 0, 0xFFFF, "offset of the converters"),
-        ),
-        yes(path, diagnostic, diagnostic.text),
+        _board(values, [values.param(board, name) for name in ("period", "skinType", "noLoad")]),
+        _triangle(values, triangle_words),
+        values.yes(*values.param(board, "diagnostic")),
         tuple(
-            _board_set(path, node, row)
-            for node, row in _sets(path, root, "specialCfgBoards", "boardSetCfg", 6)
+            _board_set(values, node, row)
+            for node, row in _sets(values, root, "specialCfgBoards", "boardSetCfg", 6)
         ),
-        tuple(_triangle_set(path, node, row) for node, row in rows),
+        tuple(_triangle_set(values, node, row) for node, row in rows),
         notes,
     )
 
 
-def device_from(path: str, root: Node) -> SkinDevice | None:
+def device_from(path: str, root: Element) -> SkinDevice | None:
     """Addresses of boards; None if the file has none.
 
     Raises
@@ -417,101 +341,89 @@ def device_from(path: str, root: Node) -> SkinDevice | None:
     FileError
         If a value is missing or cannot be used.
     """
-    patches = root.find("group", "patches")
-    device = next((node for node in root.walk() if node.tag == "device"), root)
-    includes = tuple(
-        node.attributes["href"]
-        for node in root.walk()
-        if node.tag == "xi:include" and "href" in node.attributes
-    )
+    values, patches, ids = Values(path), named(root, "group", "patches"), _param(root, "skinCanIds")
+    lists: list[tuple[Element, int]] = []
     if patches is not None:
-        found = _patches(path, patches)
-    elif root.find("param", "skinCanIds") is not None:
-        found = _can_device(path, root)
+        for node in patches.findall("param"):
+            prefix, _, text = (node.get("name") or "").partition("Patch")
+            if prefix == "skinCanAddrs":
+                what = "skinCanAddrsPatch and its number"
+                lists.append((node, values.whole(node, text, 0, 255, what)))
+        if len({number for _, number in lists}) < max(len(lists), 1):
+            what = "skinCanAddrsPatch1, 2, each once"
+            raise values.spoilt(patches, f"{len(lists)} lists", what)
+    elif ids is not None:
+        bus = _param(root, "canDeviceNum")
+        if bus is None:
+            raise values.missing(root, "has no param 'canDeviceNum', expected a CAN device")
+        numbers = values.many(bus, 0, 255, "a CAN device")
+        if len(numbers) != 1:
+            raise values.spoilt(bus, text_of(bus), "one number")
+        lists.append((ids, numbers[0]))
     else:
         return None
-    for node, _, addresses in found:
-        if not addresses or len(set(addresses)) < len(addresses):
-            raise spoilt(path, node, node.text, "addresses of boards, each once")
-    rising = tuple(sorted((number, addresses) for _, number, addresses in found))
-    return SkinDevice(device.name, device.attributes.get("type", ""), rising, includes)
-
-
-def _patches(path: str, group: Node) -> list[tuple[Node, int, tuple[int, ...]]]:
     found = []
-    for node in group.children:
-        prefix, _, number = node.name.partition("Patch")
-        if node.tag == "param" and prefix == "skinCanAddrs":
-            patch = whole(path, node, number, 0, 255, "skinCanAddrsPatch and its number")
-            found.append((node, patch, many(path, node, 0, BOARDS - 1, "addresses of boards")))
-    if len({number for _, number, _ in found}) < max(len(found), 1):
-        raise spoilt(path, group, f"{len(found)} lists", "skinCanAddrsPatch1, 2, each once")
-    return found
+    for node, number in lists:
+        addresses = values.many(node, 0, BOARDS - 1, "addresses of boards")
+        if not addresses or len(set(addresses)) < len(addresses):
+            raise values.spoilt(node, text_of(node), "addresses of boards, each once")
+        found.append((number, addresses))
+    device = next(root.iter("device"), root)
+    includes = [node.get("href") for node in root.iter("xi:include")]
+    return SkinDevice(device.get("name", ""), tuple(sorted(found)), tuple(filter(None, includes)))
 
 
-def _can_device(path: str, root: Node) -> list[tuple[Node, int, tuple[int, ...]]]:
-    numbers = {}
-    for name, what in TELLING.items():
-        node = root.find("param", name)
-        if node is None:
-            raise FileError(f"{path}:{root.line}: has no param {name!r}, expected {what}")
-        numbers[name] = node, many(path, node, 0, 255 if name == "canDeviceNum" else 15, what)
-    node, addresses = numbers["skinCanIds"]
-    bus, device = numbers["canDeviceNum"]
-    if len(device) != 1:
-        raise spoilt(path, bus, bus.text, "one number")
-    return [(node, device[0], addresses)]
+def _param(root: Element, name: str) -> Element | None:
+    return named(root, "param", name)
 
 
 def _sets(
-    path: str, root: Node, group_name: str, prefix: str, length: int
-) -> list[tuple[Node, list[str]]]:
-    group = root.find("group", group_name)
-    if group is None or not any(node.tag == "param" for node in group.children):
+    values: Values, root: Element, group_name: str, prefix: str, length: int
+) -> list[tuple[Element, list[str]]]:
+    group = named(root, "group", group_name)
+    if group is None or group.find("param") is None:
         return []
-    count = one(path, group, "numOfSets", 0, 1024, f"how many {prefix} follow")
+    count = values.one(group, "numOfSets", 0, 1024, f"how many {prefix} follow")
     rows = []
     for number in range(1, count + 1):
-        node = param(path, group, f"{prefix}{number}")
-        row = words(node.text)
+        node, text = values.param(group, f"{prefix}{number}")
+        row = words(text)
         if len(row) != length:
-            raise spoilt(path, node, node.text, f"{length} numbers")
+            raise values.spoilt(node, text, f"{length} numbers")
         rows.append((node, row))
     return rows
 
 
-def _word(path: str, group: Node, name: str) -> tuple[Node, str]:
-    node = param(path, group, name)
-    return node, node.text
-
-
-def _board(path: str, words: list[tuple[Node, str]]) -> SetBoard:
+def _board(values: Values, words: list[tuple[Element, str]]) -> SetBoard:
     """Settings of period, kind and rest."""
     return SetBoard(
-        period_ms=whole(path, *words[0], 1, 255, "milliseconds"),
-        kind=whole(path, *words[1], 0, 255, "kind of skin"),
-        no_load=whole(path, *words[2], 0, 255, "the byte of an unloaded taxel"),
+        period_ms=values.whole(*words[0], 1, 255, "milliseconds"),
+        kind=values.whole(*words[1], 0, 255, "kind of skin"),
+        no_load=values.whole(*words[2], 0, 255, "the byte of an unloaded taxel"),
     )
 
 
-def _board_set(path: str, node: Node, row: list[str]) -> BoardSet:
-    patch = whole(path, node, row[0], 0, 255, "number of the patch")
-    last = whole(path, node, row[2], 0, BOARDS - 1, "last address")
-    first = whole(path, node, row[1], 0, last, "first address, not behind the last")
-    return BoardSet(patch, first, last, _board(path, [(node, word) for word in row[3:]]), node.line)
-
-
-def _triangle_set(path: str, node: Node, row: list[str]) -> TriangleSet:
-    last = whole(path, node, row[3], 0, TRIANGLES - 1, "last triangle")
-    return TriangleSet(
-        whole(path, node, row[0], 0, 255, "number of the patch"),
-        whole(path, node, row[1], 0, BOARDS - 1, "address of the board"),
-        whole(path, node, row[2], 0, last, "first triangle, not behind the last"),
-        last,
-        TriangleState(
-            yes(path, node, row[4]),
-            whole(path, node, row[5], 0, 15, "bits that the board drops"),
-            whole(path, node, row[6], 0, 0xFFFF, "offset of the converters"),
-        ),
-        node.line,
+def _triangle(values: Values, words: list[tuple[Element, str]]) -> TriangleState:
+    """Settings of whether it is on, shift and offset."""
+    return TriangleState(
+        values.yes(*words[0]),
+        values.whole(*words[1], 0, 15, "bits that the board drops"),
+        values.whole(*words[2], 0, 0xFFFF, "offset of the converters"),
     )
+
+
+def _board_set(values: Values, node: Element, row: list[str]) -> BoardSet:
+    patch = values.whole(node, row[0], 0, 255, "number of the patch")
+    last = values.whole(node, row[2], 0, BOARDS - 1, "last address")
+    first = values.whole(node, row[1], 0, last, "first address, not behind the last")
+    settings = _board(values, [(node, word) for word in row[3:]])
+    return BoardSet(patch, first, last, settings, node.get(LINE, ""))
+
+
+def _triangle_set(values: Values, node: Element, row: list[str]) -> TriangleSet:
+    patch = values.whole(node, row[0], 0, 255, "number of the patch")
+    board = values.whole(node, row[1], 0, BOARDS - 1, "address of the board")
+    last = values.whole(node, row[3], 0, TRIANGLES - 1, "last triangle")
+    first = values.whole(node, row[2], 0, last, "first triangle, not behind the last")
+    settings = _triangle(values, [(node, word) for word in row[4:]])
+    return TriangleSet(patch, board, first, last, settings, node.get(LINE, ""))

@@ -1,7 +1,5 @@
 """Skinfield's own packets, for microcontrollers over UDP, TCP and serial."""
 
-from skinfield.wire.packet.codec import NO_ROOM as NO_ROOM
-from skinfield.wire.packet.codec import DeviceState as DeviceState
 from skinfield.wire.packet.codec import PacketDecoder as PacketDecoder
 from skinfield.wire.packet.codec import PacketDevice as PacketDevice
 from skinfield.wire.packet.codec import PacketEncoder as PacketEncoder

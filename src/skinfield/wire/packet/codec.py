@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,16 +13,14 @@ from skinfield.wire.packet.packets import (
     CRC_BYTES,
     DTYPES,
     HEADER_BYTES,
-    HELLO,
     LONGEST,
-    LONGEST_NAME,
     LONGEST_PAYLOAD,
     WIDTH,
-    Hello,
+    Packet,
+    PacketFlag,
     PacketKind,
+    encode_packet,
 )
-
-NO_ROOM = -1
 
 
 @dataclass(frozen=True)
@@ -44,34 +41,6 @@ class PacketDevice:
     def __post_init__(self) -> None:
         check_count("number of a device", self.number, 0, 0xFFFE, "65535 stands for all of them")
         check_count("channels of a device", self.channels, 1, 65535, "taxels and dummies")
-
-
-@dataclass(frozen=True)
-class DeviceState:
-    """What is known of one device.
-
-    Attributes
-    ----------
-    packets : int
-        That were new or late.
-    restarts : int
-        Times that it began anew.
-    reading : int
-        Number of the last reading that was complete, modulo 65536.
-    time_us : int, µs
-        Of its clock, in the newest packet.
-    hello : Hello or None
-        The newest.
-    hellos : int
-        How many came.
-    """
-
-    packets: int
-    restarts: int
-    reading: int
-    time_us: int
-    hello: Hello | None
-    hellos: int
 
 
 class PacketDecoder:
@@ -107,53 +76,12 @@ class PacketDecoder:
         self.state[:, OFFSET] = np.cumsum([0, *channels[:-1]])
         self.window: Ints = np.zeros((count, WINDOW), np.int64)
         self.marks: Octets = np.zeros(sum(channels), np.uint8)
-        self.hellos: Octets = np.zeros((count, HELLO.size + LONGEST_NAME), np.uint8)
         self._torn: Ints = np.zeros(1, np.int64)
-        self._one: tuple[Any, ...] = (np.zeros(1, np.int64), np.zeros(1, np.int64))
 
     @property
     def channels(self) -> int:
         """Of all devices."""
         return len(self.marks)
-
-    def decode(
-        self,
-        octets: Octets,
-        length: int,
-        blocks: Blocks,
-        channel: int,
-        counters: Ints,
-        now_ns: int,
-    ) -> int:
-        """Append what one datagram brings.
-
-        Parameters
-        ----------
-        octets : (L,) uint8 array
-            One or more packets, one after the other.
-        length : int
-            Bytes of it that are used.
-        blocks : Blocks
-        channel : int
-            Of the first device's first channel.
-        counters : (len(Count),) int64 array
-        now_ns : int, ns
-            Stamp of the blocks.
-
-        Returns
-        -------
-        int
-            Packets; `NO_ROOM` (-1) if the blocks might not hold them: then nothing was taken, and
-            the datagram is to be handed in again.
-        """
-        before = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
-        lengths, stamps = self._one
-        lengths[0], stamps[0] = length, now_ns
-        taken = self.decode_many(
-            octets[np.newaxis], lengths, stamps, 0, 1, blocks, channel, counters
-        )
-        after = int(counters[Count.RECEIVED] + counters[Count.FOREIGN])
-        return after - before if taken else NO_ROOM
 
     def decode_many(
         self,
@@ -175,8 +103,10 @@ class PacketDecoder:
         stamp_ns : (N,) int64 array, ns
             When each came in.
         first, last : int
-        blocks, channel, counters
-            As for `decode`.
+        blocks : Blocks
+        channel : int
+            Of the first device's first channel.
+        counters : (len(Count),) int64 array
 
         Returns
         -------
@@ -190,26 +120,8 @@ class PacketDecoder:
             decode_datagrams(
                 datagrams, lengths, stamp_ns, first, last, blocks.words, blocks.octets,
                 blocks.singles, blocks.end, channel, self.slots, self.state, self.window,
-                self.marks, self.hellos, counters, self._torn,
+                self.marks, counters, self._torn,
             )
-        )  # fmt: skip
-
-    def device(self, index: int = 0) -> DeviceState:
-        """What is known of device `index`."""
-        from skinfield.wire.packet import kernel as t
-
-        row = self.state[index]
-        hello = None
-        if row[t.HELLOS]:
-            payload = self.hellos[index, : row[t.HELLO_LENGTH]].tobytes()
-            try:
-                hello = Hello.from_payload(payload)
-            except InputError:  # of a newer device, or one that fills it in wrongly
-                hello = None
-        return DeviceState(
-            packets=int(row[t.PACKETS]), restarts=int(row[t.RESTARTS]),
-            reading=int(row[t.READING]), time_us=int(row[t.TIME]), hello=hello,
-            hellos=int(row[t.HELLOS]),
         )  # fmt: skip
 
 
@@ -246,8 +158,10 @@ class PacketScanner:
         ----------
         received : int
             Bytes; 0 to go on with those that had no room in the blocks before.
-        blocks, channel, counters, now_ns
-            As for `PacketDecoder.decode`.
+        blocks, channel, counters
+            As for `PacketDecoder.decode_many`.
+        now_ns : int, ns
+            Stamp of the blocks.
 
         Returns
         -------
@@ -261,7 +175,7 @@ class PacketScanner:
         counters[Count.BYTES] += received
         at, packets = decode_run(
             self.octets, 0, used, False, self._torn, blocks.words, blocks.octets, blocks.singles,
-            blocks.end, channel, now_ns, own.slots, own.state, own.window, own.marks, own.hellos,
+            blocks.end, channel, now_ns, own.slots, own.state, own.window, own.marks,
             counters,
         )  # fmt: skip
         if at:
@@ -279,7 +193,7 @@ ETHERNET = 1472 - HEADER_BYTES - CRC_BYTES  # bytes of payload of a datagram tha
 
 
 class PacketEncoder:
-    """Readings of one device to packets; nothing is allocated after the beginning.
+    """Readings of one device to packets, in plain Python: for devices in software.
 
     Parameters
     ----------
@@ -292,10 +206,6 @@ class PacketEncoder:
 
     Attributes
     ----------
-    octets : (B,) uint8 array
-        The packets of the last reading, one after the other.
-    offsets : (P + 1,) int64 array
-        Packet i is `octets[offsets[i]:offsets[i + 1]]`.
     sequence, reading : int
         Numbers of the next packet and reading; whoever sends a HELLO in between adds 1.
     """
@@ -316,16 +226,10 @@ class PacketEncoder:
         width = WIDTH[self.kind]
         check_count("payload", payload, width, LONGEST_PAYLOAD, "bytes of a packet's payload")
         self.channels, self.device, self.per_packet = channels, device, payload // width
-        packets = -(-channels // self.per_packet)
-        self.octets: Octets = np.zeros(
-            packets * (HEADER_BYTES + CRC_BYTES) + width * channels, np.uint8
-        )
-        self.offsets: Ints = np.zeros(packets + 1, np.int64)
-        self._values: NDArray[np.generic] = np.zeros(channels, DTYPES[self.kind])
         self.sequence = self.reading = 0
 
-    def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> int:
-        """Write the packets of one reading.
+    def encode(self, values: ArrayLike, time_us: int, status: Status = Status.OK) -> list[bytes]:
+        """Packets of one reading.
 
         Parameters
         ----------
@@ -334,25 +238,20 @@ class PacketEncoder:
         time_us : int, µs
             Of the device's clock.
         status : Status
-
-        Returns
-        -------
-        int
-            Packets.
         """
-        from skinfield.wire.packet.kernel import encode_reading
-
-        check_shape("values", np.asarray(values), (self.channels,), "one per channel")
-        self._values[:] = values
-        packets = encode_reading(
-            self._values.view(np.uint8), WIDTH[self.kind], self.channels, int(self.kind),
-            self.device, 0, self.per_packet, self.sequence, self.reading, time_us & 0xFFFFFFFF,
-            int(status), self.octets, self.offsets,
-        )  # fmt: skip
-        self.sequence = (self.sequence + packets) & 0xFFFFFFFF
+        array = np.asarray(values).astype(DTYPES[self.kind])
+        check_shape("values", array, (self.channels,), "one per channel")
+        packets = []
+        for first in range(0, self.channels, self.per_packet):
+            part = array[first : first + self.per_packet]
+            last = first + len(part) == self.channels
+            packet = Packet(
+                kind=self.kind, device=self.device, sequence=self.sequence, time_us=time_us,
+                channel=first, count=len(part), reading=self.reading,
+                flags=PacketFlag.LAST if last else PacketFlag.NONE, status=status,
+                payload=part.tobytes(),
+            )  # fmt: skip
+            packets.append(encode_packet(packet))
+            self.sequence = (self.sequence + 1) & 0xFFFFFFFF
         self.reading = (self.reading + 1) & 0xFFFF
-        return int(packets)
-
-    def packet(self, index: int) -> Octets:
-        """Bytes of packet `index` of the last reading, without copying."""
-        return self.octets[self.offsets[index] : self.offsets[index + 1]]
+        return packets

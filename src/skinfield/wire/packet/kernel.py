@@ -1,4 +1,4 @@
-"""Packets, compiled: checksums, finding them in bytes, following devices, decoding and encoding.
+"""Packets, compiled: checksums, finding them in bytes, following devices, decoding.
 
 Of the ASCII digits 123456789 it is 0x29B1. `binascii.crc_hqx(data, 0xFFFF)` is the same sum.
 
@@ -7,6 +7,8 @@ that is further off than that is a late one, or the device began anew: the latte
 the packet after it follows, or at once when it is a HELLO with the sequence number 0. Counts are
 right in both cases; what a device sent before its first packet came through is not known.
 """
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +22,10 @@ BEGIN = 0xFFFF
 S, F, VERSION = 0x53, 0x46, 1
 HEADER_BYTES, CRC_BYTES, LONGEST_PAYLOAD = 24, 2, 4064
 BYTES, SHORTS, FLOATS, STATUS, SIGNED = 1, 2, 3, 4, 5  # as `PacketKind`
-BLOCK_STATUS, BLOCK_FLOATS = 4, 3  # as `Kind`
+# As `Kind` and `Status`; a plain number would be a type of its own to Numba.
+BLOCK_STATUS: Any = np.int64(4)
+BLOCK_FLOATS: Any = np.int64(3)
+NO_STATUS: Any = np.int64(0)
 MORE, NONE = 0, -1
 WINDOW = 1024  # packets
 FAR = 1 << 24  # packets ahead, beyond which a device is rather believed to have begun anew
@@ -29,15 +34,14 @@ NEW, TWICE, LATE = 0, 1, 2
 
 # columns of a device's state
 OFFSET, CHANNELS, STARTED, NEWEST, FIRST, JUMP, OWED, RESTARTS = 0, 1, 2, 3, 4, 5, 6, 7
-HELLO_TIME, TIME, MARKED, HELLOS, HELLO_LENGTH, READING, PACKETS = 8, 9, 10, 11, 12, 13, 14
-COLUMNS = 15
+HELLO_TIME, TIME, MARKED = 8, 9, 10
+COLUMNS = 11
 NO_JUMP = -1
 
 Row = NDArray[np.int64]
 HELLO, COMMANDS = 16, 32  # as `PacketKind`
 RECEIVED, READINGS, MALFORMED, FOREIGN, OCTETS = 0, 1, 4, 5, 10  # as `Count`
 STATUS_BITS = 0x0F  # that `Status` knows
-LAST_FLAG = 1  # as `PacketFlag`
 LATEST_NS = 1_000_000_000  # how far back a late packet's stamp is put at most
 
 Table = NDArray[np.int64]
@@ -83,7 +87,7 @@ def crc_ccitt(octets: Octets, start: int, stop: int) -> int:
 @inner
 def u16(octets: Octets, at: int) -> int:
     """Little-endian, of two bytes."""
-    return int(octets[at]) | int(octets[at + 1]) << 8
+    return int(np.int64(octets[at]) | np.int64(octets[at + 1]) << 8)
 
 
 @inner
@@ -119,7 +123,7 @@ def packet_size(octets: Octets, at: int, stop: int) -> int:
     if room < HEADER_BYTES:
         return MORE
     length = u16(octets, at + 6)
-    stated = stated_payload(int(octets[at + 3]), u16(octets, at + 18))
+    stated = stated_payload(int(np.int64(octets[at + 3])), u16(octets, at + 18))
     if length > LONGEST_PAYLOAD or (stated >= 0 and stated != length):
         return NONE
     end = at + HEADER_BYTES + length
@@ -143,7 +147,7 @@ def next_magic(octets: Octets, at: int, stop: int) -> int:
 @inner
 def words_needed(octets: Octets, at: int) -> int:
     """Words of blocks that a packet may become, at most."""
-    kind, count = int(octets[at + 3]), u16(octets, at + 18)
+    kind, count = int(np.int64(octets[at + 3])), u16(octets, at + 18)
     if stated_payload(kind, count) < 0:
         return 0
     clearing = 2 + payload_words(BLOCK_STATUS, count)
@@ -265,7 +269,6 @@ def decode_run(
     state: Table,
     window: Table,
     marks: Octets,
-    hellos: Octets,
     counters: Ints,
 ) -> tuple[int, int]:
     """Take the packets in `octets[start:stop]`.
@@ -287,7 +290,6 @@ def decode_run(
     window : (D, WINDOW) int64 array
     marks : (C,) uint8 array
         1 where a packet of counts left a status behind.
-    hellos : (D, H) uint8 array
     counters : (len(Count),) int64 array
 
     Returns
@@ -304,7 +306,7 @@ def decode_run(
                 break
             take_packet(
                 octets, at, words, payloads, singles, end, channel, now_ns, slots, state, window,
-                marks, hellos, counters,
+                marks, counters,
             )  # fmt: skip
             torn[0] = 0
             at += size
@@ -332,11 +334,10 @@ def take_packet(
     state: Table,
     window: Table,
     marks: Octets,
-    hellos: Octets,
     counters: Ints,
 ) -> None:
     """Take one whole packet, for whose blocks there is room."""
-    kind, slot = int(octets[at + 3]), slots[u16(octets, at + 4)]
+    kind, slot = int(np.int64(octets[at + 3])), slots[u16(octets, at + 4)]
     if slot < 0 or kind >= COMMANDS:
         counters[FOREIGN] += 1
         return
@@ -345,16 +346,11 @@ def take_packet(
     order = track(row, window[slot], u32(octets, at + 8), time, kind == HELLO, counters)
     if order == TWICE:
         return
-    row[PACKETS] += 1
     stamp = now_ns
     if order == LATE:
         stamp -= min(1000 * ((row[TIME] - time) & 0xFFFFFFFF), LATEST_NS)
     else:
         row[TIME] = time
-        if octets[at + 22] & LAST_FLAG:
-            row[READING] = u16(octets, at + 20)
-    if kind == HELLO:
-        take_hello(octets, at, row, hellos[slot])
     first, count = u16(octets, at + 16), u16(octets, at + 18)
     if stated_payload(kind, count) < 0:
         return
@@ -380,7 +376,7 @@ def take_counts(
     counters: Ints,
 ) -> None:
     """Append the blocks of a packet of counts or of status, whose bounds were checked."""
-    kind, first, count = int(octets[at + 3]), u16(octets, at + 16), u16(octets, at + 18)
+    kind, first, count = int(np.int64(octets[at + 3])), u16(octets, at + 16), u16(octets, at + 18)
     status, own, payload = octets[at + 23] & STATUS_BITS, row[OFFSET] + first, at + HEADER_BYTES
     if kind == STATUS:
         to = begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, status)
@@ -426,17 +422,7 @@ def note_status(
         found |= marks[own + i] != 0
         marks[own + i] = 0
     if found:
-        begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, 0)
-
-
-@inner
-def take_hello(octets: Octets, at: int, row: Row, hello: Octets) -> None:
-    """Keep the newest HELLO of a device."""
-    length = min(u16(octets, at + 6), len(hello))
-    for i in range(length):
-        hello[i] = octets[at + HEADER_BYTES + i]
-    row[HELLOS] += 1
-    row[HELLO_LENGTH] = length
+        begin_block(words, end, stamp, channel + own, count, BLOCK_STATUS, NO_STATUS)
 
 
 @njit
@@ -455,7 +441,6 @@ def decode_datagrams(
     state: Table,
     window: Table,
     marks: Octets,
-    hellos: Octets,
     counters: Ints,
     torn: Ints,
 ) -> int:
@@ -473,64 +458,6 @@ def decode_datagrams(
         start, final = int(np.int64(0)), length >= 0
         decode_run(
             datagrams[i], start, length, final, torn, words, payloads, singles, end, channel,
-            stamps[i], slots, state, window, marks, hellos, counters,
+            stamps[i], slots, state, window, marks, counters,
         )  # fmt: skip
     return last
-
-
-@njit
-def encode_reading(
-    values: Octets,
-    width: int,
-    count: int,
-    kind: int,
-    device: int,
-    first: int,
-    per_packet: int,
-    sequence: int,
-    reading: int,
-    time: int,
-    status: int,
-    out: Octets,
-    offsets: Ints,
-) -> int:
-    """Write one reading as packets, one after the other; how many, or -1 without room.
-
-    Parameters
-    ----------
-    values : (width * count,) uint8 array
-        Little-endian numbers.
-    out : (B,) uint8 array
-    offsets : (P + 1,) int64 array
-        Packet i is written to `out[offsets[i]:offsets[i + 1]]`.
-    """
-    packets = max(1, -(-count // per_packet))
-    if packets * (HEADER_BYTES + CRC_BYTES) + width * count > len(out) or packets >= len(offsets):
-        return -1
-    at, offsets[0] = 0, 0
-    for i in range(packets):
-        begin = i * per_packet
-        some = min(per_packet, count - begin)
-        end = at + HEADER_BYTES + width * some
-        out[at], out[at + 1], out[at + 2], out[at + 3] = S, F, VERSION, kind
-        _put(out, at + 4, device, 2)
-        _put(out, at + 6, width * some, 2)
-        _put(out, at + 8, sequence + i, 4)
-        _put(out, at + 12, time, 4)
-        _put(out, at + 16, first + begin, 2)
-        _put(out, at + 18, some, 2)
-        _put(out, at + 20, reading, 2)
-        out[at + 22] = LAST_FLAG if i == packets - 1 else 0
-        out[at + 23] = status
-        for j in range(width * some):
-            out[at + HEADER_BYTES + j] = values[width * begin + j]
-        _put(out, end, crc_ccitt(out, at, end), 2)
-        at = end + CRC_BYTES
-        offsets[i + 1] = at
-    return packets
-
-
-@njit
-def _put(out: Octets, at: int, number: int, count: int) -> None:
-    for i in range(count):
-        out[at + i] = (number >> (8 * i)) & 0xFF

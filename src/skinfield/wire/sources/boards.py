@@ -207,46 +207,15 @@ class CySkinSharedMemory:
         return SharedMemoryStream(self)
 
 
-class MemoryLink:
-    """The memory, which is there while the tool runs."""
-
-    def __init__(self, source: CySkinSharedMemory) -> None:
-        self.reader = SharedMemoryReader(source.boards, source.key)
-        self.reader.open()
-
-    @property
-    def up(self) -> bool:
-        """Whether the memory is there."""
-        return self.reader.up
-
-    @property
-    def fault(self) -> str:
-        """Why not."""
-        return "" if self.up else f"no shared memory with key {self.reader.key}: no tool runs"
-
-    def reopen(self) -> bool:
-        """Look for it."""
-        return self.reader.open()
-
-    def filenos(self) -> Sequence[int]:
-        """None: memory tells nobody."""
-        return ()
-
-    def close(self) -> None:
-        """Let go of it."""
-        self.reader.close()
-
-
 class SharedMemoryStream(LinkedStream):
     """See `skinfield.signal.Stream`."""
 
     def __init__(self, source: CySkinSharedMemory) -> None:
-        self._memory = MemoryLink(source)
-        super().__init__((port_of(source.name, source.boards),), (self._memory,))
-        order, nothing = self._memory.reader.order, np.zeros(0, np.uint32)
-        order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
+        self._reader = SharedMemoryReader(source.boards, source.key)
+        super().__init__((port_of(source.name, source.boards),), (self._reader,))
+        nothing = np.zeros(0, np.uint32)
+        self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
+        self._reader.reopen()
 
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        if not self._memory.up:
-            return 0
-        return self._memory.reader.read(blocks, channel, self.counters, now_ns)
+        return self._reader.read(blocks, channel, self.counters, now_ns)

@@ -1,7 +1,6 @@
 """Sources from the words of a command line, third parties' included; and ports of patches."""
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, TypeVar
@@ -10,7 +9,7 @@ from skinfield.errors import InputError, check_offers
 from skinfield.signal import Port, Source
 from skinfield.skin import Patch, Skin
 from skinfield.wire.can.bus import bus_settings, host_and_port, listens, own_address
-from skinfield.wire.cyskin.modules import CySkinBoard, on_boards
+from skinfield.wire.cyskin.modules import CySkinBoard, on_boards, on_enough_boards
 from skinfield.wire.cyskin.wire import CySkinWire, Unchecked
 from skinfield.wire.icub.configuration import configuration_for, load_configuration
 from skinfield.wire.packet.codec import PacketDevice
@@ -18,15 +17,28 @@ from skinfield.wire.sources.boards import CySkinCan, CySkinSharedMemory, ICubCan
 from skinfield.wire.sources.packets import TCP_PORT, UDP_PORT, PacketSerial, PacketTcp, PacketUdp
 from skinfield.wire.sources.replay import ReplaySource, pressed
 from skinfield.wire.sources.yarp import YarpPort, YarpText
-from skinfield.wire.yarp.bottle import port_of
-from skinfield.wire.yarp.name_server import PORT as YARP_PORT
+from skinfield.wire.yarp import PORT as YARP_PORT
+from skinfield.wire.yarp import port_of
 
 T = TypeVar("T")
 YES, NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0")
 
 GROUP = "skinfield.sources"  # of the entry points: name -> callable(skin, options) -> Source
-MOST_BOARDS = 16
 STREAMS = ("udp", "tcp", "serial")
+
+
+def _flag(text: str) -> bool:
+    if text.lower() not in YES + NO:
+        raise ValueError(text)
+    return text.lower() in YES
+
+
+CONVERTERS: dict[type, tuple[str, Callable[[str], Any]]] = {
+    str: ("text", str),
+    bool: ("yes or no", _flag),
+    int: ("a whole number", lambda text: int(text, 0)),
+    float: ("a number", float),
+}
 
 
 class Options:
@@ -43,32 +55,19 @@ class Options:
         self._texts, self._whose = dict(texts), whose
         self._read_names: list[str] = []
 
-    def text(self, name: str, default: str) -> str:
-        """As it is."""
-        return self._read(name, default, str, "text")
-
-    def whole(self, name: str, default: int) -> int:
-        """A whole number; 0x begins a hexadecimal one."""
-        return self._read(name, default, lambda text: int(text, 0), "a whole number")
-
-    def number(self, name: str, default: float) -> float:
-        """A number, or inf."""
-        return self._read(name, default, float, "a number")
-
-    def flag(self, name: str, default: bool) -> bool:
-        """Yes or no."""
-        return self._read(name, default, _flag, "yes or no")
-
-    def _read(self, name: str, default: T, convert: Callable[[str], T], what: str) -> T:
+    def get(self, name: str, default: T) -> T:
+        """One of them, of the type of its default: text, yes or no, whole (0x too), a number."""
         self._read_names.append(name)
         if name not in self._texts:
             return default
+        what, convert = CONVERTERS[type(default)]
         try:
-            return convert(self._texts[name])
+            value: T = convert(self._texts[name])
         except ValueError:
             raise InputError(
                 f"option {name} of {self._whose} is {self._texts[name]!r}, expected {what}"
             ) from None
+        return value
 
     def finish(self) -> None:
         """Raise InputError if something was given that is unknown."""
@@ -76,12 +75,6 @@ class Options:
             if name not in self._read_names:
                 known = ", ".join(sorted(self._read_names)) or "none"
                 raise InputError(f"{self._whose} has no option {name!r}, expected one of {known}")
-
-
-def _flag(text: str) -> bool:
-    if text.lower() not in YES + NO:
-        raise ValueError(text)
-    return text.lower() in YES
 
 
 def matched(skin: Skin | Patch, ports: Sequence[Port]) -> tuple[int, ...]:
@@ -211,7 +204,7 @@ def _called(point: EntryPoint, skin: Skin, texts: Mapping[str, str]) -> Source:
 
 def skin_for(hardware: str, skin: Skin) -> Skin:
     """The skin on the channels that its hardware has: CySkin's go by uid, others keep theirs."""
-    return _on_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
+    return on_enough_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
 
 
 def icub(request: SourceRequest) -> Source:
@@ -222,10 +215,9 @@ def icub(request: SourceRequest) -> Source:
     boards nothing).
     """
     read = request.options
-    files = [name for name in read.text("config", "").split(",") if name]
+    files = [name for name in read.get("config", "").split(",") if name]
     period, no_load, shift = (
-        read.whole(name, usual)
-        for name, usual in (("period_ms", 50), ("no_load", 240), ("shift", 2))
+        read.get(name, usual) for name, usual in (("period_ms", 50), ("no_load", 240), ("shift", 2))
     )
     configuration = (
         load_configuration(*files)
@@ -236,9 +228,9 @@ def icub(request: SourceRequest) -> Source:
         request.bus or "udp",
         request.channels,
         len(configuration.buses),
-        read.whole("bitrate", 1_000_000),
+        read.get("bitrate", 1_000_000),
     )
-    return ICubCan(configuration, tuple(buses), configure=not read.flag("listen", False))
+    return ICubCan(configuration, tuple(buses), configure=not read.get("listen", False))
 
 
 def cyskin(request: SourceRequest) -> Source:
@@ -251,17 +243,17 @@ def cyskin(request: SourceRequest) -> Source:
     read = request.options
     usual = CySkinWire()
     wire = CySkinWire(
-        extended=read.flag("extended", usual.extended),
-        big_endian=read.flag("big_endian", usual.big_endian),
-        checksum=usual.checksum if read.flag("checked", True) else Unchecked(),
+        extended=read.get("extended", usual.extended),
+        big_endian=read.get("big_endian", usual.big_endian),
+        checksum=usual.checksum if read.get("checked", True) else Unchecked(),
     )
-    bus = bus_settings(request.bus or "udp", request.channels, 1, read.whole("bitrate", 1_000_000))
+    bus = bus_settings(request.bus or "udp", request.channels, 1, read.get("bitrate", 1_000_000))
     return CySkinCan(
         _boards(request),
         tuple(bus),
         wire=wire,
-        period_ms=read.whole("period_ms", 50),
-        configure=not read.flag("listen", False),
+        period_ms=read.get("period_ms", 50),
+        configure=not read.get("listen", False),
     )
 
 
@@ -274,20 +266,12 @@ def shared_memory(request: SourceRequest) -> Source:
 
 
 def _boards(request: SourceRequest) -> tuple[CySkinBoard, ...]:
-    text = request.options.text("boards", "")
+    text = request.options.get("boards", "")
     if not text:
-        return _on_boards(request.skin)[1]
+        return on_enough_boards(request.skin)[1]
     if not all(part.strip().isdecimal() for part in text.split(",")):
         raise InputError(f"boards are {text!r}, expected their numbers with commas, as 1,2")
     return on_boards(request.skin, [int(part) for part in text.split(",")])[1]
-
-
-def _on_boards(skin: Skin) -> tuple[Skin, tuple[CySkinBoard, ...]]:
-    """The skin on boards 1, 2, ... as many as its modules need."""
-    for count in range(1, MOST_BOARDS):
-        with suppress(InputError):  # more modules than so many boards carry
-            return on_boards(skin, range(1, count + 1))
-    return on_boards(skin, range(1, MOST_BOARDS + 1))
 
 
 def packet(request: SourceRequest) -> Source:
@@ -302,9 +286,9 @@ def packet(request: SourceRequest) -> Source:
         PacketDevice(number, patch.n_channels) for number, patch in enumerate(request.skin, 1)
     )
     names = tuple(patch.name for patch in request.skin)
-    unit, command = read.text("unit", "count"), not read.flag("listen", False)
+    unit, command = read.get("unit", "count"), not read.get("listen", False)
     if bus == "serial":
-        path, baud = request.one_channel(PacketSerial.path), read.whole("baud", PacketSerial.baud)
+        path, baud = request.one_channel(PacketSerial.path), read.get("baud", PacketSerial.baud)
         return PacketSerial(devices, path, baud, names, unit, command)
     if bus == "tcp":
         host, port = host_and_port(request.one_channel(""), "127.0.0.1", TCP_PORT)
@@ -324,14 +308,14 @@ def replay(request: SourceRequest) -> Source:
     path, read = request.one_channel(""), request.options
     if not path:
         raise InputError("channel is missing, expected the path of the recording to replay")
-    speed, loop = read.number("speed", 1.0), read.flag("loop", False)
+    speed, loop = read.get("speed", 1.0), read.get("loop", False)
     return ReplaySource(path, speed, loop, request.skin)
 
 
 def simulation(request: SourceRequest) -> Source:
     """A ball that presses each patch in turn, within this process. Options: `rate`, `force`."""
     read = request.options
-    return pressed(request.skin, force=read.number("force", 3.0), rate=read.number("rate", 50.0))
+    return pressed(request.skin, force=read.get("force", 3.0), rate=read.get("rate", 50.0))
 
 
 def yarp(request: SourceRequest) -> Source:
@@ -344,8 +328,8 @@ def yarp(request: SourceRequest) -> Source:
     """
     read, patches = request.options, tuple(request.skin)
     for known, usual in (("no_load", 240), ("shift", 2)):
-        read.whole(known, usual)
-    robot = read.text("robot", "icub")
+        read.get(known, usual)
+    robot = read.get("robot", "icub")
     names = request.channels or tuple(port_of(patch.name, robot) for patch in patches)
     if len(names) != len(patches):
         raise InputError(
@@ -357,7 +341,7 @@ def yarp(request: SourceRequest) -> Source:
         for patch, name in zip(patches, names, strict=True)
     )
     host, port = host_and_port(request.bus, "127.0.0.1", YARP_PORT)
-    own, unit = read.text("own", YarpText.own), read.text("unit", YarpText.unit)
+    own, unit = read.get("own", YarpText.own), read.get("unit", YarpText.unit)
     return YarpText(ports, host, port, own, unit)
 
 

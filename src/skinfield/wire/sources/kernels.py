@@ -8,30 +8,6 @@ from skinfield.errors import Ints
 from skinfield.signal.block import Words
 from skinfield.signal.blocks_kernel import HEADER_WORDS, STATUS, payload_words
 
-UNCONFIGURED, CONFIGURED = 3, 4  # classes of readings, as `MessageClass`
-HIGHEST_ID = 0x7FF
-
-
-@njit
-def note_boards(
-    ids: NDArray[np.uint32], stamp_ns: Ints, count: int, heard_ns: Ints, classes: Ints
-) -> None:
-    """Note the newest stamp and class of each board's readings.
-
-    Parameters
-    ----------
-    ids, stamp_ns : (N,) arrays
-        Of `CanMessages`.
-    heard_ns, classes : (16,) int64 arrays
-        Written.
-    """
-    for i in range(count):
-        if ids[i] <= HIGHEST_ID:
-            kind, board = ids[i] >> 8, (ids[i] >> 4) & 15
-            if kind in (UNCONFIGURED, CONFIGURED):
-                heard_ns[board] = stamp_ns[i]
-                classes[board] = kind
-
 
 @njit
 def note_senders(
@@ -50,14 +26,21 @@ def note_senders(
         for k in range(len(numbers)):
             if ids[i] & mask == numbers[k]:
                 heard_ns[k] = stamp_ns[i]
+                break
 
 
 SPAN = 1 << 56  # ns, 2.3 years: what is divided by the least speed fits into 64 bits
 
 
 @njit
-def survey(words: Words, highest: Ints) -> int:
-    """Words up to the end of the last whole block; notes the highest channel, less 1: `highest[0]`.
+def survey(words: Words, bounds: Ints) -> int:
+    """Words up to the end of the last whole block.
+
+    Parameters
+    ----------
+    words : (W,) int64 array
+    bounds : (2,) int64 array
+        Written: channels, the highest one's number and 1; newest stamp, ns.
 
     Returns
     -------
@@ -75,7 +58,8 @@ def survey(words: Words, highest: Ints) -> int:
         if words[at] < 0 or words[0] < 0 or abs(words[at] - words[0]) > SPAN:
             break
         if kind <= STATUS:
-            highest[0] = max(highest[0], first + count)
+            bounds[0] = max(bounds[0], first + count)
+        bounds[1] = max(bounds[1], words[at])
         at += HEADER_WORDS + size
     return int(at)
 

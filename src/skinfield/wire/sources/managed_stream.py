@@ -14,7 +14,7 @@ Not more than `AT_ONCE` messages are sent in one poll; what a bus does not take 
 """
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from time import time_ns
 
 import numpy as np
@@ -23,9 +23,10 @@ from skinfield.errors import Ints
 from skinfield.signal import Blocks, CanDecoder, CanMessages, Count, Port
 from skinfield.wire.can.adapters import open_bus
 from skinfield.wire.can.bus import Bus, BusSettings
+from skinfield.wire.cyskin.board import start_messages, stop_messages
 from skinfield.wire.cyskin.modules import CySkinBoard
 from skinfield.wire.cyskin.wire import CySkinWire
-from skinfield.wire.icub.commands import BOARDS, Transmit, host_message
+from skinfield.wire.icub.commands import MessageClass, Transmit, host_message, message_id
 from skinfield.wire.icub.configuration import ICubConfiguration
 from skinfield.wire.sources.streams import LinkedStream
 
@@ -44,17 +45,19 @@ class BoardSupervision:
     ----------
     begin, end : sequence of (identifier, data)
         What all boards are told at first, and at last.
-    each : mapping of int to sequences of (identifier, data)
-        What a board is told again, by its row in `heard_ns`.
-    rows : int
-        Of `heard_ns`.
+    each : sequence of sequences of (identifier, data)
+        What each board is told again.
+    numbers : sequence of int
+        By which its messages are known, of each board.
+    mask : int
+        Bits of identifiers in which these are.
     period : float, s
         Of the readings.
 
     Attributes
     ----------
-    heard_ns : (rows,) int64 array, ns
-        When each board sent last.
+    heard_ns : (N,) int64 array, ns
+        When a message of each of `numbers` came last.
     reconfigured : int
         Times that a board was told its settings after the first.
     """
@@ -63,15 +66,21 @@ class BoardSupervision:
         self,
         begin: Sequence[Message],
         end: Sequence[Message],
-        each: Mapping[int, Sequence[Message]],
-        rows: int,
+        each: Sequence[Sequence[Message]],
+        numbers: Sequence[int],
+        mask: int,
         period: float,
     ) -> None:
-        self._all, self._stop, self._each = tuple(begin), tuple(end), dict(each)
+        from skinfield.wire.sources.kernels import note_senders
+
+        self._note = note_senders
+        self._all, self._stop, self._each = tuple(begin), tuple(end), tuple(each)
+        self._numbers: Ints = np.array(numbers, np.int64)
+        self._mask = mask
         self._silence = round(1e9 * max(SILENCE, 10 * period))
-        self.heard_ns: Ints = np.zeros(rows, np.int64)
-        self._due = [0] * rows
-        self._pause = [FIRST_PAUSE] * rows
+        self.heard_ns: Ints = np.zeros(len(numbers), np.int64)
+        self._due = [0] * len(each)
+        self._pause = [FIRST_PAUSE] * len(each)
         self._queue: deque[Message] = deque()
         self._look = 0
         self.reconfigured = 0
@@ -90,7 +99,7 @@ class BoardSupervision:
         """Take it that all boards were told everything before, and still do it."""
         self._queue.clear()
         self.heard_ns[:] = now_ns  # from here on they may be silent
-        for row in range(len(self.heard_ns)):
+        for row in range(len(self._each)):
             self._was_heard(row)
 
     def _was_heard(self, row: int) -> None:
@@ -98,7 +107,11 @@ class BoardSupervision:
 
     def heard(self, rows: CanMessages, count: int) -> None:
         """Note who sent."""
-        raise NotImplementedError
+        self._note(rows.ids, rows.stamp_ns, count, self._mask, self._numbers, self.heard_ns)
+
+    def _last_ns(self, row: int) -> int:
+        """When a board sent last."""
+        return int(self.heard_ns[row])
 
     def _forgot(self, row: int) -> bool:
         """Whether a board that sends is known to have forgotten its settings."""
@@ -112,13 +125,13 @@ class BoardSupervision:
         if now_ns >= self._look:
             self._look = now_ns + round(1e9 * LOOK)
             if not self._queue:
-                for row in self._each:
+                for row in range(len(self._each)):
                     self._examine(row, now_ns)
         if self._queue:
             self._send(bus, at_once)
 
     def _examine(self, row: int, now_ns: int) -> None:
-        if now_ns - self.heard_ns[row] <= self._silence and not self._forgot(row):
+        if now_ns - self._last_ns(row) <= self._silence and not self._forgot(row):
             self._was_heard(row)
         elif now_ns >= self._due[row]:
             self._queue.extend(self._each[row])
@@ -140,62 +153,50 @@ class BoardSupervision:
 
 
 class ICubSupervision(BoardSupervision):
-    """Boards of an iCub, of bus `place` of their configuration; rows are addresses."""
+    """Boards of an iCub, of bus `place` of their configuration, by their addresses and classes."""
 
     def __init__(self, configuration: ICubConfiguration, place: int) -> None:
-        from skinfield.wire.sources.kernels import note_boards
-
-        self._note = note_boards
-        self._classes: Ints = np.zeros(BOARDS, np.int64)
-        self._configured = [False] * BOARDS
+        boards = [board for board in configuration.boards if board.bus == place]
+        self._configured = [False] * len(boards)
         super().__init__(
             configuration.messages(place),
             configuration.stop_messages(place),
-            {
-                board.address: (*board.messages, host_message(board.address, Transmit(True)))
-                for board in configuration.boards
-                if board.bus == place
-            },
-            BOARDS,
+            [(*each.messages, host_message(each.address, Transmit(True))) for each in boards],
+            [message_id(kind, each.address, 0) for kind in MessageClass for each in boards],
+            ~0xF,  # all bits but the triangle's
             configuration.period,
         )
 
-    def heard(self, rows: CanMessages, count: int) -> None:
-        """Note who sent, and of which class."""
-        self._note(rows.ids, rows.stamp_ns, count, self.heard_ns, self._classes)
+    def _classes_ns(self, row: int) -> tuple[int, int]:
+        """When a board sent readings last as one that nobody configured, and as configured."""
+        return int(self.heard_ns[row]), int(self.heard_ns[row + len(self._configured)])
+
+    def _last_ns(self, row: int) -> int:
+        return max(self._classes_ns(row))
 
     def _was_heard(self, row: int) -> None:
         super()._was_heard(row)
-        self._configured[row] = self._classes[row] == 4
+        plain, configured = self._classes_ns(row)
+        if plain != configured:  # else it has not sent since all began
+            self._configured[row] = configured > plain
 
     def _forgot(self, row: int) -> bool:
-        return self._configured[row] and self._classes[row] == 3
+        plain, configured = self._classes_ns(row)
+        return self._configured[row] and plain > configured
 
 
 class CySkinSupervision(BoardSupervision):
-    """Boards of CySkin on one bus; rows are those of `boards`."""
+    """Boards of CySkin on one bus."""
 
     def __init__(self, boards: Sequence[CySkinBoard], wire: CySkinWire, period_ms: int) -> None:
-        from skinfield.wire.cyskin.board import start_messages, stop_messages
-        from skinfield.wire.sources.kernels import note_senders
-
-        self._note = note_senders
-        self._numbers: Ints = np.array([board.number for board in boards], np.int64)
-        self._mask = wire.every_board
         super().__init__(
             start_messages(boards, wire, period_ms=period_ms),
             stop_messages(boards, wire),
-            {
-                row: start_messages([board], wire, period_ms=period_ms)
-                for row, board in enumerate(boards)
-            },
-            len(boards),
+            [start_messages([board], wire, period_ms=period_ms) for board in boards],
+            [board.number for board in boards],
+            wire.every_board,
             period_ms * 1e-3,
         )
-
-    def heard(self, rows: CanMessages, count: int) -> None:
-        """Note who sent."""
-        self._note(rows.ids, rows.stamp_ns, count, self._mask, self._numbers, self.heard_ns)
 
 
 ROOM = 2048  # messages of one poll of a bus: 0.2 s of a full bus of 1 Mbit/s

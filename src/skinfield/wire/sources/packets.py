@@ -6,7 +6,6 @@ came for `SILENCE`: then once a second. Devices that send by themselves need not
 
 import fcntl
 import os
-import select
 import socket
 import struct
 import termios
@@ -18,14 +17,12 @@ from time import monotonic
 from types import ModuleType
 from typing import Any
 
-import numpy as np
-
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import Octets
 from skinfield.wire.can.datagrams import (
+    TRANSIENT,
     Datagrams,
-    address_octets,
     buffer_note,
     let_go,
     peer_from_text,
@@ -34,7 +31,8 @@ from skinfield.wire.can.datagrams import (
 )
 from skinfield.wire.packet.codec import PacketDecoder, PacketDevice, PacketScanner
 from skinfield.wire.packet.packets import PacketKind, encode_command
-from skinfield.wire.sources.streams import PATIENCE, LinkedStream, connecting, is_connected
+from skinfield.wire.sources.links import BreakingLink, DialledLink
+from skinfield.wire.sources.streams import LinkedStream
 
 SILENCE = 1_000_000_000  # ns
 START, STOP = encode_command(PacketKind.START), encode_command(PacketKind.STOP)
@@ -42,99 +40,54 @@ ROUNDS = 8  # of a poll
 BUFFER = 1 << 18  # bytes
 
 
-def checked_devices(devices: Sequence[PacketDevice] | int) -> tuple[PacketDevice, ...]:
-    """Devices as a tuple; a number stands for device 1 with so many channels."""
-    if isinstance(devices, int):
-        return (PacketDevice(1, devices),)
-    return tuple(devices)
+class PacketSource:
+    """Settings of devices, whatever their packets come by."""
 
+    devices: Sequence[PacketDevice] | int
+    names: Sequence[str]
+    unit: str
 
-def ports_of(devices: Sequence[PacketDevice], names: Sequence[str], unit: str) -> tuple[Port, ...]:
-    """A port for each device.
-
-    Raises
-    ------
-    InputError
-        If there are names, but not one for each.
-    """
-    if not names:
-        names = ["skin"] if len(devices) == 1 else [f"device{each.number}" for each in devices]
-    if len(names) != len(devices):
-        raise InputError(
-            f"names are {list(names)}, expected {len(devices)}: one for each device's port"
+    def __post_init__(self) -> None:
+        devices = self.devices
+        known = (PacketDevice(1, devices),) if isinstance(devices, int) else tuple(devices)
+        names = tuple(self.names) or tuple(
+            "skin" if len(known) == 1 else f"device{each.number}" for each in known
         )
-    return tuple(
-        Port(name, device.channels, unit) for name, device in zip(names, devices, strict=True)
-    )
+        object.__setattr__(self, "devices", known)
+        object.__setattr__(self, "names", names)
 
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """One for each device.
 
-class BreakingLink:
-    """Connection of one file descriptor; where it breaks, `fault` says why, and nothing raises."""
-
-    def __init__(self, label: str) -> None:
-        self._label, self._number = label, -1
-        self.up, self.fault = False, ""
-
-    def reopen(self) -> bool:
-        """Try to get it back, without waiting; whether it is up now."""
-        raise NotImplementedError
-
-    def close(self) -> None:
-        """Let go of it."""
-        raise NotImplementedError
-
-    def _opened(self, number: int) -> bool:
-        self._number, self.up, self.fault = number, True, ""
-        return True
-
-    def _broke(self, error: Exception | str) -> int:
-        self.close()
-        self.fault = f"{self._label}: {getattr(error, 'strerror', None) or error}"
-        return 0
-
-    def filenos(self) -> Sequence[int]:
-        """Of the connection, while it is up."""
-        return (self._number,) if self.up else ()
-
-    def send(self, data: bytes) -> None:
-        """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
-        if self.up:
-            try:
-                os.write(self._number, data)
-            except (BlockingIOError, InterruptedError):
-                return
-            except OSError as error:
-                self._broke(error)
-
-
-class ByteLink(BreakingLink):
-    """Connection that brings bytes."""
-
-    def receive(self, into: Octets) -> int:
-        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
-        raise NotImplementedError
+        Raises
+        ------
+        InputError
+            If there are names, but not one for each.
+        """
+        devices = self.devices
+        assert not isinstance(devices, int)  # since it was made
+        if len(self.names) != len(devices):
+            raise InputError(
+                f"names are {list(self.names)}, expected {len(devices)}: one for each device's port"
+            )
+        return tuple(
+            Port(name, device.channels, self.unit)
+            for name, device in zip(self.names, devices, strict=True)
+        )
 
 
 class PacketStream(LinkedStream):
-    """Packets over one link; see `skinfield.signal.Stream`.
+    """Packets over one link; see `skinfield.signal.Stream`."""
 
-    Attributes
-    ----------
-    decoder : PacketDecoder
-        Its `device` tells what is known of each.
-    """
-
-    def __init__(
-        self,
-        devices: Sequence[PacketDevice],
-        names: Sequence[str],
-        unit: str,
-        link: BreakingLink,
-        command: bool,
-    ) -> None:
-        super().__init__(ports_of(devices, names, unit), [link])
+    def __init__(self, source: PacketSource, link: BreakingLink, command: bool) -> None:
+        try:
+            super().__init__(source.ports, [link])
+            self.decoder = PacketDecoder(source.devices)
+        except BaseException:
+            link.close()
+            raise
         self._link = link
-        self.decoder = PacketDecoder(devices)
         self._command = command
         self._heard_ns = 0
         self._new = True  # connection, over which nothing was told yet
@@ -165,17 +118,12 @@ class PacketStream(LinkedStream):
 class ByteStream(PacketStream):
     """See `PacketStream`."""
 
-    _link: ByteLink
+    _link: "DialledLink | SerialLink"
 
     def __init__(
-        self,
-        devices: Sequence[PacketDevice],
-        names: Sequence[str],
-        unit: str,
-        link: ByteLink,
-        command: bool,
+        self, source: PacketSource, link: "DialledLink | SerialLink", command: bool
     ) -> None:
-        super().__init__(devices, names, unit, link, command)
+        super().__init__(source, link, command)
         self._scanner = PacketScanner(self.decoder, BUFFER)
         self._scanner.take(0, Blocks(1024), 0, self.counters, 0)  # compiles
 
@@ -202,27 +150,6 @@ BATCHES = 16  # of a poll
 UDP_PORT = 43210
 TCP_PORT = 43211
 LOOK = 0.25  # s between two looks at whether the device's node is still there
-
-
-class PacketSource:
-    """Settings of devices, whatever their packets come by."""
-
-    devices: Sequence[PacketDevice] | int
-    names: Sequence[str]
-    unit: str
-    command: bool
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "devices", checked_devices(self.devices))
-        object.__setattr__(self, "names", tuple(self.names))
-
-    def _stream(self, link: ByteLink) -> ByteStream:
-        try:
-            devices = checked_devices(self.devices)
-            return ByteStream(devices, self.names, self.unit, link, self.command)
-        except BaseException:
-            link.close()
-            raise
 
 
 @dataclass(frozen=True)
@@ -274,12 +201,8 @@ class UdpLink(BreakingLink):
     def __init__(self, settings: PacketUdp) -> None:
         self._own = resolved(settings.host, settings.port, "host")
         super().__init__(f"udp {self._own.address}")
-        peer = peer_from_text(settings.peer) if settings.peer else None
+        self.peer = peer_from_text(settings.peer).address if settings.peer else None
         self.batch = Datagrams(BATCH, LONGEST)
-        self._out = Datagrams(1, LONGEST)
-        self.has_peer = peer is not None
-        if peer is not None:
-            self._out.address(np.frombuffer(address_octets(peer.family, peer.address), np.uint8))
         self._socket: socket.socket | None = None
         self.buffer_bytes = 0
         self.reopen()
@@ -303,23 +226,25 @@ class UdpLink(BreakingLink):
         try:
             self._socket, self.buffer_bytes = unicast_socket(self._own)
         except OSError as error:
-            return bool(self._broke(error))
+            return bool(self.broke(error))
         self.batch.of_new_socket()
         return self._opened(self._socket.fileno())
 
     def receive(self) -> int:
         """Fill the batch; how many datagrams."""
-        count = self.batch.receive(self._socket, BATCH) if self._socket is not None else 0
-        return count if count >= 0 else self._broke(os.strerror(-count))
+        try:
+            return self.batch.receive(self._socket) if self._socket is not None else 0
+        except OSError as error:
+            return self.broke(error)
 
     def send(self, data: bytes) -> None:
         """Send one datagram to the peer."""
-        if self._socket is not None and self.has_peer:
-            self._out.octets[0, : len(data)] = np.frombuffer(data, np.uint8)
-            self._out.lengths[0] = len(data)
-            sent = self._out.send(self._socket, 1, connected=False)
-            if sent < 0:
-                self._broke(os.strerror(-sent))
+        if self._socket is not None and self.peer is not None:
+            try:
+                self._socket.sendto(data, self.peer)
+            except OSError as error:
+                if error.errno not in TRANSIENT:
+                    self.broke(error)
 
     def close(self) -> None:
         """Let go of the socket."""
@@ -333,14 +258,10 @@ class PacketUdpStream(PacketStream):
     _link: UdpLink
 
     def __init__(self, source: PacketUdp) -> None:
-        link, devices = UdpLink(source), checked_devices(source.devices)
-        try:
-            super().__init__(devices, source.names, source.unit, link, link.has_peer)
-            self._first = self._count = self._overflowed = 0
-            self._decode(Blocks(1024), 0)  # compiles before the first packet
-        except BaseException:
-            link.close()
-            raise
+        link = UdpLink(source)
+        super().__init__(source, link, link.peer is not None)
+        self._first = self._count = self._overflowed = 0
+        self._decode(Blocks(1024), 0)  # compiles before the first packet
 
     @property
     def address(self) -> tuple[str, int]:
@@ -406,60 +327,9 @@ class PacketTcp(PacketSource):
         InputError
             If the host is not understood.
         """
-        return self._stream(TcpLink(self.host, self.port))
-
-
-class TcpLink(ByteLink):
-    """A connection to a server."""
-
-    def __init__(self, host: str, port: int) -> None:
-        self._place = resolved(host, port, "host")
-        super().__init__(f"tcp {host}:{port}")
-        self._socket: socket.socket | None = None
-        self._poll = select.poll()
-        self._begun = 0.0  # when the attempt that goes on began; 0: none does
-        self.reopen()
-
-    def reopen(self) -> bool:
-        """Begin to connect, unless that goes on already."""
-        if self._begun and monotonic() - self._begun < PATIENCE:
-            return self._is_connected()
-        self.close()
-        self.fault = f"{self._label}: connecting"
-        try:
-            self._socket, self._poll = connecting(self._place)
-        except OSError as error:
-            return bool(self._broke(error))
-        self._begun = monotonic()
-        return self._is_connected()
-
-    def _is_connected(self) -> bool:
-        """Whether the attempt succeeded by now."""
-        try:
-            if self._socket is None or not is_connected(self._socket, self._poll):
-                return False
-        except OSError as error:
-            return bool(self._broke(error))
-        self._begun = 0.0
-        return self._opened(self._socket.fileno())
-
-    def receive(self, into: Octets) -> int:
-        """Write what has arrived."""
-        if self._socket is None or not self.up:
-            self._is_connected()  # what it brings is read once all know that it is up
-            return 0
-        try:
-            count = self._socket.recv_into(into.data)
-        except (BlockingIOError, InterruptedError):
-            return 0
-        except OSError as error:
-            return self._broke(error)
-        return count or self._broke("the server closed the connection")
-
-    def close(self) -> None:
-        """Let go of the connection."""
-        let_go(self._socket)
-        self._socket, self._begun, self.up = None, 0.0, False
+        place = resolved(self.host, self.port, "host")
+        link = DialledLink(f"tcp {self.host}:{self.port}", place)
+        return ByteStream(self, link, self.command)
 
 
 @dataclass(frozen=True)
@@ -503,7 +373,7 @@ class PacketSerial(PacketSource):
         InputError
             If pyserial is not installed, or the line cannot be set up so.
         """
-        return self._stream(SerialLink(self.path, self.baud))
+        return ByteStream(self, SerialLink(self.path, self.baud), self.command)
 
 
 def pyserial() -> ModuleType:
@@ -525,7 +395,7 @@ def pyserial() -> ModuleType:
     return module
 
 
-class SerialLink(ByteLink):
+class SerialLink(BreakingLink):
     """A serial line; pyserial sets it up, reading is the system's own call."""
 
     def __init__(self, path: str, baud: int) -> None:
@@ -559,7 +429,7 @@ class SerialLink(ByteLink):
                 f"line {self._path} at {self._baud} bit/s: {error}, expected a rate that it has"
             ) from error
         except OSError as error:  # SerialException is one
-            return bool(self._broke(error))
+            return bool(self.broke(error))
         self._node = node.st_dev, node.st_ino
         self._look = monotonic() + LOOK
         return self._opened(self._port.fileno())
@@ -578,7 +448,7 @@ class SerialLink(ByteLink):
         except (BlockingIOError, InterruptedError):
             return 0
         except (OSError, ValueError) as error:
-            return self._broke(error)
+            return self.broke(error)
         return 0
 
     def _check_node(self) -> None:

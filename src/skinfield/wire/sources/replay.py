@@ -15,10 +15,9 @@ from skinfield.errors import (
     Ints,
     as_floats,
     check_range,
-    check_shape,
 )
-from skinfield.signal import Blocks, Count, Kind, Port, Status, Stream, counters
-from skinfield.signal.block import LONGEST, WORD, Octets, Words
+from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
+from skinfield.signal.block import LONGEST, WORD, Words
 from skinfield.skin import Patch, Skin
 from skinfield.skin.reading import UNITS, Recording
 
@@ -50,142 +49,39 @@ def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
     return Kind.FLOATS, counts.astype("<f4")
 
 
-class TableStream:
-    """See `skinfield.signal.Stream`.
+def tape_of(counts: Floats, after_ns: Ints) -> Words:
+    """Readings of a table as blocks, in words.
 
     Parameters
     ----------
-    ports : sequence of Port
     counts : (T, C) array
-        Over the channels of all ports.
     after_ns : (T,) int64 array, ns
         Of each reading, since the first; not decreasing.
-    speed : float
-        Times real time. Infinite: the next reading at each poll.
-    loop : bool
-        Whether it begins anew behind the last.
-    pause_ns : int, ns
-        From the last reading to the first of the next round.
-
-    Attributes
-    ----------
-    index : int
-        Of this source among all.
-    ended : bool
-        Whether the last reading was delivered, for good.
     """
-
-    def __init__(
-        self,
-        ports: Sequence[Port],
-        counts: Floats,
-        after_ns: Ints,
-        speed: float = 1.0,
-        loop: bool = False,
-        pause_ns: int = 0,
-    ) -> None:
-        from skinfield.signal.blocks_kernel import put_octets
-
-        self._put = put_octets
-        self.ports = tuple(ports)
-        width = sum(port.channels for port in self.ports)
-        check_shape("counts", counts, (None, width), "a column per channel of the ports")
-        check_shape("after_ns", after_ns, (len(counts),), "a time per reading")
-        if not len(counts) or (np.diff(after_ns) < 0).any() or after_ns[0] != 0:
-            raise InputError(
-                f"after_ns is {after_ns}, expected one reading or more, the first at 0, none "
-                "before its predecessor"
-            )
-        self.counters, self.index, self.up, self.ended = counters(), 0, True, False
-        self._kind, table = narrowest(counts)
-        self._octets: Octets = np.ascontiguousarray(table).reshape(-1).view(np.uint8)
-        self._width, self._item = width, table.dtype.itemsize
-        self._after = (
-            after_ns if speed == ALL_AT_ONCE else np.rint(after_ns / speed).astype(np.int64)
+    if not len(counts) or len(after_ns) != len(counts):
+        raise InputError(f"there are {len(counts)} readings, expected one or more with a time each")
+    if (np.diff(after_ns) < 0).any() or after_ns[0] != 0:
+        raise InputError(
+            f"after_ns is {after_ns}, expected the first at 0, none before its predecessor"
         )
-        self._step_by_step = speed == ALL_AT_ONCE
-        self._loop, self._pause = loop, round(pause_ns / speed)
-        self._start = 0  # ns, of the round; 0 before the first poll
-        self._next = self._column = self._now = 0
-
-    @property
-    def fault(self) -> str:
-        """Why it is not up: at the end of a table that is not begun anew."""
-        return "" if self.up else "the recording is over"
-
-    def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        """Append the readings whose time has come."""
-        if not self._start:
-            self._start = now_ns
-        elif now_ns < self._now:  # the clock was set back
-            self._start -= self._now - now_ns
-        self._now, taken = now_ns, 0
-        while not self.ended:
-            stamp = now_ns if self._step_by_step else self._start + int(self._after[self._next])
-            if stamp > now_ns or not self._append(blocks, channel, stamp):
-                break
-            taken += 1
-            self._advance(now_ns)
-            if self._step_by_step or taken == len(self._after):
-                break
-        if self.ended and self.up:
-            self._tell(blocks, now_ns)
-        return taken
-
-    def _append(self, blocks: Blocks, channel: int, stamp_ns: int) -> bool:
-        """Append one reading, in as many blocks as it takes; False if it did not fit."""
-        while self._column < self._width:
-            count = min(LONGEST, self._width - self._column)
-            at = (self._next * self._width + self._column) * self._item
-            if not self._put(
-                blocks.words,
-                blocks.octets,
-                blocks.end,
-                stamp_ns,
-                channel + self._column,
-                int(self._kind),
-                int(Status.OK),
-                self._octets,
-                at,
-                count,
-            ):
-                return False
-            self._column += count
-            self.counters[Count.READINGS] += 1
-        self._column = 0
-        self.counters[Count.RECEIVED] += 1
-        self.counters[Count.BYTES] += self._width * self._item
-        return True
-
-    def _advance(self, now_ns: int) -> None:
-        self._next += 1
-        if self._next == len(self._after):
-            if not self._loop:
-                self.ended = True
-            elif not self._step_by_step:
-                self._start += int(self._after[-1]) + self._pause
-                if now_ns - self._start > int(self._after[-1]) + self._pause:
-                    self._start = now_ns  # nobody polled for a whole round: it is not made up for
-            self._next = 0
-
-    def _tell(self, blocks: Blocks, now_ns: int) -> None:
-        if int(blocks.end[0]) + 3 <= len(blocks.words):
-            blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)
-            self.up = False
-
-    def filenos(self) -> Sequence[int]:
-        """None: it is a matter of time."""
-        return ()
-
-    def close(self) -> None:
-        """Deliver nothing more."""
-        self.up, self.ended = False, True
+    kind, table = narrowest(counts)
+    parts = []
+    for first in range(0, table.shape[1], LONGEST):
+        columns = table[:, first : first + LONGEST]
+        size = columns.shape[1] * table.itemsize
+        part = np.zeros((len(table), 2 + -(-size // WORD)), np.int64)
+        part[:, 0] = after_ns
+        part[:, 1] = first | columns.shape[1] << 32 | int(kind) << 48
+        part[:, 2:].view(np.uint8)[:, :size] = np.ascontiguousarray(columns).view(np.uint8)
+        parts.append(part)
+    return np.hstack(parts).ravel()
 
 
 class BlockReplayStream:
     """See `skinfield.signal.Stream`.
 
-    Blocks of sources, losses and tares are left out: they were of another time.
+    Blocks of sources, losses and tares are left out: they were of another time. A round that nobody
+    polled is not made up for.
 
     Parameters
     ----------
@@ -196,8 +92,11 @@ class BlockReplayStream:
     speed : float
         Times real time. Infinite: at each poll, what came until a channel came again.
     loop : bool
+        Whether it begins anew behind the last.
     path : str
         Of the recording, for messages.
+    pause_ns : int, ns
+        From the last reading to the first of the next round.
 
     Attributes
     ----------
@@ -213,27 +112,36 @@ class BlockReplayStream:
     """
 
     def __init__(
-        self, ports: Sequence[Port], tape: Words, speed: float, loop: bool, path: str
+        self,
+        ports: Sequence[Port],
+        tape: Words,
+        speed: float = 1.0,
+        loop: bool = False,
+        path: str = "table",
+        pause_ns: int = 0,
     ) -> None:
         from skinfield.wire.sources.kernels import play, survey
 
         self._play = play
-        highest: Ints = np.zeros(1, np.int64)
-        whole = survey(tape, highest)
-        if whole < len(tape) or not highest[0]:
+        bounds: Ints = np.zeros(2, np.int64)
+        whole = survey(tape, bounds)
+        highest, newest = bounds.tolist()
+        if whole < len(tape) or not highest:
             raise FileError(
                 f"{path}: byte {8 * whole} of {8 * len(tape)} of the readings is no block, "
                 "expected blocks of readings: skinfield recover may help"
             )
-        self.ports = tuple(ports) or (Port("skin", int(highest[0])),)
+        self.ports = tuple(ports) or (Port("skin", highest),)
         channels = sum(port.channels for port in self.ports)
-        if highest[0] > channels:
+        if highest > channels:
             raise FileError(
-                f"{path}: has readings of channel {highest[0] - 1}, expected channels below "
+                f"{path}: has readings of channel {highest - 1}, expected channels below "
                 f"{channels}, of ports {', '.join(port.name for port in self.ports)}"
             )
         self.counters, self.index, self.up, self.ended = counters(), 0, True, False
         self._tape, self._speed, self._loop = tape, speed, loop
+        self._step_by_step = speed == ALL_AT_ONCE
+        self._round = 0 if self._step_by_step else round((newest - int(tape[0]) + pause_ns) / speed)
         self._at, self._start, self._now = 0, 0, 0
         self._taken: Ints = np.zeros(4, np.int64)
         self._copy(Blocks(64), 0, 0, -1)  # compiles
@@ -250,11 +158,13 @@ class BlockReplayStream:
         elif now_ns < self._now:  # the clock was set back
             self._start -= self._now - now_ns
         self._now = now_ns
-        if self.ended:
-            if self.up and int(blocks.end[0]) + 3 <= len(blocks.words):
-                blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)
-                self.up = False
-            return 0
+        taken = 0 if self.ended else self._taken_in(blocks, channel, now_ns)
+        if self.ended and self.up and int(blocks.end[0]) + 3 <= len(blocks.words):
+            blocks.put_number(now_ns, self.index, Kind.SOURCE, 0)
+            self.up = False
+        return taken
+
+    def _taken_in(self, blocks: Blocks, channel: int, now_ns: int) -> int:
         before = int(blocks.end[0])
         self._at = self._copy(blocks, channel, self._at, now_ns)
         taken = int(self._taken[0])
@@ -262,22 +172,23 @@ class BlockReplayStream:
         self.counters[Count.READINGS] += self._taken[1]
         self.counters[Count.BYTES] += 8 * (int(blocks.end[0]) - before)
         if self._at == len(self._tape):
-            self.ended = not self._loop
-            self._at, self._start = 0, 0
+            self.ended, self._at = not self._loop, 0
+            self._start += self._round
+            if now_ns - self._start > self._round:
+                self._start = now_ns
         return taken
 
     def _copy(self, blocks: Blocks, channel: int, at: int, now_ns: int) -> int:
-        step_by_step = self._speed == ALL_AT_ONCE
         self._taken[:] = 0
         return int(
             self._play(
                 self._tape,
                 at,
                 now_ns,
-                step_by_step,
+                self._step_by_step,
                 int(self._tape[0]),
                 self._start,
-                1.0 if step_by_step else self._speed,
+                1.0 if self._step_by_step else self._speed,
                 channel,
                 blocks.words,
                 blocks.end,
@@ -292,6 +203,14 @@ class BlockReplayStream:
     def close(self) -> None:
         """Deliver nothing more."""
         self.up, self.ended = False, True
+
+
+def _table_stream(
+    ports: Sequence[Port], counts: Floats, after_ns: Ints, speed: float, loop: bool, pause_ns: int
+) -> BlockReplayStream:
+    if speed == ALL_AT_ONCE:
+        after_ns = np.arange(len(counts), dtype=np.int64)  # each is a step of its own
+    return BlockReplayStream(ports, tape_of(counts, after_ns), speed, loop, "table", pause_ns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,7 +265,7 @@ class ReplaySource:
         ports, counts, stamps = self._columns(open_recording(path))
         after = np.maximum.accumulate(stamps) - stamps[0]
         step = int(np.median(np.diff(after))) if len(after) > 1 else 10**7
-        return TableStream(ports, counts, after, self.speed, self.loop, step)
+        return _table_stream(ports, counts, after, self.speed, self.loop, step)
 
     def _columns(
         self, recording: Recording
@@ -454,12 +373,12 @@ class SimulationSource:
         object.__setattr__(self, "counts", counts)
         object.__setattr__(self, "ports", ports)
 
-    def open(self) -> TableStream:
+    def open(self) -> BlockReplayStream:
         """Begin; the first reading is there at the first poll."""
         counts = np.asarray(self.counts, np.float64)
         step = round(1e9 / self.rate)
         after = np.arange(len(counts), dtype=np.int64) * step
-        return TableStream(tuple(self.ports), counts, after, loop=self.loop, pause_ns=step)
+        return _table_stream(self.ports, counts, after, 1.0, self.loop, step)
 
 
 def pressed(

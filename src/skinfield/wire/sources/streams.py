@@ -1,14 +1,9 @@
 """Streams over connections that come and go, and their readings one by one."""
 
-import errno
-import os
 import select
-import socket
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from time import monotonic, monotonic_ns, time_ns
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,38 +12,9 @@ from skinfield.errors import Ints, SkinfieldError, check_range
 from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
-from skinfield.wire.can.datagrams import Place
+from skinfield.wire.sources.links import Link
 
 SOURCE_WORDS = 3  # of a block that tells that a source went down or came up
-
-
-PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
-
-
-class Link(Protocol):
-    """A connection: a bus, a socket, a device."""
-
-    @property
-    def up(self) -> bool:
-        """Whether something can come."""
-        ...
-
-    @property
-    def fault(self) -> str:
-        """Why it is down, in words."""
-        ...
-
-    def reopen(self) -> bool:
-        """Try to get it back, without waiting; whether it is up now."""
-        ...
-
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when something arrives."""
-        ...
-
-    def close(self) -> None:
-        """Let go of it."""
-        ...
 
 
 class LinkedStream:
@@ -297,54 +263,3 @@ def read(stream: Stream, timeout: float = 1.0) -> Reading:
 def read_latest(stream: Stream, max_age: float = 0.1) -> Reading:
     """Newest reading that has arrived; see `StreamReader.read_latest`, for more than one."""
     return StreamReader(stream).read_latest(max_age)
-
-
-def connecting(place: Place) -> tuple[socket.socket, select.poll]:
-    """Socket that begins to connect, without waiting, and what to ask `is_connected` with.
-
-    Raises
-    ------
-    OSError
-        If it fails at once.
-    """
-    sock = socket.socket(place.family, socket.SOCK_STREAM)
-    sock.setblocking(False)
-    watch_over(sock)
-    code = sock.connect_ex(place.address)
-    if code not in (0, errno.EINPROGRESS):
-        sock.close()
-        raise OSError(code, os.strerror(code))
-    poll = select.poll()
-    poll.register(sock, select.POLLOUT)
-    return sock, poll
-
-
-def is_connected(sock: socket.socket, poll: select.poll) -> bool:
-    """Whether an attempt to connect has succeeded by now.
-
-    Raises
-    ------
-    OSError
-        If it failed.
-    """
-    if not poll.poll(0):
-        return False
-    code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
-    if code:
-        raise OSError(code, os.strerror(code))
-    return True
-
-
-def watch_over(sock: socket.socket) -> None:
-    """Have the system notice a peer that vanished without a word."""
-    sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for name, value in (
-        ("TCP_KEEPIDLE", 1),
-        ("TCP_KEEPINTVL", 1),
-        ("TCP_KEEPCNT", 2),
-        ("TCP_USER_TIMEOUT", round(1e3 * PATIENCE)),
-    ):
-        if hasattr(socket, name):
-            with suppress(OSError):
-                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

@@ -5,11 +5,8 @@ connect there, say ``CONNECT`` and a name, be welcomed, say ``r``; from then on 
 what it sends to all its readers.
 """
 
-import select
-import socket
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from time import monotonic
 
 import numpy as np
@@ -19,10 +16,11 @@ from skinfield.signal import Blocks, Count, Kind, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
 from skinfield.wire.can.bus import host_and_port
-from skinfield.wire.can.datagrams import Place, let_go, resolved
-from skinfield.wire.sources.streams import PATIENCE, LinkedStream, connecting, is_connected
+from skinfield.wire.can.datagrams import Place, resolved
+from skinfield.wire.sources.links import DialledLink
+from skinfield.wire.sources.streams import LinkedStream
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
-from skinfield.wire.yarp.name_server import PORT, Answer, bytes_of_request, query
+from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
 
 PIECE = 1 << 16  # bytes that are read at once
 BYTES_PER_NUMBER = 32  # of text, at most: what YARP writes has 25
@@ -133,17 +131,7 @@ class YarpText:
             raise
 
 
-class Step(IntEnum):
-    """How far a connection is."""
-
-    NOTHING = 0
-    ASKING = 1  # connecting to the name server, or waiting for its answer
-    CONNECTING = 2
-    GREETING = 3  # waiting to be welcomed
-    READING = 4
-
-
-class YarpLink:
+class YarpLink(DialledLink):
     """One port that we read from.
 
     Parameters
@@ -164,173 +152,56 @@ class YarpLink:
     """
 
     def __init__(self, port: str, place: Place, own: str, longest: int) -> None:
-        self._port, self._place, self._own, self._longest = port, place, own, longest
-        self._socket: socket.socket | None = None
-        self._poll = select.poll()
-        self._step, self._begun = Step.NOTHING, 0.0
-        self._answer, self.lines = Answer(), Lines(longest)
-        self._to_send = b""
-        self.fault = ""
-        self.reopen()
+        self._own, self._longest = own, longest
+        self.lines = Lines(longest)
+        super().__init__(port, place)
 
-    @property
-    def up(self) -> bool:
-        """Whether the port welcomed us."""
-        return self._step == Step.READING
-
-    def reopen(self) -> bool:
-        """Begin to connect, unless that goes on already."""
-        if self._step != Step.NOTHING and monotonic() - self._begun < PATIENCE:
-            return self.advance()
-        late = self._step != Step.NOTHING
-        self.close()
-        if late:
-            self.fault = f"{self._port}: no answer within {PATIENCE:g} s"
-        self._begun = monotonic()
-        if self._port.startswith("/"):
-            self._connect(self._place, Step.ASKING, bytes_of_request(query(self._port), self._own))
-        else:
-            self._greet(self._place)
-        return self.advance()
-
-    def _greet(self, place: Place) -> None:
+    def _opening(self) -> Iterator[None]:
+        """Ask where the port is, where only its name is known, and be welcomed there."""
+        place = self._place
+        if self._label.startswith("/"):
+            request = request_bytes(self._own, "query", self._label)
+            yield from self._connected(place, request)
+            answer = Answer()
+            while not answer.feed(self._heard("the name server closed the connection")):
+                yield
+            there = answer.registration
+            if there is None:
+                raise OSError("the name server does not know it: is it open, see `yarp name list`")
+            place = resolved(there.host, there.port, "host of the port")
         hello = greeting(Carrier.TEXT, self._own) + message(Carrier.TEXT, "r")
-        self._connect(place, Step.CONNECTING, hello)
+        yield from self._connected(place, hello)
+        self.lines = Lines(self._longest)
+        while (line := self.lines.take()) is None:  # readings may follow it
+            data = self._heard("it was closed")
+            self.lines.feed(data)
+            if not data:
+                yield
+        if not line.startswith("Welcome"):
+            raise OSError(f"it answered {line!r:.60}, expected a welcome: is it a port of YARP?")
 
-    def _connect(self, place: Place, step: Step, to_send: bytes) -> None:
-        let_go(self._socket)
-        self._socket = None
-        self.fault = self.fault or f"{self._port}: connecting"
-        try:
-            self._socket, self._poll = connecting(place)
-        except OSError as error:
-            self.broke(error.strerror or str(error))
-            return
-        self._step, self._to_send = step, to_send
-
-    def advance(self) -> bool:
-        """Go on as far as it goes without waiting; whether it is up."""
-        before = Step.NOTHING
-        while self._step not in (before, Step.NOTHING, Step.READING):
-            before = self._step
-            if self._to_send and not self._is_connected():
-                break
-            data = self._received()
-            if data and self._step == Step.ASKING:
-                self._take_answer(data)
-            elif self._step in (Step.CONNECTING, Step.GREETING):
-                self._step = Step.GREETING
-                self._take_welcome(data)
-        return self.up
-
-    def settle(self, end: float) -> None:
-        """Wait until it is up or has failed, but not beyond `end` of the monotonic clock."""
-        while self._step not in (Step.NOTHING, Step.READING) and (left := end - monotonic()) > 0:
-            assert self._socket is not None
-            poll = select.poll()
-            poll.register(self._socket, select.POLLOUT if self._to_send else select.POLLIN)
-            poll.poll(1e3 * left)
-            self.advance()
-
-    def _is_connected(self) -> bool:
-        """Whether the connection is there; then what is to be said first was sent."""
-        try:
-            if self._socket is None or not is_connected(self._socket, self._poll):
-                return False
-        except OSError as error:
-            self.broke(error.strerror or str(error))
-            return False
-        self.send(self._to_send)  # some bytes into an empty buffer: all of them
-        self._to_send = b""
-        return self._socket is not None
-
-    def _received(self) -> bytes:
-        if self._socket is None:
-            return b""
+    def _heard(self, closed: str) -> bytes:
+        """What has come by now; raises OSError where the other side is gone."""
+        assert self._socket is not None
         try:
             data = self._socket.recv(PIECE)
         except (BlockingIOError, InterruptedError):
             return b""
-        except OSError as error:
-            self.broke(error.strerror or str(error))
-            return b""
         if not data:
-            asking = self._step == Step.ASKING
-            self.broke("the name server closed the connection" if asking else "it was closed")
+            raise OSError(closed)
         return data
-
-    def _take_answer(self, data: bytes) -> None:
-        """Go on with where the port is, as the name server says it."""
-        try:
-            if not self._answer.feed(data):
-                return
-            there = self._answer.registration
-            if there is None:
-                self.broke("the name server does not know it: is it open, see `yarp name list`")
-                return
-            place = resolved(there.host, there.port, "host of the port")
-        except InputError as error:
-            self.broke(str(error))
-            return
-        self._greet(place)
-
-    def _take_welcome(self, data: bytes) -> None:
-        """Wait for a line that begins with Welcome; what follows it are readings."""
-        try:
-            self.lines.feed(data)
-            line = self.lines.take()
-        except InputError as error:
-            self.broke(str(error))
-            return
-        if line is None:
-            return
-        if not line.startswith("Welcome"):
-            self.broke(f"it answered {line!r:.60}, expected a welcome: is it a port of YARP?")
-            return
-        self._step, self.fault = Step.READING, ""
 
     def receive(self, into: Octets) -> int:
         """Put what has arrived into `lines`, by way of `into`; how many bytes. Never waits."""
-        if not self.up:
-            self.advance()  # what it brings is read once all know that it is up
-            return 0
-        assert self._socket is not None
-        try:
-            count = self._socket.recv_into(into.data)
-        except (BlockingIOError, InterruptedError):
-            return 0
-        except OSError as error:
-            return self.broke(error.strerror or str(error))
-        if not count:
-            return self.broke("it was closed")
-        self.lines.feed(into[:count].tobytes())
+        count = super().receive(into)
+        if count:
+            self.lines.feed(into[:count].tobytes())
         return count
-
-    def send(self, data: bytes) -> None:
-        """Send a few bytes."""
-        if self._socket is not None:
-            try:
-                self._socket.send(data)
-            except (BlockingIOError, InterruptedError):
-                return
-            except OSError as error:
-                self.broke(error.strerror or str(error))
-
-    def broke(self, why: str) -> int:
-        """Let go of a connection that is of no use any more."""
-        self.close()
-        self.fault = f"{self._port}: {why}"
-        return 0
-
-    def filenos(self) -> Sequence[int]:
-        """Of the socket, once readings can come."""
-        return (self._socket.fileno(),) if self._socket is not None and self.up else ()
 
     def close(self) -> None:
         """Let go of the connection."""
-        let_go(self._socket)
-        self._socket, self._step, self._to_send = None, Step.NOTHING, b""
-        self._answer, self.lines = Answer(), Lines(self._longest)
+        super().close()
+        self.lines = Lines(self._longest)
 
 
 class VectorReader:
@@ -345,7 +216,6 @@ class VectorReader:
     def __init__(self, port: Port, link: YarpLink) -> None:
         self._link = link
         self._values: Floats = np.zeros(port.channels)
-        self._floor: Floats = np.zeros(port.channels)
         self._length = port.channels  # of the last vector; NO_NUMBERS
         self.forget()
 
@@ -414,11 +284,9 @@ class VectorReader:
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
         """Append the vector in the smallest kind of block for it; False if there is no room."""
         values = self._values
-        np.floor(values, out=self._floor)
-        lowest, highest = values.min(), values.max()
         kind = Kind.FLOATS
-        if lowest >= 0.0 and highest <= 65535.0 and (self._floor == values).all():
-            kind = Kind.BYTES if highest <= 255.0 else Kind.SHORTS
+        if values.min() >= 0.0 and values.max() <= 65535.0 and (np.rint(values) == values).all():
+            kind = Kind.BYTES if values.max() <= 255.0 else Kind.SHORTS
         try:
             with np.errstate(over="ignore"):
                 blocks.put(now_ns, channel, values, kind)

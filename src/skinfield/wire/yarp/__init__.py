@@ -1,29 +1,20 @@
-"""YARP: bottles, carriers, ports, questions to a name server; nothing of YARP itself is needed."""
+"""YARP: bottles, carriers, output ports, questions to a name server; YARP itself is not needed."""
 
-from skinfield.wire.yarp.bottle import PARTS as PARTS
-from skinfield.wire.yarp.bottle import SkinContact as SkinContact
-from skinfield.wire.yarp.bottle import SkinPart as SkinPart
 from skinfield.wire.yarp.bottle import Value as Value
 from skinfield.wire.yarp.bottle import Vocab as Vocab
-from skinfield.wire.yarp.bottle import bottle_from_bytes as bottle_from_bytes
 from skinfield.wire.yarp.bottle import bottle_from_text as bottle_from_text
 from skinfield.wire.yarp.bottle import bytes_from_bottle as bytes_from_bottle
-from skinfield.wire.yarp.bottle import part_of as part_of
-from skinfield.wire.yarp.bottle import parts_of as parts_of
-from skinfield.wire.yarp.bottle import port_of as port_of
 from skinfield.wire.yarp.bottle import text_from_bottle as text_from_bottle
 from skinfield.wire.yarp.carriers import Carrier as Carrier
-from skinfield.wire.yarp.carriers import Message as Message
-from skinfield.wire.yarp.carriers import carrier_named as carrier_named
 from skinfield.wire.yarp.carriers import checked_name as checked_name
 from skinfield.wire.yarp.carriers import envelope as envelope
-from skinfield.wire.yarp.carriers import greeting as greeting
-from skinfield.wire.yarp.carriers import message as message
-from skinfield.wire.yarp.carriers import messages_of as messages_of
+from skinfield.wire.yarp.contacts import SkinContact as SkinContact
+from skinfield.wire.yarp.contacts import SkinPart as SkinPart
+from skinfield.wire.yarp.contacts import part_of as part_of
+from skinfield.wire.yarp.contacts import parts_of as parts_of
+from skinfield.wire.yarp.contacts import port_of as port_of
 from skinfield.wire.yarp.name_server import PORT as PORT
 from skinfield.wire.yarp.name_server import Answer as Answer
 from skinfield.wire.yarp.name_server import NameServer as NameServer
-from skinfield.wire.yarp.name_server import Registration as Registration
-from skinfield.wire.yarp.port import Output as Output
 from skinfield.wire.yarp.port import Port as Port
 from skinfield.wire.yarp.port import Session as Session

@@ -1,4 +1,4 @@
-r"""Bottles of YARP, as text and bytes, and the lists of skin contacts that they carry.
+r"""Bottles of YARP: values as text, both ways, and as the bytes of the tcp carrier.
 
 Grammar of YARP 4.0.0, `src/libYARP_os/src/yarp/os/impl/BottleImpl.cpp` and `Storable.cpp`, as far
 as contacts and administrative messages need it. As text: values apart by blanks or commas; ``12``,
@@ -9,25 +9,14 @@ exponent is whole: floating ones always have one, as readers tell the types by i
 numbers little-endian: a list is its length and its values, each behind its tag (`Bottle.h`); where
 all are of one type other than a list, the tag of that type is added to the list's and left out
 before each. Bytes (``{1 2 255}``) and dictionaries are no part of it.
-
-Contacts are as skinDynLib sends them. From robotology/icub-main 2.11.1, `src/libraries/skinDynLib`:
-`include/iCub/skinDynLib/common.h`, `src/skinContact.cpp` and `skinContactList.cpp`, and
-`app/skinGui/conf/skinManAll.ini` for the ports. A list of contacts, each a list of eight.
-skinDynLib reads whole numbers and floating ones by their types, and refuses a contact without any
-taxel, so both are kept to here. It does not read lists of contacts from the text carrier at all:
-those readers need tcp; a Bottle, `yarp read` and everything else can be read over both. The legs'
-skin has no link there: -1.
 """
 
-import math
 import re
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from skinfield.errors import Floats, InputError, check_count
+from skinfield.errors import InputError
 
 LONGEST = 1 << 20  # characters or bytes of a bottle
 DEEPEST = 16  # lists within lists
@@ -46,11 +35,10 @@ ESCAPED = {"\n": "\\n", "\r": "\\r", "\0": "\\0", "\\": "\\\\", '"': '\\"'}
 ESCAPE = re.compile(r"\\(.)", re.DOTALL)
 UNESCAPED = {"n": "\n", "r": "\r", "0": "\0"}
 
-INT8, INT16, INT32, INT64_TAG = 32, 64, 1, 17
-FLOAT32, FLOAT64 = 10, 20
+INT32, INT64_TAG, FLOAT64 = 1, 17, 20
 VOCAB32, VOCAB64 = 9, 18
-STRING, LIST, DICTIONARY = 4, 256, 512
-SIMPLE = {INT8: "b", INT16: "<h", INT32: "<i", INT64_TAG: "<q", FLOAT32: "<f", FLOAT64: "<d"}
+STRING, LIST = 4, 256
+NUMBERS = {INT32: "<i", INT64_TAG: "<q", FLOAT64: "<d"}
 VOCABS = {VOCAB32: 4, VOCAB64: 8}
 TRUE, FALSE = b"1\0\0\0", bytes(4)
 
@@ -195,21 +183,6 @@ def word_of(value: Value) -> str:
     return value if isinstance(value, str) else ""
 
 
-def same(one: Sequence[Value], other: Sequence[Value]) -> bool:
-    """Whether two bottles are the same, types and not-a-numbers included."""
-    return len(one) == len(other) and all(map(_same, one, other))
-
-
-def _same(one: Value, other: Value) -> bool:
-    if type(one) is not type(other):
-        return False
-    if isinstance(one, list) and isinstance(other, list):
-        return same(one, other)
-    if isinstance(one, float) and isinstance(other, float) and math.isnan(one):
-        return math.isnan(other)
-    return one == other
-
-
 def bytes_from_bottle(values: Sequence[Value]) -> bytes:
     """As the tcp carrier carries it.
 
@@ -257,10 +230,9 @@ def _tag(value: Value) -> int:
 def _payload(value: Value, depth: int) -> bytes:
     if isinstance(value, bool):
         return TRUE if value else FALSE
-    if isinstance(value, int):
-        return struct.pack(SIMPLE[_tag(value)], _in_range(value))
-    if isinstance(value, float):
-        return struct.pack(SIMPLE[FLOAT64], value)
+    if isinstance(value, int | float):
+        number = value if isinstance(value, float) else _in_range(value)
+        return struct.pack(NUMBERS[_tag(value)], number)
     if isinstance(value, str):
         data = to_octets(value)
         return struct.pack("<i", len(data)) + data
@@ -280,226 +252,3 @@ def to_octets(text: str) -> bytes:
 def from_octets(data: bytes) -> str:
     """See `to_octets`."""
     return data.decode("utf-8", "surrogateescape")
-
-
-def bottle_from_bytes(data: bytes) -> list[Value]:
-    """Values of a bottle; bytes and dictionaries are refused.
-
-    Raises
-    ------
-    InputError
-        If the bytes end too soon, go on behind it, or hold what is no bottle.
-    """
-    if len(data) > LONGEST:
-        raise InputError(f"bottle has {len(data)} bytes, expected {LONGEST} at most")
-    reader = _Reader(data)
-    tag = reader.number()
-    if not LIST <= tag < DICTIONARY:
-        raise InputError(f"bottle begins with {tag}, expected the tag of a list, {LIST} or more")
-    values = reader.list_of(tag - LIST, 0)
-    if reader.at != len(data):
-        raise InputError(f"{len(data) - reader.at} bytes follow the bottle, expected none")
-    return values
-
-
-class _Reader:
-    """Goes through bytes once."""
-
-    def __init__(self, data: bytes) -> None:
-        self.data, self.at = data, 0
-
-    def take(self, count: int) -> bytes:
-        if count < 0 or self.at + count > len(self.data):
-            raise InputError(
-                f"bottle asks for {count} bytes at byte {self.at} of {len(self.data)}, expected "
-                "no more than there are"
-            )
-        taken = self.data[self.at : self.at + count]
-        self.at += count
-        return taken
-
-    def number(self) -> int:
-        return int.from_bytes(self.take(4), "little", signed=True)
-
-    def list_of(self, kind: int, depth: int) -> list[Value]:
-        count = self.number()
-        if depth > DEEPEST or not 0 <= count <= len(self.data):
-            raise InputError(f"list of {count} values at depth {depth}, expected fewer")
-        return [self.value(kind or self.number(), depth) for _ in range(count)]
-
-    def value(self, tag: int, depth: int) -> Value:
-        if tag in SIMPLE:
-            form = SIMPLE[tag]
-            number: Value = struct.unpack(form, self.take(struct.calcsize(form)))[0]
-            return number
-        if tag in VOCABS:
-            return _vocab(self.take(VOCABS[tag]))
-        if tag == STRING:
-            return from_octets(self.take(self.number()))
-        if LIST <= tag < DICTIONARY:
-            return self.list_of(tag - LIST, depth + 1)
-        raise InputError(f"value of a bottle has tag {tag}, expected that of a known type")
-
-
-def _vocab(data: bytes) -> Value:
-    word = data.rstrip(b"\0")
-    if not word or word == b"1":
-        return bool(word)
-    return Vocab(word.decode("latin-1"))
-
-
-TORSO, LEFT_ARM, RIGHT_ARM, LEFT_LEG, RIGHT_LEG = 1, 3, 4, 5, 6  # body parts
-NO_LINK = -1
-HIGHEST = 1 << 30
-LARGEST = 1 << 31  # numbers of contacts come round: they have 32 bits
-
-
-@dataclass(frozen=True)
-class SkinPart:
-    """Where a patch sits, in numbers of skinDynLib.
-
-    Parameters
-    ----------
-    body, link, skin : int
-        Of the body part, of its link, of the skin part; 0, -1 and 0 where it is unknown.
-    """
-
-    body: int = 0
-    link: int = NO_LINK
-    skin: int = 0
-
-    def __post_init__(self) -> None:
-        for name, lowest in (("body", 0), ("link", NO_LINK), ("skin", 0)):
-            check_count(name, getattr(self, name), lowest, HIGHEST, "a number of skinDynLib")
-
-
-UNKNOWN = SkinPart()
-PARTS = {  # name in skinDynLib, and so in the files of taxel positions
-    "l_hand": SkinPart(LEFT_ARM, 6, 1),
-    "l_forearm": SkinPart(LEFT_ARM, 4, 2),
-    "l_upper_arm": SkinPart(LEFT_ARM, 2, 3),
-    "r_hand": SkinPart(RIGHT_ARM, 6, 4),
-    "r_forearm": SkinPart(RIGHT_ARM, 4, 5),
-    "r_upper_arm": SkinPart(RIGHT_ARM, 2, 6),
-    "chest": SkinPart(TORSO, 2, 7),
-    "l_upper_leg": SkinPart(LEFT_LEG, NO_LINK, 8),
-    "l_lower_leg": SkinPart(LEFT_LEG, NO_LINK, 9),
-    "l_foot": SkinPart(LEFT_LEG, NO_LINK, 10),
-    "r_upper_leg": SkinPart(RIGHT_LEG, NO_LINK, 11),
-    "r_lower_leg": SkinPart(RIGHT_LEG, NO_LINK, 12),
-    "r_foot": SkinPart(RIGHT_LEG, NO_LINK, 13),
-}
-PORTS = {  # of these parts, behind /icub/skin/
-    "l_upper_arm": "left_arm", "r_upper_arm": "right_arm", "chest": "torso",
-    "l_upper_leg": "left_leg_upper", "r_upper_leg": "right_leg_upper",
-    "l_lower_leg": "left_leg_lower", "r_lower_leg": "right_leg_lower",
-}  # fmt: skip
-OTHER_NAMES = {port: part for part, port in PORTS.items()} | {"front_torso": "chest"}
-VARIANT = re.compile(r"_(mesh|nomesh|V[0-9]+(_[0-9]+)?)$")  # of a file of positions
-
-
-def known_name(name: str) -> str:
-    """Name in skinDynLib of a patch's name such as ``left_forearm_V2``; empty if it is none."""
-    plain = VARIANT.sub("", name.strip().replace(" ", "_"))
-    plain = OTHER_NAMES.get(plain, plain)
-    for side in ("left", "right"):
-        if plain.startswith(f"{side}_"):
-            plain = f"{side[0]}_{plain.removeprefix(f'{side}_')}"
-    return plain if plain in PARTS else ""
-
-
-def part_of(name: str) -> SkinPart:
-    """Where a patch of that name sits; `UNKNOWN` if the name does not tell."""
-    return PARTS.get(known_name(name), UNKNOWN)
-
-
-def port_of(name: str, robot: str = "icub") -> str:
-    """Port on which a robot publishes the skin of that name."""
-    known = known_name(name)
-    if not known:
-        return f"/{robot}/skin/{name}"
-    side = {"l_": "left_", "r_": "right_"}.get(known[:2], "")
-    return f"/{robot}/skin/{PORTS.get(known, side + known[2:])}"
-
-
-def parts_of(names: Sequence[str], named: Mapping[str, Sequence[int]]) -> list[SkinPart]:
-    """Where patches sit: as given, ``{"palm": [3, 6, 1]}``, else as their names tell.
-
-    Raises
-    ------
-    InputError
-        If something is given for a patch that is not there, or is not three numbers.
-    """
-    strange = sorted(set(named) - set(names))
-    if strange:
-        raise InputError(
-            f"parts are given for {strange[0]!r}, expected patches among {', '.join(names)}"
-        )
-    parts = []
-    for name in names:
-        numbers = named.get(name)
-        if numbers is None:
-            parts.append(part_of(name))
-        elif isinstance(numbers, str) or len(numbers) != 3:
-            raise InputError(
-                f"part of {name!r} is {numbers!r}, expected [body part, link, skin part]"
-            )
-        else:
-            parts.append(SkinPart(*numbers))
-    return parts
-
-
-@dataclass(frozen=True, eq=False)
-class SkinContact:
-    """One contact; vectors (3,) in the link's frame.
-
-    Parameters
-    ----------
-    number : int
-        Of the contact, which it keeps while it goes on.
-    part : SkinPart
-    place : (3,) array, m
-        Centre of pressure.
-    force : (3,) array, N
-        That acts on the robot: into the skin, against the normal.
-    moment : (3,) array, N m
-        That acts on the robot, about the centre of pressure.
-    centre : (3,) array, m
-        Mean place of the active taxels.
-    normal : (3,) array
-        Outward.
-    taxels : sequence of int
-        Active ones, by their channels in the port's vector; at least one.
-    pressure : float, kPa
-        Mean over the contact.
-    """
-
-    number: int
-    part: SkinPart
-    place: Floats
-    force: Floats
-    moment: Floats
-    centre: Floats
-    normal: Floats
-    taxels: Sequence[int]
-    pressure: float
-
-    def __post_init__(self) -> None:
-        if not len(self.taxels):
-            raise InputError("contact has no taxel, expected one or more, as skinDynLib does")
-
-    @property
-    def values(self) -> list[Value]:
-        """As a list of a bottle."""
-        part = self.part
-        vectors = (self.place, self.force, self.moment, self.centre, self.normal)
-        return [
-            [self.number % LARGEST, part.body, part.link, part.skin],
-            *(_floats(vector) for vector in vectors),
-            [int(taxel) for taxel in self.taxels],
-            float(self.pressure),
-        ]
-
-
-def _floats(vector: Floats) -> list[Value]:
-    return [float(number) for number in np.asarray(vector)]

@@ -1,10 +1,11 @@
-"""Carriers of YARP: how a connection between two ports begins, and its messages, both ways.
+"""Carriers of YARP: how a connection between two ports begins, and its messages.
 
 As in YARP 4.0.0: `doc/020_nameserver_and_protocols/yarp_protocol.dox` and, below
 `src/libYARP_os/src/yarp/os/impl`, `TextCarrier.cpp`, `TcpCarrier.cpp`, `PortCommand.cpp` and
 `../AbstractCarrier.cpp`. Whoever connects sends eight bytes that name the carrier, and its own
 name; the port answers with a line of welcome (text) or with eight bytes (tcp). Then messages
-follow: a port command, and for ``d``, ``D`` and ``a`` a bottle.
+follow: a port command, and for ``d``, ``D`` and ``a`` a bottle. Text is written and read; tcp is
+only written, as it carries what we send to readers that somebody told us to connect to.
 
 ======== ============================================================================
 carrier  first eight bytes; messages are
@@ -19,12 +20,10 @@ import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
 
 from skinfield.errors import InputError
 from skinfield.wire.yarp.bottle import (
     Value,
-    bottle_from_bytes,
     bottle_from_text,
     bytes_from_bottle,
     from_octets,
@@ -34,12 +33,16 @@ from skinfield.wire.yarp.bottle import (
 
 HEADER = 8  # bytes
 LINE_END = b"\r\n"
-ACK_LINE = b"<ACK>\r\n"
+ACK = "<ACK>"
 INDEX = 10  # bytes of an index, of which the first is the number of blocks, the second of replies
 LONGEST_NAME = 1000  # bytes, as YARP reads it
-LONGEST = 1 << 20  # bytes of a line or of a message
+LONGEST = 1 << 20  # bytes of a line, or that come with an acknowledgement
 WITH_BOTTLE = ("d", "D", "a")  # first letters of the port commands that a bottle follows
-COMMAND_BLOCK = 8  # bytes
+
+
+def number(value: int) -> bytes:
+    """A number in YARP's eight bytes."""
+    return b"YA" + struct.pack("<i", value) + b"RP"
 
 
 class Carrier(Enum):
@@ -57,17 +60,12 @@ class Carrier(Enum):
     @property
     def is_text(self) -> bool:
         """Whether messages are lines."""
-        return self in (Carrier.TEXT, Carrier.TEXT_ACK)
+        return self is not Carrier.TCP
 
     @property
     def acknowledges(self) -> bool:
         """Whether each message is acknowledged by whoever reads it."""
-        return self in (Carrier.TEXT_ACK, Carrier.TCP)
-
-
-def number(value: int) -> bytes:
-    """A number in YARP's eight bytes."""
-    return b"YA" + struct.pack("<i", value) + b"RP"
+        return self is not Carrier.TEXT
 
 
 HEADERS = {
@@ -75,7 +73,6 @@ HEADERS = {
     Carrier.TEXT_ACK: b"CONNACK ",
     Carrier.TCP: number(7777 + 3 + 128),
 }
-ACK_NUMBER = number(0)
 
 
 def carrier_named(name: str) -> Carrier:
@@ -93,11 +90,6 @@ def carrier_named(name: str) -> Carrier:
     raise InputError(f"carrier is {name!r:.60}, expected one of {known}")
 
 
-def carrier_from_header(header: bytes) -> Carrier | None:
-    """Of a connection that begins with these eight bytes; None if it is none that is known."""
-    return next((each for each in Carrier if each.header == header), None)
-
-
 def greeting(carrier: Carrier, own: str) -> bytes:
     """What a connection begins with.
 
@@ -113,20 +105,6 @@ def greeting(carrier: Carrier, own: str) -> bytes:
     return carrier.header + struct.pack("<i", len(name) + 1) + name + b"\0"
 
 
-def welcome(carrier: Carrier, peer: str, port: int) -> bytes:
-    """What a port answers to a greeting.
-
-    Parameters
-    ----------
-    carrier : Carrier
-    peer : str
-        Name in the greeting.
-    port : int
-        Of our socket; nobody uses it.
-    """
-    return b"Welcome " + to_octets(peer) + LINE_END if carrier.is_text else number(port)
-
-
 def message(carrier: Carrier, command: str, values: Sequence[Value] | None = None) -> bytes:
     """A whole message.
 
@@ -134,46 +112,26 @@ def message(carrier: Carrier, command: str, values: Sequence[Value] | None = Non
     ----------
     carrier : Carrier
     command : str
-        Port command, such as ``d``, ``D 12 1.5``, ``a``, ``r`` or ``/reader``.
+        Port command, such as ``d``, ``D 12 1.5``, ``a`` or ``r``.
     values : sequence of values, optional
         The bottle behind ``d``, ``D`` or ``a``.
     """
     if carrier.is_text:
-        line = to_octets(command) + LINE_END
-        return line if values is None else line + to_octets(text_from_bottle(values)) + LINE_END
-    blocks = [command_block(command)]
-    if values is not None:
-        blocks.append(bytes_from_bottle(values))
-    return index_of(blocks) + b"".join(blocks)
-
-
-def reply(carrier: Carrier, values: Sequence[Value]) -> bytes:
-    """Answer to a message, which has no port command before it."""
-    if carrier.is_text:
-        return to_octets(text_from_bottle(values)) + LINE_END
-    block = bytes_from_bottle(values)
-    return index_of([block]) + block
-
-
-def acknowledgement(carrier: Carrier) -> bytes:
-    """What whoever read a message says; nothing where the carrier wants none."""
-    if not carrier.acknowledges:
-        return b""
-    return ACK_LINE if carrier.is_text else ACK_NUMBER
-
-
-def command_block(command: str) -> bytes:
-    """A port command in bytes: one character, or text behind its length."""
+        return line(command) + (b"" if values is None else line(text_from_bottle(values)))
     if len(command) == 1:
-        return bytes(4) + b"~" + to_octets(command) + b"\0\x01"
-    data = to_octets(command) + b"\0"
-    return struct.pack("<i", len(data)) + b"~\0\0\x01" + data
+        block = bytes(4) + b"~" + to_octets(command) + b"\0\x01"
+    else:
+        data = to_octets(command) + b"\0"
+        block = struct.pack("<i", len(data)) + b"~\0\0\x01" + data
+    blocks = [block] if values is None else [block, bytes_from_bottle(values)]
+    sizes = b"".join(struct.pack("<i", len(each)) for each in blocks)
+    index = number(INDEX) + bytes([len(blocks), 1]) + b"\xff" * 8 + sizes + bytes(4)
+    return index + b"".join(blocks)
 
 
-def index_of(blocks: Sequence[bytes]) -> bytes:
-    """Lengths of the blocks of a message, and that none is expected back."""
-    head = number(INDEX) + bytes([len(blocks), 1]) + b"\xff" * 8
-    return head + b"".join(struct.pack("<i", len(each)) for each in blocks) + bytes(4)
+def line(text: str) -> bytes:
+    """A line of text."""
+    return to_octets(text) + LINE_END
 
 
 def checked_name(name: str) -> bytes:
@@ -202,38 +160,6 @@ def envelope(sequence: int, seconds: float) -> str:
     return f"{sequence} {seconds:.16g}"
 
 
-@dataclass(frozen=True)
-class Message:
-    """A port command, and the bottle behind it.
-
-    Attributes
-    ----------
-    command : str
-        Port command, such as ``D 12 1.5``.
-    values : list of values
-        The bottle behind it, where one is.
-    """
-
-    command: str
-    values: list[Value]
-
-
-class Messages(Protocol):
-    """A reader of messages; iterating gives those that are complete."""
-
-    def feed(self, data: bytes) -> None:
-        """Take in what came."""
-        ...
-
-    def __iter__(self) -> Iterator[Message]:
-        """Messages that are complete; raises InputError where the bytes are none."""
-        ...
-
-    def rest(self) -> bytes:
-        """What came after the last message that was taken."""
-        ...
-
-
 class Lines:
     """Lines of text, without their ends.
 
@@ -243,11 +169,11 @@ class Lines:
     Parameters
     ----------
     most : int, bytes
-        Of one line.
+        Of one line; may be set at any time.
     """
 
     def __init__(self, most: int = LONGEST) -> None:
-        self._most = most
+        self.most = most
         self._rest = bytearray()
         self._searched = 0  # bytes of the rest in which no line ends
 
@@ -265,8 +191,8 @@ class Lines:
         """
         while True:
             end = self._rest.find(b"\n", self._searched)
-            if (len(self._rest) if end < 0 else end) > self._most:
-                raise InputError(f"a line has more than {self._most} bytes, expected no more")
+            if (len(self._rest) if end < 0 else end) > self.most:
+                raise InputError(f"a line has more than {self.most} bytes, expected no more")
             if end < 0:
                 self._searched = len(self._rest)
                 return None
@@ -278,24 +204,23 @@ class Lines:
             self._rest[: end + 1] = line[:-1]  # joined with the next
             self._searched = len(line) - 1
 
-    def rest(self) -> bytes:
-        """What came after the last line that was taken."""
-        return bytes(self._rest)
+
+@dataclass(frozen=True)
+class Message:
+    """A port command, such as ``D 12 1.5``, and the bottle behind it, where one is."""
+
+    command: str
+    values: list[Value]
 
 
-class TextMessages:
-    """See `Messages`: those of the text carrier."""
+class Messages:
+    """Messages out of lines; iterating gives those that are complete."""
 
-    def __init__(self) -> None:
-        self._lines = Lines()
+    def __init__(self, lines: Lines) -> None:
+        self._lines = lines
         self._command: str | None = None
 
-    def feed(self, data: bytes) -> None:
-        """Take in what came."""
-        self._lines.feed(data)
-
     def __iter__(self) -> Iterator[Message]:
-        """See `Messages`."""
         while (line := self._lines.take()) is not None:
             if self._command is not None:
                 command, self._command = self._command, None
@@ -305,89 +230,12 @@ class TextMessages:
             else:
                 yield Message(line, [])
 
-    def rest(self) -> bytes:
-        """See `Messages`."""
-        return self._lines.rest()
-
-
-class BinaryMessages:
-    """See `Messages`: those of the tcp carrier."""
-
-    def __init__(self) -> None:
-        self._rest = bytearray()
-
-    def feed(self, data: bytes) -> None:
-        """Take in what came."""
-        self._rest += data
-
-    def __iter__(self) -> Iterator[Message]:
-        """See `Messages`."""
-        while (body := self._body()) is not None:
-            yield _understood(body)
-
-    def rest(self) -> bytes:
-        """See `Messages`."""
-        return bytes(self._rest)
-
-    def _body(self) -> bytes | None:
-        """All blocks of the next message; None if it is not complete."""
-        sizes = message_sizes(self._rest)
-        if sizes is None or len(self._rest) < sum(sizes):
-            return None
-        head, length = sizes
-        body = bytes(self._rest[head : head + length])
-        del self._rest[: head + length]
-        return body
-
-
-def message_sizes(data: bytes | bytearray) -> tuple[int, int] | None:
-    """Bytes of a message's index and of its blocks; None if the index is not complete.
-
-    Raises
-    ------
-    InputError
-        If it begins with no index, or is too long.
-    """
-    if len(data) < HEADER + INDEX:
-        return None
-    if yarp_number(data[:HEADER]) != INDEX:
-        raise InputError(f"message begins with {bytes(data[:HEADER])!r}, expected an index")
-    blocks = data[HEADER] + data[HEADER + 1]
-    head = HEADER + INDEX + 4 * blocks
-    if len(data) < head:
-        return None
-    sizes = [
-        int.from_bytes(data[at : at + 4], "little", signed=True)
-        for at in range(HEADER + INDEX, head, 4)
-    ]
-    if min(sizes, default=0) < 0 or sum(sizes) > LONGEST:
-        raise InputError(f"message has blocks of {sizes} bytes, expected {LONGEST} in all at most")
-    return head, sum(sizes)
-
 
 def yarp_number(data: bytes | bytearray) -> int | None:
     """The number in eight bytes ``YA....RP``; None if they are others."""
     if len(data) != HEADER or data[:2] != b"YA" or data[6:] != b"RP":
         return None
     return int.from_bytes(data[2:6], "little", signed=True)
-
-
-def _understood(body: bytes) -> Message:
-    if len(body) < COMMAND_BLOCK or body[4:5] != b"~":
-        raise InputError(f"message begins with {body[:8]!r}, expected a port command")
-    command, rest = from_octets(body[5:6]), body[COMMAND_BLOCK:]
-    if command == "\0":
-        text, zero, rest = rest.partition(b"\0")
-        if not zero:
-            raise InputError("a port command does not end, expected a zero byte")
-        command = from_octets(text)
-    with_bottle = command[:1] in WITH_BOTTLE
-    return Message(command, bottle_from_bytes(rest) if with_bottle else [])
-
-
-def messages_of(carrier: Carrier) -> Messages:
-    """Reader of a carrier's messages."""
-    return TextMessages() if carrier.is_text else BinaryMessages()
 
 
 class Acknowledgements:
@@ -410,8 +258,7 @@ class Acknowledgements:
             return 0
         if self._carrier.is_text:
             self._lines.feed(data)
-            lines = iter(self._lines.take, None)
-            return sum(line == "<ACK>" for line in lines)
+            return sum(line == ACK for line in iter(self._lines.take, None))
         self._rest += data
         count = 0
         while len(self._rest) >= HEADER:

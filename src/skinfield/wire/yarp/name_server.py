@@ -6,8 +6,6 @@ a request is data to it, and lines come back, of which the last is ``*** end of 
 """
 
 import socket
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from time import monotonic
 
@@ -24,69 +22,40 @@ PATIENCE = 2.0  # s for an answer
 
 @dataclass(frozen=True)
 class Registration:
-    """Where a port is.
-
-    Attributes
-    ----------
-    name : str
-        Of the port.
-    host : str
-    port : int
-        Of its socket.
-    carrier : str
-        That it was registered with, usually tcp; ports take others, too.
-    """
+    """Where a port is, by the name server's words."""
 
     name: str
     host: str
     port: int
-    carrier: str = "tcp"
 
 
-def query(name: str) -> list[Value]:
-    """Ask where a port is."""
-    return ["query", _checked(name)]
+def request_bytes(own: str, command: str, name: str, *more: Value) -> bytes:
+    """All bytes of a connection that asks one thing about a port, from a party of the name `own`.
 
-
-def register(name: str, host: str, port: int) -> list[Value]:
-    """Say where a port is; `host` can be ``...``: as the name server sees us."""
-    return ["register", _checked(name), "tcp", host, port]
-
-
-def unregister(name: str) -> list[Value]:
-    """Say that a port is gone."""
-    return ["unregister", _checked(name)]
-
-
-def set_property(name: str, key: str, *values: str) -> list[Value]:
-    """Say what a port can do: `key` is ``offers`` or ``accepts``, the values are carriers."""
-    return ["set", _checked(name), key, *values]
-
-
-def _checked(name: str) -> str:
+    Parameters
+    ----------
+    own : str
+    command : str
+        ``query``, ``register``, ``unregister`` or ``set``.
+    name : str
+        Of the port.
+    more : values
+        What belongs to the command.
+    """
     checked_name(name)
     if not name.startswith("/"):
         raise InputError(f"name of a port is {name!r}, expected one that begins with a slash")
-    return name
-
-
-def bytes_of_request(command: Sequence[Value], own: str) -> bytes:
-    """All bytes of a connection that asks one thing, from a party of the name `own`."""
-    return greeting(Carrier.TEXT, own) + message(Carrier.TEXT, "d", command)
+    return greeting(Carrier.TEXT, own) + message(Carrier.TEXT, "d", [command, name, *more])
 
 
 def registration_from_line(line: str) -> Registration | None:
     """Where a port is, as a line of an answer says it; None if the line says something else."""
     words = line.replace('"', "").split()
-    if (
-        len(words) < 9
-        or words[0] != "registration"
-        or words[1:8:2] != ["name", "ip", "port", "type"]
-    ):
+    if words[:1] != ["registration"] or words[1:8:2] != ["name", "ip", "port", "type"]:
         return None
     if not (words[6].isascii() and words[6].isdecimal() and 0 < int(words[6]) < 65536):
         return None  # a port without a socket says "none"
-    return Registration(words[2], words[4], int(words[6]), words[8])
+    return Registration(words[2], words[4], int(words[6]))
 
 
 class Answer:
@@ -125,8 +94,8 @@ class Answer:
     @property
     def registration(self) -> Registration | None:
         """The first in it."""
-        found = (registration_from_line(line) for line in self.lines)
-        return next((each for each in found if each is not None), None)
+        places = (registration_from_line(line) for line in self.lines)
+        return next((each for each in places if each is not None), None)
 
 
 @dataclass(frozen=True)
@@ -137,42 +106,37 @@ class NameServer:
     ----------
     host : str
     port : int
-    patience : float, s
-        For a whole answer.
     """
 
     host: str = "127.0.0.1"
     port: int = PORT
-    patience: float = PATIENCE
 
-    def request(self, command: Sequence[Value], own: str) -> Answer:
-        """Send a command, and wait for the answer.
+    def ask(self, own: str, command: str, name: str, *more: Value) -> Answer:
+        """Send a command as in `request_bytes`, and wait for the answer.
 
         Raises
         ------
         InputError
             If it does not answer in time, or what comes is no answer.
         """
-        answer, end = Answer(), monotonic() + self.patience
-        with (
-            self._errors(),
-            socket.create_connection((self.host, self.port), self.patience) as link,
-        ):
-            link.sendall(bytes_of_request(command, own))
-            while not answer.complete:
-                link.settimeout(max(end - monotonic(), 1e-3))
-                data = link.recv(4096)
-                if not data:
-                    raise OSError("it closed the connection")
-                answer.feed(data)
-        return answer
-
-    @contextmanager
-    def _errors(self) -> Iterator[None]:
+        request = request_bytes(own, command, name, *more)
+        answer, end = Answer(), monotonic() + PATIENCE
         try:
-            yield
+            with socket.create_connection((self.host, self.port), PATIENCE) as link:
+                link.sendall(request)
+                while not answer.complete:
+                    link.settimeout(max(end - monotonic(), 1e-3))
+                    data = link.recv(4096)
+                    if not data:
+                        raise OSError("it closed the connection")
+                    answer.feed(data)
         except (OSError, UnicodeError) as error:
             raise InputError(
                 f"name server at {self.host}:{self.port} does not answer: {error}, expected a "
                 "running `yarp server`: see `yarp where`"
             ) from None
+        return answer
+
+    def where(self, own: str, name: str) -> Registration | None:
+        """Where a port is; None if nobody knows. Raises as `ask`."""
+        return self.ask(own, "query", name).registration

@@ -1,8 +1,9 @@
-"""Port of YARP on sockets: others connect to it, and it connects to others when asked to.
+"""Output port of YARP on sockets: readers connect to it, and it to readers when asked to.
 
 One thread, and nothing waits but for the two things that `yarp connect` asks of a port: where the
 other port is, and a connection to it; both have a time limit. A reader that has not taken, or not
 acknowledged, the message before gets the next one after it: newest wins, the others are counted.
+Who connects speaks text, as YARP's own tools do to ports that they administer.
 
 The receiver's side of a connection is as in YARP 4.0.0, `src/libYARP_os/src/yarp/os/impl`:
 `Protocol.cpp` (`expectHeader`), `PortCoreInputUnit.cpp` (port commands) and `PortCore.cpp`
@@ -11,34 +12,31 @@ The receiver's side of a connection is as in YARP 4.0.0, `src/libYARP_os/src/yar
 
 import select
 import socket
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from time import monotonic
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import Value, Vocab, to_octets, word_of
+from skinfield.wire.yarp.bottle import Value, Vocab, text_from_bottle, word_of
 from skinfield.wire.yarp.carriers import (
+    ACK,
     HEADER,
-    LINE_END,
+    HEADERS,
+    LONGEST,
     LONGEST_NAME,
     Acknowledgements,
     Carrier,
     Lines,
-    Message,
     Messages,
-    acknowledgement,
-    carrier_from_header,
     carrier_named,
     checked_name,
     greeting,
+    line,
     message,
-    messages_of,
-    reply,
-    welcome,
     yarp_number,
 )
-from skinfield.wire.yarp.name_server import NameServer, query, register, set_property, unregister
+from skinfield.wire.yarp.name_server import NameServer
 
 MOST = 64  # connections
 PIECE = 65536  # bytes read at once
@@ -47,8 +45,7 @@ CONNECT = 2.0  # s for a connection to another port
 SILENT = 30.0  # s that a party may take to say who it is
 BEHIND = 1 << 22  # bytes that wait to be sent, at which a connection is given up
 UNKNOWN = b"* Error. Protocol not found.\r\n* Try CONNECT and a name.\r\n"
-NOT_UNDERSTOOD = ("Port command not understood.",)
-VERSION: tuple[Value, ...] = (Vocab("ver"), 1, 2, 3)  # of the administrative commands
+VERSION: list[Value] = [Vocab("ver"), 1, 2, 3]  # of the administrative commands
 
 
 @dataclass(eq=False)
@@ -67,23 +64,14 @@ class Output:
     carrier: Carrier
     name: str
     unread: int = 0
-    acknowledged: Acknowledgements = field(init=False)
+    _acknowledged: Acknowledgements = field(init=False)
 
     def __post_init__(self) -> None:
-        self.acknowledged = Acknowledgements(self.carrier)
-
-    @property
-    def free(self) -> bool:
-        """Whether another message may be sent."""
-        return not self.unread
-
-    def sent(self) -> None:
-        """Note that a message was sent."""
-        self.unread += self.carrier.acknowledges
+        self._acknowledged = Acknowledgements(self.carrier)
 
     def take(self, data: bytes) -> None:
         """Take in what the reader says."""
-        self.unread = max(self.unread - self.acknowledged.feed(data), 0)
+        self.unread = max(self.unread - self._acknowledged.feed(data), 0)
 
 
 class Session:
@@ -95,8 +83,6 @@ class Session:
 
     Attributes
     ----------
-    carrier : Carrier or None
-        None until its eight bytes are there.
     peer : str
         Name that the party gave; empty until then.
     output : Output or None
@@ -109,160 +95,102 @@ class Session:
 
     def __init__(self, port: "Port") -> None:
         self._port = port
-        self._head = bytearray()
-        self._messages: Messages | None = None
-        self.carrier: Carrier | None = None
+        self._head = b""
+        self._lines = Lines(LONGEST_NAME)
+        self._messages = Messages(self._lines)
+        self._carrier: Carrier | None = None
         self.peer = ""
         self.output: Output | None = None
         self.ended = False
         self.answer = bytearray()
-
-    @property
-    def welcomed(self) -> bool:
-        """Whether the party said who it is."""
-        return self._messages is not None
 
     def take(self, data: bytes) -> None:
         """Take in what came; never raises for what a party says."""
         try:
             if self.output is not None:
                 self.output.take(data)
-            elif self._messages is None:
+            elif self._carrier is None:
                 self._open(data)
             else:
                 self._listen(data)
         except InputError as error:
             self.ended = True
-            if self.carrier is not None and self.carrier.is_text:
-                self.answer += to_octets(f"{error}") + LINE_END
+            self.answer += line(str(error))
 
     def _open(self, data: bytes) -> None:
-        """Wait for the header and the name, then welcome the party."""
+        """Wait for the eight bytes of a carrier."""
         self._head += data
-        if self.carrier is None and len(self._head) >= HEADER:
-            self.carrier = carrier_from_header(bytes(self._head[:HEADER]))
-            if self.carrier is None:
-                self.answer += UNKNOWN
-                self.ended = True
+        if len(self._head) < HEADER:
+            return
+        for carrier in (Carrier.TEXT, Carrier.TEXT_ACK):
+            if self._head.startswith(HEADERS[carrier]):
+                self._carrier = carrier
+                self._listen(self._head[HEADER:])
                 return
-        if self.carrier is None:
-            return
-        parsed = name_behind_header(self.carrier, bytes(self._head[HEADER:]))
-        if parsed is None:
-            return
-        self.peer, rest = parsed
-        self.answer += welcome(self.carrier, self.peer, self._port.socket_port)
-        self._messages = messages_of(self.carrier)
-        self._listen(rest)
+        self.answer += UNKNOWN
+        self.ended = True
 
     def _listen(self, data: bytes) -> None:
-        assert self._messages is not None
-        assert self.carrier is not None
-        self._messages.feed(data)
+        """Obey the messages behind the party's name, which comes first."""
+        assert self._carrier is not None
+        self._lines.feed(data)
+        if not self.peer:
+            name = self._lines.take()
+            if name is None:
+                return
+            self.peer, self._lines.most = name.strip(), LONGEST
+            checked_name(self.peer)
+            self.answer += line(f"Welcome {self.peer}")
         for each in self._messages:
-            self._obey(each)
-            if each.command[:1] == "q":
+            if each.command.startswith("q"):
                 self.ended = True
                 return
-            self.answer += acknowledgement(self.carrier)
+            self._obey(each.command[:1], each.values)
+            if self._carrier.acknowledges:
+                self.answer += line(ACK)
             if self.output is not None:
-                self.output.take(self._messages.rest())
                 return
 
-    def _obey(self, message: Message) -> None:
-        """As a port command says; those that are none are answered with how to get help."""
-        letter, command = message.command[:1], message.command
+    def _obey(self, letter: str, values: Sequence[Value]) -> None:
         if letter == "a":
-            self._put(*self._administer(message.values))
+            self.answer += line(text_from_bottle(self._administered(values)))
         elif letter == "r":
-            assert self.carrier is not None
-            self.output = Output(self.carrier, self.peer)
-        elif letter not in ("d", "D", "q"):  # data has no taker here
-            self._put_lines(self._lines_for(letter, command))
+            assert self._carrier is not None
+            self.output = Output(self._carrier, self.peer)
+        elif letter not in ("d", "D"):  # data has no taker here
+            self.answer += line("Port command not understood.")
 
-    def _lines_for(self, letter: str, command: str) -> Sequence[str]:
-        if letter == "/":
-            return (self._port.add(command),)
-        if letter == "!":
-            return (self._port.remove(command[1:]),)
-        if letter == "~":
-            return (f"Could not find an incoming connection from {command[1:]}",)
-        return self._port.describe() if letter == "*" else NOT_UNDERSTOOD
+    def _administered(self, values: Sequence[Value]) -> list[Value]:
+        command, first, second = ([word_of(value) for value in values] + [""] * 3)[:3]
+        if command == "ver":
+            return VERSION
+        if command == "list":
+            return self._listed(first, second)
+        if command == "add":
+            outcome = self._port.add(f"{second}:/{first}" if second else first)
+            return [0 if outcome.startswith("Added") else -1, outcome]
+        if command == "del":
+            outcome = self._port.remove(first)
+            return [0 if outcome.startswith("Removed") else -1, outcome]
+        return [Vocab("fail"), "expected [ver], [add], [del] or [list]"]
 
-    def _put_lines(self, lines: Sequence[str]) -> None:
-        """Lines for people, of whom those with the tcp carrier get none."""
-        if self.carrier is not None and self.carrier.is_text:
-            self.answer += b"".join(to_octets(line) + LINE_END for line in lines)
-
-    def _put(self, *values: Value) -> None:
-        assert self.carrier is not None
-        self.answer += reply(self.carrier, values)
-
-    def _administer(self, values: Sequence[Value]) -> Sequence[Value]:
-        words = [word_of(value) for value in values]
-        commands: dict[str, Callable[[list[str]], Sequence[Value]]] = {
-            "ver": lambda _: VERSION,
-            "add": self._add,
-            "del": self._remove,
-            "list": self._list,
-        }
-        known = commands.get(words[0]) if words else None
-        if known is None:
-            return (Vocab("fail"), "expected [ver], [add], [del] or [list]")
-        return known(words[1:])
-
-    def _add(self, words: list[str]) -> Sequence[Value]:
-        wanted = words[0] if words else ""
-        if len(words) > 1 and words[1]:
-            wanted = f"{words[1]}:/{wanted}"
-        outcome = self._port.add(wanted)
-        return (0 if outcome.startswith("Added") else -1, outcome)
-
-    def _remove(self, words: list[str]) -> Sequence[Value]:
-        outcome = self._port.remove(words[0] if words else "")
-        return (0 if outcome.startswith("Removed") else -1, outcome)
-
-    def _list(self, words: list[str]) -> Sequence[Value]:
-        direction = words[0] if words else ""
-        there = self._port.connections(direction != "in")
-        if len(words) < 2 or not words[1]:
-            return tuple(there)
-        if words[1] not in there:
-            return ()
-        ends = [self._port.name, words[1]][:: 1 if direction != "in" else -1]
-        return (["from", ends[0]], ["to", ends[1]], ["carrier", there[words[1]]])
-
-
-def name_behind_header(carrier: Carrier, data: bytes) -> tuple[str, bytes] | None:
-    """Name that a party gives, and what comes after it; None if it is not complete.
-
-    Raises
-    ------
-    InputError
-        If it is too long.
-    """
-    if carrier.is_text:
-        lines = Lines(LONGEST_NAME)
-        lines.feed(data)
-        line = lines.take()
-        return None if line is None else (line.strip(), lines.rest())
-    size = int.from_bytes(data[:4], "little", signed=True)
-    if len(data) < 4 or not 0 < size <= LONGEST_NAME or len(data) < 4 + size:
-        if len(data) >= 4 and not 0 < size <= LONGEST_NAME:
-            raise InputError(f"name has {size} bytes, expected 1 to {LONGEST_NAME}")
-        return None
-    name = data[4 : 4 + size].rstrip(b"\0").decode("utf-8", "surrogateescape")
-    return name, data[4 + size :]
+    def _listed(self, direction: str, name: str) -> list[Value]:
+        there = {} if direction == "in" else self._port.outputs
+        if not name:
+            return list(there)
+        if name not in there:
+            return []
+        return [["from", self._port.name], ["to", name], ["carrier", there[name]]]
 
 
 class Connection:
-    """One socket of a port, that another party opened, or that we did."""
+    """One socket of a port, that another party opened (`session`), or that we did (`output`)."""
 
     def __init__(self, sock: socket.socket, session: Session | None, output: Output | None) -> None:
         sock.setblocking(False)
         with suppress(OSError):
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.socket, self.session, self._own = sock, session, output
+        self.socket, self._session, self._own = sock, session, output
         self._out = bytearray()
         self._began = monotonic()
         self.gone = False
@@ -270,17 +198,12 @@ class Connection:
     @property
     def output(self) -> Output | None:
         """Set where the other side reads from us."""
-        return self._own if self.session is None else self.session.output
-
-    @property
-    def free(self) -> bool:
-        """Whether another message may go out."""
-        return not self._out and self.output is not None and self.output.free
+        return self._own if self._session is None else self._session.output
 
     @property
     def silent(self) -> bool:
         """Whether it never said who it is, and had the time to."""
-        unknown = self.session is not None and not self.session.welcomed
+        unknown = self._session is not None and not self._session.peer
         return unknown and monotonic() - self._began > SILENT
 
     @property
@@ -298,20 +221,15 @@ class Connection:
             data = b""
         if not data:
             self.gone = True
-        elif self.session is None:
-            self._acknowledged(data)
-        else:
-            self.session.take(data)
-            self.send(bytes(self.session.answer))
-            self.session.answer.clear()
-            self.gone = self.gone or (self.session.ended and not self._out)
-
-    def _acknowledged(self, data: bytes) -> None:
-        assert self._own is not None
-        try:
-            self._own.take(data)
-        except InputError:
-            self.gone = True
+        elif self._session is not None:
+            self._session.take(data)
+            self.send(bytes(self._session.answer))
+            self._session.answer.clear()
+        elif self._own is not None:
+            try:
+                self._own.take(data)
+            except InputError:
+                self.gone = True
 
     def send(self, data: bytes) -> None:
         """Send, as far as it goes now; the rest goes before the next."""
@@ -323,12 +241,13 @@ class Connection:
             self.gone = self.gone or len(self._out) > BEHIND
         except OSError:
             self.gone = True
+        if self._session is not None and self._session.ended and not self._out:
+            self.gone = True
 
     def close(self) -> None:
         """Say goodbye to a reader, and close."""
-        output = self.output
-        if output is not None and not self.gone:
-            self.send(message(output.carrier, "q"))
+        if self.output is not None and not self.gone:
+            self.send(message(self.output.carrier, "q"))
             end = monotonic() + GOODBYE
             while self._out and not self.gone and monotonic() < end:
                 select.select([], [self.socket], [], 0.05)
@@ -347,26 +266,17 @@ def connected(carrier: Carrier, own: str, name: str, place: tuple[str, int]) -> 
     sock = socket.create_connection(place, CONNECT)
     try:
         sock.sendall(greeting(carrier, own))
-        output = Output(carrier, name)
-        if carrier.is_text:
-            if carrier.acknowledges:
-                _line(sock)
-        else:
+        if carrier == Carrier.TEXT_ACK:
+            with sock.makefile("rb") as answers:
+                answers.readline(PIECE)
+        elif carrier == Carrier.TCP:
             answer = sock.recv(HEADER, socket.MSG_WAITALL)
             if yarp_number(answer) is None:
                 raise OSError(f"it answered {answer!r}, expected eight bytes of YARP")
     except BaseException:
         sock.close()
         raise
-    return Connection(sock, None, output)
-
-
-def _line(sock: socket.socket) -> None:
-    """Wait for the end of a line."""
-    for _ in range(2048):
-        if sock.recv(1) in (b"\n", b""):
-            return
-    raise OSError("it answered more than a line, expected a welcome")
+    return Connection(sock, None, Output(carrier, name))
 
 
 class Port:
@@ -381,7 +291,7 @@ class Port:
     socket_port : int
         0: any that is free.
     server : NameServer, optional
-        That is told of the port, and asked for others.
+        That gets to know of the port, and is asked for others.
 
     Attributes
     ----------
@@ -426,25 +336,20 @@ class Port:
         """
         if self.server is None:
             return
-        machine = self.host if self.host not in ("", "0.0.0.0", "::") else "..."
-        there = self.server.request(register(self.name, machine, self.socket_port), self.name)
+        machine = self.host if self.host not in ("", "0.0.0.0", "::") else "..."  # as it sees us
+        there = self.server.ask(self.name, "register", self.name, "tcp", machine, self.socket_port)
         if there.registration is None:
             raise InputError(
                 f"name server at {self.server.host}:{self.server.port} did not take {self.name}: "
                 f"it said {there.lines!r:.200}, expected a registration"
             )
-        names = [each.value for each in Carrier]
         for key in ("offers", "accepts"):
-            self.server.request(set_property(self.name, key, *names), self.name)
+            self.server.ask(self.name, "set", self.name, key, *(each.value for each in Carrier))
 
     def unregister(self) -> None:
         """Tell the name server that the port is gone."""
         if self.server is not None:
-            self.server.request(unregister(self.name), self.name)
-
-    def filenos(self) -> list[int]:
-        """Sockets that become readable when something is said."""
-        return [self._listener.fileno(), *(each.socket.fileno() for each in self._connections)]
+            self.server.ask(self.name, "unregister", self.name)
 
     def step(self, timeout: float = 0.0) -> None:
         """Listen and answer; waits for something to do, `timeout` s at most."""
@@ -454,25 +359,15 @@ class Port:
         for each in self._connections:
             if each.socket in writable:
                 each.send(b"")
-                each.gone = each.gone or (
-                    each.session is not None and each.session.ended and not each.waits
-                )
-        for each in list(self._connections):
             if each.socket in ready and not each.gone:
                 each.receive()
         if self._listener in ready:
-            self._accept()
-        self._drop_gone()
-
-    def _accept(self) -> None:
-        with suppress(OSError):
-            sock, _ = self._listener.accept()
-            if len(self._connections) >= MOST:
-                sock.close()
-                return
-            self._connections.append(Connection(sock, Session(self), None))
-
-    def _drop_gone(self) -> None:
+            with suppress(OSError):
+                sock, _ = self._listener.accept()
+                if len(self._connections) < MOST:
+                    self._connections.append(Connection(sock, Session(self), None))
+                else:
+                    sock.close()
         for each in [each for each in self._connections if each.gone or each.silent]:
             self._connections.remove(each)
             each.close()
@@ -492,13 +387,13 @@ class Port:
             output = each.output
             if output is None or each.gone:
                 continue
-            if not each.free:
+            if each.waits or output.unread:
                 self.skipped += 1
                 continue
             is_text = output.carrier.is_text
             if is_text not in made:
                 made[is_text] = message(output.carrier, command, values)
-            output.sent()
+            output.unread += output.carrier.acknowledges
             each.send(made[is_text])
             count += 1
         self.sent += count
@@ -509,30 +404,11 @@ class Port:
         """How many read from it."""
         return sum(each.output is not None for each in self._connections)
 
-    def describe(self) -> list[str]:
-        """Lines about its connections."""
-        lines = [f"This is {self.name} at tcp://{self.host or '0.0.0.0'}:{self.socket_port}/"]
-        for outgoing, what in ((True, "output"), (False, "input")):
-            for name, carrier in self.connections(outgoing).items():
-                ends = (self.name, name) if outgoing else (name, self.name)
-                lines.append(
-                    f"There is an {what} connection from {ends[0]} to {ends[1]} using {carrier}"
-                )
-            if not self.connections(outgoing):
-                lines.append(f"There are no {'outgoing' if outgoing else 'incoming'} connections")
-        return lines
-
-    def connections(self, outgoing: bool) -> Mapping[str, str]:
-        """Carriers by the names of the ports that it sends to, or that are connected to it."""
-        if outgoing:
-            outputs = [each.output for each in self._connections if each.output is not None]
-            return {output.name: output.carrier.value for output in outputs}
-        sessions = [each.session for each in self._connections if each.output is None]
-        return {
-            session.peer: session.carrier.value
-            for session in sessions
-            if session is not None and session.carrier is not None and session.peer
-        }
+    @property
+    def outputs(self) -> Mapping[str, str]:
+        """Carriers by the names of the readers."""
+        outputs = [each.output for each in self._connections]
+        return {output.name: output.carrier.value for output in outputs if output is not None}
 
     def add(self, wanted: str) -> str:
         """Send to another port from now on; the outcome, which begins with "Added" if that is so.
@@ -545,7 +421,7 @@ class Port:
             carrier = carrier_named(carrier_name or Carrier.TCP.value)
             if self.server is None:
                 return f"Do not know how to connect to {wanted}: there is no name server"
-            there = self.server.request(query(name), self.name).registration
+            there = self.server.where(self.name, name)
             if there is None:
                 return f"Do not know how to connect to {wanted}"
             self.remove(name)
@@ -565,7 +441,7 @@ class Port:
         return f"Could not find an outgoing connection to {name}"
 
     def close(self) -> None:
-        """Say goodbye to all readers and let go; the name server is told by `unregister`."""
+        """Say goodbye to all readers and let go; `unregister` is for the name server."""
         for each in self._connections:
             each.close()
         self._connections.clear()

@@ -1,0 +1,360 @@
+"""Hardware of a virtual skin: schedules of boards, what becomes of messages, faults of boards."""
+
+import random
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from skinfield.emulator.electronics import Converters
+from skinfield.emulator.settings import Wires, numbers_of
+
+NEVER = 1 << 62
+LATEST = 0.9  # of a period, that jitter can make a reading late
+WAITING, NONE_WAITING = -1, -2
+CHANCES = {"lose": "lost", "duplicate": "duplicated", "swap": "swapped"}  # and what is counted
+
+
+@dataclass
+class Group:
+    """Boards that send together.
+
+    Attributes
+    ----------
+    members : tuple
+        Their numbers.
+    period_ns, phase_ns : int
+    due_ns : int
+        When the next reading is sent, jitter included.
+    """
+
+    members: tuple[int, ...]
+    period_ns: int
+    phase_ns: int
+    due_ns: int = NEVER
+    _grid_ns: int = 0
+
+
+@dataclass
+class Schedule:
+    """Groups of boards with their next times.
+
+    A reading that is late by more than a period is skipped and counted: a device that cannot keep
+    up loses readings, it does not send them in a heap.
+
+    Parameters
+    ----------
+    spread : bool
+        Each board has a phase of its own.
+    jitter : float, s
+        Mean of the exponential delay.
+    rng : numpy Generator
+
+    Attributes
+    ----------
+    skipped : int
+        Readings of boards.
+    """
+
+    spread: bool
+    jitter: float
+    rng: np.random.Generator
+    skipped: int = 0
+    groups: list[Group] = field(default_factory=list)
+    _key: Hashable = None
+
+    def set(self, periods: dict[int, int], boards: int, now_ns: int) -> None:
+        """Tell which of `boards` send, with which period, ns; the others are silent."""
+        key = tuple(sorted(periods.items()))
+        if key == self._key:
+            return
+        self._key = key
+        each: list[tuple[tuple[int, ...], int, int]]
+        if self.spread:
+            each = [((b,), p, p * b // boards) for b, p in periods.items()]
+        else:
+            alike: dict[int, list[int]] = {}
+            for board, period in periods.items():
+                alike.setdefault(period, []).append(board)
+            each = [(tuple(members), period, 0) for period, members in alike.items()]
+        self.groups = [Group(members, period, phase) for members, period, phase in each]
+        self.begin(now_ns)
+
+    def begin(self, now_ns: int) -> None:
+        """Aim all groups at their next times, as if nothing had been due before."""
+        for group in self.groups:
+            self._aim(group, -(-(now_ns - group.phase_ns) // group.period_ns))
+
+    def _aim(self, group: Group, number: int) -> None:
+        group._grid_ns = number * group.period_ns + group.phase_ns
+        late = self.rng.exponential(self.jitter) * 1e9 if self.jitter > 0.0 else 0.0
+        group.due_ns = group._grid_ns + int(min(late, LATEST * group.period_ns))
+
+    @property
+    def next_ns(self) -> int:
+        """When the next group is due."""
+        return min((group.due_ns for group in self.groups), default=NEVER)
+
+    def due(self, now_ns: int) -> list[Group]:
+        """Groups to send now; each is aimed at its next time."""
+        found = [group for group in self.groups if group.due_ns <= now_ns]
+        for group in found:
+            number = (group._grid_ns - group.phase_ns) // group.period_ns + 1
+            behind = (now_ns - number * group.period_ns - group.phase_ns) // group.period_ns
+            if behind > 0:
+                self.skipped += behind * len(group.members)
+                number += behind
+            self._aim(group, number)
+        return found
+
+
+class Fates:
+    """Draws what happens to each message of one bus.
+
+    Attributes
+    ----------
+    chances : dict of str to float
+        Of `CHANCES`; may be written at any time.
+    counts : dict of str to int
+        How many were lost, duplicated, swapped.
+    waiting : int
+        The message that waits for the next one: its index, `WAITING` of the burst before, or
+        `NONE_WAITING`.
+    """
+
+    def __init__(self, wires: Wires, rng: np.random.Generator) -> None:
+        self.chances = {name: float(getattr(wires, name)) for name in CHANCES}
+        self.counts = dict.fromkeys(CHANCES.values(), 0)
+        self._random = random.Random(int(rng.integers(0, 1 << 63))).random
+        self.waiting = NONE_WAITING
+
+    def draw(self, count: int) -> list[int]:
+        """Messages 0 to `count` - 1 in the order in which they go out.
+
+        An entry is the index of a message, or `WAITING` for the one that the burst before left.
+        """
+        lose, duplicate, swap = self.chances.values()
+        order: list[int] = []
+        for message in range(count):
+            if lose and self._random() < lose:
+                self.counts["lost"] += 1
+                continue
+            if swap and self.waiting == NONE_WAITING and self._random() < swap:
+                self.waiting = message
+                continue
+            order.append(message)
+            if duplicate and self._random() < duplicate:
+                order.append(message)
+                self.counts["duplicated"] += 1
+            if self.waiting != NONE_WAITING:
+                order.append(self.waiting)
+                self.waiting = NONE_WAITING
+                self.counts["swapped"] += 1
+        return order
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing can happen to the next messages."""
+        return not any(self.chances.values()) and self.waiting == NONE_WAITING
+
+
+class Wire:
+    """One bus as the boards see it; what is sent over it lies in a store of the subclass.
+
+    Attributes
+    ----------
+    fates : Fates
+    sent, refused, withheld : int
+        Messages that went out, that the system did not take, and that met a bus that was off.
+    off : bool
+    """
+
+    def __init__(self, fates: Fates) -> None:
+        self.fates = fates
+        self.sent = self.refused = self.withheld = 0
+        self.off = False
+
+    def send(self, count: int) -> None:
+        """Send the first `count` messages that were made."""
+        if self.off:
+            self.withheld += count
+        elif self.fates.idle:
+            self._put(range(count))
+        else:
+            self._put(self.fates.draw(count))
+            if self.fates.waiting >= 0:
+                self._remember(self.fates.waiting)
+                self.fates.waiting = WAITING
+
+    @property
+    def address(self) -> str:
+        """Where a host finds it."""
+        raise NotImplementedError
+
+    def filenos(self) -> Sequence[int]:
+        """File descriptors that become readable when a host says something."""
+        raise NotImplementedError
+
+    def _put(self, order: Sequence[int]) -> None:
+        """Send messages by their index; `WAITING` is the one that is remembered."""
+        raise NotImplementedError
+
+    def _remember(self, index: int) -> None:
+        raise NotImplementedError
+
+    def _let_go(self) -> None:
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Send what waits, which then is not swapped, and close the bus."""
+        if self.fates.waiting == WAITING and not self.off:
+            self._put([WAITING])
+        self._let_go()
+
+
+class Hardware:
+    """Boards on their buses.
+
+    Parameters
+    ----------
+    boards : int
+        How many.
+    converters : Converters
+        Its first channels are the taxels of all patches.
+    schedule : Schedule
+    wires : sequence of Wire
+    rate : float, 1/s, or None
+        Of readings, whatever the host says.
+
+    Attributes
+    ----------
+    readings, commands, reboots : int
+        Of boards, that were made, obeyed and undergone so far.
+    quiet : set of int
+        Boards that are booting.
+    """
+
+    def __init__(
+        self,
+        boards: int,
+        converters: Converters,
+        schedule: Schedule,
+        wires: Sequence[Wire],
+        rate: float | None,
+    ) -> None:
+        self.converters, self.schedule, self.wires = converters, schedule, tuple(wires)
+        self._boards, self._rate = boards, rate
+        self.readings = self.commands = self.reboots = 0
+        self.quiet: set[int] = set()
+
+    @property
+    def addresses(self) -> list[str]:
+        """Where a host finds each bus."""
+        return [wire.address for wire in self.wires]
+
+    @property
+    def chances(self) -> dict[str, float]:
+        """Probabilities of `lose`, `duplicate` and `swap`, per message."""
+        return dict(self.wires[0].fates.chances)
+
+    def set_chances(self, chances: dict[str, float]) -> None:
+        """Change what happens to messages from now on."""
+        for wire in self.wires:
+            wire.fates.chances.update(chances)
+
+    def start(self, now_ns: int) -> None:
+        """Send from now on what sends without being told."""
+        self._reschedule(now_ns)
+
+    def filenos(self) -> list[int]:
+        """File descriptors that become readable when a host says something."""
+        return [number for wire in self.wires for number in wire.filenos()]
+
+    def listen(self, now_ns: int, warmth: float) -> None:
+        """Take in what hosts say, and answer; never waits."""
+        raise NotImplementedError
+
+    def send(self, members: Sequence[int], now_ns: int) -> None:
+        """Send the counts of now from some boards."""
+        raise NotImplementedError
+
+    def _period(self, board: int) -> float | None:
+        """Seconds between the readings of a board; None while it sends none."""
+        raise NotImplementedError
+
+    def _plug(self, what: str, plugged: bool | None) -> None:
+        """Plug parts of boards in or out; None: only look whether they are there."""
+        raise NotImplementedError
+
+    def _reset(self, board: int) -> None:
+        """Make a board as it is after switching on."""
+        raise NotImplementedError
+
+    def _awake(self, board: int, warmth: float) -> None:
+        """Begin anew as a board that has booted."""
+
+    def _reschedule(self, now_ns: int) -> None:
+        periods = {}
+        for board in set(range(self._boards)) - self.quiet:
+            period = self._period(board)
+            if period is not None:
+                periods[board] = round(1e9 * (1.0 / self._rate if self._rate else period))
+        self.schedule.set(periods, self._boards, now_ns)
+
+    def check(self, kind: str, what: str) -> None:
+        """Raise InputError if there is no such triangle, board or bus."""
+        if kind == "unplug":
+            self._plug(what, None)
+        elif kind == "bus-off":
+            numbers_of(what, len(self.wires), "bus")
+        else:
+            numbers_of(what, self._boards, "board")
+
+    def begin(self, kind: str, what: str, now_ns: int) -> None:
+        """Begin a fault that was checked, of a triangle, board or bus."""
+        if kind == "unplug":
+            self._plug(what, False)
+        elif kind == "bus-off":
+            self._switch(what, off=True)
+        else:
+            for board in numbers_of(what, self._boards, "board"):
+                self.quiet.add(board)
+                self._reset(board)
+                self.reboots += 1
+            self._reschedule(now_ns)
+
+    def end(self, kind: str, what: str, now_ns: int, warmth: float) -> None:
+        """End it."""
+        if kind == "unplug":
+            self._plug(what, True)
+        elif kind == "bus-off":
+            self._switch(what, off=False)
+        else:
+            for board in numbers_of(what, self._boards, "board"):
+                self.quiet.discard(board)
+                self._awake(board, warmth)
+            self._reschedule(now_ns)
+
+    def _switch(self, what: str, off: bool) -> None:
+        for number in numbers_of(what, len(self.wires), "bus"):
+            self.wires[number].off = off
+
+    def counts(self) -> dict[str, Any]:
+        """What was sent and what was done to it: whole numbers."""
+        return {
+            "messages": sum(wire.sent for wire in self.wires),
+            **{
+                name: sum(wire.fates.counts[name] for wire in self.wires)
+                for name in CHANCES.values()
+            },
+            "refused": sum(wire.refused for wire in self.wires),
+            "withheld": sum(wire.withheld for wire in self.wires),
+            "commands": self.commands,
+            "reboots": self.reboots,
+        }
+
+    def close(self) -> None:
+        """Let go of the buses."""
+        for wire in self.wires:
+            wire.close()

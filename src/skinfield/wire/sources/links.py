@@ -1,0 +1,189 @@
+"""Links of live sources: connections that break and come back, without ever waiting."""
+
+import errno
+import os
+import select
+import socket
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from time import monotonic
+from typing import Protocol
+
+from skinfield.errors import InputError
+from skinfield.signal.block import Octets
+from skinfield.wire.can.datagrams import Place, let_go
+
+PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
+
+
+class Link(Protocol):
+    """A connection: a bus, a socket, a device."""
+
+    @property
+    def up(self) -> bool:
+        """Whether something can come."""
+        ...
+
+    @property
+    def fault(self) -> str:
+        """Why it is down, in words."""
+        ...
+
+    def reopen(self) -> bool:
+        """Try to get it back, without waiting; whether it is up now."""
+        ...
+
+    def filenos(self) -> Sequence[int]:
+        """File descriptors that become readable when something arrives."""
+        ...
+
+    def close(self) -> None:
+        """Let go of it."""
+        ...
+
+
+class BreakingLink:
+    """Connection of one file descriptor; where it breaks, `fault` says why, and nothing raises."""
+
+    def __init__(self, label: str) -> None:
+        self._label, self._number = label, -1
+        self.up, self.fault = False, ""
+
+    def reopen(self) -> bool:
+        """See `Link`."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """See `Link`."""
+        raise NotImplementedError
+
+    def _opened(self, number: int) -> bool:
+        self._number, self.up, self.fault = number, True, ""
+        return True
+
+    def broke(self, error: Exception | str) -> int:
+        """Let go of a connection that is of no use any more; 0."""
+        self.close()
+        self.fault = f"{self._label}: {getattr(error, 'strerror', None) or error}"
+        return 0
+
+    def filenos(self) -> Sequence[int]:
+        """Of the connection, while it is up."""
+        return (self._number,) if self.up else ()
+
+    def send(self, data: bytes) -> None:
+        """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
+        if self.up:
+            try:
+                os.write(self._number, data)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError as error:
+                self.broke(error)
+
+
+class DialledLink(BreakingLink):
+    """Connection to a TCP server.
+
+    Parameters
+    ----------
+    label : str
+    place : Place
+        Of the server.
+    """
+
+    def __init__(self, label: str, place: Place) -> None:
+        super().__init__(label)
+        self._place = place
+        self._socket: socket.socket | None = None
+        self._talk: Iterator[None] | None = None  # what is said before it is up; None: nothing is
+        self._begun, self._awaits = 0.0, select.POLLIN
+        self.reopen()
+
+    def reopen(self) -> bool:
+        """Begin to connect, unless that goes on already."""
+        late = self._talk is not None and monotonic() - self._begun >= PATIENCE
+        if late:
+            self.broke(f"no answer within {PATIENCE:g} s")
+        if self._talk is None:
+            self.fault = self.fault or f"{self._label}: connecting"
+            self._begun, self._talk = monotonic(), self._opening()
+        return self.advance()
+
+    def advance(self) -> bool:
+        """Go on connecting as far as it goes without waiting; whether it is up."""
+        if self._talk is not None:
+            try:
+                next(self._talk)
+            except StopIteration:
+                self._talk = None
+                assert self._socket is not None
+                self._opened(self._socket.fileno())
+            except (OSError, InputError) as error:
+                self.broke(error)
+        return self.up
+
+    def settle(self, end: float) -> None:
+        """Wait until it is up or has failed, but not beyond `end` of the monotonic clock."""
+        while self._talk is not None and (left := end - monotonic()) > 0:
+            assert self._socket is not None
+            poll = select.poll()
+            poll.register(self._socket, self._awaits)
+            poll.poll(1e3 * left)
+            self.advance()
+
+    def _opening(self) -> Iterator[None]:
+        """Connect, and say what comes first; a step wherever something is to be waited for."""
+        yield from self._connected(self._place, b"")
+
+    def _connected(self, place: Place, hello: bytes) -> Iterator[None]:
+        """Connect, and say `hello`, a few bytes."""
+        let_go(self._socket)
+        self._socket = sock = socket.socket(place.family, socket.SOCK_STREAM)
+        sock.setblocking(False)
+        watch_over(sock)
+        code = sock.connect_ex(place.address)
+        if code not in (0, errno.EINPROGRESS):
+            raise OSError(code, os.strerror(code))
+        poll, self._awaits = select.poll(), select.POLLOUT
+        poll.register(sock, select.POLLOUT)
+        while not poll.poll(0):
+            yield
+        code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        if code:
+            raise OSError(code, os.strerror(code))
+        self._awaits = select.POLLIN
+        sock.sendall(hello)  # some bytes into an empty buffer
+
+    def receive(self, into: Octets) -> int:
+        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
+        if self._socket is None or not self.up:
+            self.advance()  # what it brings is read once all know that it is up
+            return 0
+        try:
+            count = self._socket.recv_into(into.data)
+        except (BlockingIOError, InterruptedError):
+            return 0
+        except OSError as error:
+            return self.broke(error)
+        return count or self.broke("the other side closed the connection")
+
+    def close(self) -> None:
+        """Let go of the connection."""
+        let_go(self._socket)
+        self._socket, self._talk, self.up = None, None, False
+
+
+def watch_over(sock: socket.socket) -> None:
+    """Have the system notice a peer that vanished without a word."""
+    sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in (
+        ("TCP_KEEPIDLE", 1),
+        ("TCP_KEEPINTVL", 1),
+        ("TCP_KEEPCNT", 2),
+        ("TCP_USER_TIMEOUT", round(1e3 * PATIENCE)),
+    ):
+        if hasattr(socket, name):
+            with suppress(OSError):
+                sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
