@@ -1,4 +1,3 @@
 """A sheet of thousands to millions of taxels."""
 
-from skinfield.solve.sheet.estimate import SheetEstimate as SheetEstimate
 from skinfield.solve.sheet.sheet import Sheet as Sheet

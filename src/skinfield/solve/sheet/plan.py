@@ -1,6 +1,7 @@
 """Plan of a sheet: the ordering of taxels, their Gram matrix, and the profiles that fit."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -126,10 +127,13 @@ class Gram:
     value: NDArray[Any]
     own: NDArray[Any]
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the matrix."""
-        return sum(part.nbytes for part in (self.start, self.other, self.value, self.own))
+    @cached_property
+    def lower(self) -> Any:
+        """What lies below the diagonal, as a sparse matrix of SciPy."""
+        from scipy.sparse import csr_array
+
+        taxels = len(self.own)
+        return csr_array((self.value, self.other, self.start), shape=(taxels, taxels))
 
 
 def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
