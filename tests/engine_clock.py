@@ -54,7 +54,7 @@ class ToldOperator:
         self.started: list[float] = []
         self.pressure_std, self.posterior = linear.pressure_std, linear.posterior
         self.model_error = linear.model_error
-        self.noise = sf.fields.PressureNoise(linear.matrix * NOISE)
+        self.noise = sf.estimate.PressureNoise(linear.matrix * NOISE)
 
     def apply(self, readings: Any, out: Any, deadline_ns: int | None = None) -> None:
         clock = self.told.clock

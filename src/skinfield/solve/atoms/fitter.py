@@ -1,7 +1,6 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +13,9 @@ from skinfield.solve.atoms.posterior import Effort, belief_of, stated
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
 from skinfield.solve.atoms.search import AtomSet, Problem, search
+from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import RING, atom_table
 from skinfield.solve.operator import Fit
-
-if TYPE_CHECKING:
-    from skinfield.solve.contact_fit import ContactFit
-
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
 QUIETEST = 1e-3  # of the stated noise, that is believed
@@ -181,7 +177,8 @@ class ContactFitter:
 
     Parameters
     ----------
-    settings : ContactFit
+    settings : FitSettings
+        Such as `ContactFit()`.
     model : ObservationModel
         With its physics.
 
@@ -191,7 +188,7 @@ class ContactFitter:
         Of the readings; the model's, until `take_noise`.
     """
 
-    def __init__(self, settings: "ContactFit", model: ObservationModel) -> None:
+    def __init__(self, settings: FitSettings, model: ObservationModel) -> None:
         if model.physics is None:
             raise InputError(
                 "the model does not say what it is made of, expected physics: make it with "
