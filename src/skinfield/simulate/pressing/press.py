@@ -185,11 +185,6 @@ class Press:
         return float(self.forces.sum())
 
     @property
-    def force_vectors(self) -> Floats:
-        """Force of each indenter on the skin, (bodies, 3) N; z is negative."""
-        return self._resultants[0]
-
-    @property
     def moments(self) -> Floats:
         """Moment of each indenter's force on the skin about the plane's origin, (bodies, 3) N m."""
         return self._resultants[1]

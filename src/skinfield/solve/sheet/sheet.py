@@ -345,33 +345,39 @@ class Sheet:
         return self._deadline_met
 
     @cached_property
-    def _outward(self) -> NDArray[Any]:
-        """Displacement (3, 2 n + 1, 2 n + 1) m by a pull of 1 Pa on a cell, as far as it counts."""
+    def _kernel(self) -> tuple[int, list[int], NDArray[Any]]:
+        """Reach of the displacement in cells; sides and spectra (3, ...) of a strip's kernel."""
+        from scipy import fft
+
         ray = np.arange(LONGEST + 1) * self.pitch
         offsets = np.column_stack([ray, np.zeros_like(ray)])
         moved = self.mechanics.surface_displacement(self.layer, offsets, self.pitch)[:, :, 2]
         size = np.abs(moved).max(axis=1)
         reach = int(np.flatnonzero(size > FAINT * size[0])[-1])
         kernel = displacement_kernel(self.mechanics, self.layer, self.pitch, reach, reach)
-        return kernel.astype(np.float32)
+        sides = [STRIP + 3 * reach, max(self.shape[1], reach + 1) + reach]
+        sides = [fft.next_fast_len(side, real=True) for side in sides]
+        padded = np.zeros((3, *sides), dtype=np.float32)
+        padded[:, : 2 * reach + 1, : 2 * reach + 1] = -kernel  # pressure pushes inwards
+        return reach, sides, fft.rfft2(np.roll(padded, (-reach, -reach), axis=(1, 2)))
 
     def displacement(self, pressure: NDArray[Any]) -> NDArray[Any]:
         """Displacement of the surface (K, 3) m by a pressure (K,) Pa: along x, along y, outwards.
 
         In single precision, strip by strip, so that memory does not grow with the sheet.
         """
-        from scipy.signal import oaconvolve
+        from scipy import fft
 
         check_shape("pressure", pressure, (len(self.grid),), "one per cell")
         field = np.asarray(pressure, dtype=np.float32).reshape(self.shape)
-        reach = self._outward.shape[1] // 2
+        reach, sides, spectra = self._kernel
         out = np.empty((*self.shape, 3), dtype=np.float32)
         for row in range(0, len(field), STRIP):
             first = max(row - reach, 0)
-            part = field[first : row + STRIP + reach]
-            for component, outward in enumerate(self._outward):
-                moved = oaconvolve(part, -outward, mode="same")[row - first :][:STRIP]
-                out[row : row + STRIP, :, component] = moved
+            part = fft.rfft2(field[first : row + STRIP + reach], sides)
+            moved = fft.irfft2(part * spectra, sides)[:, row - first :, : self.shape[1]]
+            to = out[row : row + STRIP]
+            to[:] = np.moveaxis(moved[:, : len(to)], 0, -1)
         return out.reshape(-1, 3)
 
     @cached_property
