@@ -261,7 +261,8 @@ def test_garbage_in_a_file_is_refused(tmp_path: Path, data: st.DataObject) -> No
     path = tmp_path / "learnt.json"
     save_intervals(learnt, path)
     good = json.loads(path.read_text())
-    inner = data.draw(st.sampled_from([good, good["force"], good["groups"][0]]))
+    learnt = good["intervals"]
+    inner = data.draw(st.sampled_from([good, learnt, learnt["force"], learnt["groups"][0]]))
     inner[data.draw(st.sampled_from(sorted(inner)))] = data.draw(ODD)
     path.write_text(json.dumps(good))
     with contextlib.suppress(FileError):  # some changes are harmless
