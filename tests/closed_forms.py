@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.elastic.half_space import displacement_kernel, traction_kernel
+
 
 def effective_modulus(young_modulus: float, poisson_ratio: float) -> float:
     return young_modulus / (1.0 - poisson_ratio**2)
@@ -104,3 +106,13 @@ def partial_slip(
     share = np.cbrt(1 - shear / sliding)
     all_stuck = stuck_displacement(modulus, nu, ball.contact_radius, sliding)
     return 1.5 * all_stuck * (1 - share**2), ball.contact_radius * share
+
+
+def point_traction(offset, depth: float):
+    """Traction (N, 3, 3) at a depth under a unit point force, at offsets (N, 2)."""
+    return np.moveaxis(traction_kernel(*np.transpose(offset), depth), -1, 0)
+
+
+def point_displacement(offset, depth: float, modulus: float, nu: float):
+    """Displacement (N, 3, 3) at a depth under a unit point force, at offsets (N, 2)."""
+    return np.moveaxis(displacement_kernel(*np.transpose(offset), depth, modulus, nu), -1, 0)
