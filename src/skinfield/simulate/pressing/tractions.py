@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.contact import RIM, ShearProblem, rim, solve_slip, solve_stick
-from skinfield.errors import Floats, check_positive
+from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_stick
+from skinfield.errors import Floats
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
 from skinfield.simulate.pressing.windows import Skin, Sliding, Window, coarsened
@@ -106,15 +106,6 @@ def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Flo
     return forces, moments
 
 
-@dataclass(frozen=True, eq=False)
-class Sheared:
-    """What the tangential stage adds: translations (bodies, 2) m, its residual, share of slip."""
-
-    translation: Floats
-    residual: float
-    slipping_share: float
-
-
 def bare(settled: Settled) -> tuple[Touch, ...]:
     """Touches with pressure alone."""
     laid, pictures = settled.laid, settled.indenting.pictures
@@ -131,11 +122,8 @@ def bare(settled: Settled) -> tuple[Touch, ...]:
 
 
 def add_shear(
-    settled: Settled,
-    touches: tuple[Touch, ...],
-    indenters: Sequence[Indenter],
-    friction: float | None,
-) -> tuple[tuple[Touch, ...], Sheared]:
+    settled: Settled, touches: tuple[Touch, ...], indenters: Sequence[Indenter]
+) -> tuple[tuple[Touch, ...], Shear]:
     """Tangential tractions under the shears of all indenters at once."""
     laid, contact = settled.laid, settled.contact
     sliding = Sliding(laid.skin, laid.windows)
@@ -150,15 +138,10 @@ def add_shear(
         laid.area,
         np.array([indenter.shear for indenter in indenters], dtype=np.float64),
     )
-    if friction is None:
-        shear = solve_stick(problem)
-    else:
-        check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
-        shear = solve_slip(problem, friction * contact.pressure)
+    shear = solve_stick(problem)
     along = [sliding.indenting.pictures(component) for component in shear.traction]
     loaded = tuple(
         replace(touch, traction=np.stack([x, y, touch.traction[2]]))
         for touch, x, y in zip(touches, *along, strict=True)
     )
-    share = float(laid.area[shear.slipping].sum() / laid.area[touching].sum())
-    return loaded, Sheared(shear.translation, shear.residual, share)
+    return loaded, shear
