@@ -234,9 +234,9 @@ def test_intervals_survive_a_file(tmp_path: Path) -> None:
     assert learnt is not None
     save_intervals(learnt, tmp_path / "learnt.json")
     again = load_intervals(tmp_path / "learnt.json")
-    assert (again.solver, again.found, again.place_floor) == (
+    assert (again.solver, again.detected, again.place_floor) == (
         learnt.solver,
-        learnt.found,
+        learnt.detected,
         learnt.place_floor,
     )
     for one, other in zip(again.groups, learnt.groups, strict=True):

@@ -287,7 +287,7 @@ def learn(
         taxels=len(patch),
         noise_std=float(noise.mean()),
         presses=len(readings),
-        found=len(lesson),
+        detected=len(lesson),
         force=force,
         area=area,
         place_floor=floor,

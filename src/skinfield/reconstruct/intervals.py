@@ -82,7 +82,7 @@ class Intervals:
         Of the patch.
     noise_std : float, in the quantity's unit
         Mean over the taxels.
-    presses, found : int
+    presses, detected : int
         That were simulated, and of which a contact was found.
     force, area : Ratio
     place_floor : float, m
@@ -97,7 +97,7 @@ class Intervals:
     taxels: int
     noise_std: float
     presses: int
-    found: int
+    detected: int
     force: Ratio
     area: Ratio
     place_floor: float

@@ -148,9 +148,11 @@ class Tiles:
         inner, outer, shape = self._taxels, self._cells, values.shape
         try:  # what compiled code would read or write beyond; it refuses other types itself
             if shape == inner and out.shape == outer:
-                return one(*tiles, values, out)
+                one(*tiles, values, out)
+                return
             if len(shape) == 2 and shape[1:] == inner and out.shape == shape[:1] + outer:
-                return many(*tiles, values, out)
+                many(*tiles, values, out)
+                return
         except Exception as error:
             from numba.core.errors import TypingError
 

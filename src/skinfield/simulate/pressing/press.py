@@ -354,7 +354,7 @@ def pressed(settled: Settled, indenters: Sequence[Indenter]) -> Press:
     touches, sheared = bare(settled), None
     if any(any(indenter.shear) for indenter in indenters):
         touches, sheared = add_shear(settled, touches, indenters)
-    skin = settled.laid.skin
+    skin = settled.coverings.skin
     return Press(
         skin.grid,
         skin.layer,

@@ -108,14 +108,14 @@ def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Flo
 
 def bare(settled: Settled) -> tuple[Touch, ...]:
     """Touches with pressure alone."""
-    laid, pictures = settled.laid, settled.indenting.pictures
+    coverings, pictures = settled.coverings, settled.indenting.pictures
     return tuple(
         Touch(window, np.stack([np.zeros_like(p), np.zeros_like(p), 0.0 - p]), body, coverage)
         for window, p, body, coverage in zip(
-            laid.windows,
+            coverings.windows,
             pictures(settled.contact.pressure),
-            pictures(laid.bodies),
-            pictures(laid.coverage),
+            pictures(coverings.bodies),
+            pictures(coverings.coverage),
             strict=True,
         )
     )
@@ -125,17 +125,17 @@ def add_shear(
     settled: Settled, touches: tuple[Touch, ...], indenters: Sequence[Indenter]
 ) -> tuple[tuple[Touch, ...], Shear]:
     """Tangential tractions under the shears of all indenters at once."""
-    laid, contact = settled.laid, settled.contact
-    sliding = Sliding(laid.skin, laid.windows)
+    coverings, contact = settled.coverings, settled.contact
+    sliding = Sliding(coverings.skin, coverings.windows)
     touching = contact.pressure > 0
     # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
     # the border's singularity makes it act too narrow.
-    softness = np.where(touching, sliding.own * laid.softness, 0.0)
+    softness = np.where(touching, sliding.own * coverings.softness, 0.0)
     problem = ShearProblem(
         lambda traction: sliding(traction) + softness * traction,
         touching,
-        laid.bodies,
-        laid.area,
+        coverings.bodies,
+        coverings.area,
         np.array([indenter.shear for indenter in indenters], dtype=np.float64),
     )
     shear = solve_stick(problem)

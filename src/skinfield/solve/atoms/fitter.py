@@ -109,7 +109,7 @@ class Answer:
     """The atoms that explain a reading, at a scale of its noise; `drawn` is None without any."""
 
     problem: Problem
-    found: AtomSet
+    atoms: AtomSet
     scale: float
     drawn: Drawable | None
 
@@ -258,7 +258,7 @@ class ContactFitter:
     def touches(self, readings: Floats, deadline_ns: int | None = None) -> Touches:
         """Contacts and pressure as of `fit`, without the fields that take the longest to draw."""
         answer = self._answer(readings, deadline_ns)
-        explained = explains(answer.problem, answer.found)
+        explained = explains(answer.problem, answer.atoms)
         if answer.drawn is None:
             return Touches(np.zeros(len(self.model.grid)), (), explained)
         return Touches(*self._pressed(answer.drawn), explained)
@@ -344,7 +344,7 @@ class ContactFitter:
         return pressure, contacts
 
     def _fit_of(self, answer: Answer, drawn: Drawable) -> Fit:
-        problem, found, nodes = answer.problem, answer.found, len(self.model.grid)
+        problem, found, nodes = answer.problem, answer.atoms, len(self.model.grid)
         std, moved = np.empty(nodes), np.empty((nodes, 3))
         pressure, contacts = self._pressed(drawn)
         self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)

@@ -116,9 +116,11 @@ class WindowNoise:
         if not len(near):
             return np.zeros_like(sums)
         at = np.searchsorted(self._near, near)
-        symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0}
         factors = splu(
-            self._matrix[at][:, at].tocsc(), options={"SymmetricMode": True}, **symmetric
+            self._matrix[at][:, at].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
         )
         if not (factors.U.diagonal() > 0.0).all():
             raise InputError(TOO_DENSE)
