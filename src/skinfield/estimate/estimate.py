@@ -1,4 +1,4 @@
-"""What one cycle, or a run of them, produced for a patch."""
+"""Estimate of a patch: fields and contacts of one reading, or of a run of them."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace

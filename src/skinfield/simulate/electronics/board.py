@@ -1,4 +1,4 @@
-"""From a level in counts, as a continuous number, to what a board sends."""
+"""Boards: from a level in counts, as a continuous number, to what is sent."""
 
 from dataclasses import dataclass, field
 from typing import Protocol

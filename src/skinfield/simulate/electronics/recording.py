@@ -1,4 +1,4 @@
-"""Counts as a recording that cannot be told from a board's."""
+"""Recording of simulated counts, as a board's."""
 
 import numpy as np
 from numpy.typing import ArrayLike

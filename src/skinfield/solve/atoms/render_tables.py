@@ -1,4 +1,4 @@
-r"""What round contacts look like on the surface, as tables over their radius.
+r"""Tables over the radius of round contacts: what they look like on the surface.
 
 With t² = 1 - r²/a², the pressure of 1 N is
 
