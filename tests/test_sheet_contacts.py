@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_readme import ROOT, follow
+from test_sheet import DISTANCE, LAYER, jittered
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
@@ -14,21 +15,13 @@ from skinfield.errors import Floats, InputError
 from skinfield.estimate import PressureNoise
 from skinfield.solve.sheet.contacts import TILE, WindowNoise, windows
 
-LAYER = sf.Layer(2e-3, 150e3, 0.5)
-DISTANCE = 5.8e-3
 TOUCHED = np.array([[0.02, 0.02], [0.032, 0.024], [0.065, 0.02], [0.055, 0.06]])
-
-
-def jittered(side: int, seed: int) -> Floats:
-    rng = np.random.default_rng(seed)
-    index = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
-    return rng.permutation((index + rng.uniform(-0.3, 0.3, index.shape)) * DISTANCE)
 
 
 @lru_cache
 def solved() -> tuple[sf.Sheet, ObservationModel, Floats, Floats]:
     """A sheet, the dense model of its cells, the dense solver's matrix and readings of touches."""
-    places = jittered(14, 3)
+    places = jittered(14, np.random.default_rng(3))
     noise_std = np.random.default_rng(1).uniform(100.0, 300.0, len(places))
     sheet = sf.Sheet(
         places, LAYER, noise_std=noise_std, cut=3e-4, tolerance=1e-6, precision=np.float64
@@ -91,14 +84,14 @@ def test_contacts_are_the_dense_solvers() -> None:
 
 def test_an_idle_sheet_has_no_contact() -> None:
     """The finder's rate is one false alarm in a thousand readings."""
-    sheet = sf.Sheet(jittered(30, 5), LAYER, noise_std=200.0)
+    sheet = sf.Sheet(jittered(30, np.random.default_rng(5)), LAYER, noise_std=200.0)
     rng = np.random.default_rng(6)
     for _ in range(10):
         assert sheet(rng.normal(size=len(sheet)) * 200.0).contacts == ()
 
 
 def test_faint_and_strong_contacts_far_apart() -> None:
-    sheet = sf.Sheet(jittered(40, 7), LAYER, noise_std=20.0)
+    sheet = sf.Sheet(jittered(40, np.random.default_rng(7)), LAYER, noise_std=20.0)
     rows, columns = np.indices(sheet.shape)
     pressed = np.zeros(sheet.shape)
     for (row, column), peak in (((40, 40), 60e3), ((120, 120), 3e3)):
@@ -132,7 +125,7 @@ def test_windows_hold_what_is_marked_once() -> None:
 
 def test_a_class_is_no_finder() -> None:
     with pytest.raises(InputError, match=r"ContactFinder\(\)"):
-        sf.Sheet(jittered(3, 0), LAYER, finder=sf.ContactFinder)
+        sf.Sheet(jittered(3, np.random.default_rng(0)), LAYER, finder=sf.ContactFinder)
 
 
 def test_the_page_on_sheets_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
