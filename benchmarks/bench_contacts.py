@@ -6,9 +6,9 @@ One table in one run, on one thread, p50 and p99 in µs. Domes of 6 mm radius pr
 taxels; the field is `GaussianField`'s answer to their readings with noise, and contacts are found
 as a reconstructor finds them. `found`: the finder's call, with place, force, moment, area and axes.
 `all`: also covariance, deviation of the area and outline of each contact, which otherwise wait
-until they are asked for. `rows`: `ContactTable` on the domes themselves, which are 0 elsewhere.
-`definition`: the same contacts step by step with NumPy, as in tests/contacts_reference.py, with its
-loop over cells compiled. `floor`: one pass over the field that only adds it up.
+until they are asked for. `definition`: the same contacts step by step with NumPy, as in
+tests/contacts_reference.py, with its loop over cells compiled. `floor`: one pass over the field
+that only adds it up.
 """
 
 import argparse
@@ -29,12 +29,12 @@ from bench_apply import add_up
 from numba import njit
 
 import skinfield as sf
-from skinfield.estimate import Contact, ContactTable
+from skinfield.estimate import Contact
 from skinfield.lab.bench.machine import laps as lap
 
 reference.flooded = njit(reference.flooded)
 PLACES = np.array([[-9e-3, -9e-3], [9e-3, 9e-3], [12e-3, -12e-3]])
-COLUMNS = ("found", "all", "rows", "definition", "floor")
+COLUMNS = ("found", "all", "definition", "floor")
 
 
 def domes(grid: sf.Grid, count: int) -> np.ndarray:
@@ -59,7 +59,6 @@ def row(rec: sf.Reconstructor, count: int, laps: int) -> dict[str, object]:
     noise = np.random.default_rng(count).normal(size=len(rec.patch)) * rec.model.noise_std
     readings = rec.model.matrix @ truth + noise * (count > 0)  # idle: none at all
     pressure = np.ascontiguousarray(rec.operator[: len(grid)] @ readings)
-    table = ContactTable(grid, finder=finder)
 
     def find() -> tuple[Contact, ...]:
         return finder(grid, pressure, plan.noise, plan.posterior, plan.model_error)
@@ -67,7 +66,6 @@ def row(rec: sf.Reconstructor, count: int, laps: int) -> dict[str, object]:
     work: dict[str, tuple[Callable[[], object], int]] = {
         "found": (find, laps),
         "all": (lambda: ask_for_all(find()), laps),
-        "rows": (lambda: table(truth), laps),
         "definition": (
             lambda: reference.contacts(
                 finder, grid, pressure, plan.noise, plan.posterior, plan.model_error

@@ -13,7 +13,7 @@ each time; the pressure is solved for from nothing ("cold") and from the reading
 * force alone: the stamps of the taxels' weights added to the cells.
 * FFT: the same sum for taxels that stood in the middle of their cells, by scipy.fft in float32 with
   the kernel's transform at hand. For taxels anywhere it would need a finer lattice.
-* displacement: three components on all cells, by FFT in blocks.
+* displacement: three components on all cells, by FFT in strips.
 * peak: resident memory of the whole process at its highest, with interpreter, SciPy and the
   displacement of one reading.
 
@@ -71,7 +71,7 @@ def pressed(sheet: sf.Sheet, rng: np.random.Generator) -> np.ndarray:
     for _ in range(max(2 * len(sheet) // 1000, 2)):
         row, column = (rng.integers(20, n - 20) for n in sheet.shape)
         field[row - 12 : row + 13, column - 12 : column + 13] += 2e4 * np.outer(across, across)
-    return sheet.predict(field)
+    return sheet.predict(field.ravel())
 
 
 def least(call: Callable[[], object], laps: int) -> tuple[float, float]:
@@ -113,8 +113,8 @@ def force_alone(sheet: sf.Sheet, out: np.ndarray) -> Callable[[], object]:
 
     values = np.ones(len(sheet), dtype=np.float32)
     parts = parts_of(sheet.plan.stamps.spread, np.float32)
-    corner, offset, flat = sheet.plan.corner, sheet.plan.offset, out.ravel()
-    return lambda: add_stamps(values, corner, offset, parts, sheet.shape[1], flat)
+    corner, offset = sheet.plan.corner, sheet.plan.offset
+    return lambda: add_stamps(values, corner, offset, parts, sheet.shape[1], out)
 
 
 def row(taxels: int) -> dict[str, float]:
@@ -123,7 +123,7 @@ def row(taxels: int) -> dict[str, float]:
     places, layer = places_of(taxels, rng), sf.Layer(2e-3, 150e3, 0.5)
     sf.Sheet(places_of(100, rng), layer, pitch=1.6e-3)(np.zeros(100))  # loads the machine code
     begin = CLOCK[0]()
-    sheet = sf.Sheet(places[:2], layer, solver=sf.GaussianField(length_scale=1.1e-3))
+    sheet = sf.Sheet(places[:1], layer, solver=sf.GaussianField(length_scale=1.1e-3))
     stamps_s = CLOCK[0]() - begin
     sheet = sf.Sheet(places, layer)
     setup, laps = [], max(min(3_000_000 // taxels, 300), 7)
@@ -135,7 +135,7 @@ def row(taxels: int) -> dict[str, float]:
     clean = pressed(sheet, rng)
     noise = 0.01 * np.abs(clean).max()
     readings = [(clean + rng.normal(size=len(clean)) * noise).astype(np.float32) for _ in range(8)]
-    out, turn = np.empty(sheet.shape, dtype=np.float32), [0]
+    out, turn = np.empty(len(sheet.grid), dtype=np.float32), [0]
 
     def warm() -> None:
         turn[0] += 1
@@ -161,7 +161,7 @@ def row(taxels: int) -> dict[str, float]:
         "warm_least_s": warm_s[1],
         "force_s": least(force_alone(sheet, out), laps)[1],
     }
-    displaced = least(lambda: sheet.deformation(out), min(laps, 5))[1]
+    displaced = least(lambda: sheet.displacement(out), min(laps, 5))[1]
     found["peak_bytes"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     found["fft_s"] = least(by_fft(sheet), min(laps, 20))[1]
     found["displacement_s"] = displaced

@@ -25,7 +25,6 @@ from skinfield.plot.style import (
     style,
 )
 from skinfield.simulate import Bar, Cylinder, Ring, Sphere, press
-from skinfield.solve import SheetEstimate
 
 IMAGES = Path(__file__).parent / "images"
 LAYER = sf.Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.5)
@@ -75,18 +74,19 @@ def readings(taxels: Floats) -> Floats:
     return total
 
 
-def report(estimate: SheetEstimate) -> None:
+def report(sheet: sf.Sheet, estimate: sf.Estimate) -> None:
     """Print the force about the touches, over the true one."""
-    sheet, share = estimate.sheet, {name: [] for name in BODIES}
+    share: dict[str, list[float]] = {name: [] for name in BODIES}
+    pressure = estimate.pressure.reshape(sheet.shape)
     x, y = (
         low + np.arange(count) * sheet.pitch
         for low, count in zip(sheet.origin, sheet.shape[::-1], strict=True)
     )
     for name, middle, _ in touches():
         near = np.hypot(y[:, None] - middle[1], x - middle[0]) < NEAR
-        force = estimate.pressure[near].sum() * sheet.pitch**2
+        force = pressure[near].sum() * sheet.pitch**2
         share[name].append(force / BODIES[name].force)
-    click.echo(f"{sheet.shape} cells, {estimate.iterations} steps, defect {estimate.defect:.1e}")
+    click.echo(f"{sheet.shape} cells, {estimate.iterations} steps")
     for name, parts in share.items():
         low, middle, high = np.quantile(parts, [0.0, 0.5, 1.0])
         click.echo(f"  {len(parts)} x {name:9s} {middle:.2f} [{low:.2f}, {high:.2f}]")
@@ -104,9 +104,10 @@ def draw(axes: Any, sheet: sf.Sheet, values: Floats, label: str, part: Any) -> N
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
 
 
-def picture(sheet: sf.Sheet, taxels: Floats, estimate: SheetEstimate) -> None:
+def picture(sheet: sf.Sheet, taxels: Floats, estimate: sf.Estimate) -> None:
     """Pressure and deformation of the sheet, and of a part of it."""
-    pressure, inwards = estimate.pressure * 1e-3, estimate.indentation * 1e6
+    pressure = estimate.pressure.reshape(sheet.shape) * 1e-3
+    inwards = estimate.indentation.reshape(sheet.shape) * 1e6
     middle = next(place for name, place, _ in touches() if name == "ring")
     column, row = np.floor((middle - HALF - sheet.origin) / sheet.pitch).astype(int)
     count = int(2 * HALF / sheet.pitch) + 1
@@ -141,10 +142,10 @@ def edges(axes: Any, middle: Floats) -> None:
         axes.plot(x, y, "--", color=QUIET, linewidth=0.8)
 
 
-def arrows(axes: Any, sheet: sf.Sheet, estimate: SheetEstimate, part: Any) -> None:
+def arrows(axes: Any, sheet: sf.Sheet, estimate: sf.Estimate, part: Any) -> None:
     """Displacement along the surface about the part that is shown."""
     row, column = (np.arange(along.start, along.stop, 2) for along in part)
-    moved = estimate.displacement[np.ix_(row, column)] * 1e3
+    moved = estimate.displacement.reshape(*sheet.shape, 3)[np.ix_(row, column)] * 1e3
     large = np.hypot(moved[..., 0], moved[..., 1]) > 5e-3
     axes.quiver(
         ((sheet.origin[0] + column * sheet.pitch) * 1e3 + 0 * row[:, None])[large],
@@ -163,7 +164,7 @@ def main() -> None:
     taxels = places()
     sheet = sf.Sheet(taxels, LAYER, noise_std=NOISE)
     estimate = sheet(readings(taxels))
-    report(estimate)
+    report(sheet, estimate)
     picture(sheet, taxels, estimate)
 
 

@@ -1,9 +1,8 @@
-"""The bonded layer computed three other ways than the program does, for tests.
+"""The bonded layer computed two other ways than the program does, for tests.
 
 1. `propagate`: the equations of elasticity as a first-order system in z, solved by a matrix
    exponential in multiple precision (no closed form, any Poisson's ratio).
-2. `collocate`: the same boundary-value problem by Chebyshev collocation in double precision.
-3. `FourierSum`: responses to square cells by the trapezoidal rule over the plane of wave numbers,
+2. `FourierSum`: responses to square cells by the trapezoidal rule over the plane of wave numbers,
    which converges geometrically as every multiplier is an analytic, even function of them. It
    needs no table and no quadrature over the cell; 1/k tails are split off as Gaussians (Ewald).
 
@@ -47,34 +46,6 @@ def propagate(nu: float, alpha: float) -> dict[str, mp.mpf]:
         antiplane = mp.expm(mp.matrix([[0, 2 * (1 + exact)], [wave**2 / (2 * (1 + exact)), 0]]))
         across = antiplane[0, 1] / antiplane[1, 1] * wave / (2 * (1 + exact))
         return _named(exact, wave, top, base, across, 1 / antiplane[1, 1])
-
-
-def collocate(nu: float, alpha: float, count: int = 48) -> dict[str, float]:
-    """Every response at one wave number, by collocation at `count` Chebyshev points."""
-    node = np.cos(np.pi * np.arange(count + 1) / count)
-    scale = np.hstack([2, np.ones(count - 1), 2]) * (-1) ** np.arange(count + 1)
-    slope = np.outer(scale, 1 / scale) / (node[:, None] - node + np.eye(count + 1))
-    slope = 2 * (slope - np.diag(slope.sum(axis=1)))  # d/dz with z = (1 + node) / 2
-
-    def solve(system, fixed, loaded):
-        """Zero the `fixed` rows at the base, give each `loaded` row a unit on top in turn."""
-        size = len(system)
-        whole = np.kron(np.eye(size), slope) - np.kron(np.array(system, float), np.eye(count + 1))
-        load = np.zeros((len(whole), len(loaded)))
-        for row in fixed:
-            at_base = row * (count + 1) + count
-            whole[at_base] = np.eye(len(whole))[at_base]
-        for case, row in enumerate(loaded):
-            at_top = row * (count + 1)
-            whole[at_top] = np.eye(len(whole))[at_top]
-            load[at_top, case] = 1.0
-        return np.linalg.solve(whole, load).reshape(size, count + 1, -1)
-
-    plane = solve(_system(nu, alpha), fixed=(0, 1), loaded=(2, 3))
-    shear = 1 / (2 * (1 + nu))
-    across = solve([[0, 1 / shear], [alpha**2 * shear, 0]], fixed=(0,), loaded=(1,))
-    antiplane = across[0, 0, 0] * alpha * shear
-    return _named(nu, alpha, plane[:2, 0], plane[2:, count], antiplane, across[1, count, 0])
 
 
 def _named(nu, alpha, top, base, antiplane, base_antiplane):

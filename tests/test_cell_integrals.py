@@ -4,6 +4,7 @@ import mpmath
 import mpmath as mp
 import numpy as np
 import pytest
+from closed_forms import point_displacement
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import mean_inverse_distance as by_rings
@@ -18,7 +19,6 @@ from skinfield.elastic.cell_integrals import (
     rectangle_normal_displacement,
     rectangle_stress,
 )
-from skinfield.elastic.half_space import displacement
 from skinfield.errors import InputError
 
 KERNELS = {
@@ -150,7 +150,7 @@ def test_stress_is_the_integral_of_the_point_forces(depth: float, offset) -> Non
 def test_normal_displacement_below_is_the_integral_of_the_point_forces(depth, offset) -> None:
     node, weight = gauss_square(120)
     source, nu, modulus = node * np.array([2.0, 1.0]), 0.3, 5.0
-    u = displacement(np.array(offset) - source, depth, modulus, nu)[:, 2, 2]
+    u = point_displacement(np.array(offset) - source, depth, modulus, nu)[:, 2, 2]
     got = rectangle_normal_displacement(np.array([offset]), (2.0, 1.0), depth, modulus, nu)[0]
     assert got == pytest.approx(2.0 * weight @ u, rel=1e-11)
 

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.signal import CapacitanceConverter, CySkinCount, ICubByte
+from skinfield.signal import CySkinCount, ICubByte
 from skinfield.simulate.electronics import (
-    ConverterBoard,
     CrossTalk,
     CySkinBoard,
     Defect,
@@ -32,13 +31,11 @@ from skinfield.skin import Patch, generators
 
 HEXAGON = generators.icub_hexagon()
 MANY = Patch(np.random.default_rng(0).uniform(0, 1, (2400, 2)))
-FINE = CapacitanceConverter(low=4e-12, high=30e-12, step=2e-16)
 BOARDS = [
     ICubBoard(),
     ICubBoard(convention=ICubByte(no_load=245, shift=0)),
     ICubBoard(convention=ICubByte(shift=5)),
     CySkinBoard(),
-    ConverterBoard(convention=FINE),
     LinearBoard(),
 ]
 boards = pytest.mark.parametrize("board", BOARDS, ids=lambda b: type(b).__name__)
@@ -126,13 +123,6 @@ def test_whatever_happens_a_board_sends_what_it_can(board, seed, size, noise):
         assert (sent == np.rint(sent)).all()
         assert sent.min() >= board.convention.lowest
         assert sent.max() <= board.convention.highest
-
-
-def test_a_converter_too_coarse_for_its_pad_moves_by_one_count_at_most():
-    made = Electronics(board=ConverterBoard(convention=CapacitanceConverter()))
-    array = made.manufacture(HEXAGON, rng())
-    change = np.linspace(0, 1, 50)[:, None] * np.ones(72)
-    assert len(np.unique(array.counts(change, None, rng()))) <= 2  # the paper's: 0.5 steps
 
 
 def test_under_high_load_boards_clamp():

@@ -24,14 +24,12 @@ from skinfield.simulate.electronics import (
     Electronics,
     Noise,
     ThermalDrift,
-    by_channel,
     cyskin_electronics,
     icub_electronics,
     ideal_electronics,
     recording,
 )
 from skinfield.skin import generators
-from skinfield.skin.generators import TEN_PAD_TRIANGLE
 
 HEXAGON = generators.icub_hexagon()
 
@@ -143,17 +141,6 @@ def test_a_saved_recording_is_read_back_as_any_other(tmp_path):
     back = readings_for(open_recording(file), HEXAGON.subset(np.arange(71, -1, -1)))
     assert (back.counts == read.counts[:, ::-1]).all()
     assert back.rate == read.rate
-
-
-def test_a_port_has_a_column_per_channel():
-    ten = generators.triangle_lattice(3, template=TEN_PAD_TRIANGLE)
-    _, _, read = recorded(icub_electronics(), 3.0, patch=ten)
-    port = by_channel(read, ten, rest=240)
-    assert port.counts.shape == (len(read), 36)
-    assert (port.counts[:, [6, 10, 18, 22, 30, 34]] == 240).all()
-    assert (readings_for(port, ten).counts == read.counts).all()
-    with pytest.raises(InputError, match="counts has shape"):
-        by_channel(port, ten, rest=240)
 
 
 # ---- defects, as the fault finder sees them ------------------------------------------------------

@@ -234,9 +234,9 @@ def test_intervals_survive_a_file(tmp_path: Path) -> None:
     assert learnt is not None
     save_intervals(learnt, tmp_path / "learnt.json")
     again = load_intervals(tmp_path / "learnt.json")
-    assert (again.solver, again.found, again.place_floor) == (
+    assert (again.solver, again.detected, again.place_floor) == (
         learnt.solver,
-        learnt.found,
+        learnt.detected,
         learnt.place_floor,
     )
     for one, other in zip(again.groups, learnt.groups, strict=True):
@@ -261,7 +261,8 @@ def test_garbage_in_a_file_is_refused(tmp_path: Path, data: st.DataObject) -> No
     path = tmp_path / "learnt.json"
     save_intervals(learnt, path)
     good = json.loads(path.read_text())
-    inner = data.draw(st.sampled_from([good, good["force"], good["groups"][0]]))
+    learnt = good["intervals"]
+    inner = data.draw(st.sampled_from([good, learnt, learnt["force"], learnt["groups"][0]]))
     inner[data.draw(st.sampled_from(sorted(inner)))] = data.draw(ODD)
     path.write_text(json.dumps(good))
     with contextlib.suppress(FileError):  # some changes are harmless

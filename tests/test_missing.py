@@ -202,7 +202,7 @@ def test_many_sets_are_solved_in_parts_and_only_few_are_kept(pressed: np.ndarray
         mine(pressed[0], valid=mask)
     kept = mine.plan.missing
     assert kept is not None
-    assert len(kept._kept) == plan.CALLS_KEPT
+    assert len(kept._cache) == plan.CALLS_KEPT
 
 
 def test_one_dead_taxel_in_more_readings_than_a_product_takes(pressed: np.ndarray) -> None:

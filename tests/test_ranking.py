@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from skinfield.estimate import ContactFinder, ContactTable, PressureNoise
+from skinfield.estimate import ContactFinder, PressureNoise
 from skinfield.estimate.ranking import by_falling_force, falling_order, first_largest
 from skinfield.skin import Grid, Patch
 
@@ -32,6 +32,3 @@ def test_mirror_images_come_by_their_cells(rounding: float) -> None:
     found = ContactFinder()(grid, picture.ravel(), noise)
     assert [int(each.cells[0]) for each in found] == [10, 16]
     assert [int(each.cells[0]) for each in by_falling_force(found[::-1])] == [10, 16]
-    table = ContactTable(grid, 1, noise=noise)
-    assert table(picture.ravel()) == 2
-    assert table.rows["x"][0] < 0.01

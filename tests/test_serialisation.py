@@ -64,7 +64,7 @@ def test_intervals_come_back() -> None:
     ))  # fmt: skip
     ratio = Ratio(centre=np.array([0.1, -0.02, 1 / 3]), floor=0.05)
     learnt = first.with_intervals(Intervals(
-        solver=name, quantity=quantity, taxels=taxels, noise_std=noise, presses=60, found=40,
+        solver=name, quantity=quantity, taxels=taxels, noise_std=noise, presses=60, detected=40,
         force=ratio, area=ratio, place_floor=1e-4, edges=np.empty(0), groups=(group,),
     ))  # fmt: skip
     second = again(ReconstructorConfig.of(learnt)).reconstructor()

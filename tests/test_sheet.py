@@ -39,10 +39,9 @@ class Dense:
 
 
 def dense_of(sheet: sf.Sheet, solver: object, places: Floats = PLACES) -> Dense:
-    patch = sf.Patch(np.column_stack([places, np.zeros(len(places))]), PAD)
-    grid = sf.Grid(patch, sheet.shape, sheet.pitch, sheet.origin)
+    grid = sheet.grid
     model = ObservationModel.of(
-        patch, LAYER, grid, sheet.mechanics, sheet.quantity, sheet.noise_std
+        sheet.patch, LAYER, grid, sheet.mechanics, sheet.quantity, sheet.noise_std
     )
     pressed = np.zeros(len(grid))
     for centre, width in ((places.mean(axis=0), 6e-3), (places.min(axis=0), 9e-3)):
@@ -117,8 +116,8 @@ def test_gram_is_that_of_the_model() -> None:
 
 def test_prediction_is_the_models() -> None:
     sheet, dense = fine_pair()
-    field = np.random.default_rng(1).normal(size=sheet.shape)
-    exact = dense.model.matrix @ field.ravel()
+    field = np.random.default_rng(1).normal(size=len(sheet.grid))
+    exact = dense.model.matrix @ field
     assert off(sheet.predict(field), exact) < 1e-3
 
 
@@ -152,7 +151,7 @@ def test_a_silent_taxel_is_left_out() -> None:
 def test_no_taxel_answers() -> None:
     estimate = usual_pair()[0](np.full(len(PLACES), np.nan))
     assert not estimate.pressure.any()
-    assert (estimate.iterations, estimate.relative_residual, estimate.defect) == (0, 0.0, 0.0)
+    assert (estimate.iterations, usual_pair()[0].relative_residual) == (0, 0.0)
 
 
 def test_a_press_beyond_the_corner_is_found_there() -> None:
@@ -169,9 +168,9 @@ def test_the_residual_is_what_it_says(tolerance: float) -> None:
     sheet = sf.Sheet(PLACES, LAYER, tolerance=tolerance, cut=1e-4, precision=np.float64)
     dense = fine_pair()[1]
     estimate = sheet(dense.readings)
-    assert estimate.relative_residual <= tolerance
-    # Of the scaled system, and beside what was cut off.
-    assert estimate.defect == pytest.approx(estimate.relative_residual, rel=0.2, abs=4e-4)
+    assert sheet.relative_residual <= tolerance
+    # Where the noise accounts for what is left, the pressure is off by about as much.
+    assert off(estimate.pressure, dense.pressure) < 2 * tolerance + 5e-4
 
 
 def test_residual_is_reading_less_prediction() -> None:
@@ -188,7 +187,7 @@ def test_from_the_reading_before() -> None:
     rng = np.random.default_rng(7)
     warm = [sheet(dense.readings + rng.normal(size=len(sheet))) for _ in range(100)]
     assert max(estimate.iterations for estimate in warm) < cold.iterations
-    assert all(estimate.relative_residual <= sheet.tolerance for estimate in warm)
+    assert sheet.relative_residual <= sheet.tolerance
     assert off(warm[-1].pressure, dense.pressure) < 2e-2
     again = sheet(-dense.readings)  # farther from the one before than from nothing
     assert off(again.pressure, -dense.pressure) < 5e-3
@@ -203,7 +202,7 @@ def test_a_deadline_stops_it() -> None:
     late = sheet(dense.readings, deadline=1e-9)
     assert not late.deadline_met
     assert late.iterations == 0
-    assert late.relative_residual == pytest.approx(1.0)
+    assert sheet.relative_residual == pytest.approx(1.0)
 
 
 def test_a_new_sheet_knows_what_a_reading_takes() -> None:
@@ -225,7 +224,7 @@ def test_noise_of_each_taxel_counts() -> None:
 def test_it_allocates_nothing_per_reading() -> None:
     sheet = sf.Sheet(jittered(60, np.random.default_rng(8)), LAYER)
     readings = np.random.default_rng(9).normal(size=len(sheet)).astype(np.float32) * 100
-    out = np.empty(sheet.shape, dtype=np.float32)
+    out = np.empty(len(sheet.grid), dtype=np.float32)
     sheet.apply(readings, out)
     tracemalloc.start()
     sheet.apply(readings, out)
@@ -234,30 +233,27 @@ def test_it_allocates_nothing_per_reading() -> None:
     assert peak < 7200, "an array of taxels has 14,400 bytes; views and numbers some 4,500"
 
 
-def test_displacement_is_that_of_the_grid() -> None:
+def test_fields_are_those_of_the_grid() -> None:
     from skinfield.elastic import Deformation
 
     sheet, dense = usual_pair()
     estimate = sheet(dense.readings)
     whole = Deformation(dense.model.grid, LAYER, sheet.mechanics)
-    exact = whole(estimate.pressure.astype(np.float64).ravel()).reshape(*sheet.shape, 3)
+    exact = whole(estimate.pressure.astype(np.float64))
     assert np.abs(estimate.displacement - exact).max() < 1e-4 * np.abs(exact).max()
-    assert estimate.indentation == pytest.approx(-estimate.displacement[..., 2])
-    fresh = sheet(dense.readings)
-    assert np.abs(fresh.indentation + exact[..., 2]).max() < 1e-4 * np.abs(exact).max()
+    assert estimate.indentation == pytest.approx(-estimate.displacement[:, 2])
+    assert (estimate.traction[:, 2] == -estimate.pressure).all()
+    assert not estimate.traction[:, :2].any()
 
 
-def test_displacement_does_not_know_of_blocks() -> None:
-    from skinfield.elastic import LatticeConvolution, displacement_kernel
-    from skinfield.solve.sheet.estimate import SheetDeformation
+def test_displacement_does_not_know_of_strips() -> None:
+    from skinfield.elastic import Deformation
 
-    shape = (70, 720)  # one block and some
-    deform = SheetDeformation(sf.BondedLayer(), LAYER, 1.5e-3, shape)
-    pressure = np.random.default_rng(0).normal(size=shape)
-    kernel = displacement_kernel(sf.BondedLayer(), LAYER, 1.5e-3, shape[0] - 1, shape[1] - 1)
-    exact = np.moveaxis(LatticeConvolution(-kernel)(pressure), 0, -1)
-    assert np.abs(deform(pressure) - exact).max() < 1e-4 * np.abs(exact).max()
-    assert deform.dropped < 1e-5
+    sheet = sf.Sheet(np.outer([0.0, 1.0, 2.0, 3.0], [3e-3, 0.3]), LAYER)
+    pressure = np.random.default_rng(0).normal(size=len(sheet.grid))
+    exact = Deformation(sheet.grid, LAYER, sheet.mechanics)(pressure)
+    assert sheet.shape[0] > 600
+    assert np.abs(sheet.displacement(pressure) - exact).max() < 1e-4 * np.abs(exact).max()
 
 
 def test_force_of_a_press() -> None:
@@ -269,8 +265,7 @@ def test_force_of_a_press() -> None:
 def test_one_taxel() -> None:
     sheet = sf.Sheet([[0.01, 0.02]], LAYER)
     estimate = sheet([500.0])
-    row, column = np.unravel_index(np.argmax(estimate.pressure), sheet.shape)
-    peak = sheet.origin + np.array([column, row]) * sheet.pitch
+    peak = sheet.grid.plane[np.argmax(estimate.pressure)]
     assert np.abs(peak - [0.01, 0.02]).max() <= sheet.pitch
 
 

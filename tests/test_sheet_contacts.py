@@ -1,41 +1,34 @@
 """Contacts of a sheet, window by window, against the dense solver's on all cells at once."""
 
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from test_readme import ROOT, follow
+from test_sheet import DISTANCE, LAYER, jittered
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import PressureNoise
-from skinfield.solve.sheet.estimate import TILE, SheetNoise, windows
+from skinfield.solve.sheet.contacts import TILE, WindowNoise, windows
 
-LAYER = sf.Layer(2e-3, 150e3, 0.5)
-DISTANCE = 5.8e-3
 TOUCHED = np.array([[0.02, 0.02], [0.032, 0.024], [0.065, 0.02], [0.055, 0.06]])
-
-
-def jittered(side: int, seed: int) -> Floats:
-    rng = np.random.default_rng(seed)
-    index = np.stack(np.meshgrid(np.arange(side), np.arange(side)), -1).reshape(-1, 2)
-    return rng.permutation((index + rng.uniform(-0.3, 0.3, index.shape)) * DISTANCE)
 
 
 @lru_cache
 def solved() -> tuple[sf.Sheet, ObservationModel, Floats, Floats]:
     """A sheet, the dense model of its cells, the dense solver's matrix and readings of touches."""
-    places = jittered(14, 3)
+    places = jittered(14, np.random.default_rng(3))
     noise_std = np.random.default_rng(1).uniform(100.0, 300.0, len(places))
     sheet = sf.Sheet(
         places, LAYER, noise_std=noise_std, cut=3e-4, tolerance=1e-6, precision=np.float64
     )
-    patch = sf.Patch(np.column_stack([places, np.zeros(len(places))]), 4e-3)
-    grid = sf.Grid(patch, sheet.shape, sheet.pitch, sheet.origin)
+    grid = sheet.grid
     model = ObservationModel.of(
-        patch, LAYER, grid, sheet.mechanics, sheet.quantity, sheet.noise_std
+        sheet.patch, LAYER, grid, sheet.mechanics, sheet.quantity, sheet.noise_std
     )
     pressed = np.zeros(len(grid))
     for place in TOUCHED:
@@ -44,9 +37,9 @@ def solved() -> tuple[sf.Sheet, ObservationModel, Floats, Floats]:
     return sheet, model, sf.GaussianField().prepare(model).matrix, model.matrix @ pressed + noise
 
 
-def whole(sheet: sf.Sheet, valid: Floats | None = None) -> SheetNoise:
+def whole(sheet: sf.Sheet, valid: Floats | None = None) -> WindowNoise:
     every = np.ones(len(sheet), dtype=bool) if valid is None else valid
-    return SheetNoise(sheet.plan, every, slice(0, sheet.shape[0]), slice(0, sheet.shape[1]))
+    return WindowNoise.whole(sheet.plan, every)
 
 
 def test_noise_is_that_of_the_dense_solver() -> None:
@@ -63,7 +56,7 @@ def test_noise_is_that_of_the_dense_solver() -> None:
 def test_noise_of_a_window_is_that_of_the_whole() -> None:
     sheet, _, matrix, _ = solved()
     rows, columns = slice(20, 50), slice(30, 52)
-    part = SheetNoise(sheet.plan, np.ones(len(sheet), dtype=bool), rows, columns)
+    part = replace(whole(sheet), corner=(30, 20), shape=(30, 22))
     exact = PressureNoise(matrix * sheet.noise_std).std.reshape(sheet.shape)[rows, columns]
     assert np.abs(part.std - exact.ravel()).max() < 1e-3 * exact.max()
 
@@ -72,13 +65,12 @@ def test_noise_knows_of_silent_taxels() -> None:
     sheet = solved()[0]
     valid = np.zeros(len(sheet), dtype=bool)
     assert not whole(sheet, valid).std.any()
-    assert whole(sheet, valid).felt == 0
     assert not whole(sheet, valid).covariance_of_sums(np.arange(5), np.ones((2, 5))).any()
 
 
 def test_contacts_are_the_dense_solvers() -> None:
     sheet, model, matrix, readings = solved()
-    found = sheet(readings).contacts(sf.ContactFinder())
+    found = sheet(readings).contacts
     noise = PressureNoise(matrix * sheet.noise_std)
     exact = sf.ContactFinder()(model.grid, matrix @ readings, noise)
     assert len(found) == len(exact) >= len(TOUCHED)
@@ -91,21 +83,21 @@ def test_contacts_are_the_dense_solvers() -> None:
 
 
 def test_an_idle_sheet_has_no_contact() -> None:
-    sheet = sf.Sheet(jittered(30, 5), LAYER, noise_std=200.0)
+    """The finder's rate is one false alarm in a thousand readings."""
+    sheet = sf.Sheet(jittered(30, np.random.default_rng(5)), LAYER, noise_std=200.0)
     rng = np.random.default_rng(6)
-    finder = sf.ContactFinder()  # one false alarm in a thousand readings
     for _ in range(10):
-        assert sheet(rng.normal(size=len(sheet)) * 200.0).contacts(finder) == ()
+        assert sheet(rng.normal(size=len(sheet)) * 200.0).contacts == ()
 
 
 def test_faint_and_strong_contacts_far_apart() -> None:
-    sheet = sf.Sheet(jittered(40, 7), LAYER, noise_std=20.0)
+    sheet = sf.Sheet(jittered(40, np.random.default_rng(7)), LAYER, noise_std=20.0)
     rows, columns = np.indices(sheet.shape)
     pressed = np.zeros(sheet.shape)
     for (row, column), peak in (((40, 40), 60e3), ((120, 120), 3e3)):
         pressed += peak * np.exp(-((rows - row) ** 2 + (columns - column) ** 2) / 3.5**2)
-    estimate = sheet(sheet.predict(pressed))
-    found = estimate.contacts(sf.ContactFinder())  # that drops what is below a fifth of the highest
+    estimate = sheet(sheet.predict(pressed.ravel()))
+    found = estimate.contacts  # that drops what is below a fifth of the highest
     assert np.argmax(estimate.pressure) in found[0].cells
     faint = sheet.origin + np.array([120, 120]) * sheet.pitch
     apart = [np.hypot(*(contact.position[:2] - faint)) for contact in found]
@@ -116,28 +108,24 @@ def test_faint_and_strong_contacts_far_apart() -> None:
 
 def test_nothing_but_silence() -> None:
     sheet = solved()[0]
-    assert sheet(np.full(len(sheet), np.nan)).contacts(sf.ContactFinder()) == ()
+    assert sheet(np.full(len(sheet), np.nan)).contacts == ()
 
 
 def test_windows_hold_what_is_marked_once() -> None:
     rng = np.random.default_rng(0)
     high = rng.uniform(size=(230, 310)) < 2e-4
-    seen = np.zeros(high.shape, dtype=int)
-    for window in windows(high):
-        rows, columns = np.indices(high[window.rows, window.columns].shape)
-        own = np.vectorize(window.owns)(rows, columns)
-        seen[window.rows, window.columns] += own
-    assert (seen[high] == 1).all()
-    down, right = np.nonzero(high)
-    for row, column in zip(down, right, strict=True):  # with at least a tile around, once or more
+    count = np.zeros(high.shape, dtype=int)
+    for rows, columns, free in windows(high):
+        count[rows, columns] += free
+    assert (count[high] == 1).all()
+    for row, column in np.argwhere(high):  # with at least a tile around, once or more
         low, left = max(row - TILE, 0), max(column - TILE, 0)
-        assert (seen[low : row + TILE + 1, left : column + TILE + 1] >= 1).all()
+        assert (count[low : row + TILE + 1, left : column + TILE + 1] >= 1).all()
 
 
 def test_a_class_is_no_finder() -> None:
-    sheet, _, _, readings = solved()
     with pytest.raises(InputError, match=r"ContactFinder\(\)"):
-        sheet(readings).contacts(sf.ContactFinder)
+        sf.Sheet(jittered(3, np.random.default_rng(0)), LAYER, finder=sf.ContactFinder)
 
 
 def test_the_page_on_sheets_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,7 +42,7 @@ def test_stamps_and_prediction_are_transposes() -> None:
     from skinfield.solve.sheet.plan import parts_of
 
     rng = np.random.default_rng(2)
-    field, value = rng.normal(size=sheet.shape), rng.normal(size=len(sheet))
+    field, value = rng.normal(size=len(sheet.grid)), rng.normal(size=len(sheet))
     out, plan = np.empty(field.size), sheet.plan
     parts = parts_of(plan.stamps.spread, np.float64)
     add_stamps(value[plan.placing.order], plan.corner, plan.offset, parts, sheet.shape[1], out)

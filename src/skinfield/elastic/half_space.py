@@ -35,67 +35,58 @@ from skinfield.errors import (
 
 
 def traction_kernel(x: Floats, y: Floats, depth: float) -> Floats:
-    """`base_traction` for arrays x and y of any one shape: (3, 3, ...)."""
-    arm = np.stack([x, y, np.full(np.shape(x), -depth)])
-    distance = np.sqrt(x**2 + y**2 + depth**2)
-    return np.asarray(1.5 * depth / np.pi * arm[:, None] * arm[None] / distance**5)
-
-
-def base_traction(offset: Floats, depth: float) -> Floats:
     r"""Traction on a plane inside the skin under a unit point force on its surface.
 
     Parameters
     ----------
-    offset : (N, 2) array, m
-        In the plane of the surface, from the force to each taxel.
+    x, y : arrays of any one shape, m
+        From the force to the place of observation.
     depth : float, m
         Of the plane below the surface, positive into the skin.
 
     Returns
     -------
-    (N, 3, 3) array, 1/m²
-        [n, i, j]: component i of what the skin above exerts on the plane, outward normal +z and
+    (3, 3, ...) array, 1/m²
+        [i, j]: component i of what the skin above exerts on the plane, outward normal +z and
         tension positive, per component j of the force; a push gives a negative, compressive zz.
 
     Notes
     -----
     Eq. (8), (9) of the paper, Boussinesq's and Cerruti's stress: with R from the force to the
-    taxel, :math:`R_z = -h`,
-
-    .. math:: t_{ij} = \frac{3h}{2\pi} \frac{R_i R_j}{R^5}.
-
-    It holds no elastic constant. Eq. (11) as printed keeps the force and a sum within the matrix
-    element; this is the element that (10) needs.
+    taxel, :math:`R_z = -h`, :math:`t_{ij} = 3h R_i R_j / (2\pi R^5)`. It holds no elastic constant.
+    Eq. (11) as printed keeps the force and a sum within the matrix element; zz is the element that
+    (10) needs.
     """
-    offset = _checked(offset)
-    check_positive("depth", depth, "the stress is singular on the loaded surface")
-    return np.moveaxis(traction_kernel(offset[:, 0], offset[:, 1], depth), -1, 0)
-
-
-def normal_stress(offset: Floats, depth: float) -> Floats:
-    r"""Normal stress on a plane inside the skin under a unit pressing point force.
-
-    Parameters
-    ----------
-    offset, depth
-        See `base_traction`.
-
-    Returns
-    -------
-    (N,) array, Pa/N
-        Positive in compression. The paper's element of (10), eq. (11) in its correct form
-        :math:`c_{lk} = 3h^3 / (2\pi (r_\perp^2 + h^2)^{5/2})`.
-    """
-    offset = _checked(offset)
-    check_positive("depth", depth, "the stress is singular on the loaded surface")
-    square = np.sum(offset**2, axis=1) + depth**2
-    return np.asarray(1.5 * depth**3 / (np.pi * square**2.5))
+    arm = np.stack([x, y, np.full(np.shape(x), -depth)])
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    return np.asarray(1.5 * depth / np.pi * arm[:, None] * arm[None] / distance**5)
 
 
 def displacement_kernel(
     x: Floats, y: Floats, depth: float, young_modulus: float, poisson_ratio: float
 ) -> Floats:
-    """`displacement` for arrays x and y of any one shape: (3, 3, ...)."""
+    r"""Displacement inside the half-space under a unit point force on its surface.
+
+    Parameters
+    ----------
+    x, y : arrays of any one shape, m
+        From the force to the place of observation; infinite on the force itself.
+    depth : float, m
+        Below the surface, positive into the skin; 0 is the surface.
+    young_modulus : float, Pa
+    poisson_ratio : float
+
+    Returns
+    -------
+    (3, 3, ...) array, m/N
+        [i, j]: component i of the displacement per component j of the force.
+
+    Notes
+    -----
+    Boussinesq's and Cerruti's solutions (Johnson, Contact Mechanics, eq. 3.18 and 3.75; Landau
+    and Lifshitz, Theory of Elasticity, section 8). For :math:`\nu = 1/2` they are the paper's (15)
+    and (16), :math:`3 / (4 \pi E) \; (\delta_{ij} / R + R_i R_j / R^3)`.
+    """
     r = np.sqrt(x**2 + y**2 + depth**2)
     beside = r + depth
     slack = 1.0 - 2.0 * poisson_ratio  # 0 for an incompressible elastomer
@@ -108,46 +99,6 @@ def displacement_kernel(
     u[2, :2] = -plane * (slack / (r * beside) + depth / r**3)
     u[2, 2] = depth**2 / r**3 + 2.0 * (1.0 - poisson_ratio) / r
     return np.asarray((1.0 + poisson_ratio) / (2.0 * np.pi * young_modulus) * u)
-
-
-def displacement(
-    offset: Floats, depth: float, young_modulus: float, poisson_ratio: float
-) -> Floats:
-    r"""Displacement inside the half-space under a unit point force on its surface.
-
-    Parameters
-    ----------
-    offset : (N, 2) array, m
-        In the plane of the surface, from the force to the place of observation.
-    depth : float, m
-        Below the surface, positive into the skin; 0 is the surface.
-    young_modulus : float, Pa
-    poisson_ratio : float
-
-    Returns
-    -------
-    (N, 3, 3) array, m/N
-        [n, i, j]: component i of the displacement per component j of the force.
-
-    Raises
-    ------
-    InputError
-        On the force itself, where the displacement is infinite.
-
-    Notes
-    -----
-    Boussinesq's and Cerruti's solutions (Johnson, Contact Mechanics, eq. 3.18 and 3.75; Landau
-    and Lifshitz, Theory of Elasticity, section 8). For :math:`\nu = 1/2` they are the paper's (15)
-    and (16), :math:`3 / (4 \pi E) \; (\delta_{ij} / R + R_i R_j / R^3)`.
-    """
-    offset = _checked(offset)
-    check_range("depth", depth, 0.0, np.inf, "counted positive into the skin")
-    check_positive("young_modulus", young_modulus, "the elastomer's stiffness in Pa")
-    check_range("poisson_ratio", poisson_ratio, 0.0, 0.5, "0.5 is incompressible")
-    if depth == 0.0:
-        _check_apart(offset)
-    u = displacement_kernel(offset[:, 0], offset[:, 1], depth, young_modulus, poisson_ratio)
-    return np.moveaxis(u, -1, 0)
 
 
 def surface_displacement(offset: Floats, layer: Layer) -> Floats:

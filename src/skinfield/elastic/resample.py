@@ -1,12 +1,12 @@
 """Virtual taxels at the nodes of a grid, by Delaunay triangulation: section III-B of the paper."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Floats, InputError, as_floats, check_choice, check_finite, check_shape
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
@@ -24,16 +24,14 @@ class Resampling:
         Convex combinations: no weight is negative, rows sum to 1 (or are empty, see `inside`).
     inside : (N,) bool array
         Which nodes lie in the convex hull of the taxels, border included. Elsewhere the paper's
-        construction has no answer, and the row is what `outside` asked for.
+        construction has no answer, and the row is empty.
     """
 
     matrix: "csr_array"
     inside: NDArray[np.bool_]
 
 
-def resampling_matrix(
-    taxels: Floats, nodes: Floats, outside: Literal["zero", "nearest"] = "zero"
-) -> Resampling:
+def resampling_matrix(taxels: Floats, nodes: Floats) -> Resampling:
     r"""Weights of the taxels around each node, built once for all readings.
 
     Parameters
@@ -43,9 +41,6 @@ def resampling_matrix(
         same place count as one, whose reading is the mean of theirs.
     nodes : (N, 2) array, m
         Places of the virtual taxels in the same plane.
-    outside : "zero" or "nearest"
-        What a node outside the hull reads: nothing (an empty row: `inside` tells which), or what
-        the nearest point of the hull's border reads.
 
     Returns
     -------
@@ -65,7 +60,6 @@ def resampling_matrix(
     from scipy.spatial import Delaunay
 
     taxels, nodes = _places("taxels", taxels), _places("nodes", nodes)
-    check_choice("outside", outside, ("zero", "nearest"), "how nodes beyond the taxels are read")
     distinct, owner, origin, extent = _distinct(taxels)
     triangulation = Delaunay(distinct)
     scaled = (nodes - origin) / extent
@@ -74,9 +68,6 @@ def resampling_matrix(
     corners = triangulation.simplices[triangle]
     weights = np.zeros((len(nodes), 3))
     weights[inside] = _barycentric(triangulation.transform[triangle[inside]], scaled[inside])
-    if outside == "nearest":
-        border = triangulation.convex_hull
-        corners[~inside, :2], weights[~inside, :2] = _on_border(distinct, border, scaled[~inside])
     return Resampling(_over_taxels(corners, weights, owner), inside)
 
 
@@ -112,19 +103,6 @@ def _barycentric(affine: Floats, places: Floats) -> Floats:
     weights = np.column_stack([first, 1.0 - first.sum(axis=1)])
     weights[weights < FLAT] = 0.0  # a node on an edge or on a taxel hears no other
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
-
-
-def _on_border(
-    points: Floats, edges: NDArray[np.int32], places: Floats
-) -> tuple[NDArray[np.int32], Floats]:
-    """Ends of the hull's edge nearest to each place, (N, 2), and their weights (N, 2)."""
-    start, along = points[edges[:, 0]], points[edges[:, 1]] - points[edges[:, 0]]
-    away = places[:, None] - start
-    step = np.clip(np.einsum("nei,ei->ne", away, along) / np.sum(along**2, axis=1), 0.0, 1.0)
-    distance = np.linalg.norm(away - step[:, :, None] * along, axis=-1)
-    nearest = np.argmin(distance, axis=1)
-    share = step[np.arange(len(places)), nearest]
-    return edges[nearest], np.column_stack([1.0 - share, share])
 
 
 def _over_taxels(

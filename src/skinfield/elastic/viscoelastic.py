@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from skinfield.errors import (
     Floats,
@@ -80,17 +80,6 @@ def _history(time: ArrayLike, values: ArrayLike) -> tuple[Floats, Floats]:
             "never fall: sort the samples"
         )
     return time, values
-
-
-def loop_area(force: ArrayLike, depth: ArrayLike) -> float:
-    """Work lost in a closed loop of force, N, over depth, m: ∮ F dδ, J.
-
-    By the trapezoidal rule over the samples, (T,) each; the last is joined to the first.
-    """
-    force, depth = as_floats("force", force), as_floats("depth", depth)
-    check_shape("force", force, (None,), "one per sample, in newtons")
-    check_shape("depth", depth, force.shape, "one per sample of force, in metres")
-    return float(np.sum(0.5 * (force + np.roll(force, -1)) * (np.roll(depth, -1) - depth)))
 
 
 class Viscoelastic(ABC):
@@ -187,24 +176,6 @@ class Viscoelastic(ABC):
         for part, tau in self.branches:
             total -= part * lagged(time, elastic, tau)
         return total / self.relaxed_modulus_fraction
-
-    def storage_modulus(self, frequency: ArrayLike) -> Floats:
-        """E'(ω) / E∞ at `frequency`, Hz."""
-        return np.asarray(self._complex_modulus(frequency).real)
-
-    def loss_modulus(self, frequency: ArrayLike) -> Floats:
-        """E''(ω) / E∞ at `frequency`, Hz; a cycle of strain ε loses π E'' ε² per volume."""
-        return np.asarray(self._complex_modulus(frequency).imag)
-
-    def loss_tangent(self, frequency: ArrayLike) -> Floats:
-        """E'' / E' at `frequency`, Hz: tangent of the angle by which strain lags."""
-        modulus = self._complex_modulus(frequency)
-        return np.asarray(modulus.imag / modulus.real)
-
-    def _complex_modulus(self, frequency: ArrayLike) -> NDArray[np.complex128]:
-        omega = 2.0 * np.pi * as_floats("frequency", frequency)
-        lost = sum((part / (1.0 + 1j * omega * tau) for part, tau in self.branches), 0j * omega)
-        return np.asarray((1.0 - lost) / self.relaxed_modulus_fraction)
 
 
 @dataclass(frozen=True)

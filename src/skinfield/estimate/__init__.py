@@ -6,8 +6,6 @@ from skinfield.estimate.finder import ContactFinder as ContactFinder
 from skinfield.estimate.live_contacts import Habits as Habits
 from skinfield.estimate.live_contacts import LiveContacts as LiveContacts
 from skinfield.estimate.live_contacts import level_of as level_of
-from skinfield.estimate.summary import ContactTable as ContactTable
-from skinfield.estimate.summary import summarise as summarise
 from skinfield.estimate.tracked import ContactEvent as ContactEvent
 from skinfield.estimate.tracked import Gate as Gate
 from skinfield.estimate.tracked import Motion as Motion

@@ -1,4 +1,4 @@
-"""One pressed region."""
+"""Contact: one pressed region, its force, place and their uncertainty."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Self

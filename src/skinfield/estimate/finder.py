@@ -116,7 +116,7 @@ class FieldRegions:
 class Details:
     """What of a region's contact is dear, worked out when asked for; see `Contact.later`."""
 
-    found: FieldRegions
+    field: FieldRegions
     index: int
 
     @property
@@ -126,7 +126,7 @@ class Details:
         Of the pressure for the force and, to first order, of the pressure's first moments about the
         centre for the place. Which cells make up the region is taken as given.
         """
-        found, sums, cells = self.found, kernels(), self._cells
+        found, sums, cells = self.field, kernels(), self._cells
         grid, row = found.grid, found.table[self.index]
         origin = float(grid.origin[0]), float(grid.origin[1])
         moves = sums.first_moments(cells, grid.shape[1], grid.pitch, origin, row)
@@ -136,7 +136,7 @@ class Details:
     @property
     def area_std(self) -> float:
         """By how the border moves, by the rounding to whole cells, and by the model's error."""
-        found = self.found
+        found = self.field
         starts, around, moves = found.borders
         here = slice(starts[self.index], starts[self.index + 1])
         variance = found.error.covariance_of_sums(around[here], moves[None, here])[0, 0]
@@ -147,13 +147,13 @@ class Details:
     @property
     def outline(self) -> Floats:
         """Border of the region on the skin."""
-        grid = self.found.grid
+        grid = self.field.grid
         corners = grid.origin + border(self._cells, grid.shape) * grid.pitch
         return grid.patch.surface.position_from_plane(corners)
 
     @property
     def _cells(self) -> Ints:
-        starts, cells = self.found.regions
+        starts, cells = self.field.regions
         return cells[starts[self.index] : starts[self.index + 1]]
 
 

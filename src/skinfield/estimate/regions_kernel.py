@@ -6,8 +6,6 @@ the water has left, -1 for the others, on a picture with a margin of one cell. A
 each cell is written in place: a call with so many arrays takes longer than the work.
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -532,52 +530,3 @@ def walk_around(cells: Ints, rows: int, columns: int) -> Ints:
         elif not (0 <= left_x < columns and 0 <= left_y < rows and inside[left_y, left_x]):
             dx, dy = -dy, dx
     return way[: length + 1]
-
-
-@njit
-def tabulate(
-    pressure: Floats,
-    std: Floats,
-    columns: int,
-    origin: Floats,
-    pitch: float,
-    heights: tuple[float, float, float, float],
-    work: Work,
-    out: Any,
-) -> int:
-    """Write the strongest contacts into `out`, by falling force; returns how many there are.
-
-    `heights` are the finder's: sigmas, relative_height, prominence, edge.
-    """
-    sigmas, relative_height, prominence, edge = heights
-    least = relative_height * highest_of(pressure)
-    if not reaches(pressure, std, sigmas, least):
-        return 0
-    count = flood(pressure, std, columns, sigmas, prominence, edge * least, edge, work)
-    count = keep_high(pressure, std, sigmas, least, count, work)
-    starts, cells, firsts = work[2][STARTS], work[2][REGIONS], work[2][SPARE]
-    for region in range(count):
-        total, x, y, peak = 0.0, 0.0, 0.0, 0.0
-        for cell in cells[starts[region] : starts[region + 1]]:
-            value, row = pressure[cell], cell // columns
-            total += value
-            x += value * (cell - row * columns)
-            y += value * row
-            peak = max(peak, value)
-        force, place = total * pitch * pitch, min(region, len(out))
-        first = cells[starts[region]]
-        while place > 0 and comes_first(
-            force, first, out[place - 1].normal_force, firsts[place - 1]
-        ):
-            if place < len(out):
-                out[place], firsts[place] = out[place - 1], firsts[place - 1]
-            place -= 1
-        if place < len(out):
-            firsts[place] = first
-            out[place].x = origin[0] + x / total * pitch
-            out[place].y = origin[1] + y / total * pitch
-            out[place].normal_force = force
-            out[place].area = (starts[region + 1] - starts[region]) * pitch * pitch
-            out[place].peak_pressure = peak
-            out[place].cells = starts[region + 1] - starts[region]
-    return count

@@ -3,13 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, Layer, Mechanics, Quantity
-from skinfield.errors import Floats, InputError, check_range
+from skinfield.errors import Floats, InputError
 from skinfield.estimate import Contact, Estimate
 from skinfield.reconstruct.intervals import (
     LEAST,
@@ -22,10 +22,6 @@ from skinfield.reconstruct.intervals import (
 from skinfield.simulate import Bar, Cone, Cylinder, Sphere, press
 from skinfield.simulate.pressing.press import Readings, readings_anywhere
 from skinfield.skin import Patch
-
-if TYPE_CHECKING:
-    from skinfield.reconstruct.reconstructor import Reconstructor
-
 
 BODIES: tuple[Any, ...] = (
     Sphere(radius=3e-3),
@@ -240,33 +236,6 @@ class Lesson:
         return Lesson(*(values[rows] for values in vars(self).values()))
 
 
-def intervals_of(
-    reconstruct: "Reconstructor", presses: int, seed: int = 0, bodies: Sequence[Any] | None = None
-) -> Intervals:
-    """Intervals of a reconstructor; see `Reconstructor.calibrated`."""
-    check_range("presses", presses, 1, 1_000_000, "simulated, with a truth to compare with")
-    rehearsal = rehearse(
-        reconstruct.patch,
-        reconstruct.layer,
-        reconstruct.mechanics,
-        reconstruct.quantity,
-        presses,
-        seed,
-        BODIES if bodies is None else bodies,
-    )
-    raw = reconstruct.with_intervals(None)
-
-    def solve(readings: Floats) -> Estimate:
-        raw.reset()
-        return raw(readings)
-
-    solver, quantity, _, _ = reconstruct.kind
-    noise = reconstruct.model.noise_std
-    intervals = learn(solve, reconstruct.patch, rehearsal, noise, solver, quantity, seed)
-    raw.reset()
-    return intervals
-
-
 def learn(
     solve: Callable[[Floats], Estimate],
     patch: Patch,
@@ -318,7 +287,7 @@ def learn(
         taxels=len(patch),
         noise_std=float(noise.mean()),
         presses=len(readings),
-        found=len(lesson),
+        detected=len(lesson),
         force=force,
         area=area,
         place_floor=floor,

@@ -1,4 +1,4 @@
-"""Calibrated intervals of contacts: how far off forces, places and areas are, and their files.
+"""Calibrated intervals of contacts: how far off forces, places and areas are.
 
 Split-conformal prediction (Vovk, Gammerman and Shafer 2005; with normalised errors, Papadopoulos,
 Gammerman and Vovk, Proc. AIA 2008): on some presses one learns what error to expect of a contact by
@@ -7,17 +7,14 @@ further press of the same kind then lies inside as often as asked for. Contacts 
 sure of, and those that it is not, are counted apart, so that intervals hold for both.
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from skinfield.errors import (
-    FileError,
     Floats,
     InputError,
     check_finite,
@@ -85,7 +82,7 @@ class Intervals:
         Of the patch.
     noise_std : float, in the quantity's unit
         Mean over the taxels.
-    presses, found : int
+    presses, detected : int
         That were simulated, and of which a contact was found.
     force, area : Ratio
     place_floor : float, m
@@ -100,7 +97,7 @@ class Intervals:
     taxels: int
     noise_std: float
     presses: int
-    found: int
+    detected: int
     force: Ratio
     area: Ratio
     place_floor: float
@@ -186,23 +183,23 @@ class CalibratedContact:
     contact: Contact
 
     @cached_property
-    def _told(self) -> tuple[Floats, float, Spread]:
+    def _worked_out(self) -> tuple[Floats, float, Spread]:
         return self.intervals.of(self.contact)
 
     @property
     def covariance(self) -> Floats:
         """Of place and force, rescaled."""
-        return self._told[0]
+        return self._worked_out[0]
 
     @property
     def area_std(self) -> float:
         """Of the spread of the area."""
-        return self._told[1]
+        return self._worked_out[1]
 
     @property
     def spread(self) -> Spread:
         """Truths of presses like this one."""
-        return self._told[2]
+        return self._worked_out[2]
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.__dict__["contact"], name)
@@ -216,119 +213,3 @@ def relative_deviation(contact: Contact) -> float:
 def features_of(deviation: float, force: float) -> Floats:
     """What the expected error of a contact depends on: (3,)."""
     return np.array([1.0, np.log(deviation), np.log(force)])
-
-
-FORMAT = "skinfield-intervals"
-VERSION = 1
-_TEXTS = ("solver", "quantity")
-_COUNTS = ("taxels", "presses", "found")
-_LONGEST = 100_000_000  # bytes
-
-
-def save_intervals(intervals: Intervals, path: Path | str) -> None:
-    """Write intervals as JSON.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be written.
-    """
-    content: dict[str, Any] = {"format": FORMAT, "version": VERSION}
-    content |= {name: getattr(intervals, name) for name in (*_TEXTS, *_COUNTS)}
-    content |= {"noise_std": intervals.noise_std, "place_floor_m": intervals.place_floor}
-    for name in ("force", "area"):
-        ratio: Ratio = getattr(intervals, name)
-        content[name] = {"centre": ratio.centre.tolist(), "floor": ratio.floor}
-    content["edges"] = intervals.edges.tolist()
-    content["groups"] = [
-        {part.name: getattr(group, part.name).tolist() for part in fields(group)}
-        for group in intervals.groups
-    ]
-    try:
-        Path(path).write_text(json.dumps(content), encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
-
-
-def load_intervals(path: Path | str) -> Intervals:
-    """Read intervals that `save_intervals` wrote.
-
-    Raises
-    ------
-    FileError
-        If the file is missing, of another format or version, or broken.
-    """
-    try:
-        if Path(path).stat().st_size > _LONGEST:
-            raise FileError(f"{path} has more than {_LONGEST:_} bytes, expected intervals")
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path} is no text, expected JSON of save_intervals: {error}") from error
-    try:
-        content = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise FileError(f"{path} is no JSON, expected that of save_intervals: {error}") from error
-    head = (content.get("format"), content.get("version")) if isinstance(content, dict) else None
-    if head != (FORMAT, VERSION):
-        raise FileError(f"{path} has head {head!r}, expected {(FORMAT, VERSION)!r}: save it anew")
-    try:
-        return _intervals(content)
-    except InputError as error:
-        raise FileError(f"{path}: {error}") from error
-
-
-def _intervals(content: dict[str, Any]) -> Intervals:
-    groups = _entry(content, "groups", list)
-    if not groups:
-        raise InputError("groups is empty, expected at least one")
-    return Intervals(
-        **{name: _entry(content, name, str) for name in _TEXTS},
-        **{name: _entry(content, name, int) for name in _COUNTS},
-        noise_std=_number(content, "noise_std"),
-        force=_ratio(content, "force"),
-        area=_ratio(content, "area"),
-        place_floor=_number(content, "place_floor_m"),
-        edges=_numbers(content, "edges"),
-        groups=tuple(_group(number, each) for number, each in enumerate(groups)),
-    )
-
-
-def _group(number: int, content: Any) -> Group:
-    if not isinstance(content, dict):
-        raise InputError(f"groups[{number}] is {type(content).__name__}, expected an object")
-    return Group(**{part.name: _numbers(content, part.name) for part in fields(Group)})
-
-
-def _ratio(content: dict[str, Any], name: str) -> Ratio:
-    inner = _entry(content, name, dict)
-    return Ratio(centre=_numbers(inner, "centre"), floor=_number(inner, "floor"))
-
-
-def _entry(content: dict[str, Any], name: str, kind: type) -> Any:
-    value = content.get(name)
-    if not isinstance(value, kind) or isinstance(value, bool):
-        raise InputError(f"{name} is {str(value)[:40]!r}, expected {kind.__name__}")
-    return value
-
-
-def _number(content: dict[str, Any], name: str) -> float:
-    value = content.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{name} is {str(value)[:40]!r}, expected a number")
-    return float(_floats(name, [value])[0])
-
-
-def _numbers(content: dict[str, Any], name: str) -> Floats:
-    values = _entry(content, name, list)
-    if not all(isinstance(each, int | float) and not isinstance(each, bool) for each in values):
-        raise InputError(f"{name} holds what is no number, expected numbers alone")
-    return _floats(name, values)
-
-
-def _floats(name: str, values: list[int | float]) -> Floats:
-    try:
-        return np.array(values, dtype=np.float64)
-    except OverflowError as error:
-        raise InputError(f"{name} holds a number that no float can: {error}") from error

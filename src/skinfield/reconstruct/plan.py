@@ -61,7 +61,7 @@ class MissingTaxels:
     """
 
     model: GaussianModel
-    _kept: OrderedDict[bytes, Prepared] = field(default_factory=OrderedDict)
+    _cache: OrderedDict[bytes, Prepared] = field(default_factory=OrderedDict)
 
     def solve(
         self,
@@ -87,15 +87,15 @@ class MissingTaxels:
     def prepared(self, patterns: NDArray[np.bool_]) -> Prepared:
         """Sets of valid taxels (P, L), of which those of the last calls are kept."""
         key = np.packbits(patterns, axis=1).tobytes()
-        if key not in self._kept:
+        if key not in self._cache:
             prepared = Prepared(self.model.sets(patterns))
             if len(patterns) == SETS:  # of many, that will hardly come again
                 return prepared
-            if len(self._kept) >= CALLS_KEPT:
-                self._kept.popitem(last=False)
-            self._kept[key] = prepared
-        self._kept.move_to_end(key)
-        return self._kept[key]
+            if len(self._cache) >= CALLS_KEPT:
+                self._cache.popitem(last=False)
+            self._cache[key] = prepared
+        self._cache.move_to_end(key)
+        return self._cache[key]
 
 
 def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:

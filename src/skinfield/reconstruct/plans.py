@@ -192,7 +192,7 @@ class ContactPlan:
             fit = self.operator.fit(reading, self.margin.before(end))
             late = end is not None and time.perf_counter_ns() >= end
             left = None if end is None else (end - time.perf_counter_ns()) * 1e-9
-            if fit.explained or late or not self._answered(reading, fit, row, out, left):
+            if fit.explained or late or not self._take_extended(reading, fit, row, out, left):
                 self._write(reading, fit, row, out)
             out.in_time[row] = self.margin.learn(start, end)
             out.notes.extend(note for note in fit.notes if note not in out.notes)
@@ -208,7 +208,7 @@ class ContactPlan:
         out.residual[row, self.valid] = reading - fit.predicted
         out.gap[row], out.iterations[row] = np.nan, 0
 
-    def _answered(
+    def _take_extended(
         self, reading: Floats, fit: Fit, row: int, out: Results, deadline: float | None
     ) -> bool:
         """Let a field answer a reading that contacts do not explain, if it explains more."""

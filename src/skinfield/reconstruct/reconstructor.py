@@ -26,6 +26,7 @@ from skinfield.errors import (
     as_floats,
     check_offers,
     check_positive,
+    check_range,
     check_shape,
     check_type,
 )
@@ -322,9 +323,23 @@ class Reconstructor:
         InputError
             For too few presses, or a quantity that the simulator does not know.
         """
-        from skinfield.reconstruct.interval_training import intervals_of
+        from skinfield.reconstruct.interval_training import BODIES, learn, rehearse
 
-        return self.with_intervals(intervals_of(self, presses, seed, bodies))
+        check_range("presses", presses, 1, 1_000_000, "simulated, with a truth to compare with")
+        bodies = BODIES if bodies is None else bodies
+        physics = self.layer, self.mechanics, self.quantity
+        rehearsal = rehearse(self.patch, *physics, presses, seed, bodies)
+        raw = self.with_intervals(None)
+
+        def solve(reading: Floats) -> Estimate:
+            raw.reset()
+            return raw(reading)
+
+        solver, quantity, _, _ = self.kind
+        noise = self.model.noise_std
+        intervals = learn(solve, self.patch, rehearsal, noise, solver, quantity, seed)
+        raw.reset()
+        return self.with_intervals(intervals)
 
     def with_intervals(self, intervals: Intervals | None) -> "Reconstructor":
         """Share what is prepared; with None, contacts state not even the solver's model error."""

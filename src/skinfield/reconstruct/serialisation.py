@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -135,6 +136,49 @@ def _made(name: str, make: Any, plain: Any) -> Any:
         return make(**plain) if isinstance(make, type) and make is not float else make(plain)
     except Exception as error:
         raise FileError(f"{name} cannot be made: {str(error)[:300]}; is the file whole?") from error
+
+
+INTERVALS = {"format": "skinfield-intervals", "version": 2}
+LONGEST = 100_000_000  # bytes of a file of intervals
+
+
+def save_intervals(intervals: Intervals, path: Path | str) -> None:
+    """Write intervals as JSON.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be written.
+    """
+    content = INTERVALS | {"intervals": plain_from_value("intervals", intervals)}
+    try:
+        Path(path).write_text(json.dumps(content), encoding="utf-8")
+    except OSError as error:
+        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+
+
+def load_intervals(path: Path | str) -> Intervals:
+    """Read intervals that `save_intervals` wrote.
+
+    Raises
+    ------
+    FileError
+        If the file is missing, of another format or version, or broken.
+    """
+    try:
+        if Path(path).stat().st_size > LONGEST:
+            raise FileError(f"{path} has more than {LONGEST:_} bytes, expected intervals")
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
+    except (ValueError, RecursionError) as error:
+        raise FileError(f"{path} is no JSON, expected that of save_intervals: {error}") from error
+    if not isinstance(content, dict) or content | INTERVALS != content:
+        raise FileError(f"{path} does not begin as {INTERVALS}, expected intervals: save it anew")
+    made = value_from_plain(f"{path}: intervals", content.get("intervals"))
+    if not isinstance(made, Intervals):
+        raise FileError(f"{path} holds a {type(made).__name__}, expected intervals")
+    return made
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""From contact to readings: measurement read backwards, with its own grid and contact solver."""
+"""Simulator of presses: from contact to readings, with its own grid and contact solver."""
 
 from skinfield.simulate import electronics as electronics
 from skinfield.simulate.indenters.body import Indenter as Indenter

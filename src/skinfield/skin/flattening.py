@@ -106,8 +106,9 @@ def _plane_normal(positions: Floats, outward: Floats) -> Floats:
     positions allow it, so that a flat patch keeps the axes it was given.
     """
     centred = positions - positions.mean(axis=0)
-    _, extent, axes = np.linalg.svd(centred, full_matrices=True)
-    extent = np.pad(extent, (0, 3 - len(extent)))
+    if len(centred) < 3:
+        centred = np.pad(centred, ((0, 3 - len(centred)), (0, 0)))
+    _, extent, axes = np.linalg.svd(centred, full_matrices=False)
     if extent[0] < 1e-9 or np.abs(centred @ outward).max() <= 1e-9 * extent[0]:
         return outward
     if extent[1] < 1e-6 * extent[0]:

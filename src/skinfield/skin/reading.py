@@ -1,4 +1,4 @@
-"""What came from the skin, before any meaning."""
+"""Readings as they came from the skin, before any meaning."""
 
 from dataclasses import dataclass, field
 

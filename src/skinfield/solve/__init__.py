@@ -13,5 +13,4 @@ from skinfield.solve.operator import FieldOperator as FieldOperator
 from skinfield.solve.operator import Fit as Fit
 from skinfield.solve.operator import InverseOperator as InverseOperator
 from skinfield.solve.operator import Solver as Solver
-from skinfield.solve.sheet.estimate import SheetEstimate as SheetEstimate
 from skinfield.solve.sheet.sheet import Sheet as Sheet

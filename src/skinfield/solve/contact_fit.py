@@ -1,15 +1,14 @@
 """Contacts as few round or drawn-out loads: the most accurate answer on a thin skin."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import check_count, check_positive, check_range, check_type
-from skinfield.solve.non_negative import NonNegative
+from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.operator import ContactOperator
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactFit:
+class ContactFit(FitSettings):
     r"""Fit of the fewest contacts that explain the readings.
 
     Between taxels a thin skin is nearly blind, so a field must guess there. A contact has few
@@ -40,28 +39,6 @@ class ContactFit:
         Answers the readings that no few contacts explain, such as a whole palm's; the estimate's
         `notes` say so. None leaves them to the best set of contacts.
     """
-
-    most_contacts: int = 8
-    false_alarm_rate: float = 1e-3
-    typical_radius: float = 6e-3
-    model_error: float = 0.002
-    starts: int = 8
-    warm: bool = True
-    common_mode: float = 5.0
-    extended: NonNegative | None = field(default_factory=NonNegative)
-
-    def __post_init__(self) -> None:
-        check_count("most_contacts", self.most_contacts, 1, 64, "atoms that are sought")
-        check_count("starts", self.starts, 1, 64, "places from which each is sought")
-        check_type("warm", self.warm, bool, "whether to start from the reading before")
-        if self.extended is not None:
-            check_type("extended", self.extended, NonNegative, "or None, for no field")
-        check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
-        check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
-        check_range(
-            "common_mode", self.common_mode, 0.0, 1e6, "in standard deviations of the noise"
-        )
-        check_range("model_error", self.model_error, 0.0, 0.5, "part of the highest reading")
 
     def prepare(self, model: ObservationModel) -> ContactOperator:
         """Tabulate what single contacts are read as, and templates of them all over the patch."""

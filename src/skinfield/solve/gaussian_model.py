@@ -27,7 +27,7 @@ class TaxelSets:
     valid : (P, L) bool array
     variance : (P,) array, Pa²
         q.
-    kept : (P, L) array
+    retained : (P, L) array
         d.
     lost : (P, M, L) array
         B; M is the largest number of missing taxels, and the rows beyond a set's own are 0.
@@ -36,7 +36,7 @@ class TaxelSets:
     model: "GaussianModel"
     valid: NDArray[np.bool_]
     variance: Floats
-    kept: Floats
+    retained: Floats
     lost: Floats
 
     @classmethod
@@ -66,7 +66,7 @@ class TaxelSets:
         along = whitened @ self.model.vectors
         lost = self.lost[which]
         told = np.einsum("tml,tl->tm", lost, along)
-        return np.asarray(self.kept[which] * along - np.einsum("tml,tm->tl", lost, told))
+        return np.asarray(self.retained[which] * along - np.einsum("tml,tm->tl", lost, told))
 
     def filled(self, readings: Floats, which: NDArray[np.int64]) -> Floats:
         """Readings of all taxels from which the operator of all of them gives a set's answer.
@@ -82,7 +82,7 @@ class TaxelSets:
     def matrix(self, which: int) -> Floats:
         """Operator (K, L') of a set, Pa per unit of the reading, of its L' taxels."""
         valid, model = self.valid[which], self.model
-        along = model.turned * self.kept[which]
+        along = model.turned * self.retained[which]
         along -= (model.turned @ self.lost[which].T) @ self.lost[which]
         matrix = self.variance[which] * (along @ model.vectors[valid].T)
         return np.asarray(matrix / model.noise_std[valid])
@@ -90,7 +90,7 @@ class TaxelSets:
     def posterior(self, which: int) -> PressurePosterior:
         """Posterior of a set, with the factor (K, L') that a solver gives: for its own operator."""
         valid, model = self.valid[which], self.model
-        inverse = (model.vectors * self.kept[which]) @ model.vectors.T
+        inverse = (model.vectors * self.retained[which]) @ model.vectors.T
         lost = self.lost[which] @ model.vectors.T
         inverse -= lost.T @ lost
         lower = np.linalg.cholesky(inverse[np.ix_(valid, valid)])
@@ -107,12 +107,12 @@ class TaxelSets:
         """
         model, scale = self.model, self.variance[:, None]
         count, most, taxels = self.lost.shape
-        rows = np.concatenate([self.lost, self.lost * self.kept[:, None]], axis=1)
+        rows = np.concatenate([self.lost, self.lost * self.retained[:, None]], axis=1)
         told = (rows.reshape(-1, taxels) @ model.turned.T).reshape(count, 2 * most, -1)
         first, second = told[:, :most], told[:, most:]
-        explained = self.kept @ model.squared.T - np.einsum("pmk,pmk->pk", first, first)
+        explained = self.retained @ model.squared.T - np.einsum("pmk,pmk->pk", first, first)
         across = self.lost @ self.lost.transpose(0, 2, 1)
-        whole = np.square(self.kept) @ model.squared.T
+        whole = np.square(self.retained) @ model.squared.T
         less = 2.0 * second - across @ first
         moved = whole - np.einsum("pmk,pmk->pk", first, less)
         self._mend(moved, whole)
@@ -126,7 +126,7 @@ class TaxelSets:
         along = self.model.turned[cell]
         lost = self.lost[which]
         told = np.einsum("nml,nl->nm", lost, along)
-        left = along * self.kept[which] - np.einsum("nml,nm->nl", lost, told)
+        left = along * self.retained[which] - np.einsum("nml,nm->nl", lost, told)
         moved[which, cell] = np.einsum("nl,nl->n", left, left)
 
     def errors(self) -> "list[tuple[SetError, SetError]]":
@@ -164,7 +164,7 @@ class SetError:
     def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
         """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
         sets, model = self.sets, self.sets.model
-        kept, lost = sets.kept[self.which], sets.lost[self.which]
+        kept, lost = sets.retained[self.which], sets.lost[self.which]
         variance = float(sets.variance[self.which])
         along = weights @ model.turned[cells]
         left = along * kept - (along @ lost.T) @ lost

@@ -1,6 +1,5 @@
 """Sparse matrix in tiles of 4 x 4 cells, between the cells of a grid and taxels."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -102,7 +101,7 @@ class Tiles:
         kind = _checked_type(dtype, matrix)
         members, own = _tiles(shape)
         blocks = np.where(own[..., None], matrix[members], 0.0)  # (T, 16, L)
-        keep = _kept(blocks, cut)
+        keep = _large(blocks, cut)
         tile, taxel = (side.astype(np.int32) for side in np.nonzero(keep))
         values = aligned_blocks(len(tile), kind)
         by_taxel = blocks.transpose(0, 2, 1)  # a view: (T, L, 16)
@@ -145,16 +144,25 @@ class Tiles:
 
         Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
         """
-        one, many, *tiles = self._forth
-        self._run(one, many, tiles, values, self._taxels, out, self._cells)
+        one, many, *tiles = self._products
+        inner, outer, shape = self._taxels, self._cells, values.shape
+        try:  # what compiled code would read or write beyond; it refuses other types itself
+            if shape == inner and out.shape == outer:
+                one(*tiles, values, out)
+                return
+            if len(shape) == 2 and shape[1:] == inner and out.shape == shape[:1] + outer:
+                many(*tiles, values, out)
+                return
+        except Exception as error:
+            from numba.core.errors import TypingError
 
-    def adjoint(self, field: NDArray[Any], out: NDArray[Any]) -> None:
-        """Write matrix.T @ field into `out` (L,), or row by row of (P, K) into (P, L).
-
-        Arrays are of the stamps' type and contiguous, or an InputError tells. Nothing is allocated.
-        """
-        one, many, *tiles = self._back
-        self._run(one, many, tiles, field, self._cells, out, self._taxels)
+            if not isinstance(error, TypingError):
+                raise
+        raise InputError(
+            f"product of {values.dtype} {shape} into {out.dtype} {out.shape}, expected contiguous "
+            f"{self.values.dtype} arrays {inner} into {outer}, or (P, {inner[0]}) into "
+            f"(P, {outer[0]})"
+        )
 
     def dense(self) -> NDArray[Any]:
         """The matrix (K, L) that the products are of."""
@@ -165,20 +173,12 @@ class Tiles:
         return whole
 
     @cached_property
-    def _forth(self) -> tuple[Any, ...]:
+    def _products(self) -> tuple[Any, ...]:
         """Compiled products, and what they take beside the numbers."""
         from skinfield.solve.tiles_kernel import apply_tiles, apply_tiles_many
 
         tiles = self.values, self.taxels, self.firsts, self.cells, self.shape[1]
         return apply_tiles, apply_tiles_many, *tiles
-
-    @cached_property
-    def _back(self) -> tuple[Any, ...]:
-        """As `_forth`, of the transpose."""
-        from skinfield.solve.tiles_kernel import adjoint_tiles, adjoint_tiles_many
-
-        tiles = self.values, self.order, self.corners, self.begins, self.shape[1]
-        return adjoint_tiles, adjoint_tiles_many, *tiles
 
     @cached_property
     def _cells(self) -> tuple[int]:
@@ -187,34 +187,6 @@ class Tiles:
     @cached_property
     def _taxels(self) -> tuple[int]:
         return (len(self.begins) - 1,)
-
-    def _run(
-        self,
-        one: Callable[..., None],
-        many: Callable[..., None],
-        tiles: Sequence[Any],
-        given: NDArray[Any],
-        inner: tuple[int],
-        out: NDArray[Any],
-        outer: tuple[int],
-    ) -> None:
-        """Refuse what compiled code would read or write beyond; it refuses other types itself."""
-        shape = given.shape
-        try:
-            if shape == inner and out.shape == outer:
-                return one(*tiles, given, out)
-            if len(shape) == 2 and shape[1:] == inner and out.shape == shape[:1] + outer:
-                return many(*tiles, given, out)
-        except Exception as error:
-            from numba.core.errors import TypingError
-
-            if not isinstance(error, TypingError):
-                raise
-        raise InputError(
-            f"product of {given.dtype} {shape} into {out.dtype} {out.shape}, expected contiguous "
-            f"{self.values.dtype} arrays {inner} into {outer}, or (P, {inner[0]}) into "
-            f"(P, {outer[0]})"
-        )
 
 
 def _tiles(shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -234,7 +206,7 @@ def _tiles(shape: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.bool_]
     return members, own.reshape(members.shape)
 
 
-def _kept(blocks: Floats, cut: float) -> NDArray[np.bool_]:
+def _large(blocks: Floats, cut: float) -> NDArray[np.bool_]:
     """Which blocks (T, 16, L) are kept, (T, L)."""
     largest = np.abs(blocks).max(axis=(0, 1), initial=0.0)
     scaled = blocks / np.where(largest > 0.0, largest, 1.0)  # squares neither vanish nor overflow

@@ -163,55 +163,6 @@ def _inlined(function: Callable[..., Any]) -> Any:
     return intrinsic(function)
 
 
-@_inlined
-def dot_tiles(
-    typing: Any,
-    values: Any,
-    order: Any,
-    corners: Any,
-    field: Any,
-    begin: Any,
-    end: Any,
-    pitch: Any,
-) -> Any:
-    """Sum of one taxel's blocks times the field, of the pitch given."""
-    _check(values, field)
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        stamp, listed, places, cells = _data(context, builder, signature, arguments, 4)
-        begin, end, pitch = arguments[4:]
-        index = begin.type
-        total = _zeros(builder, stamp)
-        with cgutils.for_range(builder, builder.sub(end, begin)) as loop:
-            at = builder.add(begin, loop.index)
-            block = builder.mul(_index(builder, listed, at), index(LANES))
-            corner = _index(builder, places, at)
-            rows = [
-                _load(builder, cells, builder.add(corner, builder.mul(pitch, index(row))), SIDE)
-                for row in range(SIDE)
-            ]
-            upper = _choose(builder, rows[0], range(2 * SIDE), rows[1])
-            lower = _choose(builder, rows[2], range(2 * SIDE), rows[3])
-            tile = _choose(builder, upper, range(LANES), lower)
-            _add_product(builder, total, _load(builder, stamp, block, LANES), tile)
-        folded, lanes = builder.load(total), LANES
-        while lanes > 1:
-            lanes //= 2
-            high = _choose(builder, folded, range(lanes, 2 * lanes))
-            folded = builder.fadd(_choose(builder, folded, range(lanes)), high, flags=FAST)
-        return builder.extract_element(folded, ir.IntType(32)(0))
-
-    arrays = values, order, corners, field
-    return values.dtype(*arrays, INDEX, INDEX, INDEX), generate
-
-
-@_inlined
-def alike(typing: Any, values: Any, other: Any) -> Any:
-    """Refuse to compile for arrays of two types, or with gaps."""
-    _check(values, other)
-    return types.void(values, other), lambda context, *_: context.get_dummy_value()
-
-
 @njit
 def apply_tiles(
     values: Numbers,
@@ -252,35 +203,3 @@ def apply_tiles_many(
         for tile in range(len(cells)):
             begin, end = firsts[tile], firsts[tile + 1]
             add_tile(values, taxels, factors, out, start, cells[tile], begin, end, sizes)
-
-
-@njit
-def adjoint_tiles(
-    values: Numbers,
-    order: Ints32,
-    corners: Ints32,
-    begins: Ints32,
-    pitch: int,
-    field: Numbers,
-    out: Numbers,
-) -> None:
-    """Each taxel's blocks times what they cover of `field` (K,): `out` (L,)."""
-    alike(values, out)
-    for taxel in range(len(out)):
-        begin, end = begins[taxel], begins[taxel + 1]
-        out[taxel] = dot_tiles(values, order, corners, field, begin, end, pitch)
-
-
-@njit
-def adjoint_tiles_many(
-    values: Numbers,
-    order: Ints32,
-    corners: Ints32,
-    begins: Ints32,
-    pitch: int,
-    fields: Numbers,
-    out: Numbers,
-) -> None:
-    """`adjoint_tiles` of each row of `fields` (P, K) into the row of `out` (P, L)."""
-    for patch in range(len(fields)):
-        adjoint_tiles(values, order, corners, begins, pitch, fields[patch], out[patch])

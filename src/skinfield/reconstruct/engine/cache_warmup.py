@@ -4,10 +4,10 @@ What a processor has not used for some milliseconds it fetches anew, which takes
 itself. The double runs the same code over the same prepared arrays, and answers into others.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,9 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine.intake import Intake
 from skinfield.reconstruct.engine.patch_kinds import Group
-from skinfield.reconstruct.engine.results import Results
 from skinfield.reconstruct.engine.state import COLD, MASKED, PRODUCT, ROW, TEST, WARM, State
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
 from skinfield.reconstruct.engine.workspace import Clockwork
-
-if TYPE_CHECKING:
-    from skinfield.reconstruct.engine.engine import Engine
-
 
 LAPS = 9  # of each step; the first one, which loads what is compiled, does not count
 RADIUS = 1.0  # of a rehearsed touch, pitches of the taxels
@@ -46,17 +41,6 @@ def measure(work: Clockwork) -> None:
             if group.searches:
                 _lap(work, group, MASKED, rung, partial(work.is_idle, group.first, rung))
                 _searches(work, group, rung, rng)
-
-
-def run_in(engine: "Engine") -> None:
-    """Load what is compiled and time every step, so that the first cycle is as the next."""
-    measure(engine._work)
-    touch = rehearsed_cycle(engine._work)
-    for _ in range(3):
-        engine(touch, budget=60.0)
-    engine.run(np.zeros(len(engine._work.intake.given)), budget=60.0)
-    engine.reset()
-    engine.cycle = 0
 
 
 def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:
@@ -117,32 +101,44 @@ CHANGES = (1.0, 0.9, 1.05, 0.95)  # of the rehearsed touch, so that each has som
 
 
 class Shadow:
-    """The double of an engine, which answers rehearsed touches.
+    """The double of an engine's work, which answers rehearsed touches.
 
     Parameters
     ----------
-    engine : Engine
+    work : Clockwork
+    names : sequence of str
+        Of patches, in the order of the skin.
+    around : CostModel
+        Of what is learnt beside the steps.
+    engine : object
+        Whose attributes are touched too.
+
+    Attributes
+    ----------
+    work : Clockwork
+    around : CostModel
+        The double's own.
     """
 
-    def __init__(self, engine: "Engine") -> None:
-        work = _double_of(engine._work)
-        self._double = copy(engine)
-        self._double.groups, self._double._work = list(work.groups), work
-        self._double._around = CostModel(engine._around.steps.copy())
-        rows = [work.intake.names.index(name) for name in engine.names]
-        self._double.results = Results(work, rows)
-        touch = rehearsed_cycle(work)
-        flat: Floats = np.concatenate([touch[name] for name in engine.names])
+    def __init__(
+        self, work: Clockwork, names: Sequence[str], around: CostModel, engine: object
+    ) -> None:
+        self.work, self.around = _double_of(work), CostModel(around.steps.copy())
+        touch = rehearsed_cycle(self.work)
+        flat: Floats = np.concatenate([touch[name] for name in names])
         self._readings = [change * flat for change in CHANGES]
         self._valid = np.ones(len(flat), np.bool_)
-        self._next, self._engine = 0, engine
-        self._octets = [each.reshape(-1).view(np.uint8) for each in _arrays_of(engine._work)]
+        self._next, self._own, self._engine = 0, work, engine
+        self._octets = [each.reshape(-1).view(np.uint8) for each in _arrays_of(work)]
 
-    def run(self, budget: float | None) -> None:
-        """Answer a rehearsed cycle, then touch what the engine itself will need."""
+    def next_touch(self) -> tuple[Floats, NDArray[np.bool_]]:
+        """Readings of the next rehearsed cycle, and which of them are valid."""
         self._next = (self._next + 1) % len(self._readings)
-        self._double.run(self._readings[self._next], self._valid, budget=budget)
-        work = self._engine._work
+        return self._readings[self._next], self._valid
+
+    def touch(self) -> None:
+        """Touch what the engine itself will need."""
+        work = self._own
         for octets in self._octets:
             work.kernel.touch(octets)
         used = [last for group in work.groups for last in group._last if last is not None]

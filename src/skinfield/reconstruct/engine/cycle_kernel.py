@@ -245,7 +245,7 @@ def sort_idle(
 
 
 @njit
-def answered(
+def take_answers(
     present: Flags, rung: int, integers: Ints, numbers: NDArray[np.float64], settled: Flags
 ) -> None:
     """Take in linear answers of all patches that are there."""

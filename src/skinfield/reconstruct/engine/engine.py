@@ -1,31 +1,19 @@
 """Engine of the whole skin: all patches of a cycle within one budget of time."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import ArrayLike
-
-from skinfield.elastic import Layer, Mechanics, Quantity, check_skin
-from skinfield.reconstruct.engine.intake import Intake
-from skinfield.reconstruct.engine.patch_kinds import Group, kinds_of
-from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.multigrid_levels import prepare_rungs
-from skinfield.skin import Skin
-
-if TYPE_CHECKING:
-    from skinfield.solve import Solver
 import time
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import lru_cache, partial
 
-from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import BondedLayer, Capacitance
+from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
 from skinfield.errors import Floats, Ints, check_count, check_offers, check_positive
 from skinfield.estimate import ContactFinder, Estimate
-from skinfield.reconstruct.engine.cache_warmup import Shadow, run_in
-from skinfield.reconstruct.engine.intake import Readings
-from skinfield.reconstruct.engine.patch_kinds import check_names, one_skin
+from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed_cycle
+from skinfield.reconstruct.engine.intake import Intake, Readings
+from skinfield.reconstruct.engine.patch_kinds import Group, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport, Snapshot
 from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_of
 from skinfield.reconstruct.engine.stages import (
@@ -36,7 +24,9 @@ from skinfield.reconstruct.engine.stages import (
     spend,
 )
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
-from skinfield.skin import Patch
+from skinfield.reconstruct.engine.workspace import Clockwork
+from skinfield.reconstruct.multigrid_levels import prepare_rungs
+from skinfield.skin import Patch, Skin
 from skinfield.solve import NonNegative, Solver
 
 
@@ -47,7 +37,7 @@ def groups_of(
     rungs: Sequence[int],
     mechanics: Mechanics,
     quantity: Quantity,
-    solver: "Solver",
+    solver: Solver,
     progress: Callable[[int, int], None],
 ) -> list[Group]:
     """Prepare each kind of patch once; see `Engine`.
@@ -173,7 +163,8 @@ class Engine:
         self.spent = self.first = 0.0
         self._grid_of = lru_cache(KEPT)(partial(grid_of, self._work))
         self._shadow: Shadow | None = None
-        run_in(self)
+        self._double: Engine | None = None
+        self._run_in()
 
     def __call__(
         self,
@@ -210,7 +201,14 @@ class Engine:
         self._work.logging = True
         self._work.begin(readings, valid)
         hot, first = self._answer()
-        return Estimates(self, self.cycle + 1, self._close(hot, start, first), stamp_ns)
+        report = self._close(hot, start, first)
+        cycle = self.cycle
+        return Estimates(
+            self.names,
+            lambda name: self.estimate_of(name, stamp_ns, report),
+            lambda: self.cycle == cycle,
+            report,
+        )
 
     def run(
         self,
@@ -302,12 +300,33 @@ class Engine:
         What a processor has not used for some milliseconds it fetches anew, which may take longer
         than a cycle. For loops with more time than readings; the first call prepares it.
         """
-        self._shadow = Shadow(self) if self._shadow is None else self._shadow
-        self._shadow.run(budget)
+        if self._shadow is None:
+            self._shadow = Shadow(self._work, self.names, self._around, self)
+            self._double = self._twin(self._shadow.work, self._shadow.around)
+        assert self._double is not None
+        self._double.run(*self._shadow.next_touch(), budget=budget)
+        self._shadow.touch()
 
     def reset(self) -> None:
         """Forget the readings before, from which searches start; costs stay known."""
         self._work.reset()
+
+    def _twin(self, work: Clockwork, around: CostModel) -> "Engine":
+        """An engine that goes by the same settings, with other arrays."""
+        twin = copy(self)
+        twin.groups, twin._work, twin._around = list(work.groups), work, around
+        twin.results = Results(work, [work.intake.names.index(name) for name in self.names])
+        return twin
+
+    def _run_in(self) -> None:
+        """Load what is compiled and time every step, so that the first cycle is as the next."""
+        measure(self._work)
+        touch = rehearsed_cycle(self._work)
+        for _ in range(3):
+            self(touch, budget=60.0)
+        self.run(np.zeros(len(self._work.intake.given)), budget=60.0)
+        self.reset()
+        self.cycle = 0
 
 
 def prefer(engine: "Engine", finest: int | None = None, first: int | None = None) -> None:

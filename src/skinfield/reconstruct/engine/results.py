@@ -1,7 +1,7 @@
 """Results of a cycle: arrays that stay where they are, and estimates of each patch made of them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,6 @@ from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import Rest, linear_beliefs, searched_beliefs
 from skinfield.skin import Grid
-
-if TYPE_CHECKING:
-    from skinfield.reconstruct.engine.engine import Engine
 
 
 class Results:
@@ -186,20 +183,32 @@ class Estimates(Mapping[str, Estimate]):
     An estimate is copied out of the engine's arrays when it is first asked for, which must be
     before the engine's next cycle; `keep` does so for all.
 
-    Attributes
+    Parameters
     ----------
+    names : sequence of str
+        Of the skin's patches, in its order.
+    estimate_of : function of a name
+        Copies the estimate of a patch.
+    is_last : function
+        Whether the cycle is still the engine's last.
     report : CycleReport
     """
 
-    def __init__(self, engine: "Engine", cycle: int, report: CycleReport, stamp_ns: int) -> None:
+    def __init__(
+        self,
+        names: Sequence[str],
+        estimate_of: Callable[[str], Estimate],
+        is_last: Callable[[], bool],
+        report: CycleReport,
+    ) -> None:
         self.report = report
-        self._engine, self._cycle, self._stamp_ns = engine, cycle, stamp_ns
+        self._names, self._estimate_of, self._is_last = names, estimate_of, is_last
         self._made: dict[str, Estimate] = {}
 
     def __getitem__(self, name: str) -> Estimate:
         if name not in self._made:
             self._check(name)
-            self._made[name] = self._engine.estimate_of(name, self._stamp_ns, self.report)
+            self._made[name] = self._estimate_of(name)
         return self._made[name]
 
     def __contains__(self, name: object) -> bool:
@@ -207,7 +216,7 @@ class Estimates(Mapping[str, Estimate]):
 
     def __iter__(self) -> Iterator[str]:
         missing = set(self.report.missing)
-        return (name for name in self._engine.names if name not in missing)
+        return (name for name in self._names if name not in missing)
 
     def __len__(self) -> int:
         return len(self.report.names) - len(self.report.missing)
@@ -224,7 +233,7 @@ class Estimates(Mapping[str, Estimate]):
             raise MissingPatch(
                 f"patch {name!r} was not answered in this cycle: {why}; see `report.missing`"
             )
-        if self._engine.cycle != self._cycle:
+        if not self._is_last():
             raise InputError(
                 f"the estimate of {name!r} was asked for after the engine's next cycle, expected "
                 "before: its arrays hold newer answers; take what you need, or call "

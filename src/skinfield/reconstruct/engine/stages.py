@@ -37,14 +37,14 @@ def answer_linearly(work: Clockwork, rung: int) -> None:
     start = work.clock()  # how long a product takes is learnt without
     if work.answers:
         work.answer_all(rung)
-        work.done(PRODUCT, 0, -1, rung, start)
+        work.log_step(PRODUCT, 0, -1, rung, start)
     else:
         for group in work.groups:
             start = work.clock()
             group.answer_all(rung, work.white[group.index])
-            work.done(PRODUCT, group.index, -1, rung, start)
+            work.log_step(PRODUCT, group.index, -1, rung, start)
     present = work.intake.present
-    work.kernel.answered(present, rung, state.integers, state.numbers, state.settled)
+    work.kernel.take_answers(present, rung, state.integers, state.numbers, state.settled)
 
 
 def touched(work: Clockwork) -> Ints:
@@ -85,7 +85,7 @@ def refine_one(work: Clockwork, patch: int, rung: int) -> None:
     state.predicted[patch] += work.predict(ROW, group.index, rung)
     start = work.clock()
     group.answer_one(rung, patch - group.first, work.white[group.index])
-    state.spent[patch] += work.done(ROW, group.index, patch, rung, start)
+    state.spent[patch] += work.log_step(ROW, group.index, patch, rung, start)
     state.rung[patch] = state.at[patch] = rung
 
 
@@ -101,7 +101,7 @@ def test_all(work: Clockwork, rung: int) -> Ints:
     """Test on a rung which patches are idle; returns the others, which have a contact."""
     start = work.clock()
     count = work.test_idle(rung)
-    work.done(TEST, 0, -1, rung, start)
+    work.log_step(TEST, 0, -1, rung, start)
     work.tested = rung
     if count:
         test_masked(work, work.masked[:count], work.before[:count], rung)
@@ -126,7 +126,7 @@ def test_masked(work: Clockwork, patches: Ints, before: Ints, rung: int) -> None
             continue
         if not work.is_idle(patch, on):
             state.answer[patch], state.rung[patch], state.gap[patch] = LINEAR, -1, np.nan
-        work.done(MASKED, group.index, patch, on, start)
+        work.log_step(MASKED, group.index, patch, on, start)
 
 
 def start_linearly(work: Clockwork) -> None:
@@ -146,11 +146,11 @@ def start_linearly(work: Clockwork) -> None:
             for place in places.tolist():
                 group.answer_one(0, place, white)
                 np.maximum(field[place], 0.0, out=field[place])
-            work.done(ROW, group.index, -1, 0, start)
+            work.log_step(ROW, group.index, -1, 0, start)
         else:
             group.answer_all(0, white)
             np.maximum(field, 0.0, out=field)
-            work.done(PRODUCT, group.index, -1, 0, start)
+            work.log_step(PRODUCT, group.index, -1, 0, start)
     state.rung[rest] = 0
 
 

@@ -1,4 +1,4 @@
-"""What a cycle knows of each patch, in arrays."""
+"""State of each patch in a cycle, in arrays."""
 
 from dataclasses import dataclass, field
 from enum import IntEnum

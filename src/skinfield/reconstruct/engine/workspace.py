@@ -227,7 +227,7 @@ class Clockwork:
         """Time that a step will hardly exceed, s."""
         return self.times.model.predict(self.times.which(step, group, rung))
 
-    def done(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
+    def log_step(self, step: int, group: int, patch: int, rung: int, start: int) -> float:
         """Log a step that began at `start`, and learn from it; returns its time, s."""
         end, which = self.clock(), self.times.which(step, group, rung)
         if self.logging:

@@ -254,7 +254,7 @@ class TaxelArray:
 
     def _cold_level(self, change: Floats) -> Floats:
         """What the converter is offered at the reference temperature, (T, L) counts."""
-        shown = self.electronics.cross_talk.shown(change, self.wiring)
+        shown = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
         return np.asarray(self.baseline + self.gain * shown)
 
     def _warmed(

@@ -1,4 +1,4 @@
-"""From a level in counts, as a continuous number, to what a board sends."""
+"""Boards: from a level in counts, as a continuous number, to what is sent."""
 
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, as_floats, check_positive
 from skinfield.signal import (
-    CapacitanceConverter,
     Convention,
     CySkinCount,
     ICubByte,
@@ -140,48 +139,6 @@ class CySkinBoard:
     def counts_from_level(self, level: Floats) -> Floats:
         """See `Board.counts_from_level`."""
         return self.convention.counts_from_difference(level)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ConverterBoard:
-    """The counts of a capacitance-to-digital converter, as they are.
-
-    Parameters
-    ----------
-    convention : CapacitanceConverter
-    rest_capacitance : float, F
-        C₀ of a pad.
-    """
-
-    convention: CapacitanceConverter
-    rest_capacitance: float = PAD_CAPACITANCE
-
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "count"
-
-    @property
-    def rest(self) -> float:
-        """See `Board.rest`: of C₀ and what it rides on."""
-        converter = self.convention
-        return (self.rest_capacitance + converter.parasitic - converter.low) / converter.step
-
-    @property
-    def gain(self) -> float:
-        """See `Board.gain`."""
-        return self.convention.gain(self.rest_capacitance)
-
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 1.0
-
-    def counts_from_level(self, level: Floats) -> Floats:
-        """See `Board.counts_from_level`."""
-        return self.convention.counts_from_capacitance(
-            self.convention.capacitance_from_counts(level)
-        )
 
 
 @dataclass(frozen=True, kw_only=True)

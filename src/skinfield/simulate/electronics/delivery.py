@@ -93,7 +93,7 @@ class CrossTalk:
                 "matrix", np.asarray(self.matrix), size, "a row and a column per taxel of the patch"
             )
 
-    def shown(self, change: Floats, wiring: Wiring) -> Floats:
+    def seen_by_taxels(self, change: Floats, wiring: Wiring) -> Floats:
         """What taxels show, (T, L), of changes (T, L)."""
         shown = change.copy()
         if self.neighbours:

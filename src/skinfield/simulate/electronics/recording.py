@@ -1,6 +1,4 @@
-"""Counts as a recording that cannot be told from a board's."""
-
-from dataclasses import replace
+"""Recording of simulated counts, as a board's."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,7 +6,6 @@ from numpy.typing import ArrayLike
 from skinfield.errors import InputError, check_shape
 from skinfield.simulate.electronics.array import TaxelArray
 from skinfield.simulate.electronics.delivery import Sampling
-from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
 
 
@@ -60,26 +57,3 @@ def recording(
         array.electronics.board.unit,
         source,
     )
-
-
-def by_channel(recording: Recording, patch: Patch, *, rest: float) -> Recording:
-    """The same recording as a port has it: one column per channel, no uids.
-
-    Parameters
-    ----------
-    recording : Recording
-        Of the taxels of `patch`, one column each, in its order.
-    patch : Patch
-    rest : float, counts
-        What channels without a taxel send: 240 on a port of the iCub, from triangles that are not
-        there.
-
-    Returns
-    -------
-    Recording
-        Of (T, patch.n_channels) counts.
-    """
-    check_shape("counts", recording.counts, (None, len(patch)), "one column per taxel of the patch")
-    counts = np.full((len(recording), patch.n_channels), float(rest))
-    counts[:, patch.channel] = recording.counts
-    return replace(recording, counts=counts, uid=None)

@@ -1,1 +1,1 @@
-"""A press from bodies to pressure, on finer squares than it is asked for, and what it does."""
+"""Press of bodies on the skin, on finer squares than it is asked for, and what taxels read."""

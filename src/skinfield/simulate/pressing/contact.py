@@ -123,7 +123,7 @@ def _look_closer(
 
 
 @dataclass(frozen=True, eq=False)
-class Laid:
+class Coverings:
     """Bodies over the squares of windows; arrays (N,) run through the windows.
 
     Attributes
@@ -177,13 +177,13 @@ class Laid:
 class Settled:
     """A solution on windows, beside the same bodies over the whole grid."""
 
-    laid: Laid
+    coverings: Coverings
     indenting: Indenting
     contact: Contact
-    whole: Laid
+    whole: Coverings
 
 
-def check_places(skin: Skin, indenters: Sequence[Indenter], whole: Laid) -> None:
+def check_places(skin: Skin, indenters: Sequence[Indenter], whole: Coverings) -> None:
     """Each body must have cells, and be the lowest on some of them."""
     for index, indenter in enumerate(indenters):
         under = np.isfinite(whole.each[index])
@@ -203,10 +203,10 @@ def check_places(skin: Skin, indenters: Sequence[Indenter], whole: Laid) -> None
 
 def check_border(settled: Settled) -> None:
     """A touch that the square of skin cuts off would be another press than the one meant."""
-    laid, grid = settled.laid, settled.laid.skin.grid
+    coverings, grid = settled.coverings, settled.coverings.skin.grid
     pictures = settled.indenting.pictures(settled.contact.pressure)
     for window, pressure, body in zip(
-        laid.windows, pictures, settled.indenting.pictures(laid.bodies), strict=True
+        coverings.windows, pictures, settled.indenting.pictures(coverings.bodies), strict=True
     ):
         border = np.zeros(pressure.shape, dtype=bool)
         border[0] |= window.row == 0
@@ -224,7 +224,7 @@ def check_border(settled: Settled) -> None:
 
 def check_depth(indenters: Sequence[Indenter], settled: Settled) -> None:
     """No body may reach the base; one that does as most of it has no skin hears of that."""
-    thickness, approach = settled.laid.skin.layer.thickness, settled.contact.approach
+    thickness, approach = settled.coverings.skin.layer.thickness, settled.contact.approach
     deepest = int(approach.argmax())
     if approach[deepest] >= thickness:
         check_border(settled)
@@ -259,10 +259,10 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
     margin, pierced = 2, False
     for attempt in range(ROUNDS):
         windows = _windows(settled, margin)
-        laid = settled.laid
-        if windows != laid.windows or pierced:
-            laid = _lay(skin, indenters, windows, settled.contact.approach)
-        settled = _solve(laid, whole, indenters, _carried_over(settled, laid))
+        coverings = settled.coverings
+        if windows != coverings.windows or pierced:
+            coverings = _lay(skin, indenters, windows, settled.contact.approach)
+        settled = _solve(coverings, whole, indenters, _carried_over(settled, coverings))
         check_depth(indenters, settled)
         if _leaks(settled):
             margin += 3
@@ -280,7 +280,7 @@ def settle(skin: Skin, indenters: Sequence[Indenter], before: Settled | None = N
 
 def _lay(
     skin: Skin, indenters: Sequence[Indenter], windows: list[Window], approach: Floats | None = None
-) -> Laid:
+) -> Coverings:
     parts = []
     for window in windows:
         y, x = skin.axes(window)
@@ -290,86 +290,88 @@ def _lay(
     each, coverages, grown = np.moveaxis(np.concatenate(parts, axis=2), 1, 0)
     deep = np.zeros(len(indenters)) if approach is None else approach
     bodies = (each - deep[:, None]).argmin(axis=0)
-    return Laid(skin, windows, each, coverages, grown, bodies)
+    return Coverings(skin, windows, each, coverages, grown, bodies)
 
 
 def _solve(
-    laid: Laid,
-    whole: Laid,
+    coverings: Coverings,
+    whole: Coverings,
     indenters: Sequence[Indenter],
     start: Floats,
     tolerance: float = TOLERANCE,
 ) -> Settled:
-    indenting = Indenting(laid.skin, laid.windows)
+    indenting = Indenting(coverings.skin, coverings.windows)
     number = [(np.nan if i.force is None else i.force, np.nan if i.depth is None else i.depth)
               for i in indenters]  # fmt: skip
     forces, depths = np.array(number, dtype=np.float64).T
     problem = ContactProblem(
         indenting,
         indenting.own(),
-        laid.chosen(laid.each),
-        laid.bodies,
-        laid.area,
+        coverings.chosen(coverings.each),
+        coverings.bodies,
+        coverings.area,
         forces,
         depths,
     )
-    softness = laid.softness
+    softness = coverings.softness
     contact = solve_contact(problem, start, softness, tolerance)
-    return Settled(laid, indenting, contact, whole)
+    return Settled(coverings, indenting, contact, whole)
 
 
-def _first_push(laid: Laid, indenters: Sequence[Indenter]) -> Floats:
+def _first_push(coverings: Coverings, indenters: Sequence[Indenter]) -> Floats:
     """Each force spread over the cells within a tenth of a thickness above the lowest point."""
-    start = np.zeros(len(laid.bodies))
-    near = max(0.1 * laid.skin.layer.thickness, 0.0)
+    start = np.zeros(len(coverings.bodies))
+    near = max(0.1 * coverings.skin.layer.thickness, 0.0)
     for body, indenter in enumerate(indenters):
         if indenter.force is None:
             continue
-        own = np.isfinite(laid.each[body]) & (laid.bodies == body)
-        guess = own & (laid.each[body] <= max(near, float(laid.each[body][own].min())))
-        start[guess] = indenter.force / laid.area[guess].sum()
+        own = np.isfinite(coverings.each[body]) & (coverings.bodies == body)
+        guess = own & (coverings.each[body] <= max(near, float(coverings.each[body][own].min())))
+        start[guess] = indenter.force / coverings.area[guess].sum()
     return start
 
 
 def _windows(settled: Settled, margin: int) -> list[Window]:
     """Windows around all contacts, each cut as finely as its smallest contact asks for."""
-    laid, grid = settled.laid, settled.laid.skin.grid
+    coverings, grid = settled.coverings, settled.coverings.skin.grid
     found: list[tuple[Window, float]] = []
-    for body in range(len(laid.each)):
-        mask = (settled.contact.pressure > 0) & (laid.bodies == body)
+    for body in range(len(coverings.each)):
+        mask = (settled.contact.pressure > 0) & (coverings.bodies == body)
         masks = [picture > 0 for picture in settled.indenting.pictures(mask)]
         if not mask.any():  # the body may touch within a cell, or not at all
-            masks = [picture > 0 for picture in settled.indenting.pictures(laid.nearest(body))]
-        parts = settled.indenting.pictures(laid.coverage)
-        for index, window in enumerate(touched(laid.windows, masks)):
+            masks = [picture > 0 for picture in settled.indenting.pictures(coverings.nearest(body))]
+        parts = settled.indenting.pictures(coverings.coverage)
+        for index, window in enumerate(touched(coverings.windows, masks)):
             if window is not None:
-                across = width(masks[index], parts[index]) / laid.windows[index].split
+                across = width(masks[index], parts[index]) / coverings.windows[index].split
                 found.append((window.grown(margin, grid.shape), across))
     return cut(merged(found))
 
 
-def _carried_over(settled: Settled, laid: Laid) -> Floats:
+def _carried_over(settled: Settled, coverings: Coverings) -> Floats:
     """A start on other windows from a solution, spread over the cells."""
-    if laid is settled.laid:
+    if coverings is settled.coverings:
         return settled.contact.pressure
-    picture = np.zeros(laid.skin.grid.shape)
+    picture = np.zeros(coverings.skin.grid.shape)
     for window, pressure in zip(
-        settled.laid.windows, settled.indenting.pictures(settled.contact.pressure), strict=True
+        settled.coverings.windows,
+        settled.indenting.pictures(settled.contact.pressure),
+        strict=True,
     ):
         picture[window.cells] = window.means(pressure)
     return np.concatenate(
-        [resplit(picture[window.cells], 1, window.split).ravel() for window in laid.windows]
+        [resplit(picture[window.cells], 1, window.split).ravel() for window in coverings.windows]
     )
 
 
 def _leaks(settled: Settled) -> bool:
     """Whether touch reaches a window's border, or a body is in the skin outside of all windows."""
-    laid, contact = settled.laid, settled.contact
-    skin, shape = laid.skin, laid.skin.grid.shape
+    coverings, contact = settled.coverings, settled.contact
+    skin, shape = coverings.skin, coverings.skin.grid.shape
     outside = np.ones(shape, dtype=bool)
     sunk = np.zeros(shape)
     for window, pressure in zip(
-        laid.windows, settled.indenting.pictures(contact.pressure), strict=True
+        coverings.windows, settled.indenting.pictures(contact.pressure), strict=True
     ):
         outside[window.cells] = False
         sunk += skin.far(skin.carried(window, pressure))[PAD:-PAD, PAD:-PAD]
@@ -388,11 +390,11 @@ def _leaks(settled: Settled) -> bool:
 
 def _pierced(settled: Settled) -> bool:
     """Whether a body is in the skin where another one was taken to touch."""
-    laid, contact = settled.laid, settled.contact
-    if len(laid.each) == 1:
+    coverings, contact = settled.coverings, settled.contact
+    if len(coverings.each) == 1:
         return False
-    lower = (laid.each - contact.approach[:, None]).min(axis=0)
-    own = laid.chosen(laid.each) - contact.approach[laid.bodies]
+    lower = (coverings.each - contact.approach[:, None]).min(axis=0)
+    own = coverings.chosen(coverings.each) - contact.approach[coverings.bodies]
     there = np.isfinite(own)
     gap = contact.gap[there] + lower[there] - own[there]
     return bool(gap.min() < -1e-3 * np.abs(contact.approach).max())
@@ -401,4 +403,4 @@ def _pierced(settled: Settled) -> bool:
 def _finer(settled: Settled, margin: int) -> bool:
     """Whether a contact came out so small that its window should be cut again."""
     wanted = max(window.split for window in _windows(settled, margin))
-    return wanted > max(window.split for window in settled.laid.windows)
+    return wanted > max(window.split for window in settled.coverings.windows)

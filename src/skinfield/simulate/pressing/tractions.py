@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.contact import RIM, ShearProblem, rim, solve_slip, solve_stick
-from skinfield.errors import Floats, check_positive
+from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_stick
+from skinfield.errors import Floats
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
 from skinfield.simulate.pressing.windows import Skin, Sliding, Window, coarsened
@@ -106,59 +106,42 @@ def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Flo
     return forces, moments
 
 
-@dataclass(frozen=True, eq=False)
-class Sheared:
-    """What the tangential stage adds: translations (bodies, 2) m, its residual, share of slip."""
-
-    translation: Floats
-    residual: float
-    slipping_share: float
-
-
 def bare(settled: Settled) -> tuple[Touch, ...]:
     """Touches with pressure alone."""
-    laid, pictures = settled.laid, settled.indenting.pictures
+    coverings, pictures = settled.coverings, settled.indenting.pictures
     return tuple(
         Touch(window, np.stack([np.zeros_like(p), np.zeros_like(p), 0.0 - p]), body, coverage)
         for window, p, body, coverage in zip(
-            laid.windows,
+            coverings.windows,
             pictures(settled.contact.pressure),
-            pictures(laid.bodies),
-            pictures(laid.coverage),
+            pictures(coverings.bodies),
+            pictures(coverings.coverage),
             strict=True,
         )
     )
 
 
 def add_shear(
-    settled: Settled,
-    touches: tuple[Touch, ...],
-    indenters: Sequence[Indenter],
-    friction: float | None,
-) -> tuple[tuple[Touch, ...], Sheared]:
+    settled: Settled, touches: tuple[Touch, ...], indenters: Sequence[Indenter]
+) -> tuple[tuple[Touch, ...], Shear]:
     """Tangential tractions under the shears of all indenters at once."""
-    laid, contact = settled.laid, settled.contact
-    sliding = Sliding(laid.skin, laid.windows)
+    coverings, contact = settled.coverings, settled.contact
+    sliding = Sliding(coverings.skin, coverings.windows)
     touching = contact.pressure > 0
     # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
     # the border's singularity makes it act too narrow.
-    softness = np.where(touching, sliding.own * laid.softness, 0.0)
+    softness = np.where(touching, sliding.own * coverings.softness, 0.0)
     problem = ShearProblem(
         lambda traction: sliding(traction) + softness * traction,
         touching,
-        laid.bodies,
-        laid.area,
+        coverings.bodies,
+        coverings.area,
         np.array([indenter.shear for indenter in indenters], dtype=np.float64),
     )
-    if friction is None:
-        shear = solve_stick(problem)
-    else:
-        check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
-        shear = solve_slip(problem, friction * contact.pressure)
+    shear = solve_stick(problem)
     along = [sliding.indenting.pictures(component) for component in shear.traction]
     loaded = tuple(
         replace(touch, traction=np.stack([x, y, touch.traction[2]]))
         for touch, x, y in zip(touches, *along, strict=True)
     )
-    share = float(laid.area[shear.slipping].sum() / laid.area[touching].sum())
-    return loaded, Sheared(shear.translation, shear.residual, share)
+    return loaded, shear

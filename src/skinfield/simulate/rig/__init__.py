@@ -1,4 +1,4 @@
-"""The paper's set-up in software: positioners, actuator, indenter, load cell, and a skin."""
+"""Test rig in software: positioners, actuator, indenter, load cell, and a skin."""
 
 from skinfield.simulate.rig.run import RigRun as RigRun
 from skinfield.simulate.rig.run import Truth as Truth

@@ -221,7 +221,7 @@ class Priors(NamedTuple):
     length_std: float
 
 
-class Given(NamedTuple):
+class Inputs(NamedTuple):
     """What atoms are to explain, and what is known beside; lengths in thicknesses.
 
     `readings` (L,), `white` (L,) one over their deviations, `taxels` (L, 2). `shared` is the
@@ -286,7 +286,7 @@ def _prior(
 
 
 @inner
-def assemble(atoms: Floats, family: Any, given: Given, normal: Normal, sums: Floats) -> float:
+def assemble(atoms: Floats, family: Any, given: Inputs, normal: Normal, sums: Floats) -> float:
     """Cost of N atoms; writes all else into `normal`, and into `sums` (6 N,) what it likes."""
     count, taxels = atoms.shape[0], given.taxels.shape[0]
     gradient, hessian, flat = normal.gradient, normal.hessian, normal.flat
@@ -344,7 +344,7 @@ def refined(
     atoms: Floats,
     family: NDArray[np.int64],
     free: NDArray[np.bool_],
-    given: Given,
+    given: Inputs,
     iterations: int,
     tolerance: float,
 ) -> Refined:
@@ -401,7 +401,7 @@ def cholesky_solve(matrix: Floats, right: Floats) -> bool:
 
 
 @inner
-def _hold(atoms: Floats, family: Any, given: Given) -> None:
+def _hold(atoms: Floats, family: Any, given: Inputs) -> None:
     """Bring atoms back to the patch and to where they are tabulated: radius and depth."""
     tables = given.tables
     for n in range(atoms.shape[0]):
@@ -453,7 +453,7 @@ def _descend(
     atoms: Floats,
     family: Any,
     free: Any,
-    given: Given,
+    given: Inputs,
     iterations: int,
     tolerance: float,
     normal: Normal,
@@ -497,7 +497,7 @@ def refine(
     atoms: Floats,
     family: Any,
     free: Any,
-    given: Given,
+    given: Inputs,
     iterations: int,
     tolerance: float,
     made: Refined,

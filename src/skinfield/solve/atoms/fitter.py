@@ -1,7 +1,6 @@
 """Contact fit of a patch: its operator, residual tests, and the answer of one reading."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +13,9 @@ from skinfield.solve.atoms.posterior import Effort, belief_of, stated
 from skinfield.solve.atoms.render import AtomRenderer
 from skinfield.solve.atoms.ring_source import Drawable, drawable
 from skinfield.solve.atoms.search import AtomSet, Problem, search
+from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import RING, atom_table
 from skinfield.solve.operator import Fit
-
-if TYPE_CHECKING:
-    from skinfield.solve.contact_fit import ContactFit
-
 
 ODD = 1e-4  # readings that contacts explain, and that are taken not to be explained
 QUIETEST = 1e-3  # of the stated noise, that is believed
@@ -113,7 +109,7 @@ class Answer:
     """The atoms that explain a reading, at a scale of its noise; `drawn` is None without any."""
 
     problem: Problem
-    found: AtomSet
+    atoms: AtomSet
     scale: float
     drawn: Drawable | None
 
@@ -181,7 +177,8 @@ class ContactFitter:
 
     Parameters
     ----------
-    settings : ContactFit
+    settings : FitSettings
+        Such as `ContactFit()`.
     model : ObservationModel
         With its physics.
 
@@ -191,7 +188,7 @@ class ContactFitter:
         Of the readings; the model's, until `take_noise`.
     """
 
-    def __init__(self, settings: "ContactFit", model: ObservationModel) -> None:
+    def __init__(self, settings: FitSettings, model: ObservationModel) -> None:
         if model.physics is None:
             raise InputError(
                 "the model does not say what it is made of, expected physics: make it with "
@@ -261,7 +258,7 @@ class ContactFitter:
     def touches(self, readings: Floats, deadline_ns: int | None = None) -> Touches:
         """Contacts and pressure as of `fit`, without the fields that take the longest to draw."""
         answer = self._answer(readings, deadline_ns)
-        explained = explains(answer.problem, answer.found)
+        explained = explains(answer.problem, answer.atoms)
         if answer.drawn is None:
             return Touches(np.zeros(len(self.model.grid)), (), explained)
         return Touches(*self._pressed(answer.drawn), explained)
@@ -347,7 +344,7 @@ class ContactFitter:
         return pressure, contacts
 
     def _fit_of(self, answer: Answer, drawn: Drawable) -> Fit:
-        problem, found, nodes = answer.problem, answer.found, len(self.model.grid)
+        problem, found, nodes = answer.problem, answer.atoms, len(self.model.grid)
         std, moved = np.empty(nodes), np.empty((nodes, 3))
         pressure, contacts = self._pressed(drawn)
         self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)

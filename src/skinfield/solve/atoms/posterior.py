@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Given, refined
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, refined
 from skinfield.solve.atoms.search import RARER, AtomSet, Problem
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
@@ -33,7 +33,7 @@ class Lattice(NamedTuple):
     places: Floats
 
 
-class Found(NamedTuple):
+class Modes(NamedTuple):
     """Atom at each place (C, 6), covariance of what is refined there (C, 6, 6), ln weight (C,)."""
 
     atoms: Floats
@@ -61,8 +61,8 @@ class Queue:
 
 
 def explore(
-    seeds: Floats, family: int, free: NDArray[np.bool_], lattice: Lattice, given: Given, most: int
-) -> Found:
+    seeds: Floats, family: int, free: NDArray[np.bool_], lattice: Lattice, given: Inputs, most: int
+) -> Modes:
     """Walk over places from the seeds (M, 6) while the cost stays near the least.
 
     `free` (6,) says what is refined at each place beside it; `most` places are found at most.
@@ -86,7 +86,7 @@ def explore(
             for way in range(9):
                 queue.put(i + way // 3 - 1, j + way % 3 - 1, atom)
     inner, half = inverses(np.array(hessians).reshape(-1, 6, 6), free)
-    return Found(np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half)
+    return Modes(np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half)
 
 
 def _steps(seeds: Floats, lattice: Lattice) -> Floats:
@@ -99,7 +99,7 @@ def _wave(
     family: int,
     free: NDArray[np.bool_],
     lattice: Lattice,
-    given: Given,
+    given: Inputs,
 ) -> Iterator[tuple[int, int, Floats, float, Floats]]:
     """Steps, refined atom, cost and its Hessian of each place that lies on the patch."""
     atoms = np.array([atom for _, _, atom in places])
@@ -289,9 +289,9 @@ def _walk(
     left: Floats,
     near: NDArray[np.int64],
     places: int,
-) -> Found:
+) -> Modes:
     """Places, covariance beside them, and logarithm of their weights, for one family."""
-    given = problem.given._replace(
+    given = problem.inputs._replace(
         readings=left[near], white=problem.white[near], taxels=problem.taxels[near], shared=0.0
     )
     lattice = Lattice(axes, seeds[0, :2], problem.places)

@@ -1,4 +1,4 @@
-r"""What round contacts look like on the surface, as tables over their radius.
+r"""Tables over the radius of round contacts: what they look like on the surface.
 
 With t² = 1 - r²/a², the pressure of 1 N is
 
@@ -163,7 +163,7 @@ def _displacement_terms(response: Kernel, h: float, a: float, terms: Floats) -> 
     inner = np.linalg.lstsq(t[:, None] ** np.arange(INNER), below.reshape(-1, 4), rcond=None)[0]
     x = np.arange(OUTER) / OUTER
     s = FOLD * h * x / (1.0 - x)
-    beside = np.stack([_beside(response, h, a, terms, r) for r in np.hypot(s, a)])
+    beside = np.stack([_outside(response, h, a, terms, r) for r in np.hypot(s, a)])
     spline = CubicSpline(np.arange(OUTER + 1), np.vstack([beside.reshape(-1, 4), np.zeros(4)]))
     outer = spline.c.transpose(1, 0, 2).reshape(4 * OUTER, 4)
     return np.asarray(a * np.vstack([inner, outer]).T.reshape(2, 2, -1))
@@ -212,7 +212,7 @@ def _below(response: Kernel, h: float, a: float, terms: Floats, r: float) -> Flo
     return _moved(load * element, response(rho), -cosine, r)
 
 
-def _beside(response: Kernel, h: float, a: float, terms: Floats, r: float) -> Floats:
+def _outside(response: Kernel, h: float, a: float, terms: Floats, r: float) -> Floats:
     """Displacement (2, 2) at a point beside the contact, as `_below`.
 
     Lines at the angle alpha from the one through the middle, sin(alpha) = (a/r) sin(phi).

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats
 from skinfield.estimate.ranking import falling_order, first_largest
 from skinfield.solve.atoms.dictionary import Bank
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Given, Priors, Tables, predict, refined
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, Priors, Tables, predict, refined
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
 ROUND = np.array([True, True, True, True, False, False])
@@ -96,9 +96,9 @@ class Problem:
     deadline_ns: int | None = None
 
     @cached_property
-    def given(self) -> Given:
+    def inputs(self) -> Inputs:
         """As compiled functions take it."""
-        return Given(
+        return Inputs(
             self.readings,
             self.white,
             self.taxels,
@@ -146,7 +146,7 @@ class Problem:
         free = np.where(np.any(atoms[:, 4:], axis=1)[:, None], LONG, ROUND)
         done = 0
         while True:
-            made = refined(atoms[None], family[None], free[None], self.given, BURST, SETTLED)
+            made = refined(atoms[None], family[None], free[None], self.inputs, BURST, SETTLED)
             done += int(made.tried[0])
             if made.tried[0] < BURST or done >= iterations or self.late:
                 cost, predicted, hessian = float(made.cost[0]), made.predicted[0], made.hessian[0]
@@ -219,7 +219,7 @@ def settle(
     problem: Problem, left: Floats, seeds: Floats, family: int, free: NDArray[np.bool_]
 ) -> Floats:
     """Refine each of the seeds (S, 6) alone, in place, on what is left to explain; costs (S,)."""
-    given = problem.given._replace(readings=left)
+    given = problem.inputs._replace(readings=left)
     kinds = np.full((len(seeds), 1), family)
     moves = np.tile(free, (len(seeds), 1, 1))
     return refined(seeds[:, None], kinds, moves, given, BURST, SETTLED).cost

@@ -1,4 +1,4 @@
-"""Whether anything touches: tests of readings with a stated rate of false alarms."""
+"""Touch detector: tests of readings with a stated rate of false alarms."""
 
 from skinfield.solve.detection.detection import Detection as Detection
 from skinfield.solve.detection.detector import Detector as Detector

@@ -1,4 +1,4 @@
-r"""What a detector finds: posterior of a touch, and thresholds by the rate of false alarms.
+r"""Detection of a touch: its posterior, and thresholds by the rate of false alarms.
 
 Thresholds are found by importance sampling. Touches are drawn whose match is about as high as that
 of a false alarm. If L(y) is the density of such readings over that of idle ones, then for any

@@ -1,4 +1,3 @@
-"""A sheet of thousands to millions of taxels."""
+"""Sheet of thousands to millions of taxels, solved by conjugate gradients."""
 
-from skinfield.solve.sheet.estimate import SheetEstimate as SheetEstimate
 from skinfield.solve.sheet.sheet import Sheet as Sheet

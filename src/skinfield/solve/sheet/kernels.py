@@ -191,31 +191,6 @@ def give_out(answer: Array, gain: Array, out: Array) -> None:
 
 
 @njit
-def nearest(place: Array, strip: Array, height: float, out: Array) -> None:
-    """Distance from each taxel (L, 2) to the nearest other place, but no more than `height`.
-
-    Taxels are ordered by strips of that height, within a strip by x; strip n holds the taxels
-    strip[n] .. strip[n + 1].
-    """
-    out[:] = height
-    for row in range(len(strip) - 1):
-        for beside in range(max(row - 1, 0), row + 1):
-            first = strip[beside]
-            for taxel in range(strip[row], strip[row + 1]):
-                x, y = place[taxel]
-                end = min(taxel, strip[beside + 1])
-                while first < end and place[first, 0] < x - height:
-                    first += 1
-                for other in range(first, end):
-                    if place[other, 0] > x + height:
-                        break
-                    apart = np.hypot(place[other, 0] - x, place[other, 1] - y)
-                    if apart > 0.0:
-                        out[taxel] = min(out[taxel], apart)
-                        out[other] = min(out[other], apart)
-
-
-@njit
 def earlier(
     place: Array, strip: Array, row: int, taxel: int, reach: float, first: Array, found: Array
 ) -> int:

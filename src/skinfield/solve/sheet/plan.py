@@ -1,6 +1,7 @@
 """Plan of a sheet: the ordering of taxels, their Gram matrix, and the profiles that fit."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import Floats, InputError, Ints, check_range
-from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov
+from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov, taxel_distance
 from skinfield.solve.sheet.response import GROUP, WIDEST, Stamp, Stamps
 
 
@@ -89,15 +90,6 @@ class Placing:
         return np.asarray(row * columns + column)
 
 
-def nearest_distance(placing: Placing) -> float:
-    """Median distance of a taxel to the nearest other, in cells; a strip's height at most."""
-    from skinfield.solve.sheet.kernels import nearest
-
-    out = np.empty(len(placing.order))
-    nearest(placing.place, placing.strip, placing.height, out)
-    return float(np.median(out))
-
-
 TOO_DENSE = (
     "positions are so dense that what is cut off their responses outweighs the noise, and no "
     "pressure is the best: expected taxels some cells apart; use a smaller cut, such as 1e-4, or a "
@@ -126,10 +118,13 @@ class Gram:
     value: NDArray[Any]
     own: NDArray[Any]
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of the matrix."""
-        return sum(part.nbytes for part in (self.start, self.other, self.value, self.own))
+    @cached_property
+    def lower(self) -> Any:
+        """What lies below the diagonal, as a sparse matrix of SciPy."""
+        from scipy.sparse import csr_array
+
+        taxels = len(self.own)
+        return csr_array((self.value, self.other, self.start), shape=(taxels, taxels))
 
 
 def gram_of(placing: Placing, stamps: Stamps, precision: type[Any]) -> Gram:
@@ -195,7 +190,7 @@ def parts_of(stamp: Stamp, precision: type[Any]) -> tuple[Any, ...]:
 LARGEST = 1 << 30  # cells
 EXPECTED = 2000  # cells per taxel, more than which is a slip of units or a taxel gone astray
 STRIPS = 3  # per reach: low ones give all taxels about as many earlier neighbours as later ones
-LOCAL = 12.0  # cells among which a taxel's nearest neighbour is looked for
+LOCAL = 12.0  # cells: taxels farther apart have a prior as if they stood so near
 
 
 class SheetPlan:
@@ -239,7 +234,7 @@ class SheetPlan:
         check_range("cut", cut, 1e-6, 0.1, "a share of a response's peak")
         low, high = places.min(axis=0), places.max(axis=0)
         _check_extent(len(places), (high - low) / pitch)
-        self.length_scale = _length_scale(solver, (places - low) / pitch, pitch)
+        self.length_scale = _length_scale(solver, places, pitch)
         self.stamps = stamps = Stamps.of(
             mechanics, layer, quantity, pitch, pad_diameter, cut, self.length_scale / pitch
         )
@@ -284,7 +279,7 @@ def _length_scale(solver: object, places: Floats, pitch: float) -> float:
         )
     if solver.length_scale is not None:
         return float(solver.length_scale)
-    return PITCHES * pitch * nearest_distance(Placing.of(places, LOCAL))
+    return PITCHES * min(taxel_distance(places, LOCAL * pitch), LOCAL * pitch)
 
 
 def _check_inside(lattice: Lattice, placing: Placing, stamp: Stamp) -> None:

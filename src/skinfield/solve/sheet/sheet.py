@@ -9,36 +9,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import BaseStress, BondedLayer, Layer, Mechanics, Quantity
-from skinfield.elastic.observation import LAYER
+from skinfield.elastic import (
+    BaseStress,
+    BondedLayer,
+    Layer,
+    Mechanics,
+    Quantity,
+    check_skin,
+    displacement_kernel,
+)
 from skinfield.errors import (
     Floats,
     InputError,
     Ints,
     as_floats,
     check_count,
-    check_finite,
     check_offers,
     check_positive,
     check_range,
     check_shape,
-    check_type,
 )
+from skinfield.estimate import Contact, ContactFinder, Estimate
+from skinfield.skin import Grid, Patch
 from skinfield.solve.linear import GaussianField, Tikhonov
-from skinfield.solve.sheet.estimate import SheetDeformation, SheetEstimate, highest_std
+from skinfield.solve.sheet.contacts import WindowNoise, contacts_on, highest_std
 from skinfield.solve.sheet.plan import TOO_DENSE, Gram, SheetPlan, parts_of
 
 NOISE = 1e-20, 1e12  # in any unit of a reading
 LARGEST = 1e12  # deviations of the noise: their squares add up in single precision
-
-
-def check_physics(layer: object, mechanics: object, quantity: object) -> None:
-    """Raise InputError for what is no layer, elastomer or quantity."""
-    check_type("layer", layer, Layer, LAYER)
-    needs: tuple[str, ...] = ("surface_displacement", "indentation")
-    check_offers("mechanics", mechanics, needs, "a model such as BondedLayer() or HalfSpace()")
-    needs = ("matrix", "linearise", "typical_noise")
-    check_offers("quantity", quantity, needs, "one of BaseStress(), Gap() and Capacitance()")
 
 
 def check_settings(tolerance: float, most_iterations: int, precision: object) -> None:
@@ -50,16 +48,6 @@ def check_settings(tolerance: float, most_iterations: int, precision: object) ->
             f"precision is {precision!r}, expected numpy.float32 or numpy.float64: the first is "
             "faster, the second for comparisons"
         )
-
-
-def checked_places(positions: ArrayLike) -> Floats:
-    """Positions (L, 2) of at least one taxel."""
-    places = as_floats("positions", positions)
-    check_shape("positions", places, (None, 2), "x and y of each taxel in the plane, in metres")
-    if not len(places):
-        raise InputError("positions has no taxel, expected at least one")
-    check_finite("positions", places, "a taxel without a place reads nothing that is known")
-    return places
 
 
 def checked_noise(noise_std: ArrayLike, taxels: int) -> Floats:
@@ -123,8 +111,6 @@ class Conjugate:
     iterations : int
     relative_residual : float
         As a share of the norm of b.
-    stopped : bool
-        Whether a deadline cut the last reading short.
     step_ns : int
         What a step took lately, at its slowest.
     """
@@ -135,7 +121,6 @@ class Conjugate:
     answer: NDArray[Any] = field(init=False)
     valid: NDArray[Any] = field(init=False)
     iterations: int = field(init=False, default=0)
-    stopped: bool = field(init=False, default=False)
     step_ns: int = field(init=False, default=0)
     relative_residual: float = field(init=False, default=0.0)
 
@@ -174,13 +159,12 @@ class Conjugate:
                 f"below {np.sqrt(LARGEST_SQUARE):g}: mark taxels that did not answer with NaN"
             )
         square = self._begin(whole)
-        self.iterations, self.stopped = 0, False
+        self.iterations = 0
         enough = tolerance**2 * whole
         turn(0.0, residual, way, moved)
         while square > enough and self.iterations < most:
             begin = perf_counter_ns()
             if deadline_ns is not None and begin + self.step_ns > deadline_ns:
-                self.stopped = True
                 break
             curved = self._multiply(way, moved)
             if not curved > 0.0:
@@ -215,6 +199,9 @@ class Conjugate:
 
 
 MOST = 1e6  # s: a deadline that is as good as none
+FAINT = 1e-5  # of the largest: what a displacement kernel is cut at
+LONGEST = 256  # cells from a load to the end of its displacement
+STRIP = 256  # rows of which the displacement is found together
 
 
 class Sheet:
@@ -237,6 +224,8 @@ class Sheet:
         Of one reading; default typical of the quantity.
     solver : GaussianField or Tikhonov, optional
         The prior; default `GaussianField()`, whose smoothness is a quarter of the taxels' distance.
+    finder : ContactFinder, optional
+        How pressure becomes contacts. Its rate of false alarms is that of the whole sheet.
     tolerance : float
         Residual at which the iterations stop, as a share of the whitened readings.
     most_iterations : int
@@ -244,6 +233,13 @@ class Sheet:
         Share of its peak below which a response is cut off, and of a taxel's own below which
         another's is.
     precision : numpy.float32 or numpy.float64
+
+    Attributes
+    ----------
+    patch : Patch
+        The taxels.
+    grid : Grid
+        The K cells.
 
     Raises
     ------
@@ -272,6 +268,7 @@ class Sheet:
         quantity: Quantity | None = None,
         noise_std: ArrayLike | None = None,
         solver: GaussianField | Tikhonov | None = None,
+        finder: ContactFinder | None = None,
         tolerance: float = 1e-3,
         most_iterations: int = 50,
         cut: float = 1e-3,
@@ -280,11 +277,16 @@ class Sheet:
         self.layer = Layer() if layer is None else layer
         self.quantity: Quantity = BaseStress() if quantity is None else quantity
         self.mechanics: Mechanics = BondedLayer() if mechanics is None else mechanics
-        check_physics(self.layer, self.mechanics, self.quantity)
         check_settings(tolerance, most_iterations, precision)
         self.tolerance, self.most_iterations = tolerance, most_iterations
-        self.precision, self.pad_diameter = precision, pad_diameter
-        places = checked_places(positions)
+        self.precision = precision
+        positions = as_floats("positions", positions)
+        check_shape("positions", positions, (None, 2), "x and y of each taxel in the plane, in m")
+        self.patch = Patch(positions, pad_diameter, name="sheet")
+        check_skin(self.patch, self.layer, self.mechanics, self.quantity)
+        self.finder = ContactFinder() if finder is None else finder
+        check_offers("finder", self.finder, ("__call__", "sigmas"), "one such as ContactFinder()")
+        places = self.patch.plane
         noise = self.quantity.typical_noise if noise_std is None else noise_std
         self.noise_std = checked_noise(noise, len(places))
         solver = GaussianField() if solver is None else solver
@@ -300,6 +302,8 @@ class Sheet:
             cut,
             precision,
         )
+        lattice = self.plan.lattice
+        self.grid = Grid(self.patch, lattice.shape, lattice.pitch, lattice.origin)
         self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
         self._stamping_ns, self._deadline_met = 0, True
         self._weights = np.zeros(len(places), dtype=precision)
@@ -313,17 +317,17 @@ class Sheet:
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns of cells."""
-        return self.plan.lattice.shape
+        return self.grid.shape
 
     @property
     def pitch(self) -> float:
         """Side of a cell, m."""
-        return self.plan.lattice.pitch
+        return self.grid.pitch
 
     @property
     def origin(self) -> Floats:
         """Centre of cell (0, 0), (2,) m."""
-        return self.plan.lattice.origin
+        return self.grid.origin
 
     @property
     def iterations(self) -> int:
@@ -341,9 +345,40 @@ class Sheet:
         return self._deadline_met
 
     @cached_property
-    def deformation(self) -> SheetDeformation:
-        """From pressure to displacement."""
-        return SheetDeformation(self.mechanics, self.layer, self.pitch, self.shape)
+    def _kernel(self) -> tuple[int, list[int], NDArray[Any]]:
+        """Reach of the displacement in cells; sides and spectra (3, ...) of a strip's kernel."""
+        from scipy import fft
+
+        ray = np.arange(LONGEST + 1) * self.pitch
+        offsets = np.column_stack([ray, np.zeros_like(ray)])
+        moved = self.mechanics.surface_displacement(self.layer, offsets, self.pitch)[:, :, 2]
+        size = np.abs(moved).max(axis=1)
+        reach = int(np.flatnonzero(size > FAINT * size[0])[-1])
+        kernel = displacement_kernel(self.mechanics, self.layer, self.pitch, reach, reach)
+        sides = [STRIP + 3 * reach, max(self.shape[1], reach + 1) + reach]
+        sides = [fft.next_fast_len(side, real=True) for side in sides]
+        padded = np.zeros((3, *sides), dtype=np.float32)
+        padded[:, : 2 * reach + 1, : 2 * reach + 1] = -kernel  # pressure pushes inwards
+        return reach, sides, fft.rfft2(np.roll(padded, (-reach, -reach), axis=(1, 2)))
+
+    def displacement(self, pressure: NDArray[Any]) -> NDArray[Any]:
+        """Displacement of the surface (K, 3) m by a pressure (K,) Pa: along x, along y, outwards.
+
+        In single precision, strip by strip, so that memory does not grow with the sheet.
+        """
+        from scipy import fft
+
+        check_shape("pressure", pressure, (len(self.grid),), "one per cell")
+        field = np.asarray(pressure, dtype=np.float32).reshape(self.shape)
+        reach, sides, spectra = self._kernel
+        out = np.empty((*self.shape, 3), dtype=np.float32)
+        for row in range(0, len(field), STRIP):
+            first = max(row - reach, 0)
+            part = fft.rfft2(field[first : row + STRIP + reach], sides)
+            moved = fft.irfft2(part * spectra, sides)[:, row - first :, : self.shape[1]]
+            to = out[row : row + STRIP]
+            to[:] = np.moveaxis(moved[:, : len(to)], 0, -1)
+        return out.reshape(-1, 3)
 
     @cached_property
     def highest_std(self) -> float:
@@ -357,14 +392,14 @@ class Sheet:
     def apply(
         self, readings: NDArray[Any], out: NDArray[Any], deadline_ns: int | None = None
     ) -> None:
-        """Write the pressure (rows, columns) Pa of linearised readings (L,). No allocation.
+        """Write the pressure (K,) Pa of linearised readings (L,) into `out`. No allocation.
 
         Both arrays of the sheet's precision, `out` in C order; NaN leaves a taxel out.
         `deadline_ns` is a time of `time.perf_counter_ns`; iterations stop early enough to write
         the pressure by then, as far as the times of the readings before tell.
         """
         check_shape("readings", readings, (len(self),), "one per taxel")
-        check_shape("out", out, self.shape, "one per cell, sheet.shape")
+        check_shape("out", out, (len(self.grid),), "one per cell of sheet.grid")
         check_like("readings", readings, self.precision)
         check_like("out", out, self.precision)
         self._apply(readings, out, self.most_iterations, deadline_ns)
@@ -380,55 +415,66 @@ class Sheet:
         begin = time.perf_counter_ns()
         give_out(conjugate.answer, plan.gain, self._weights)
         columns = self.shape[1]
-        add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out.ravel())
+        add_stamps(self._weights, plan.corner, plan.offset, self._spread, columns, out)
         end = time.perf_counter_ns()
         self._stamping_ns = max(end - begin, self._stamping_ns - self._stamping_ns // FORGET)
         self._deadline_met = deadline_ns is None or end <= deadline_ns
 
     def _rehearse(self) -> None:
         """Load the machine code and learn what a step and the stamps take."""
-        some, out = self.noise_std.astype(self.precision), np.empty(self.shape, self.precision)
+        some, out = self.noise_std.astype(self.precision), np.empty(len(self.grid), self.precision)
         for _ in range(2):  # from nothing, then from the reading before
             self._conjugate.step_ns = self._stamping_ns = 0
             self._apply(some, out, 1, None)
         self.reset()
 
-    def __call__(self, readings: ArrayLike, *, deadline: float | None = None) -> SheetEstimate:
+    def __call__(self, readings: ArrayLike, *, deadline: float | None = None) -> Estimate:
         """Reconstruct one reading (L,) in the quantity's unit; NaN leaves a taxel out.
 
-        With a `deadline` in seconds from the call the iterations stop early, see `apply`.
+        With a `deadline` in seconds from the call the iterations stop early, see `apply`. All but
+        the pressure is computed when it is asked for; `pressure_std` and the contacts' covariance
+        are those of the readings' noise.
         """
         begin = time.perf_counter()
         if deadline is not None:
             check_positive("deadline", deadline, "seconds from the call")
-        given = as_floats("readings", readings)
-        check_shape("readings", given, (len(self),), "one per taxel, in the order of positions")
-        check_readings(given, self.noise_std, self.quantity.lowest)
-        linear = self.quantity.linearise(given, np.empty_like(given))
-        pressure = np.empty(self.shape, dtype=self.precision)
+        reading = as_floats("readings", readings)
+        check_shape("readings", reading, (len(self),), "one per taxel, in the order of positions")
+        check_readings(reading, self.noise_std, self.quantity.lowest)
+        linear = self.quantity.linearise(reading, np.empty_like(reading))
+        pressure = np.empty(len(self.grid), dtype=self.precision)
         until = None if deadline is None else int((begin + min(deadline, MOST)) * 1e9)
         self.apply(linear.astype(self.precision), pressure, until)
         latency = time.perf_counter() - begin
-        weights = np.empty_like(self._weights)
-        weights[self.plan.placing.order] = self._weights / self.plan.variance
-        return SheetEstimate(
-            self,
-            linear,
-            pressure,
-            weights,
-            self.iterations,
-            self.relative_residual,
-            latency,
-            self.deadline_met,
+        valid = ~np.isnan(linear)
+        noise = WindowNoise.whole(self.plan, valid[self.plan.placing.order])
+        rest = {
+            "traction": lambda: -pressure[:, None] * self.grid.normals,
+            "displacement": lambda: self.displacement(pressure),
+            "pressure_std": lambda: noise.std,
+            "contacts": lambda: self._contacts(pressure, noise),
+            "residual": lambda: linear - self.predict(pressure),
+        }
+        return Estimate.later(
+            rest,
+            grid=self.grid,
+            pressure=pressure,
+            valid=valid,
+            latency=latency,
+            iterations=self.iterations,
+            deadline_met=self.deadline_met,
         )
 
+    def _contacts(self, pressure: NDArray[Any], noise: WindowNoise) -> tuple[Contact, ...]:
+        return contacts_on(self.grid, pressure, self.finder, noise, self.highest_std)
+
     def predict(self, pressure: NDArray[Any]) -> Floats:
-        """What the taxels read (L,) of a pressure (rows, columns) Pa: the linear map A."""
+        """What the taxels read (L,) of a pressure (K,) Pa: the linear map A."""
         from skinfield.solve.sheet.kernels import read_stamps
 
-        check_shape("pressure", pressure, self.shape, "one per cell, sheet.shape")
+        check_shape("pressure", pressure, (len(self.grid),), "one per cell of sheet.grid")
         sorted_out = np.empty(len(self), dtype=self.precision)
-        field = np.ascontiguousarray(pressure, dtype=self.precision).ravel()
+        field = np.ascontiguousarray(pressure, dtype=self.precision)
         plan, columns = self.plan, self.shape[1]
         corner = plan.placing.corner(plan.stamps.read.reach, columns)
         read_stamps(field, corner, plan.offset, self._read, columns, sorted_out)

@@ -1,0 +1,33 @@
+"""Settings of the fit of contacts, and what they may be."""
+
+from dataclasses import dataclass, field
+
+from skinfield.errors import check_count, check_positive, check_range, check_type
+from skinfield.solve.non_negative import NonNegative
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitSettings:
+    """What `ContactFit` goes by; its parameters are listed there."""
+
+    most_contacts: int = 8
+    false_alarm_rate: float = 1e-3
+    typical_radius: float = 6e-3
+    model_error: float = 0.002
+    starts: int = 8
+    warm: bool = True
+    common_mode: float = 5.0
+    extended: NonNegative | None = field(default_factory=NonNegative)
+
+    def __post_init__(self) -> None:
+        check_count("most_contacts", self.most_contacts, 1, 64, "atoms that are sought")
+        check_count("starts", self.starts, 1, 64, "places from which each is sought")
+        check_type("warm", self.warm, bool, "whether to start from the reading before")
+        if self.extended is not None:
+            check_type("extended", self.extended, NonNegative, "or None, for no field")
+        check_range("false_alarm_rate", self.false_alarm_rate, 1e-12, 0.5, "a share of readings")
+        check_positive("typical_radius", self.typical_radius, "of what touches, in metres")
+        check_range(
+            "common_mode", self.common_mode, 0.0, 1e6, "in standard deviations of the noise"
+        )
+        check_range("model_error", self.model_error, 0.0, 0.5, "part of the highest reading")
