@@ -50,7 +50,10 @@ CASES: dict[str, Callable[[], object]] = {
     "flat end of 48 mm, 50 N": lambda: press(LAYER, [Cylinder(radius=24e-3, force=50.0)]),
     "3 balls, 36 mm apart": lambda: press(LAYER, spread(3)),
     "10 balls": lambda: press(LAYER, spread(10)),
-    "ball with shear": lambda: press(LAYER, [Sphere(radius=6e-3, shear=(0.2, 0.0))]),
+    "ball, sticking shear": lambda: press(LAYER, [Sphere(radius=6e-3, shear=(0.2, 0.0))]),
+    "ball, partial slip": lambda: press(
+        LAYER, [Sphere(radius=6e-3, shear=(0.2, 0.0))], friction=0.5
+    ),
     "ladder of 20 loads": lambda: press_ladder(
         LAYER, Sphere(radius=6e-3), np.geomspace(0.1, 3.0, 20)
     ),

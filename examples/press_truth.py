@@ -23,12 +23,12 @@ print(f"contact radius: {radius * 1e3:.3f} mm, exact {exact.contact_radius * 1e3
 print(f"Hertz, who has no layer: {hertz * 1e3:.3f} mm deep")
 print(f"exact: {exact.depth * 1e3:.4f} mm deep; found: {found.approach[0] * 1e3:.4f} mm deep")
 
-# What has no formula: a leaning cylinder beside the ball; the ball pushed sideways.
+# What has no formula: a leaning cylinder beside the ball; the ball pushed sideways until it slips.
 stamp = sf.simulate.Cylinder(
     radius=4e-3, edge_radius=1e-3, position=(9e-3, 0.0), tilt=(0.0, np.radians(2.0)), force=2.0
 )
 both = sf.simulate.press(layer, [ball, stamp], extent=30e-3)
 print(f"with a leaning cylinder: {both.force:.3f} N on {both.contact_area * 1e6:.0f} mm²")
 dragged = replace(ball, shear=(0.5, 0.0))
-sheared = sf.simulate.press(layer, [dragged], extent=16e-3)
-print(f"0.5 N of shear move it by {sheared.translation[0, 0] * 1e3:.2f} mm")
+slid = sf.simulate.press(layer, [dragged], extent=16e-3, friction=0.8)
+print(f"under 0.5 N of shear {slid.slipping_share:.0%} of the contact slips")

@@ -98,6 +98,16 @@ def stuck_traction(a: float, shear: float, r):
     return shear / (2 * np.pi * a * np.sqrt(a**2 - r**2))
 
 
+def partial_slip(
+    ball: Contact, modulus: float, nu: float, friction: float, shear: float
+) -> tuple[float, float]:
+    """Displacement of a sphere along the tangential force, and the radius that sticks."""
+    sliding = friction * ball.force
+    share = np.cbrt(1 - shear / sliding)
+    all_stuck = stuck_displacement(modulus, nu, ball.contact_radius, sliding)
+    return 1.5 * all_stuck * (1 - share**2), ball.contact_radius * share
+
+
 def point_traction(offset, depth: float):
     """Traction (N, 3, 3) at a depth under a unit point force, at offsets (N, 2)."""
     return np.moveaxis(traction_kernel(*np.transpose(offset), depth), -1, 0)

@@ -34,7 +34,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "llvmlite": {"compiled", "solve"},  # the half of Numba that writes machine code
     "rich": {"cli"},
     "cyclopts": {"cli"},
-    "msgspec": {"settings"},
+    "msgspec": {"bridges", "lab", "settings"},
     "tomli_w": {"settings", "lab"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},

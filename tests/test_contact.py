@@ -1,4 +1,4 @@
-"""Contact of rigid bodies, normal and sheared, against Hertz, Cattaneo and Mindlin."""
+"""Contact of rigid bodies, normal and with friction, against Hertz, Cattaneo and Mindlin."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -15,6 +15,7 @@ from skinfield.elastic.contact import (
     edge_softness,
     rim,
     solve_contact,
+    solve_slip,
     solve_stick,
 )
 from skinfield.elastic.lattice import interpolation, lattice, mirrored
@@ -280,7 +281,46 @@ def test_sticking_is_reciprocal() -> None:
     assert abs(first.translation[1, 1]) > 1e-3 * first.translation[0, 0]
 
 
-def test_shear_of_what_does_not_touch_is_named() -> None:
+PRESSURE = 1e4 * np.sqrt(np.maximum(1 - (R / A) ** 2, 0.0))
+PUSH = float(PRESSURE.sum() * CELL**2)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.7])
+def test_partial_slip_of_cattaneo_and_mindlin(share: float) -> None:
+    """Stick radius a (1 - T / mu P)^(1/3) and their traction, exact without Poisson's effect."""
+    friction = 0.6
+    force = share * friction * PUSH
+    found = solve_slip(problem(0.0, [force, 0.0]), friction * PRESSURE.ravel())
+    stick = ~found.slipping.reshape(COUNT, COUNT) & INSIDE
+    c = A * (1 - share) ** (1 / 3)
+    assert np.sqrt(stick.sum() / np.pi) * CELL == pytest.approx(c, rel=0.015)
+    x, y = found.traction.reshape(2, COUNT, COUNT)
+    inner = 1e4 * c / A * np.sqrt(np.maximum(1 - (R / c) ** 2, 0.0))
+    exact = friction * (PRESSURE - inner)
+    clear = INSIDE & (np.abs(R - c) > 2 * CELL)
+    np.testing.assert_allclose(x[clear], exact[clear], atol=0.02 * friction * 1e4)
+    assert np.abs(y).max() < 1e-2 * np.abs(x).max()
+    assert (np.hypot(x, y) <= friction * PRESSURE * (1 + 1e-9)).all()
+    assert x.sum() * CELL**2 == pytest.approx(force, rel=1e-6)
+    # Mindlin (1949): d = 3 mu P (2 - nu) / (16 G a) [1 - (1 - T / mu P)^(2/3)]
+    modulus = E / 2
+    moved = 3 * friction * PUSH * 2 / (16 * modulus * A) * (1 - (1 - share) ** (2 / 3))
+    assert found.translation[0, 0] == pytest.approx(moved, rel=8e-3)
+
+
+def test_without_a_reached_limit_slip_is_stick() -> None:
+    limit = np.full(COUNT**2, 1e9)
+    sticks, slips = (
+        solve_stick(problem(0.5, [0.2, 0.1])),
+        solve_slip(problem(0.5, [0.2, 0.1]), limit),
+    )
+    np.testing.assert_allclose(slips.translation, sticks.translation, rtol=1e-3)
+    assert not slips.slipping.any()
+
+
+def test_too_much_shear_is_named() -> None:
+    with pytest.raises(InputError, match=r"shear of indenters\[0\] is 1 N, expected less than"):
+        solve_slip(problem(0.0, [1.0, 0.0]), 1e-3 * PRESSURE.ravel())
     with pytest.raises(InputError, match=r"forces\[0\] is .* N, expected zero: the body does not"):
         problem(0.0, [1.0, 0.0], touching=np.zeros_like(INSIDE))
 
@@ -339,7 +379,16 @@ def test_shear_leaves_the_normal_contact_as_it_is_and_tips_the_gap() -> None:
     assert added[0] == pytest.approx(-added[1], rel=1e-3)
 
 
-def test_a_cover_takes_every_shear() -> None:
+def test_a_limited_press_slips_in_part() -> None:
+    found = press(LAYER, [BALL], extent=20e-3, friction=0.6)
+    assert 0.2 < found.slipping_share < 0.8
+    size = np.hypot(*found.traction[:, :2].T)
+    assert (size <= 0.6 * found.pressure * (1 + 1e-6)).all()
+    stuck = press(LAYER, [BALL], extent=20e-3)
+    assert stuck.slipping_share == 0.0
+    assert np.linalg.norm(found.translation) > np.linalg.norm(stuck.translation)
+    with pytest.raises(InputError, match=r"it would slide; press harder or shear less"):
+        press(LAYER, [BALL], extent=20e-3, friction=0.2)
     cover = sf.BondedLayer(inextensible_cover=True)
     with pytest.raises(InputError, match="the cover takes every shear"):
         press(LAYER, [BALL], extent=20e-3, mechanics=cover)

@@ -1,4 +1,4 @@
-r"""Contact of rigid bodies with the skin: pressure that pushes, gaps that stay open, and shear.
+r"""Contact of rigid bodies with the skin: pressure that pushes, gaps that stay open, and friction.
 
 Normal contact, with u = C p the indentation, g the height of the bodies and d the approach of each:
 
@@ -8,10 +8,15 @@ and for each body either d is prescribed or the integral of p is. Conjugate grad
 contact as an active set (Polonsky and Keer, Wear 231, 1999), the mean gap held apart where a force
 is prescribed.
 
-Tangential loads are a second stage (Goodman's way; Cattaneo 1938, Mindlin 1949): below each body
-the skin moves along with it, by one translation d, so that A q = d with q the tangential traction,
-and the integral of q is the force. What the normal pressure alone moved tangentially is neither
-undone nor opposed. One step from rest: the history of a load that turns or falls is not followed.
+Tangential loads are a second stage (Goodman's way): bodies stick, or slip where Coulomb's limit is
+met. Below each body the skin moves along with it, by one translation, and what the normal pressure
+alone moved tangentially is neither undone nor opposed. With q the tangential traction, u = A q, and
+P the disc of radius mu p on each cell,
+
+.. math:: q = P\left[q + \tau (d - A q)\right], \qquad \int q = T
+
+for each body's translation d and force T; without a limit it is A q = d (Cattaneo 1938, Mindlin
+1949). One step from rest: the history of a load that turns or falls is not followed.
 """
 
 from collections.abc import Callable
@@ -329,14 +334,17 @@ class Shear:
         On the skin.
     translation : (bodies, 2) array, m
         Of each body.
+    slipping : (N,) bool array
+        Cells at Coulomb's limit.
     residual : float
         The largest difference, over the largest translation, between what each cell moves and what
-        its body does.
+        it should: as its body where it sticks; where it slips, behind it and against the traction.
     iterations : int
     """
 
     traction: Floats
     translation: Floats
+    slipping: NDArray[np.bool_]
     residual: float
     iterations: int
 
@@ -348,7 +356,8 @@ def solve_stick(
 ) -> Shear:
     """Traction if nothing slips: conjugate gradients with each body's force held.
 
-    The traction is infinite at the contact's border, so near it some slip is inevitable in nature.
+    The traction is infinite at the contact's border, so near it some slip is inevitable in nature:
+    `solve_slip` has that.
 
     Raises
     ------
@@ -366,7 +375,8 @@ def solve_stick(
         if problem.forces.any() and not translation.any():
             raise _stiff()
         if error <= tolerance:
-            return Shear(traction, translation, error, iteration)
+            none = np.zeros(len(problem.touching), dtype=bool)
+            return Shear(traction, translation, none, error, iteration)
         work = float(np.sum(problem.area * apart**2))
         direction = apart + work / previous * direction
         previous = work
@@ -377,6 +387,53 @@ def solve_stick(
             raise _stiff()
         traction += work / curvature * direction
         moved, fresh = moved + work / curvature * bent, False
+    raise _unsettled(error, most_iterations, tolerance)
+
+
+def solve_slip(
+    problem: ShearProblem,
+    limit: Floats,
+    tolerance: float = 10 * SHEAR_TOLERANCE,
+    most_iterations: int = MOST_SHEAR_ITERATIONS,
+) -> Shear:
+    """Traction that nowhere exceeds Coulomb's limit, by accelerated projected gradients.
+
+    Parameters
+    ----------
+    problem : ShearProblem
+    limit : (N,) array, Pa
+        Friction coefficient times pressure.
+    tolerance : float
+        On `Shear.residual`.
+    most_iterations : int
+
+    Raises
+    ------
+    InputError
+        If a body would slide altogether.
+    SkinfieldError
+        If it does not converge.
+    """
+    limit = np.where(problem.touching, limit, 0.0)
+    _check_holds(problem, limit)
+    rate = 1.0 / (1.05 * _largest(problem))
+    traction = _uniform(problem)
+    ahead, momentum = traction.copy(), 1.0
+    translation = np.zeros((len(problem.forces), 2))
+    for iteration in range(most_iterations):
+        wanted = ahead - rate * problem.slide(ahead)
+        translation = _balanced(problem, wanted, limit, translation, rate)
+        new = _within(wanted + rate * translation.T[:, problem.bodies], limit)
+        error = _relative((new - ahead) / rate, translation)
+        if error <= tolerance:
+            size = np.hypot(*new)
+            slipping = problem.touching & (size >= limit * (1 - 1e-9))
+            return Shear(new, translation, slipping, error, iteration)
+        if float(np.sum(problem.area * (ahead - new) * (new - traction))) > 0:
+            momentum = 1.0  # the last steps went too far
+        next_momentum = (1 + np.sqrt(1 + 4 * momentum**2)) / 2
+        ahead = new + (momentum - 1) / next_momentum * (new - traction)
+        traction, momentum = new, next_momentum
     raise _unsettled(error, most_iterations, tolerance)
 
 
@@ -396,6 +453,71 @@ def _left(problem: ShearProblem, moved: Floats) -> tuple[Floats, Floats, float]:
 
 def _relative(apart: Floats, translation: Floats) -> float:
     return float(np.hypot(*apart).max() / max(np.hypot(*translation.T).max(), 1e-300))
+
+
+def _within(traction: Floats, limit: Floats) -> Floats:
+    """The nearest traction (2, N) within the limit."""
+    size = np.maximum(np.hypot(*traction), 1e-300)
+    return np.asarray(traction * np.minimum(1.0, limit / size))
+
+
+def _balanced(
+    problem: ShearProblem, wanted: Floats, limit: Floats, translation: Floats, rate: float
+) -> Floats:
+    """Translations for which the limited traction has the given forces, by Newton's steps.
+
+    The force is the gradient of a convex function of the translation, with the derivative 1 times
+    area where a cell sticks and limit/size times area across the traction where it slips.
+    """
+    for _ in range(60):
+        raw = wanted + rate * translation.T[:, problem.bodies]
+        size = np.maximum(np.hypot(*raw), 1e-300)
+        short = np.minimum(1.0, limit / size)
+        missing = problem.forces - problem.sums(raw * short)
+        if np.abs(missing).max() <= 1e-10 * np.abs(problem.forces).max():
+            break
+        x, y = raw / size
+        slips = short < 1.0
+        xx = problem.sums(np.stack([np.where(slips, short * y * y, 1.0),
+                                    np.where(slips, short * x * x, 1.0)]))  # fmt: skip
+        xy = problem.sums(np.stack([np.where(slips, -short * x * y, 0.0)] * 2))[:, 0]
+        floor = 1e-3 * problem.sums(np.ones_like(raw))[:, 0]
+        a, d = xx[:, 0] + floor, xx[:, 1] + floor
+        determinant = np.maximum(a * d - xy**2, 1e-300)
+        translation = translation + np.column_stack(
+            [
+                (d * missing[:, 0] - xy * missing[:, 1]) / determinant,
+                (a * missing[:, 1] - xy * missing[:, 0]) / determinant,
+            ]
+        ) / rate  # fmt: skip
+    return translation
+
+
+def _largest(problem: ShearProblem) -> float:
+    """Largest eigenvalue of `slide` on the touching cells, m/Pa, by powers."""
+    vector = np.where(problem.touching, np.ones((2, len(problem.area))), 0.0)
+    vector[1] *= 0.5
+    value = 0.0
+    for _ in range(20):
+        bent = np.where(problem.touching, problem.slide(vector), 0.0)
+        value = float(np.sqrt(np.sum(bent**2) / np.sum(vector**2)))
+        if value == 0.0:
+            raise _stiff()
+        vector = bent / value
+    return value
+
+
+def _check_holds(problem: ShearProblem, limit: Floats) -> None:
+    most = problem.sums(np.stack([limit, limit]))[:, 0]
+    force = np.hypot(*problem.forces.T)
+    over = force >= most * (1 - 1e-6)
+    over &= force > 0
+    if over.any():
+        body = int(np.argmax(over))
+        raise InputError(
+            f"the shear of indenters[{body}] is {force[body]:g} N, expected less than friction "
+            f"times its force, {most[body]:g} N: it would slide; press harder or shear less"
+        )
 
 
 def _stiff() -> SkinfieldError:

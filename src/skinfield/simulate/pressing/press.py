@@ -138,6 +138,8 @@ class Press:
         the given forces.
     shear_residual : float
         Of the tangential stage, see `elastic.contact.Shear`; 0 without shear.
+    slipping_share : float
+        Part of the touching squares at Coulomb's limit; 0 without friction limit.
     """
 
     grid: Grid
@@ -149,6 +151,7 @@ class Press:
     touches: tuple[Touch, ...]
     residual: float
     shear_residual: float = 0.0
+    slipping_share: float = 0.0
 
     @cached_property
     def _skin(self) -> Skin:
@@ -295,12 +298,13 @@ def press(
     extent: float = 60e-3,
     cell: float = 0.5e-3,
     mechanics: Mechanics | None = None,
+    friction: float | None = None,
 ) -> Press:
     """Press rigid indenters into the skin and solve for the tractions below them.
 
     Linear elastic, unilateral: pressure only where there is touch. The normal contact is
     frictionless; where an indenter has a shear, tangential tractions follow in a second stage in
-    which everything that touches sticks.
+    which everything that touches sticks, or slips at Coulomb's limit.
 
     Parameters
     ----------
@@ -316,6 +320,8 @@ def press(
     mechanics : Mechanics, optional
         Default `BondedLayer()`. `HalfSpace` is the paper's difference of two depths; an elastic
         half-space is a thick layer: the base takes some 0.7 a/h of the depth, a the contact radius.
+    friction : float, optional
+        Coulomb's coefficient, for the shear; without it all that touches sticks.
 
     Returns
     -------
@@ -334,7 +340,7 @@ def press(
     if not indenters:
         raise InputError("indenters is empty, expected at least one: nothing would press")
     skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
-    return pressed(settle(skin, indenters), indenters)
+    return pressed(settle(skin, indenters), indenters, friction)
 
 
 def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> Skin:
@@ -349,11 +355,11 @@ def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> S
     return Skin(Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin), layer, mechanics)
 
 
-def pressed(settled: Settled, indenters: Sequence[Indenter]) -> Press:
+def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
     """A press from its normal contact, with the tangential stage where there is shear."""
     touches, sheared = bare(settled), None
     if any(any(indenter.shear) for indenter in indenters):
-        touches, sheared = add_shear(settled, touches, indenters)
+        touches, sheared = add_shear(settled, touches, indenters, friction)
     skin = settled.coverings.skin
     return Press(
         skin.grid,
@@ -365,6 +371,7 @@ def pressed(settled: Settled, indenters: Sequence[Indenter]) -> Press:
         touches,
         settled.contact.residual,
         0.0 if sheared is None else sheared.residual,
+        0.0 if sheared is None else sheared.slipping_share,
     )
 
 
@@ -453,6 +460,7 @@ def press_ladder(
     extent: float = 60e-3,
     cell: float = 0.5e-3,
     mechanics: Mechanics | None = None,
+    friction: float | None = None,
 ) -> list[Press]:
     """Press one body with each of several forces: as `press` for each, in less time.
 
@@ -464,7 +472,7 @@ def press_ladder(
         its shear is kept.
     forces : (N,) floats, N
         In any order. They are solved from the smallest, each from the one before.
-    extent, cell, mechanics
+    extent, cell, mechanics, friction
         See `press`.
 
     Returns
@@ -491,7 +499,7 @@ def press_ladder(
     for index in np.argsort(loads, kind="stable"):
         body = replace(indenter, force=float(loads[index]), depth=None)
         before = settle(skin, [body], before)
-        found[int(index)] = pressed(before, [body])
+        found[int(index)] = pressed(before, [body], friction)
     return [found[index] for index in range(len(loads))]
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_stick
-from skinfield.errors import Floats
+from skinfield.elastic.contact import RIM, ShearProblem, rim, solve_slip, solve_stick
+from skinfield.errors import Floats, check_positive
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
 from skinfield.simulate.pressing.windows import Skin, Sliding, Window, coarsened
@@ -106,6 +106,15 @@ def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Flo
     return forces, moments
 
 
+@dataclass(frozen=True, eq=False)
+class Sheared:
+    """What the tangential stage adds: translations (bodies, 2) m, its residual, share of slip."""
+
+    translation: Floats
+    residual: float
+    slipping_share: float
+
+
 def bare(settled: Settled) -> tuple[Touch, ...]:
     """Touches with pressure alone."""
     coverings, pictures = settled.coverings, settled.indenting.pictures
@@ -122,8 +131,11 @@ def bare(settled: Settled) -> tuple[Touch, ...]:
 
 
 def add_shear(
-    settled: Settled, touches: tuple[Touch, ...], indenters: Sequence[Indenter]
-) -> tuple[tuple[Touch, ...], Shear]:
+    settled: Settled,
+    touches: tuple[Touch, ...],
+    indenters: Sequence[Indenter],
+    friction: float | None,
+) -> tuple[tuple[Touch, ...], Sheared]:
     """Tangential tractions under the shears of all indenters at once."""
     coverings, contact = settled.coverings, settled.contact
     sliding = Sliding(coverings.skin, coverings.windows)
@@ -138,10 +150,15 @@ def add_shear(
         coverings.area,
         np.array([indenter.shear for indenter in indenters], dtype=np.float64),
     )
-    shear = solve_stick(problem)
+    if friction is None:
+        shear = solve_stick(problem)
+    else:
+        check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
+        shear = solve_slip(problem, friction * contact.pressure)
     along = [sliding.indenting.pictures(component) for component in shear.traction]
     loaded = tuple(
         replace(touch, traction=np.stack([x, y, touch.traction[2]]))
         for touch, x, y in zip(touches, *along, strict=True)
     )
-    return loaded, shear
+    share = float(coverings.area[shear.slipping].sum() / coverings.area[touching].sum())
+    return loaded, Sheared(shear.translation, shear.residual, share)
