@@ -42,6 +42,7 @@ from skinfield.settings.tree import QuantityName
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
+ENDINGS = {".csv": "a table, one row per place", ".json": "all maps with what they were made for"}
 COMPARED = (
     "smallest force found, place unknown",
     "place deviation, size unknown",
@@ -126,7 +127,6 @@ def design(
     as_json : bool
         Numbers and verdict as one JSON object.
     """
-    from skinfield.files.judgements import check_judgement_name
     from skinfield.plot import check_name
 
     picture = free_name(PICTURE) if output is None else output
@@ -138,7 +138,11 @@ def design(
                 f"--maps is {name!r} beside --compare-thickness-mm, expected one of them: maps are "
                 "written of one thickness"
             )
-        check_output("--maps", name, check_judgement_name(name).suffix)
+        ending = next((each for each in ENDINGS if name.lower().endswith(each)), "")
+        if not ending:
+            known = ", ".join(f"{each} ({what})" for each, what in ENDINGS.items())
+            raise InputError(f"--maps is {name!r}, expected one of {known}")
+        check_output("--maps", name, ending)
         check_new("--maps", name, force)
     skin = skin_from_text(layout)
     say_notes(skin.notes)
@@ -182,7 +186,8 @@ def _judge(
     as_json: bool,
 ) -> None:
     """Judge one layout; the first of `files` is the picture."""
-    from skinfield.files.judgements import save_judgement
+    from skinfield.files import write_summary
+    from skinfield.files.pending import write_bytes
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
@@ -201,7 +206,10 @@ def _judge(
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
-        save_judgement(judgement, name)
+        if name.lower().endswith(".json"):
+            write_summary(name, judgement.as_mapping())
+        else:
+            write_bytes(name, judgement.as_csv().encode())
     if not as_json:
         for name in files:
             say(f"wrote {name}")
@@ -277,8 +285,7 @@ def _show(judgement: Judgement) -> None:
     for row in judgement.rows():
         table.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
     console().print(table)
-    blind, searched = judgement.blind, judgement.detectable.searched
-    independent = searched.independent(judgement.detectable.false_alarm_rate)
+    blind, independent = judgement.blind, judgement.detectable.independent
     say(
         f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
         f"{blind.threshold:.0%} of the best place); {judgement.missed_share:.1%} misses "
