@@ -5,7 +5,7 @@ Displacement u and pressure p make the energy per volume
 
     W = μ ε:ε + p div u - p²/(2λ)
 
-stationary, with Lamé's λ infinite for ν = 1/2. There is one factorisation of the stiffness, then any
+stationary, with Lamé's λ infinite for ν = 1/2. The stiffness is factorised once, for any
 forces on the surface.
 """
 

@@ -323,9 +323,7 @@ def _solve(
     return _solution(layer, section, forces, sunk)
 
 
-def _solution(
-    layer: Layer, section: Section, forces: Floats, sunk: float
-) -> AxisymmetricSolution:
+def _solution(layer: Layer, section: Section, forces: Floats, sunk: float) -> AxisymmetricSolution:
     """The layer under given forces of its surface's nodes, in metres and newtons."""
     h, state = layer.thickness, section.respond(forces)
     reactions = (section.stiffness @ state)[section.base_z]
