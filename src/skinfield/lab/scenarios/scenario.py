@@ -18,7 +18,7 @@ from skinfield.files.pending import write_bytes
 from skinfield.files.rig import LAYOUT, save_rig_run
 from skinfield.lab.runner import Task
 from skinfield.lab.scenarios.indenters import COMMON, FACTORS, SHAPES, indenter_from_mapping
-from skinfield.lab.scenarios.table import Table, before_factor, number_from_si
+from skinfield.lab.scenarios.table import Table, before_factor, ending_of, number_from_si
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
@@ -64,92 +64,47 @@ SCENARIO, PICTURE = "scenario.toml", "run.png"
 TASK_VERSION = "1"  # raise it when the same scenario makes other files
 
 Keys = Mapping[str, str]  # of the file, to the field
-LAYER: Keys = {
-    "thickness_mm": "thickness",
-    "young_modulus_kpa": "young_modulus",
-    "poisson_ratio": "poisson_ratio",
-    "relative_permittivity": "relative_permittivity",
-}
-SOLID: Keys = {"relaxed_fraction": "relaxed_fraction", "time_constant_s": "time_constant"}
-PROFILE: Keys = {
-    "rest_s": "rest",
-    "approach_s": "approach",
-    "ramp_s": "ramp",
-    "hold_s": "hold",
-    "release_s": "release",
-    "pause_s": "pause",
-    "smooth": "smooth",
-    "clearance_mm": "clearance",
-}
-LOAD_CELL: Keys = {
-    "full_scale_n": "full_scale",
-    "rate_hz": "rate",
-    "noise_mn": "noise",
-    "offset_mn": "offset",
-    "gain_error": "gain_error",
-    "resolution_mn": "resolution",
-    "delay_ms": "delay",
-}
-TEMPERATURE: Keys = {"start_c": "start", "end_c": "end"}
-SOLVING: Keys = {"extent_mm": "extent", "cell_mm": "cell", "rungs": "rungs"}
-ELECTRONICS: Keys = {
-    "quantised": "quantised",
-    "gain_spread": "gain_spread",
-    "converter_gain_spread": "converter_gain_spread",
-    "baseline_spread_counts": "baseline_spread",
-}
+
+
+def _keys(words: str, **others: str) -> Keys:
+    """Keys whose fields are called so without the unit, and others."""
+    return {key: key.removesuffix(ending_of(key)) for key in words.split()} | others
+
+
+LAYER = _keys("thickness_mm young_modulus_kpa poisson_ratio relative_permittivity")
+SOLID = _keys("relaxed_fraction time_constant_s")
+PROFILE = _keys("rest_s approach_s ramp_s hold_s release_s pause_s smooth clearance_mm")
+LOAD_CELL = _keys("full_scale_n rate_hz noise_mn offset_mn gain_error resolution_mn delay_ms")
+TEMPERATURE = _keys("start_c end_c")
+SOLVING = _keys("extent_mm cell_mm rungs")
+ELECTRONICS = _keys("quantised gain_spread converter_gain_spread baseline_spread_counts")
 PARTS: Mapping[str, Keys] = {  # of the electronics
-    "cross_talk": {"neighbours": "neighbours"},
-    "drift": {
-        "mean_counts_per_k": "per_kelvin",
-        "converter_spread_counts_per_k": "converter_spread",
-        "taxel_spread_counts_per_k": "taxel_spread",
-        "time_constant_s": "time_constant",
-        "reference_c": "reference",
-    },
-    "noise": {
-        "white_counts": "white",
-        "spread": "spread",
-        "common_counts": "common",
-        "flicker_counts": "flicker",
-        "walk_counts_per_sqrt_s": "walk",
-    },
-    "defects": {
-        "absent": "absent",
-        "dead": "dead",
-        "stuck": "stuck",
-        "flickering": "flickering",
-        "saturated": "saturated",
-        "stuck_within_s": "stuck_within",
-        "open_time_s": "open_time",
-        "closed_time_s": "closed_time",
-    },
-    "delivery": {
-        "rate_hz": "rate",
-        "conversion_time_ms": "conversion_time",
-        "free_running": "free_running",
-        "delay_ms": "delay",
-        "jitter_ms": "jitter",
-        "lost_readings": "lost_readings",
-        "lost_messages": "lost_messages",
-        "holds": "holds",
-        "logged_at_hz": "logged_at",
-    },
-}
-CYSKIN: Keys = {"gain_counts": "gain"}
-ICUB: Keys = {"rest_capacitance_pf": "rest_capacitance", "step_ff": "farads_per_count"}
-ICUB_BYTE: Keys = {"no_load": "no_load", "shift": "shift"}
-PLACES: Mapping[str, tuple[Callable[..., Places], Keys]] = {
-    "over_taxel": (OverTaxels, {"taxels": "taxels", "angle_deg": "angle"}),
-    "between_two": (BetweenTwo, {"pairs": "pairs", "angle_deg": "angle"}),
-    "between_three": (BetweenThree, {"triples": "triples", "angle_deg": "angle"}),
-    "at": (At, {"positions_mm": "positions", "angle_deg": "angle"}),
-    "random": (Random, {"count": "count", "within_mm": "within", "turned": "turned"}),
-    "raster": (
-        Raster,
-        {"rows": "rows", "columns": "columns", "step_mm": "step", "angle_deg": "angle"},
+    "cross_talk": _keys("neighbours"),
+    "drift": _keys(
+        "converter_spread_counts_per_k taxel_spread_counts_per_k time_constant_s reference_c",
+        mean_counts_per_k="per_kelvin",
+    ),
+    "noise": _keys("white_counts spread common_counts flicker_counts walk_counts_per_sqrt_s"),
+    "defects": _keys(
+        "absent dead stuck flickering saturated stuck_within_s open_time_s closed_time_s"
+    ),
+    "delivery": _keys(
+        "rate_hz conversion_time_ms free_running delay_ms jitter_ms lost_readings lost_messages "
+        "holds logged_at_hz"
     ),
 }
+CYSKIN = _keys("gain_counts")
+ICUB = _keys("rest_capacitance_pf", step_ff="farads_per_count")
+ICUB_BYTE = _keys("no_load shift")
+PLACES: Mapping[str, tuple[Callable[..., Places], Keys]] = {
+    "over_taxel": (OverTaxels, _keys("taxels angle_deg")),
+    "between_two": (BetweenTwo, _keys("pairs angle_deg")),
+    "between_three": (BetweenThree, _keys("triples angle_deg")),
+    "at": (At, _keys("positions_mm angle_deg")),
+    "random": (Random, _keys("count within_mm turned")),
+    "raster": (Raster, _keys("rows columns step_mm angle_deg")),
+}
+HEAD = ("name", "seed", "repeats", "first_repeat")
 ROWS = {"pairs": 2, "triples": 3, "positions_mm": 2}
 
 
@@ -186,16 +141,11 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     except (tomllib.TOMLDecodeError, RecursionError, ValueError, ArithmeticError) as error:
         raise FileError(f"{path} is not TOML: {error}") from error
     table = Table(content, "", path, text)
-    version = table.integer("skinfield_rig", 0)
+    version = table.value("skinfield_rig", 0)
     if version != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
     usual = Scenario()
-    values: dict[str, Any] = {
-        "name": table.word("name", usual.name),
-        "seed": table.integer("seed", usual.seed),
-        "repeats": table.integer("repeats", usual.repeats),
-        "first_repeat": table.integer("first_repeat", usual.first_repeat),
-    }
+    values = {key: table.value(key, getattr(usual, key)) for key in HEAD}
     values |= _patch(table.table("patch"), folder)
     values["layer"], values["cover"] = _layer(table.table("layer"))
     values["elastomer"] = _elastomer(table.table("elastomer"))
@@ -218,7 +168,7 @@ def _simple(table: Table, keys: Keys, make: Any) -> Any:
 
 
 def _patch(table: Table, folder: Path) -> dict[str, Any]:
-    layout, name = table.word("layout", Scenario().layout), table.word("name", "")
+    layout, name = table.value("layout", Scenario().layout), table.value("name", "")
     table.finish()
     try:
         patch, found = _patch_from(layout, name, folder)
@@ -242,12 +192,12 @@ def _patch_from(layout: str, name: str, folder: Path) -> tuple[Patch, str]:
 
 
 def _layer(table: Table) -> tuple[Layer, bool]:
-    cover = table.flag("inextensible_cover", False)
+    cover = table.value("inextensible_cover", False)
     return _simple(table, LAYER, Layer), cover
 
 
 def _elastomer(table: Table) -> Viscoelastic:
-    terms = table.rows("prony_terms", 2)
+    terms = table.items("prony_terms", 0.0, 2)
     if terms:
         return table.made(PronySeries, terms=terms)
     solid: Viscoelastic = _simple(table, SOLID, StandardLinearSolid)
@@ -280,7 +230,8 @@ def _places(table: Table) -> Places:
 
 
 def _loads(table: Table) -> Loads:
-    return table.made(Loads, forces=table.numbers("forces_n"), depths=table.numbers("depths_mm"))
+    forces, depths = table.items("forces_n", 0.0), table.items("depths_mm", 0.0)
+    return table.made(Loads, forces=forces, depths=depths)
 
 
 def _electronics(table: Table) -> Electronics:
@@ -314,15 +265,9 @@ def _values_of(table: Table, keys: Keys, default: object) -> dict[str, Any]:
 
 
 def _value(table: Table, key: str, default: Any) -> Any:
-    if isinstance(default, bool):
-        return table.flag(key, default)
-    if isinstance(default, int):
-        return table.integer(key, default)
     if isinstance(default, tuple):
-        if key.endswith("_mm"):
-            return table.rows(key, ROWS[key])
-        return table.integers(key, ROWS.get(key, 0))
-    return table.number(key, float(default))
+        return table.items(key, 0.0 if ending_of(key) else 0, ROWS.get(key, 0))
+    return table.value(key, default)
 
 
 def _plain_of(keys: Keys, source: object) -> dict[str, Any]:
