@@ -27,7 +27,7 @@ from skinfield.lab.sections.coverage import (
 IMAGES = Path(__file__).parent / "images"
 PAIRS = 250  # of presses at each distance
 PLAN = CoveragePlan(
-    solvers=tuple(entry for entry in SOLVERS if entry.linear), presses=300, trials=300
+    solvers=tuple(each for each in SOLVERS if each[0] != "ContactFit"), presses=300, trials=300
 )
 
 

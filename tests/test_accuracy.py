@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import skinfield as sf
+from skinfield.design import Places, SkinDesign, Touch, place_accuracy
 from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
 from skinfield.lab.accuracy import (
@@ -21,7 +22,6 @@ from skinfield.lab.accuracy import (
     parts_of,
     two_point_rows,
 )
-from skinfield.lab.bound import bound_of, contact_family
 from skinfield.lab.case_sets import (
     APART,
     DEEPEST,
@@ -35,7 +35,7 @@ from skinfield.lab.case_sets import (
     random_cases,
     random_press,
 )
-from skinfield.lab.cases import Case
+from skinfield.lab.cases import Case, Pose, posed
 from skinfield.lab.report import SMOKE, Missing, Section, Settings
 from skinfield.lab.score import quantiles, summarise
 from skinfield.lab.sections.accuracy import accuracy
@@ -136,20 +136,24 @@ def test_a_gate_is_a_distance() -> None:
 
 def test_errors_at_the_bound_have_its_size() -> None:
     press = next(each for each in presses() if isinstance(each.press.indenters[0], Sphere))
-    [body], [contact] = press.press.indenters, press.truth.contacts
-    rows = bound_rows(plan_of(), [body], press.truth, np.random.default_rng(0), draws=4000)
-    family = contact_family(
-        press.press.layer, Sphere(radius=body.radius, force=contact.force), "stress",
-        PATCH.pad_diameter, extent=20e-3, cell=0.4e-3, size="radius",
-    )  # fmt: skip
-    exact = family.jacobian(PATCH.plane - contact.position)
-    for name, columns, prior in ((KNOWN, 3, None), (UNKNOWN, 4, 0.6)):
+    [contact] = press.truth.contacts
+    design = SkinDesign(patch=PATCH, layer=SILICONE, quantity=sf.BaseStress(), noise_std=380.0)
+    touch = Touch(contact.force, float(np.sqrt(contact.area / np.pi)))
+    whole = Places.over(PATCH, 1e-3)
+    at = int(np.linalg.norm(whole.plane - contact.position, axis=1).argmin())
+    away = whole.plane[at] - contact.position  # the bound is asked for at a node: move the press
+    moved = posed(press.truth, Pose(float(away[0]), float(away[1])))
+    rows = bound_rows(plan_of(), moved, np.random.default_rng(0), draws=4000)
+    bound = place_accuracy(design, touch, Places(whole.grid, whole.nodes[[at]]))
+    for name, place, force in (
+        (KNOWN, bound.place_std_known_size, bound.force_std_known_size),
+        (UNKNOWN, bound.place_std, bound.force_std),
+    ):
         mine = [row for row in rows if row["method"] == name]
-        bound = bound_of(exact[:, :columns], 380.0, prior)
         place_rms = np.sqrt(np.mean([(1e-3 * row["place_error_mm"]) ** 2 for row in mine]))
         force_rms = np.sqrt(np.mean([row["force_error"] ** 2 for row in mine]))
-        assert place_rms == pytest.approx(bound.place, rel=0.08)
-        assert force_rms == pytest.approx(bound.force, rel=0.08)
+        assert place_rms == pytest.approx(place[0], rel=0.08)
+        assert force_rms == pytest.approx(force[0] / contact.force, rel=0.08)
 
 
 class Blind:
@@ -196,7 +200,7 @@ def test_linear_solvers_err_between_brackets_far_above_the_bound() -> None:
     for index, (x, y) in enumerate(rng.uniform(-12e-3, 12e-3, (6, 2)).tolist()):
         case = Case.from_press("ball", solved, PATCH, "stress", (x, y, 0.0))
         rows += rows_of_case(case, [level], known_entrants(20)[:2], index)
-        bound += bound_rows(plan_of(levels=(level,)), [ball], case.truth, rng, draws=20)
+        bound += bound_rows(plan_of(levels=(level,)), case.truth, rng, draws=20)
     limit = quantiles([row for row in bound if row["method"] == KNOWN])
     assert limit["place_error_mm_median"] < 0.05
     assert limit["force_error_median"] < 0.02

@@ -66,7 +66,8 @@ class Task:
     name : str
         Of its folder: letters, digits and ``._+=,-``.
     function : callable
-        ``function(folder, *arguments)`` of the module level; returns what JSON can hold, or None.
+        ``function(folder, *arguments)`` of the module level; returns what JSON can hold, or None;
+        NaN becomes None.
     arguments : tuple
         Of what `fingerprint` knows.
     version : str
@@ -222,6 +223,8 @@ def _clear(path: Path) -> None:
 
 def _seal(task: Task, folder: Path, seconds: float, result: Any) -> None:
     """Write the record and give the task's folder its name; an older one is replaced."""
+    import msgspec
+
     part, place = _part_of(task, folder), folder / task.name
     record = {
         "name": task.name,
@@ -232,13 +235,13 @@ def _seal(task: Task, folder: Path, seconds: float, result: Any) -> None:
         "result": result,
     }
     try:
-        text = json.dumps(record, indent=1, allow_nan=False)
+        text = msgspec.json.format(msgspec.json.encode(record, enc_hook=float), indent=1)
     except (TypeError, ValueError) as error:
         raise InputError(
             f"{task.name} returned {result!r}, expected None or what JSON can hold ({error}): "
             "write arrays to files in the folder"
         ) from error
-    (part / RECORD).write_text(text + "\n", encoding="utf-8")
+    (part / RECORD).write_bytes(text + b"\n")
     _clear(place)
     part.replace(place)
 

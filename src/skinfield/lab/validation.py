@@ -2,8 +2,7 @@
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,24 +45,8 @@ class Level:
         return f"{self.quantity} {self.noise:g}"
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """What a solver made of one reading, and how long that took.
-
-    Attributes
-    ----------
-    score : Score
-    cold, warm : float, s
-        For a reading after nothing; and for another one of the same press right after it.
-    place_held, force_held : int
-        Matched contacts whose stated 90 % region holds the true place, and force.
-    """
-
-    score: Score
-    cold: float
-    warm: float
-    place_held: int
-    force_held: int
+# Of equal entrants and skins, by what makes them equal.
+_PREPARED: dict[tuple[object, ...], Reconstructor] = {}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,9 +71,6 @@ class Entrant:
     nodes: int = 40
     gate: float = GATE
     name: str = ""
-    _prepared: dict[tuple[object, ...], Reconstructor] = field(
-        default_factory=dict, init=False, compare=False, repr=False
-    )
 
     def __post_init__(self) -> None:
         check_positive("gate", self.gate, "distance of contacts that are the same, in metres")
@@ -104,8 +84,12 @@ class Entrant:
         judge = Judge(case, reconstruct.grid, self.gate)
         return [judge(estimate) for estimate in reconstruct(case.draws)]
 
-    def attempt(self, case: Case) -> Attempt:
+    def attempt(self, case: Case) -> Row:
         """Take up the first two readings of a case, one by one; the first is scored.
+
+        Beside the score's row there are ``cold_ms`` and ``warm_ms``, of a reading after nothing
+        and of another one right after it, and ``place_held`` and ``force_held``: the matched
+        contacts whose stated 90 % region holds the true place, and force.
 
         Raises
         ------
@@ -124,12 +108,14 @@ class Entrant:
         reconstruct(case.draws[1])
         end = time.perf_counter()
         score = Judge(case, reconstruct.grid, self.gate)(estimate)
-        held = [
-            _held(estimate.contacts[match.estimated], case, match.true) for match in score.matches
-        ]
-        return Attempt(
-            score, between - start, end - between, sum(p for p, _ in held), sum(f for _, f in held)
-        )
+        held = [_held(estimate.contacts[m.estimated], case, m.true) for m in score.matches]
+        place, force = np.array(held, dtype=np.int64).reshape(-1, 2).sum(axis=0).tolist()
+        return score.row() | {
+            "cold_ms": 1e3 * (between - start),
+            "warm_ms": 1e3 * (end - between),
+            "place_held": place,
+            "force_held": force,
+        }
 
     def false_contacts(self, case: Case, draws: int, seed: int) -> list[int]:
         """Contacts found in each of some readings of the case's skin at rest, with its noise."""
@@ -144,16 +130,17 @@ class Entrant:
         patch = case.patch
         arrays: tuple[Floats, ...] = (patch.positions, patch.normals, case.noise_std)
         key = (
+            self,
             *(array.tobytes() for array in arrays),
             patch.pad_diameter,
             case.layer,
             case.quantity,
             mechanics,
         )
-        if key not in self._prepared:
-            if len(self._prepared) >= CACHED:
-                self._prepared.pop(next(iter(self._prepared)))
-            self._prepared[key] = Reconstructor(
+        if key not in _PREPARED:
+            if len(_PREPARED) >= CACHED:
+                _PREPARED.pop(next(iter(_PREPARED)))
+            _PREPARED[key] = Reconstructor(
                 patch,
                 case.layer,
                 Grid.square(patch, nodes=self.nodes),
@@ -162,7 +149,7 @@ class Entrant:
                 solver=self.solver,
                 noise_std=case.noise_std,
             )
-        return self._prepared[key]
+        return _PREPARED[key]
 
 
 def _held(estimated: Contact, case: Case, true: int) -> tuple[bool, bool]:
@@ -185,12 +172,6 @@ def known_entrants(nodes: int = 40) -> tuple[Entrant, ...]:
         Entrant(name=GAUSSIAN, solver=GaussianField(), nodes=nodes),
         Entrant(name=CONTACT, solver=ContactFit(), nodes=nodes),
     )
-
-
-@lru_cache(maxsize=32)
-def once(entrant: Entrant) -> Entrant:
-    """One of equal entrants per process, so that what it prepares is prepared once."""
-    return entrant
 
 
 def noise_seed(seed: int, index: int) -> int:
@@ -218,18 +199,8 @@ def rows_of_case(
     for level in levels:
         drawn = at_level(case, level, seed)
         for entrant in entrants:
-            attempt = once(entrant).attempt(drawn)
             head = {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
-            yield (
-                head
-                | attempt.score.row()
-                | {
-                    "cold_ms": 1e3 * attempt.cold,
-                    "warm_ms": 1e3 * attempt.warm,
-                    "place_held": attempt.place_held,
-                    "force_held": attempt.force_held,
-                }
-            )
+            yield head | entrant.attempt(drawn)
 
 
 def row_of_case(case: Case, scores: Sequence[Score]) -> Row:

@@ -41,18 +41,69 @@ class Times:
     inversion: Floats
     prepared: Floats
 
+    @property
+    def gain(self) -> float:
+        """Paper's time over ours, by medians."""
+        return float(np.median(self.paper) / np.median(self.prepared))
+
 
 def timing(settings: Settings) -> Section:
     """Mean and deviation of the time per reading; nothing else may run beside it."""
     times = [times_on(nodes, settings) for nodes in settings.size.grids]
+    power, about_power, about_exponential = exponents(times)
+    shares = [float(each.inversion.min() / each.paper.min()) for each in times]
+    rest = [max(float(each.paper.min() - each.inversion.min()), 0.0) for each in times]
+    deviation = max(float(each.paper.std() / each.paper.mean()) for each in times)
+    first, last = times[0], times[-1]
     return Section(
         name="timing",
         title="Figure 9: time per reading",
         claim=CLAIM,
-        sentences=tuple(_sentences(times, settings)),
+        sentences=(
+            f"One process, one core, {settings.size.laps} laps per grid after one that does not "
+            "count. The paper's algorithm triangulates, interpolates, inverts and computes "
+            "displacements for each reading; ours does all of it once, and a reading costs one "
+            "product with a matrix.",
+            f"On {last.nodes} × {last.nodes} nodes the paper's way takes {_ms(last.paper)} (mean "
+            f"and standard deviation), ours {_ms(last.prepared)}: by medians "
+            f"{number(last.gain, 2)} times less ({number(first.gain, 2)} times on {first.nodes} × "
+            f"{first.nodes}).",
+            f"The fastest laps grow as the number of nodes to the power {power:.1f}: a power law "
+            f"is off by {100 * about_power:.0f} % of the time, an exponential in the number of "
+            f"nodes by {100 * about_exponential:.0f} %.",
+            f"The inversion alone is {', '.join(f'{100 * share:.0f} %' for share in shares)} of "
+            "the fastest lap, from the coarsest grid to the finest; the rest takes "
+            f"{', '.join(number(1e3 * each, 2) for each in rest)} ms. The times are of this "
+            "machine and of NumPy; the paper's are of its own in C++.",
+        ),
         pictures=(_picture(times),),
         tables=(_table(times),),
-        verdicts=tuple(_verdicts(times)),
+        verdicts=(
+            Verdict(
+                "9",
+                "time grows exponentially with the resolution",
+                f"grows as the number of nodes to the power {power:.1f}",
+                "does not hold: a power law fits better"
+                if about_power < about_exponential
+                else "holds on these grids",
+            ),
+            Verdict(
+                "9",
+                "the deviation of the time is almost negligible",
+                f"at most {100 * deviation:.0f} % of the mean",
+                "holds" if deviation < NEGLIGIBLE else "does not hold on this machine",
+            ),
+            Verdict(
+                "9",
+                "most of the time is the inversion",
+                f"{spread_in_words(shares, '%', 100.0)}, most on the finest grid",
+                "holds"
+                if min(shares) > 0.5
+                else "holds only on fine grids"
+                if shares[-1] > 0.5
+                else "does not hold in NumPy",
+            ),
+        ),
     )
 
 
@@ -83,43 +134,6 @@ def exponents(times: list[Times]) -> tuple[float, float, float]:
     return float(power[0]), scatter[0], scatter[1]
 
 
-def _share(each: Times) -> float:
-    """Of the inversion in the paper's time."""
-    return float(each.inversion.min() / each.paper.min())
-
-
-def _rest(each: Times) -> float:
-    """Seconds of the paper's algorithm beside the inversion."""
-    return max(float(each.paper.min() - each.inversion.min()), 0.0)
-
-
-def _deviation(times: list[Times]) -> float:
-    """Largest standard deviation, over its mean."""
-    return max(float(each.paper.std() / each.paper.mean()) for each in times)
-
-
-def _sentences(times: list[Times], settings: Settings) -> list[str]:
-    power, about_power, about_exponential = exponents(times)
-    gains = [float(np.median(each.paper) / np.median(each.prepared)) for each in times]
-    last = times[-1]
-    return [
-        f"One process, one core, {settings.size.laps} laps per grid after one that does not count. "
-        "The paper's algorithm triangulates, interpolates, inverts and computes displacements for "
-        "each reading; ours does all of it once, and a reading costs one product with a matrix.",
-        f"On {last.nodes} × {last.nodes} nodes the paper's way takes {_ms(last.paper)} (mean and "
-        f"standard deviation), ours {_ms(last.prepared)}: by medians {number(gains[-1], 2)} times "
-        "less "
-        f"({number(gains[0], 2)} times on {times[0].nodes} × {times[0].nodes}).",
-        f"The fastest laps grow as the number of nodes to the power {power:.1f}: a power law is "
-        f"off by {100 * about_power:.0f} % of the time, an exponential in the number of nodes by "
-        f"{100 * about_exponential:.0f} %.",
-        f"The inversion alone is {', '.join(f'{100 * _share(each):.0f} %' for each in times)} of "
-        "the fastest lap, from the coarsest grid to the finest; the rest takes "
-        f"{', '.join(number(1e3 * _rest(each), 2) for each in times)} ms. The times are of this "
-        "machine and of NumPy; the paper's are of its own in C++.",
-    ]
-
-
 def _ms(values: Floats) -> str:
     return f"{plus_minus(1e3 * float(values.mean()), 1e3 * float(values.std()))} ms"
 
@@ -148,52 +162,16 @@ def _picture(times: list[Times]) -> Picture:
 
 
 def _table(times: list[Times]) -> Table:
-    rows = [
-        {
-            "nodes on a side": each.nodes,
-            "paper, mean (ms)": 1e3 * float(each.paper.mean()),
-            "paper, std (ms)": 1e3 * float(each.paper.std()),
-            "paper, median (ms)": 1e3 * float(np.median(each.paper)),
-            "inversion, mean (ms)": 1e3 * float(each.inversion.mean()),
-            "ours, mean (ms)": 1e3 * float(each.prepared.mean()),
-            "ours, std (ms)": 1e3 * float(each.prepared.std()),
-            "ours, median (ms)": 1e3 * float(np.median(each.prepared)),
-            "median over median": float(np.median(each.paper) / np.median(each.prepared)),
-        }
-        for each in times
-    ]
+    rows = []
+    for each in times:
+        cells: dict[str, str | float] = {"nodes on a side": each.nodes}
+        for name, laps_of in (
+            ("paper", each.paper), ("inversion", each.inversion), ("ours", each.prepared)
+        ):  # fmt: skip
+            cells |= {
+                f"{name}, {what} (ms)": 1e3 * float(value(laps_of))
+                for what, value in (("mean", np.mean), ("std", np.std), ("median", np.median))
+            }
+        rows.append(cells | {"median over median": each.gain})
     caption = "Times per reading, double precision, one core; last the paper's over ours."
     return Table.of("times", caption, rows)
-
-
-def _majority(shares: list[float]) -> str:
-    if min(shares) > 0.5:
-        return "holds"
-    return "holds only on fine grids" if shares[-1] > 0.5 else "does not hold in NumPy"
-
-
-def _verdicts(times: list[Times]) -> list[Verdict]:
-    power, about_power, about_exponential = exponents(times)
-    deviation, shares = _deviation(times), [_share(each) for each in times]
-    return [
-        Verdict(
-            "9",
-            "time grows exponentially with the resolution",
-            f"grows as the number of nodes to the power {power:.1f}",
-            "does not hold: a power law fits better"
-            if about_power < about_exponential
-            else "holds on these grids",
-        ),
-        Verdict(
-            "9",
-            "the deviation of the time is almost negligible",
-            f"at most {100 * deviation:.0f} % of the mean",
-            "holds" if deviation < NEGLIGIBLE else "does not hold on this machine",
-        ),
-        Verdict(
-            "9",
-            "most of the time is the inversion",
-            f"{spread_in_words(shares, '%', 100.0)}, most on the finest grid",
-            _majority(shares),
-        ),
-    ]
