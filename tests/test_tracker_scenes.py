@@ -12,13 +12,11 @@ from skinfield.lab.paper import paper_patch
 from skinfield.lab.report import PAPER_LAYER, SMOKE, Section, Settings
 from skinfield.lab.sections.tracks import tracks, tracks_parts
 from skinfield.lab.tracking import (
-    ANEW,
     NEAREST,
     TRACKER,
     Nearest,
     Numbering,
     Scene,
-    Switches,
     exact_readings,
     scenes,
 )
@@ -61,23 +59,26 @@ def test_scenes_are_what_they_say() -> None:
     assert not made["idle"].touches.any()
 
 
+def counts(**changes: int) -> dict[str, int]:
+    return {"switches": 0, "whole": 0, "missed": 0, "false": 0, "coasting": 0} | changes
+
+
 def test_switches_are_counted_by_hand() -> None:
     """A ball that is seen as 0, 0, missed, 1, 1 beside a false one: one switch, and one miss."""
-    steps, ball = Numbering(), np.array([0])
-    place, force = np.zeros((1, 2)), np.ones(1)
+    steps, place = Numbering(), np.zeros((1, 2))
     here, there = contact(0.5, 0.0, 1.0), contact(20.0, 0.0, 1.0)
     for found in ([(0, here)], [(0, here)], [], [(1, here), (2, there)], [(1, here)]):
-        steps.add(ball, place, force, 8e-3, found)
-    assert Switches.of(steps) == Switches(switches=1, whole=0, missed=1, false=1, coasting=0)
-    assert steps.hits[0].off == pytest.approx([5e-4, 0.0])
+        steps.add([0], place, found)
+    assert steps.counts() == counts(switches=1, missed=1, false=1)
+    assert steps.hits[0][-1] == pytest.approx([5e-4, 0.0])
 
 
 def test_a_ball_keeps_its_number_while_it_is_near() -> None:
-    steps, ball = Numbering(), np.array([0])
-    steps.add(ball, np.zeros((1, 2)), np.ones(1), 8e-3, [(0, contact(1.0, 0.0, 1.0))])
+    steps = Numbering()
+    steps.add([0], np.zeros((1, 2)), [(0, contact(1.0, 0.0, 1.0))])
     both = [(1, contact(0.1, 0.0, 1.0)), (0, contact(3.0, 0.0, 1.0))]
-    steps.add(ball, np.zeros((1, 2)), np.ones(1), 8e-3, both)
-    assert Switches.of(steps) == Switches(switches=0, whole=1, missed=0, false=1, coasting=0)
+    steps.add([0], np.zeros((1, 2)), both)
+    assert steps.counts() == counts(whole=1, false=1)
 
 
 def test_coasting_is_not_false() -> None:
@@ -85,8 +86,8 @@ def test_coasting_is_not_false() -> None:
     tracker(estimate([contact(0.0, 0.0, 1.0)]))
     (coasts,) = tracker(estimate([]))
     assert isinstance(coasts, TrackedContact)
-    steps.add(np.empty(0, np.int64), np.empty((0, 2)), np.empty(0), 8e-3, [(0, coasts)])
-    assert Switches.of(steps).coasting == 1
+    steps.add([], np.empty((0, 2)), [(0, coasts)])
+    assert steps.counts() == counts(coasting=1)
 
 
 def test_the_nearest_one_before_gives_its_number() -> None:
@@ -105,5 +106,5 @@ def test_the_section_of_the_smoke_size() -> None:
     assert section.pictures[0].png.startswith(b"\x89PNG")
     rows = {(row[2], row[3]): row for row in section.tables[0].rows}
     crossing = "two that pass at 12 mm"
-    assert rows[crossing, TRACKER][4] <= rows[crossing, NEAREST][4] < rows[crossing, ANEW][4]
+    assert rows[crossing, TRACKER][4] <= rows[crossing, NEAREST][4]
     assert rows["noise alone", TRACKER][-1] == ""  # nothing is told

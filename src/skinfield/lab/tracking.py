@@ -1,14 +1,13 @@
 """Tracking benchmark: scenes of moving contacts, and which ball each contact belongs to."""
 
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.elastic import BaseStress, Capacitance, Layer, Quantity
 from skinfield.errors import Floats
@@ -16,7 +15,7 @@ from skinfield.estimate import Contact, Estimate, TrackedContact, Tracker
 from skinfield.lab.paper import paper_patch
 from skinfield.lab.report import Settings
 from skinfield.reconstruct import Reconstructor
-from skinfield.simulate import Press, Sphere, press_ladder
+from skinfield.simulate import Sphere, press_ladder
 from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin import Grid
 from skinfield.solve import ContactFit, GaussianField, Solver
@@ -127,11 +126,6 @@ def _idle(rate: float) -> Scene:
     return Scene("idle", np.zeros((steps, 1, 2)), np.zeros((steps, 1)))
 
 
-@lru_cache(maxsize=4)
-def _presses(layer: Layer, cell: float) -> list[Press]:
-    return press_ladder(layer, Sphere(radius=BALL), FORCES, EXTENT, cell)
-
-
 @lru_cache(maxsize=8)
 def _table(layer: Layer, cell: float, quantity: str) -> Any:
     """What a taxel reads of a ball, as a function of force N and distance m."""
@@ -140,7 +134,7 @@ def _table(layer: Layer, cell: float, quantity: str) -> Any:
     patch = paper_patch()
     points = np.column_stack([FAR, 0 * FAR])
     rows = [np.zeros(len(FAR))]
-    for solved in _presses(layer, cell):
+    for solved in press_ladder(layer, Sphere(radius=BALL), FORCES, EXTENT, cell):
         rows.append(readings_anywhere(solved, patch.pad_diameter, quantity)(points))
     return RectBivariateSpline([0.0, *FORCES], FAR, np.array(rows))
 
@@ -160,154 +154,96 @@ QUANTITIES: dict[str, tuple[Quantity, float]] = {  # with the noise of one readi
     "capacitance": (Capacitance(), 0.002),
     "stress": (BaseStress(), 400.0),
 }
-SOLVERS: dict[str, Callable[[], Solver]] = {
-    "ContactFit": ContactFit,
-    "GaussianField": GaussianField,
-}
-TRACKER, NEAREST, ANEW = "Tracker", "nearest one before", "a new number each reading"
+SOLVERS: dict[str, Solver] = {"ContactFit": ContactFit(), "GaussianField": GaussianField()}
+TRACKER, NEAREST = "Tracker", "nearest one before"
 NEAR = 5e-3  # m: within which the nearest one before is taken for the same
 GATE = 8e-3  # m: farther from every ball, a contact is false
 
 Numbered = Sequence[tuple[int, Contact]]
 
 
-@dataclass(frozen=True, eq=False)
-class Hit:
-    """A contact that belongs to a ball.
+@dataclass(eq=False)
+class Numbering:
+    """What is known of one way to number contacts, reading by reading.
 
-    Parameters
+    Attributes
     ----------
-    index : int
-        Of the reading.
-    ball, number : int
-    contact : Contact
-    off : (2,) array, m
-        From the ball to the contact.
-    force : float, N
-        True.
+    hits : list of (reading, ball, number, contact, (2,) m from the ball to the contact)
+        Contacts that belong to a ball.
+    others : list of (reading, number, contact)
+        Contacts that belong to none.
+    missed : int
+        Balls without a contact, summed over the readings.
     """
 
-    index: int
-    ball: int
-    number: int
-    contact: Contact
-    off: Floats
-    force: float
-
-
-@dataclass
-class Numbering:
-    """What is known of one way to number contacts, reading by reading."""
-
-    hits: list[Hit] = field(default_factory=list)
+    hits: list[tuple[int, int, int, Contact, Floats]] = field(default_factory=list)
     others: list[tuple[int, int, Contact]] = field(default_factory=list)
-    last: dict[int, int] = field(default_factory=dict)
     missed: int = 0
-    readings: int = 0
+    _last: dict[int, int] = field(default_factory=dict)
+    _readings: int = 0
 
-    def add(
-        self,
-        balls: NDArray[np.int64],
-        places: Floats,
-        forces: Floats,
-        gate: float,
-        found: Sequence[tuple[int, Contact]],
-    ) -> None:
-        """Take up a reading: balls (B,) at places (B, 2) m, and contacts with their numbers.
+    def add(self, balls: Sequence[int], places: Floats, found: Numbered) -> None:
+        """Take up a reading: balls at places (B, 2) m, and contacts with their numbers.
 
-        A ball keeps the number that it had while that contact is nearer than `gate` m; the others
+        A ball keeps the number that it had while that contact is nearer than `GATE`; the others
         go with at most one contact each, as many as there are, and then the nearest.
         """
-        index, self.readings = self.readings, self.readings + 1
+        index, self._readings = self._readings, self._readings + 1
         taken: set[int] = set()
         if len(balls) and found:
             seen = np.array([contact.position[:2] for _, contact in found])
             away = np.linalg.norm(places[:, None] - seen[None], axis=2)
-            for row, column in self._pairs(balls, away, [number for number, _ in found], gate):
-                number, contact = found[column]
-                off, force, ball = seen[column] - places[row], float(forces[row]), int(balls[row])
-                self.hits.append(Hit(index, ball, number, contact, off, force))
-                self.last[ball] = number
-                taken.add(column)
+            for row, at in self._pairs(balls, away, [number for number, _ in found]):
+                number, contact = found[at]
+                self.hits.append((index, balls[row], number, contact, seen[at] - places[row]))
+                self._last[balls[row]] = number
+                taken.add(at)
         self.missed += len(balls) - len(taken)
-        for at, (number, contact) in enumerate(found):
-            if at not in taken:
-                self.others.append((index, number, contact))
+        self.others += [(index, *each) for at, each in enumerate(found) if at not in taken]
 
     def _pairs(
-        self, balls: NDArray[np.int64], away: Floats, numbers: Sequence[int], gate: float
+        self, balls: Sequence[int], away: Floats, numbers: Sequence[int]
     ) -> list[tuple[int, int]]:
         from scipy.optimize import linear_sum_assignment
 
-        beyond = gate * (min(away.shape) + 2)
-        cost = np.where(away <= gate, away, beyond)
-        for row, ball in enumerate(balls.tolist()):
-            last = self.last.get(ball)
-            if last in numbers and away[row, numbers.index(last)] <= gate:
+        beyond = GATE * (min(away.shape) + 2)
+        cost = np.where(away <= GATE, away, beyond)
+        for row, ball in enumerate(balls):
+            last = self._last.get(ball)
+            if last in numbers and away[row, numbers.index(last)] <= GATE:
                 cost[row, numbers.index(last)] = -beyond  # whatever else is nearer
         rows, columns = linear_sum_assignment(cost)
         pairs = zip(rows.tolist(), columns.tolist(), strict=True)
-        return [(row, column) for row, column in pairs if away[row, column] <= gate]
+        return [(row, column) for row, column in pairs if away[row, column] <= GATE]
 
-    def as_lines(self) -> dict[str, list[list[float]]]:
+    def counts(self) -> dict[str, int]:
+        """After CLEAR MOT (Bernardin and Stiefelhagen 2008), summed over the readings.
+
+        ``switches`` are readings in which a ball has another number than when it was seen last,
+        ``whole`` balls have one number from the first to the last. Contacts without a ball are
+        ``false``, or ``coasting`` where they are foretold and not seen.
+        """
+        numbers: dict[int, list[int]] = defaultdict(list)
+        for _, ball, number, *_ in self.hits:
+            numbers[ball].append(number)
+        changes = [sum(a != b for a, b in pairwise(each)) for each in numbers.values()]
+        coasting = sum(isinstance(c, TrackedContact) and c.is_coasting for *_, c in self.others)
+        return {
+            "switches": sum(changes),
+            "whole": changes.count(0),
+            "missed": self.missed,
+            "false": len(self.others) - coasting,
+            "coasting": coasting,
+        }
+
+    def lines(self) -> dict[str, list[list[float]]]:
         """For each number its readings: index, x and y in mm, force in N."""
-        lines: dict[str, list[list[float]]] = defaultdict(list)
-        every = [(hit.index, hit.number, hit.contact) for hit in self.hits]
+        out: dict[str, list[list[float]]] = defaultdict(list)
+        every = [(index, number, contact) for index, _, number, contact, _ in self.hits]
         for index, number, contact in sorted([*every, *self.others], key=lambda one: one[0]):
             x, y = (1e3 * contact.position[:2]).round(3).tolist()
-            lines[str(number)].append([index, x, y, round(contact.normal_force, 4)])
-        return dict(lines)
-
-
-@dataclass(frozen=True)
-class Switches:
-    """Counts of one run, after CLEAR MOT (Bernardin and Stiefelhagen 2008).
-
-    Parameters
-    ----------
-    switches : int
-        Readings in which a ball has another number than when it was seen last.
-    whole : int
-        Balls that have one number from the first to the last.
-    missed, false : int
-        Balls without a contact, and contacts without a ball, summed over the readings.
-    coasting : int
-        Contacts without a ball that are foretold and not seen; they are not among the false.
-    """
-
-    switches: int
-    whole: int
-    missed: int
-    false: int
-    coasting: int
-
-    @classmethod
-    def of(cls, numbering: Numbering) -> "Switches":
-        """Count them."""
-        numbers: dict[int, list[int]] = defaultdict(list)
-        for hit in numbering.hits:
-            numbers[hit.ball].append(hit.number)
-        changes = {ball: sum(a != b for a, b in pairwise(each)) for ball, each in numbers.items()}
-        whole = sum(count == 0 for count in changes.values())
-        others = [contact for *_, contact in numbering.others]
-        coasting = sum(isinstance(one, TrackedContact) and one.is_coasting for one in others)
-        switches = sum(changes.values())
-        return cls(switches, whole, numbering.missed, len(others) - coasting, coasting)
-
-
-def added(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Rows of several runs as one: numbers are summed, lists joined, events summed by kind."""
-    total: dict[str, Any] = {}
-    for key, first in rows[0].items():
-        if isinstance(first, str):
-            total[key] = first
-        elif isinstance(first, list):
-            total[key] = [value for row in rows for value in row[key]]
-        elif isinstance(first, dict):
-            total[key] = {kind: sum(row[key][kind] for row in rows) for kind in first}
-        else:
-            total[key] = sum(row[key] for row in rows)
-    return total
+            out[str(number)].append([index, x, y, round(contact.normal_force, 4)])
+        return dict(out)
 
 
 @dataclass
@@ -340,10 +276,10 @@ def run_of(settings: Settings, quantity: str, solver: str, repeat: int) -> dict[
         settings.layer,
         Grid.square(patch, nodes=20),
         quantity=kind,
-        solver=SOLVERS[solver](),
+        solver=SOLVERS[solver],
         noise_std=noise,
     )
-    about = {"quantity": quantity, "solver": solver, "repeat": repeat}
+    about = {"quantity": quantity, "solver": solver}
     rows: list[dict[str, Any]] = []
     pictures = []
     for number, scene in enumerate(scenes(settings.rate, settings.seed + repeat)):
@@ -362,76 +298,65 @@ def _followed(
 ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Rows of each way to number contacts, and what the tracker has for a picture."""
     tracker, nearest = Tracker(period=period), Nearest()
-    ways = {name: Numbering() for name in (TRACKER, NEAREST, ANEW)}
+    ways = {TRACKER: Numbering(), NEAREST: Numbering()}
     events: list[dict[str, Any]] = []
-    anew = 0
     for index, estimate in enumerate(estimates):
         tracked = tracker(estimate)
         events += [
             {"kind": one.kind, "time": one.time, "ids": list(one.ids)} for one in tracker.events
         ]
-        balls = np.flatnonzero(scene.touches[index])
-        places, forces = scene.places[index, balls], scene.forces[index, balls]
-        now = balls, places, forces, GATE
-        ways[TRACKER].add(*now, [(_number(one), one) for one in tracked])
-        ways[NEAREST].add(*now, nearest(estimate))
-        numbered = list(enumerate(estimate.contacts, start=anew))
-        anew += len(numbered)
-        ways[ANEW].add(*now, numbered)
+        balls = np.flatnonzero(scene.touches[index]).tolist()
+        places = scene.places[index, balls]
+        numbered = [(-1 if one.track_id is None else one.track_id, one) for one in tracked]
+        ways[TRACKER].add(balls, places, numbered)
+        ways[NEAREST].add(balls, places, nearest(estimate))
+    kinds = [event["kind"] for event in events]
+    told = {kind: kinds.count(kind) for kind in dict.fromkeys(kinds)}
+    rows = [_row(name, each, scene, period) for name, each in ways.items()]
+    rows[0]["events"] = told
+    return rows, {
+        "truth": scene.places.tolist(),
+        "tracks": ways[TRACKER].lines(),
+        "raw": ways[NEAREST].lines(),
+        "events": events,
+        "period": period,
+    }
+
+
+def _row(name: str, numbering: Numbering, scene: Scene, period: float) -> dict[str, Any]:
+    """Counts, and lists of errors: rows of several runs are added up."""
+    errors: dict[str, list[float]] = {
+        key: [] for key in ("place_mm", "force_N", "speed_mm_s", "nees", "nees_speed")
+    }
     speeds = np.gradient(scene.places, period, axis=0)
-    return (
-        [_row(name, each, scene, speeds, events, period) for name, each in ways.items()],
-        {
-            "truth": scene.places.tolist(),
-            "touches": scene.touches.tolist(),
-            "tracks": ways[TRACKER].as_lines(),
-            "raw": ways[ANEW].as_lines(),
-            "events": events,
-            "period": period,
-        },
-    )
-
-
-def _number(contact: Contact) -> int:
-    return -1 if contact.track_id is None else contact.track_id
-
-
-def _row(
-    name: str,
-    numbering: Numbering,
-    scene: Scene,
-    speeds: Floats,
-    events: list[dict[str, Any]],
-    period: float,
-) -> dict[str, Any]:
-    """Counts and summed squares: rows of several runs are added up."""
-    counted = Switches.of(numbering)
-    row: dict[str, Any] = {
+    for index, ball, _, contact, off in numbering.hits:
+        errors["place_mm"].append(1e3 * float(np.hypot(*off)))
+        errors["force_N"].append(contact.normal_force - float(scene.forces[index, ball]))
+        if isinstance(contact, TrackedContact):
+            slow = contact.velocity[:2] - speeds[index, ball]
+            spread = contact.velocity_covariance
+            errors["speed_mm_s"].append(1e3 * float(np.hypot(*slow)))
+            errors["nees"].append(float(off @ np.linalg.solve(contact.covariance[:2, :2], off)))
+            errors["nees_speed"].append(float(slow @ np.linalg.solve(spread, slow)))
+    return {
         "method": name,
         "touch_s": float(scene.touches.sum()) * period,
         "readings": len(scene.places),
         "contacts": int(scene.touches.any(axis=0).sum()),
-        **vars(counted),
-        "place_mm": [],
-        "force_N": [],
-        "speed_mm_s": [],
-        "nees": [],
-        "nees_speed": [],
+        **numbering.counts(),
+        **{key: np.round(values, 4).tolist() for key, values in errors.items()},
+        "events": {},
     }
-    for hit in numbering.hits:
-        contact, off = hit.contact, hit.off
-        row["place_mm"].append(round(1e3 * float(np.hypot(*off)), 4))
-        row["force_N"].append(round(contact.normal_force - hit.force, 4))
-        if isinstance(contact, TrackedContact):
-            plane = contact.covariance[:2, :2]
-            row["nees"].append(round(float(off @ np.linalg.solve(plane, off)), 3))
-            slow = contact.velocity[:2] - speeds[hit.index, hit.ball]
-            row["speed_mm_s"].append(round(1e3 * float(np.hypot(*slow)), 3))
-            spread = contact.velocity_covariance
-            row["nees_speed"].append(round(float(slow @ np.linalg.solve(spread, slow)), 3))
-    if name == TRACKER:
-        row["events"] = {
-            kind: sum(event["kind"] == kind for event in events)
-            for kind in ("made", "moved", "merged", "split", "lost")
-        }
-    return row
+
+
+def added(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Rows of several runs as one: numbers and lists are summed, events by kind."""
+    total = dict(rows[0])
+    for row in rows[1:]:
+        for key, value in row.items():
+            if isinstance(value, dict):
+                kinds = dict.fromkeys([*total[key], *value])
+                total[key] = {k: total[key].get(k, 0) + value.get(k, 0) for k in kinds}
+            elif not isinstance(value, str):
+                total[key] = total[key] + value
+    return total

@@ -8,7 +8,7 @@ import numpy as np
 from skinfield.errors import Floats
 from skinfield.lab.plots import BROAD, DOTS, Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import Cell, Missing, Part, Picture, Section, Settings, Table
-from skinfield.lab.tracking import ANEW, NEAREST, QUANTITIES, SOLVERS, TRACKER, added, run_of
+from skinfield.lab.tracking import NEAREST, QUANTITIES, SOLVERS, TRACKER, added, run_of
 from skinfield.plot.style import number
 
 REPEATS = {"smoke": 1, "short": 3, "full": 12}
@@ -49,11 +49,7 @@ def tracks(settings: Settings, results: Sequence[dict[str, Any] | None]) -> Sect
         return Missing("tracks: none of its parts could be computed")
     rows = [row for result in known for row in result["rows"]]
     keys = dict.fromkeys((r["quantity"], r["solver"], r["scene"], r["method"]) for r in rows)
-    summed = {
-        key: added([r for r in rows if _key(r) == key])
-        | {"runs": sum(_key(r) == key for r in rows)}
-        for key in keys
-    }
+    summed = {key: added([r for r in rows if _key(r) == key]) for key in keys}
     return Section(
         name="tracks",
         title="Contacts over time",
@@ -82,13 +78,13 @@ def _sentences(summed: dict[Any, dict[str, Any]], settings: Settings) -> list[st
     for quantity, solver in dict.fromkeys(key[:2] for key in summed):
         mine = {key[2:]: row for key, row in summed.items() if key[:2] == (quantity, solver)}
         parts = []
-        for method in (TRACKER, NEAREST, ANEW):
+        for method in (TRACKER, NEAREST):
             each = [mine[scene, method] for scene in SCENES if (scene, method) in mine]
             touch = sum(row["touch_s"] for row in each)
             rate = sum(row["switches"] for row in each) / touch
             whole, balls = (sum(row[name] for row in each) for name in ("whole", "contacts"))
             parts.append(f"{method} {number(rate, 2)} and {whole} of {balls}")
-        tracked, raw = mine["slide", TRACKER], mine["slide", ANEW]
+        tracked, raw = mine["slide", TRACKER], mine["slide", NEAREST]
         words.append(
             f"{quantity.capitalize()}, {solver}: switches per second of touch, and whole balls: "
             f"{'; '.join(parts)}. On the slide the place is off by "
@@ -103,7 +99,7 @@ def _sentences(summed: dict[Any, dict[str, Any]], settings: Settings) -> list[st
 def _numbers(summed: dict[Any, dict[str, Any]]) -> Table:
     rows = []
     for (quantity, solver, scene, method), row in summed.items():
-        events = [f"{count} {kind}" for kind, count in row.get("events", {}).items() if count]
+        events = [f"{count} {kind}" for kind, count in row["events"].items()]
         cells: dict[str, Cell] = {
             "reads": quantity,
             "solver": solver,
@@ -130,7 +126,7 @@ def _share(count: float, of: float) -> float | None:
 def _errors(summed: dict[Any, dict[str, Any]]) -> Table:
     rows = []
     for (quantity, solver, scene, method), row in summed.items():
-        if not row["place_mm"] or method == NEAREST:
+        if not row["place_mm"]:
             continue
         filtered = method == TRACKER
         cells: dict[str, Cell] = {
