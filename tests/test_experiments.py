@@ -21,10 +21,11 @@ from skinfield.lab.paper import (
 from skinfield.lab.report import SMOKE, Settings, size_by_name
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import (
-    FieldPeak,
     Trial,
+    field_peak,
     highest_taxel,
     known_shape,
+    matched_filter,
     noisy,
     roc,
     threshold,
@@ -39,7 +40,7 @@ from skinfield.lab.sections.imposed import (
     truth_on_own_grid,
 )
 from skinfield.lab.sections.resolutions import roughness
-from skinfield.lab.sections.timing import Times, exponents
+from skinfield.lab.sections.timing import exponents
 from skinfield.simulate import press
 
 SETTINGS = Settings(size=SMOKE)
@@ -88,11 +89,11 @@ def test_statistic_of_the_field_is_the_highest_pressure_of_an_estimate() -> None
         values = np.random.default_rng(4).normal(scale=1e3, size=(5, 72))
         estimate = reconstruct(values)
         inside = reconstruct.plan.noise.std > 0
-        assert FieldPeak(reconstruct)(values) == pytest.approx(
+        assert field_peak(reconstruct)(values) == pytest.approx(
             estimate.pressure[:, inside].max(axis=1)
         )
         scaled = (estimate.pressure / np.where(inside, reconstruct.plan.noise.std, np.inf)).max(1)
-        assert FieldPeak(reconstruct, in_deviations=True)(values) == pytest.approx(scaled)
+        assert field_peak(reconstruct, in_deviations=True)(values) == pytest.approx(scaled)
 
 
 def test_paper_method_in_the_package_is_the_paper_algorithm_written_anew() -> None:
@@ -141,8 +142,8 @@ def test_noise_is_independent_of_the_trial_before_and_shrinks_when_averaged() ->
 
 
 def test_matched_filter_peaks_at_its_own_shape() -> None:
-    known = known_shape(SETTINGS)
-    shape = known.templates[700:701]
+    templates = known_shape(SETTINGS)
+    known, shape = matched_filter(templates), templates[700:701]
     assert known(shape)[0] == pytest.approx(np.linalg.norm(shape))
     assert known(shape)[0] >= known(-shape)[0]
 
@@ -193,13 +194,12 @@ def test_truth_on_its_own_grid_obeys_the_paper_formulas() -> None:
 
 
 def test_exponents_tell_a_power_law_from_an_exponential() -> None:
-    def times(mean) -> list[Times]:
-        return [Times(n, np.full(2, mean(n**2)), np.ones(2), np.ones(2)) for n in (10, 20, 30, 40)]
-
-    power, about_power, about_exponential = exponents(times(lambda k: 1e-9 * k**2.5))
+    grids = (10, 20, 30, 40)
+    nodes = np.array(grids) ** 2
+    power, about_power, about_exponential = exponents(grids, 1e-9 * nodes**2.5)
     assert power == pytest.approx(2.5)
     assert about_power < 1e-9 < about_exponential
-    _, about_power, about_exponential = exponents(times(lambda k: 1e-9 * np.exp(k / 400)))
+    _, about_power, about_exponential = exponents(grids, 1e-9 * np.exp(nodes / 400))
     assert about_exponential < 1e-9 < about_power
 
 

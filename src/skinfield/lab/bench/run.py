@@ -1,6 +1,6 @@
 """Benchmark run: cost of a reading on several grids, error against time, and whole calls."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from itertools import cycle
@@ -22,7 +22,15 @@ from skinfield.lab.bench.contenders import (
     run_chain,
 )
 from skinfield.lab.bench.machine import Watch, laps, settled, spread, this_machine, undisturbed
-from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchSettings, Scene, make_scene
+from skinfield.lab.bench.scene import (
+    FIT_DEADLINES,
+    GAPS,
+    LEAD,
+    BenchSettings,
+    BenchSize,
+    Scene,
+    make_scene,
+)
 from skinfield.lab.cases import TrueContact
 from skinfield.lab.paper import reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched
@@ -45,17 +53,22 @@ FORMAT = 1
 Row = dict[str, Any]  # with the unit in each key's name, as JSON has it
 Show = Callable[[str, int, int], None]
 Lap = Callable[[int], tuple[Floats, list[float]]]  # of a round: seconds, gaps
+Method = tuple[str, Lap, float | None]  # name, laps, and the gap that is certified, if any
 
 
-def grid_rows(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
+def quietly(what: str, ended: int, of: int) -> None:
+    """Show nothing of the progress."""
+
+
+def grid_rows(
+    size: BenchSize, methods_on: Callable[[int], Iterable[Method]], show: Show = quietly
+) -> list[Row]:
     """Time of every method on every grid, in turns."""
-    size = settings.size
     methods: list[tuple[Row, Lap, float | None]] = []
     for ended, nodes in enumerate(size.grids):
         show(f"preparing {nodes} x {nodes}", ended, len(size.grids))
         methods += [
-            ({"nodes": nodes, "name": name}, lap, target)
-            for name, lap, target in _methods(settings, scene, nodes)
+            ({"nodes": nodes, "name": name}, lap, target) for name, lap, target in methods_on(nodes)
         ]
     for _, lap, _ in methods:
         show("warming up", 0, 1)
@@ -75,14 +88,11 @@ def grid_rows(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
     return rows
 
 
-def _methods(
-    settings: BenchSettings, scene: Scene, nodes: int
-) -> Iterator[tuple[str, Lap, float | None]]:
-    """Name, laps and the gap that is to be certified, if any."""
-    size, reading = settings.size, scene.readings[LEAD]
-    yield from _as_printed(settings, scene, nodes)
-    for made in (paper_prepared(PREPARED, settings, nodes), gaussian(FIELD, settings, nodes)):
-        yield made.name, _counted(lambda made=made: made.answer(reading, None), size.laps), None
+def _methods(settings: BenchSettings, scene: Scene, nodes: int) -> Iterator[Method]:
+    size = settings.size
+    yield from methods_of_paper(settings, scene.readings, nodes)
+    made = gaussian(FIELD, settings, nodes)
+    yield FIELD, _counted(lambda: made.answer(scene.readings[LEAD], None), size.laps), None
     model = model_of(settings, nodes)
     for gap in GAPS:
         name = f"NonNegative to {gap:.0e}".replace("e-0", "e-")
@@ -95,22 +105,21 @@ def _methods(
         yield fit.name + within, _chained(fit, scene, size.steps, deadline, "warm"), None
 
 
-def _as_printed(
-    settings: BenchSettings, scene: Scene, nodes: int
-) -> Iterator[tuple[str, Lap, None]]:
-    """The paper's algorithm, all of it for every reading, and its inversion alone."""
-    patch, layer = settings.patch, settings.layer
+def methods_of_paper(settings: BenchSettings, readings: Floats, nodes: int) -> Iterator[Method]:
+    """The paper's algorithm for every reading (T, L), its inversion alone, and prepared once."""
+    patch, layer, size = settings.patch, settings.layer, settings.size
     grid = Grid.square(patch, nodes=nodes)
     plane, area = grid.plane, grid.cell_area
     matrix = stress_matrix(plane[:, None] - plane[None], layer.thickness)
-    count = -(-settings.size.paper_laps // settings.size.rounds)
-    readings = cycle(scene.readings)
+    count = -(-size.paper_laps // size.rounds)
+    turns, made = cycle(readings), paper_prepared(PREPARED, settings, nodes)
 
     def whole() -> object:
-        return reconstruct_as_paper(next(readings), patch.plane, plane, layer, area)
+        return reconstruct_as_paper(next(turns), patch.plane, plane, layer, area)
 
     yield PAPER, _counted(whole, count), None
     yield INVERSION, _counted(lambda: np.linalg.inv(matrix), count), None
+    yield PREPARED, _counted(lambda: made.answer(readings[-1], None), size.laps), None
 
 
 def _counted(work: Callable[[], object], count: int) -> Lap:
@@ -286,7 +295,7 @@ def whole_calls(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
     ]
 
 
-def run_bench(settings: BenchSettings, show: Show = lambda what, ended, of: None) -> dict[str, Any]:
+def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
     """Press, prepare and time everything; nothing else should run meanwhile.
 
     Parameters
@@ -305,7 +314,7 @@ def run_bench(settings: BenchSettings, show: Show = lambda what, ended, of: None
     scene = make_scene(settings, lambda ended, of: show("pressing two fingers", ended, of))
     with settled():
         watch = Watch()
-        grids = grid_rows(settings, scene, show)
+        grids = grid_rows(settings.size, lambda nodes: _methods(settings, scene, nodes), show)
         points = anytime(settings, scene, show)
         calls = whole_calls(settings, scene, show)
         company = watch.company()

@@ -14,11 +14,11 @@ from skinfield.lab.report import Picture, Section, Settings, Table, listed
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import (
     ANYWHERE,
-    FieldPeak,
     Share,
     Statistic,
     Trial,
     alarm_rates,
+    field_peak,
     highest_taxel,
     idle_readings,
     interval_curve,
@@ -88,16 +88,17 @@ class LightTouch:
     @cached_property
     def _methods(self) -> dict[str, dict[str, Statistic]]:
         """All that are compared, by quantity and name; readings scaled to the noise of one."""
-        settings, methods = self.settings, {}
-        for quantity in QUANTITIES:
-            each: dict[str, Statistic] = {}
-            if quantity == "stress":
-                noise = noise_of(settings, quantity)
-                each[PAPERS] = FieldPeak(PAPER.prepared(paper_patch(), settings.layer, 20, noise))
-            each[TAXEL] = highest_taxel
-            each[MATCH] = detector(settings, quantity, True).statistics
-            each[OURS] = detector(settings, quantity, False).statistics
-            methods[quantity] = each
+        settings = self.settings
+        methods: dict[str, dict[str, Statistic]] = {
+            quantity: {
+                TAXEL: highest_taxel,
+                MATCH: detector(settings, quantity, True).statistics,
+                OURS: detector(settings, quantity, False).statistics,
+            }
+            for quantity in QUANTITIES
+        }
+        prepared = PAPER.prepared(paper_patch(), settings.layer, 20, settings.stress_noise)
+        methods["stress"][PAPERS] = field_peak(prepared)
         return methods
 
     def _statistics(self, readings: Floats, quantity: str) -> dict[str, Floats]:
