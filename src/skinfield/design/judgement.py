@@ -270,38 +270,6 @@ def judge(
 FEW = 120  # places of the two touches, per thickness
 
 
-@dataclass(frozen=True, eq=False)
-class ThicknessComparison:
-    """Judgements of one layout and touch, by thickness.
-
-    Attributes
-    ----------
-    thickness : (T,) array, m
-    judgements : tuple of T Judgement
-    """
-
-    thickness: Floats
-    judgements: tuple[Judgement, ...]
-
-    def rows(self, name: str) -> tuple[Row, ...]:
-        """One map in numbers, by thickness.
-
-        Raises
-        ------
-        InputError
-            When no map has that name; the message lists them.
-        """
-        names = [row.name for row in self.judgements[0].rows()]
-        if name not in names:
-            raise InputError(f"name is {name!r}, expected one of {', '.join(names)}")
-        at = names.index(name)
-        return tuple(judgement.rows()[at] for judgement in self.judgements)
-
-    def best(self, name: str) -> float:
-        """Thickness in m whose median of a map is smallest."""
-        return float(self.thickness[np.argmin([row.median for row in self.rows(name)])])
-
-
 def compare_thickness(
     design: SkinDesign,
     touch: Touch,
@@ -309,8 +277,8 @@ def compare_thickness(
     *,
     terms: Terms | None = None,
     on_thickness: Callable[[float], None] | None = None,
-) -> ThicknessComparison:
-    """Judge a layout under several thicknesses; the touch stays as it is.
+) -> tuple[Judgement, ...]:
+    """Judge a layout under several thicknesses, the thinnest first; the touch stays as it is.
 
     Parameters
     ----------
@@ -336,4 +304,4 @@ def compare_thickness(
             on_thickness(float(value))
         thick = replace(design, layer=replace(design.layer, thickness=float(value)))
         judgements.append(judge(thick, touch, two_point_places=few, terms=terms))
-    return ThicknessComparison(values, tuple(judgements))
+    return tuple(judgements)
