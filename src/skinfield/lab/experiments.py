@@ -35,7 +35,6 @@ from skinfield.lab.sections.imposed import imposed
 from skinfield.lab.sections.light_touch import light_touch
 from skinfield.lab.sections.resolutions import resolutions
 from skinfield.lab.sections.timing import timing
-from skinfield.lab.sections.tracks import tracks, tracks_parts
 
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
@@ -45,7 +44,6 @@ EXPERIMENTS = (
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table", "contacts"), accuracy, parts=accuracy_parts),
     Experiment("coverage", ("intervals",), coverage, parts=coverage_parts),
-    Experiment("tracks", ("time",), tracks, parts=tracks_parts),
     Experiment("agreement", ("fem", "model"), agreement),
     Experiment("real-foot", ("real-data",), foot),
 )
