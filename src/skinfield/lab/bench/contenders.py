@@ -16,7 +16,6 @@ from skinfield.skin import Grid
 from skinfield.solve import (
     ContactFit,
     ContactOperator,
-    FieldOperator,
     GaussianField,
     Inverse,
     NonNegative,
@@ -100,7 +99,7 @@ class Iterative:
     """A field that is found step by step."""
 
     name: str
-    operator: FieldOperator | Any
+    operator: Any  # a FieldOperator with a gap and iterations
     grid: Grid
     finder: ContactFinder = field(default_factory=ContactFinder)
 

@@ -130,7 +130,8 @@ def _error(point: Row) -> float | None:
 
 
 def _place(point: Row) -> float | None:
-    return point["place_median_mm"]
+    place: float | None = point["place_median_mm"]
+    return place
 
 
 def _force(point: Row) -> float | None:

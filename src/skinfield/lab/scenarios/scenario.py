@@ -1,9 +1,7 @@
-"""Scenarios of the virtual rig as TOML files, both ways, and their recordings as tasks."""
+"""Scenarios of the virtual rig as TOML files, and their recordings as tasks."""
 
-import shutil
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from decimal import Decimal
 from importlib.resources import files
 from pathlib import Path
@@ -14,11 +12,10 @@ import numpy as np
 from skinfield.elastic import Layer, PronySeries, StandardLinearSolid, Viscoelastic
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts.load import load_layout
-from skinfield.files.pending import write_bytes
-from skinfield.files.rig import LAYOUT, save_rig_run
+from skinfield.files.rig import save_rig_run
 from skinfield.lab.runner import Task
-from skinfield.lab.scenarios.indenters import COMMON, FACTORS, SHAPES, indenter_from_mapping
-from skinfield.lab.scenarios.table import Table, before_factor, ending_of, number_from_si
+from skinfield.lab.scenarios.indenters import indenter_from_mapping
+from skinfield.lab.scenarios.table import Table, ending_of
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
@@ -59,9 +56,8 @@ BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
 LOADS = "no load here: those of all indenters are in [loads]"
 SHEAR = "no shear here: the rig's actuator only goes up and down"
 NOT_HERE = {"force_n": LOADS, "depth_mm": LOADS, "shear_x_n": SHEAR, "shear_y_n": SHEAR}
-PAIRS = {"x": ("position", 0), "y": ("position", 1), "tilt_x": ("tilt", 0), "tilt_y": ("tilt", 1)}
-SCENARIO, PICTURE = "scenario.toml", "run.png"
-TASK_VERSION = "1"  # raise it when the same scenario makes other files
+PICTURE = "run.png"
+TASK_VERSION = "2"  # raise it when the same scenario makes other files
 
 Keys = Mapping[str, str]  # of the file, to the field
 
@@ -216,11 +212,7 @@ def _tool(table: Table, row: int, folder: Path) -> Tool:
         raise
     except (InputError, ArithmeticError, OSError, ValueError) as error:
         raise FileError(f"{table.place(None)}: {error}") from error
-    words: tuple[tuple[str, object], ...] = ()
-    if "file" in settings:
-        settings["file"] = str((folder / settings["file"]).resolve())
-        words = tuple((k, tuple(v) if isinstance(v, list) else v) for k, v in settings.items())
-    return table.made(Tool, name=name, indenter=indenter, words=words)
+    return table.made(Tool, name=name, indenter=indenter)
 
 
 def _places(table: Table) -> Places:
@@ -270,143 +262,6 @@ def _value(table: Table, key: str, default: Any) -> Any:
     return table.value(key, default)
 
 
-def _plain_of(keys: Keys, source: object) -> dict[str, Any]:
-    """Values of an object's fields by their keys, in the keys' units."""
-    return {key: _plain(key, getattr(source, name)) for key, name in keys.items()}
-
-
-def _plain(key: str, value: Any) -> Any:
-    if isinstance(value, bool | str):
-        return value
-    if isinstance(value, tuple | list):
-        return [_plain(key, item) for item in value]
-    return int(value) if isinstance(value, int | np.integer) else number_from_si(key, value)
-
-
-def toml_from_scenario(scenario: Scenario) -> str:
-    """Text that `scenario_from_toml` makes the same scenario of.
-
-    Raises
-    ------
-    InputError
-        For what a file cannot hold: a patch without a layout's name, a matrix of cross-talk,
-        thermal pads, or classes of one's own.
-    """
-    import tomli_w
-
-    if not scenario.layout:
-        raise InputError(
-            f"layout of scenario {scenario.name!r} is '', expected where its patch is from: save "
-            "it with save_layout and give the file's name"
-        )
-    loads = scenario.loads
-    forces = {"forces_n": _plain("forces_n", loads.forces)}
-    depths = {"depths_mm": _plain("depths_mm", loads.depths)}
-    return tomli_w.dumps(
-        {
-            "skinfield_rig": VERSION,
-            "name": scenario.name,
-            "seed": int(scenario.seed),
-            "repeats": int(scenario.repeats),
-            "first_repeat": int(scenario.first_repeat),
-            "patch": {"layout": scenario.layout, "name": scenario.patch_name},
-            "layer": {
-                **_plain_of(LAYER, scenario.layer),
-                "inextensible_cover": bool(scenario.cover),
-            },
-            "elastomer": _plain_elastomer(scenario.elastomer),
-            "indenter": [_plain_tool(tool) for tool in scenario.tools],
-            "places": [_plain_places(places) for places in scenario.places],
-            "loads": forces if loads.forces else depths,
-            "profile": _plain_of(PROFILE, scenario.profile),
-            "load_cell": _plain_of(LOAD_CELL, scenario.load_cell),
-            "temperature": _plain_of(TEMPERATURE, scenario.temperature),
-            "solving": _plain_of(SOLVING, scenario.solving),
-            "electronics": _plain_electronics(scenario.electronics),
-        }
-    )
-
-
-def _plain_elastomer(elastomer: Viscoelastic) -> dict[str, Any]:
-    if isinstance(elastomer, StandardLinearSolid):
-        return _plain_of(SOLID, elastomer)
-    if isinstance(elastomer, PronySeries):
-        return {"prony_terms": _plain("", elastomer.terms)}
-    raise _cannot("elastomer", elastomer)
-
-
-def _plain_tool(tool: Tool) -> dict[str, Any]:
-    if tool.words:  # as they were given, numbers in the unit that they were given in
-        words = {key: list(v) if isinstance(v, tuple) else v for key, v in tool.words}
-        return {"name": tool.name, **words}
-    body: Any = tool.indenter
-    shape = next((name for name, shape in SHAPES.items() if shape.make is type(body)), None)
-    if shape is None:
-        raise _cannot(f"indenter {tool.name!r}", body)
-    plain: dict[str, Any] = {"name": tool.name, "shape": shape}
-    keys = [*SHAPES[shape].required, *SHAPES[shape].optional, *COMMON]
-    for key in (key for key in keys if key not in NOT_HERE):
-        ending = next(end for end in FACTORS if key.endswith(end))
-        pair, part = PAIRS.get(key.removesuffix(ending), (key.removesuffix(ending), None))
-        value = getattr(body, pair) if part is None else getattr(body, pair)[part]
-        plain[key] = before_factor(float(value), FACTORS[ending])
-    return plain
-
-
-def _plain_places(places: Any) -> dict[str, Any]:
-    for kind, (made, keys) in PLACES.items():
-        if made is type(places):
-            return {"kind": kind, **_plain_of(keys, places)}
-    raise _cannot("places", places)
-
-
-def _plain_electronics(electronics: Electronics) -> dict[str, Any]:
-    if electronics.thermal_pads is not None or electronics.cross_talk.matrix is not None:
-        raise _cannot("electronics with thermal pads or a matrix of cross-talk", electronics)
-    board: Any = electronics.board
-    kind = next((kind for kind, made in BOARDS.items() if made is type(board)), None)
-    if kind is None:
-        raise _cannot("board", board)
-    values: dict[str, Any] = {"kind": kind}
-    if isinstance(board, ICubBoard):
-        values |= _plain_of(ICUB, board) | _plain_of(ICUB_BYTE, board.convention)
-    elif isinstance(board, CySkinBoard):
-        values |= _plain_of(CYSKIN, board)
-    return {
-        **_plain_of(ELECTRONICS, electronics),
-        "board": values,
-        **{name: _plain_of(keys, getattr(electronics, name)) for name, keys in PARTS.items()},
-    }
-
-
-def _cannot(what: str, value: object) -> InputError:
-    return InputError(
-        f"{what} is {value!r:.120}, expected one that a scenario's file can hold: see "
-        "'skinfield rig --new'"
-    )
-
-
-def in_folder(scenario: Scenario, layout: str) -> tuple[Scenario, list[tuple[Path, str]]]:
-    """Scenario whose files lie beside it under plain names, and (source, name) of what to copy.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    layout : str
-        Name of its layout's file there.
-    """
-    copies, tools = [], []
-    for row, tool in enumerate(scenario.tools):
-        words = dict(tool.words)
-        if "file" in words:
-            source = Path(str(words["file"]))
-            name = f"shape-{row + 1}{source.suffix}"
-            words["file"] = name
-            copies.append((source, name))
-        tools.append(replace(tool, words=tuple(words.items())))
-    return replace(scenario, layout=layout, patch_name="", tools=tuple(tools)), copies
-
-
 def template() -> str:
     """Text of a scenario with all keys explained, to start from."""
     return files("skinfield.lab.scenarios").joinpath("scenario.toml").read_text("utf-8")
@@ -423,18 +278,11 @@ def make_run(folder: Path, scenario: Scenario) -> dict[str, Any]:
     Raises
     ------
     FileError
-        If a file cannot be written, or the shape's file has gone.
+        If a file cannot be written.
     """
     done = run_rig(scenario)
     save_rig_run(done, folder)
     save(draw_rig_run(done), folder / PICTURE)
-    beside, copies = in_folder(scenario, LAYOUT)
-    for source, name in copies:
-        try:
-            shutil.copyfile(source, folder / name)
-        except OSError as error:
-            raise FileError(f"{source} cannot be copied: {error.strerror or error}") from error
-    write_bytes(folder / SCENARIO, toml_from_scenario(beside).encode())
     truth = done.truth
     return {
         "indenter": scenario.tools[0].name,

@@ -45,28 +45,6 @@ def si_from_number(key: str, number: int | float | Decimal) -> float:
         return float(exact.scaleb(UNITS[ending_of(key)][0]))
 
 
-def number_from_si(key: str, value: float) -> Decimal:
-    """Number that `si_from_number` turns into this very value."""
-    if ending_of(key) == "_deg":
-        return Decimal(repr(before_factor(float(value), DEGREE)))
-    exact = Decimal(repr(float(value)))
-    with localcontext() as context:
-        context.prec = 60
-        if ending_of(key) == "_c":
-            exact -= CELSIUS
-        else:
-            exact = exact.scaleb(-UNITS[ending_of(key)][0])
-    return Decimal(format(exact, "f"))  # without an exponent
-
-
-def before_factor(value: float, factor: float) -> float:
-    """Number that times `factor` is `value`; where none is, one that is off by the last digit."""
-    guess = value / factor
-    near = [guess, math.nextafter(guess, math.inf), math.nextafter(guess, -math.inf)]
-    exact = [number for number in near if number * factor == value]
-    return min(exact, key=lambda number: len(repr(number)), default=guess)
-
-
 @dataclass
 class Table:
     """One table: each key is taken once; `finish` objects to those that nobody took.
