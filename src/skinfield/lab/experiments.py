@@ -28,7 +28,6 @@ from skinfield.lab.runner import Outcome, Task, stored
 from skinfield.lab.runner import run as run_tasks
 from skinfield.lab.sections.accuracy import accuracy, accuracy_parts
 from skinfield.lab.sections.agreement import agreement
-from skinfield.lab.sections.coverage import coverage, coverage_parts
 from skinfield.lab.sections.detection import detection
 from skinfield.lab.sections.foot import foot
 from skinfield.lab.sections.imposed import imposed
@@ -43,7 +42,6 @@ EXPERIMENTS = (
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table", "contacts"), accuracy, parts=accuracy_parts),
-    Experiment("coverage", ("intervals",), coverage, parts=coverage_parts),
     Experiment("agreement", ("fem", "model"), agreement),
     Experiment("real-foot", ("real-data",), foot),
 )
