@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -262,7 +263,7 @@ def test_table_of_rows_made_by_hand() -> None:
 def test_the_section_from_its_parts() -> None:
     plan = replace(accuracy_plan("smoke"), entrants=known_entrants()[:2])
     results = [
-        part.function(*part.arguments)
+        part.function(Path(), *part.arguments)
         for part in parts_of(replace(plan, presses=2, idle=50, trials=4))
     ]
     found = Findings.of(results)

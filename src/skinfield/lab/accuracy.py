@@ -17,8 +17,8 @@ from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, SkinfieldError, check_choice, check_positive
 from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
 from skinfield.lab.cases import Case, Pose, Truth, posed, quantity_by_name, truth_of_press
-from skinfield.lab.report import SIZES, Part, tasks_of
-from skinfield.lab.runner import run
+from skinfield.lab.report import SIZES, program
+from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, rows_of_case
 from skinfield.simulate import Sphere, press
@@ -318,21 +318,27 @@ def _as_two(entrant: Entrant, case: Case, gate: float) -> bool:
     return len(matches) == 2 and not missed and not false
 
 
-def parts_of(plan: AccuracyPlan) -> list[Part]:
-    """Independent shares of the work."""
-    firsts = range(0, plan.presses, plan.share)
-    return [
-        *(
-            Part(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + plan.share, plan.presses)))
-            for k in firsts
-        ),
-        *(
-            Part(f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
-            for level in plan.levels
-            if level.noise > 0
-        ),
-        *(Part(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances),
+def parts_of(plan: AccuracyPlan) -> list[Task]:
+    """Independent shares of the work; void once the program is another."""
+    shares: list[tuple[str, Callable[..., Any], tuple[Any, ...]]] = [
+        (f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + plan.share, plan.presses)))
+        for k in range(0, plan.presses, plan.share)
     ]
+    shares += [
+        (f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
+        for level in plan.levels
+        if level.noise > 0
+    ]
+    shares += [(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances]
+    return [
+        Task(f"accuracy.{name}", share_of, (rows, *arguments), program())
+        for name, rows, arguments in shares
+    ]
+
+
+def share_of(folder: Path, rows: Callable[..., Any], *arguments: Any) -> Any:
+    """A share of the work as a task; it leaves no files."""
+    return rows(*arguments)
 
 
 def computed(
@@ -348,7 +354,7 @@ def computed(
     SkinfieldError
         Where a part fails: with its last line, and the file that has the rest.
     """
-    tasks, results = tasks_of(parts_of(plan), "accuracy"), {}
+    tasks, results = parts_of(plan), {}
     progress(0, len(tasks))
     for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):
         if outcome.failure:

@@ -20,7 +20,6 @@ from skinfield.lab.report import (
     Verdict,
     program,
     read_section,
-    tasks_of,
     write_report,
     write_section,
 )
@@ -105,9 +104,7 @@ def run(
         If the folder cannot be written.
     """
     start = time.perf_counter()
-    parts = {
-        each.name: tasks_of(each.parts(settings), each.name) for each in experiments if each.parts
-    }
+    parts = {each.name: each.parts(settings) for each in experiments if each.parts}
     shares = [task for tasks in parts.values() for task in tasks]
     total, ended = len(shares) + len(experiments), 0
     progress("", ended, total)

@@ -210,24 +210,6 @@ class Missing:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A share of an experiment that can run beside others and be kept.
-
-    Parameters
-    ----------
-    name : str
-        Letters, digits and ``._+=,-``.
-    function : function of `arguments`
-        Of the module level; returns what JSON can hold, where NaN becomes None.
-    arguments : tuple
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...]
-
-
-@dataclass(frozen=True)
 class Experiment:
     """A section yet to be made.
 
@@ -240,8 +222,8 @@ class Experiment:
     make : function of Settings
         The section, or why there is none. Of the module level: it is sent to other processes.
     parts : function of Settings, optional
-        Shares to be computed before; their results, in this order, are the last argument of
-        `make`, with None for one that failed.
+        Tasks to be run before; their results, in this order, are the last argument of `make`, with
+        None for one that failed.
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
@@ -249,18 +231,8 @@ class Experiment:
     name: str
     figures: tuple[str, ...]
     make: Callable[..., Section | Missing]
-    parts: Callable[[Settings], Sequence[Part]] | None = None
+    parts: Callable[[Settings], Sequence[Task]] | None = None
     alone: bool = False
-
-
-def tasks_of(parts: Sequence[Part], prefix: str) -> list[Task]:
-    """One task each, named after the experiment and the part; void once the program is another."""
-    return [Task(f"{prefix}.{part.name}", make_part, (part,), version=program()) for part in parts]
-
-
-def make_part(folder: Path, part: Part) -> Any:
-    """Run one part."""
-    return part.function(*part.arguments)
 
 
 @lru_cache(maxsize=1)

@@ -17,7 +17,8 @@ from skinfield.lab.accuracy import (
     parts_of,
 )
 from skinfield.lab.plots import LIMIT, STEPS, Curve, Panel, Scale, distribution, draw_panels
-from skinfield.lab.report import Cell, Missing, Part, Picture, Section, Settings, Table, Verdict
+from skinfield.lab.report import Cell, Missing, Picture, Section, Settings, Table, Verdict
+from skinfield.lab.runner import Task
 from skinfield.lab.score import Row, column, where, wilson
 from skinfield.lab.validation import CONTACT, GAUSSIAN, PAPER, Entrant, Level
 from skinfield.plot.style import number
@@ -46,7 +47,7 @@ ERRORS = (  # column, label, factor, ends of the axis
 )
 
 
-def accuracy_parts(settings: Settings) -> list[Part]:
+def accuracy_parts(settings: Settings) -> list[Task]:
     """Shares of the campaign."""
     return parts_of(accuracy_plan(settings.size.name, settings.seed))
 
