@@ -23,9 +23,6 @@ from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import (
     Trial,
     field_peak,
-    highest_taxel,
-    known_shape,
-    matched_filter,
     noisy,
     roc,
     threshold,
@@ -73,14 +70,6 @@ def test_roc_of_two_normal_distributions() -> None:
     rng, alarms = np.random.default_rng(2), np.array([0.01, 0.1, 0.5])
     found = roc(rng.normal(size=100_000), rng.normal(size=50_000) + 1.5, alarms)
     assert found == pytest.approx(ndtr(1.5 + ndtri(alarms)), abs=0.01)
-
-
-def test_highest_of_72_idle_taxels_is_gumbel_like() -> None:
-    from scipy.special import ndtri
-
-    quiet = np.random.default_rng(3).normal(size=(100_000, 72))
-    level = threshold(highest_taxel(quiet), 1e-3)
-    assert level == pytest.approx(-ndtri(1 - (1 - 1e-3) ** (1 / 72)), abs=0.08)
 
 
 def test_statistic_of_the_field_is_the_highest_pressure_of_an_estimate() -> None:
@@ -141,13 +130,6 @@ def test_noise_is_independent_of_the_trial_before_and_shrinks_when_averaged() ->
     assert np.array_equal(once, noisy(trial, SETTINGS, (9,), (9, 1), 1))
 
 
-def test_matched_filter_peaks_at_its_own_shape() -> None:
-    templates = known_shape(SETTINGS)
-    known, shape = matched_filter(templates), templates[700:701]
-    assert known(shape)[0] == pytest.approx(np.linalg.norm(shape))
-    assert known(shape)[0] >= known(-shape)[0]
-
-
 def test_half_width_of_a_gaussian() -> None:
     grid = sf.Grid.square(paper_patch(), nodes=60)
     bump = np.exp(-np.sum((grid.plane - [1e-3, 2e-3]) ** 2, axis=1) / (2 * (3e-3) ** 2))
@@ -206,11 +188,8 @@ def test_exponents_tell_a_power_law_from_an_exponential() -> None:
 def test_parts_are_chosen_by_name_or_figure() -> None:
     assert chosen([]) == EXPERIMENTS
     assert [each.name for each in chosen(["fig3", " FIG6 "])] == ["imposed", "detection"]
-    with pytest.raises(InputError, match="'fig10' names no experiment, expected some of imposed"):
-        chosen(["fig10"])
-
-
-def test_sizes_have_names() -> None:
     assert size_by_name("smoke") is SMOKE
     with pytest.raises(InputError, match="size is 'tiny', expected one of full, short, smoke"):
         size_by_name("tiny")
+    with pytest.raises(InputError, match="'fig10' names no experiment, expected some of imposed"):
+        chosen(["fig10"])

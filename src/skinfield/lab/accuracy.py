@@ -20,7 +20,7 @@ from skinfield.lab.cases import Case, Pose, Truth, posed, quantity_by_name, trut
 from skinfield.lab.report import SIZES, program
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
-from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, rows_of_case
+from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, once, rows_of_case
 from skinfield.simulate import Sphere, press
 from skinfield.skin import Patch
 from skinfield.skin.generators import by_name
@@ -311,7 +311,7 @@ def _poses(plan: AccuracyPlan, distance: float) -> list[Pose]:
 
 
 def _as_two(entrant: Entrant, case: Case, gate: float) -> bool:
-    reconstruct = entrant.reconstructor(case)
+    reconstruct = once(entrant).reconstructor(case)
     reconstruct.reset()
     contacts = reconstruct(case.readings).contacts
     matches, missed, false = matched(case.patch, case.truth.contacts, contacts, gate)

@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -45,10 +46,6 @@ class Level:
         return f"{self.quantity} {self.noise:g}"
 
 
-# Of equal entrants and skins, by what makes them equal.
-_PREPARED: dict[tuple[object, ...], Reconstructor] = {}
-
-
 @dataclass(frozen=True, kw_only=True)
 class Entrant:
     """A solver with what it assumes, ready for any case.
@@ -71,6 +68,9 @@ class Entrant:
     nodes: int = 40
     gate: float = GATE
     name: str = ""
+    _prepared: dict[tuple[object, ...], Reconstructor] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         check_positive("gate", self.gate, "distance of contacts that are the same, in metres")
@@ -130,17 +130,16 @@ class Entrant:
         patch = case.patch
         arrays: tuple[Floats, ...] = (patch.positions, patch.normals, case.noise_std)
         key = (
-            self,
             *(array.tobytes() for array in arrays),
             patch.pad_diameter,
             case.layer,
             case.quantity,
             mechanics,
         )
-        if key not in _PREPARED:
-            if len(_PREPARED) >= CACHED:
-                _PREPARED.pop(next(iter(_PREPARED)))
-            _PREPARED[key] = Reconstructor(
+        if key not in self._prepared:
+            if len(self._prepared) >= CACHED:
+                self._prepared.pop(next(iter(self._prepared)))
+            self._prepared[key] = Reconstructor(
                 patch,
                 case.layer,
                 Grid.square(patch, nodes=self.nodes),
@@ -149,7 +148,7 @@ class Entrant:
                 solver=self.solver,
                 noise_std=case.noise_std,
             )
-        return _PREPARED[key]
+        return self._prepared[key]
 
 
 def _held(estimated: Contact, case: Case, true: int) -> tuple[bool, bool]:
@@ -172,6 +171,12 @@ def known_entrants(nodes: int = 40) -> tuple[Entrant, ...]:
         Entrant(name=GAUSSIAN, solver=GaussianField(), nodes=nodes),
         Entrant(name=CONTACT, solver=ContactFit(), nodes=nodes),
     )
+
+
+@lru_cache(maxsize=32)
+def once(entrant: Entrant) -> Entrant:
+    """One of equal entrants per process, so that what it prepares is prepared once."""
+    return entrant
 
 
 def noise_seed(seed: int, index: int) -> int:
@@ -200,7 +205,7 @@ def rows_of_case(
         drawn = at_level(case, level, seed)
         for entrant in entrants:
             head = {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
-            yield head | entrant.attempt(drawn)
+            yield head | once(entrant).attempt(drawn)
 
 
 def row_of_case(case: Case, scores: Sequence[Score]) -> Row:
