@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import skinfield as sf
-from skinfield.design import Places, SkinDesign, Touch, place_accuracy
 from skinfield.elastic import ObservationModel
 from skinfield.errors import InputError
 from skinfield.lab.accuracy import (
@@ -36,7 +35,7 @@ from skinfield.lab.case_sets import (
     random_cases,
     random_press,
 )
-from skinfield.lab.cases import Case, Pose, posed
+from skinfield.lab.cases import Case
 from skinfield.lab.report import SMOKE, Missing, Section, Settings
 from skinfield.lab.score import quantiles, summarise
 from skinfield.lab.sections.accuracy import accuracy
@@ -51,6 +50,7 @@ from skinfield.lab.validation import (
     rows_of_case,
 )
 from skinfield.simulate import Sphere
+from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin.generators import icub_hexagon, icub_triangle
 from skinfield.solve import InverseOperator
 
@@ -135,26 +135,39 @@ def test_a_gate_is_a_distance() -> None:
         replace(known_entrants()[0], gate=0)
 
 
+def body_of(press: RandomPress) -> Sphere:
+    (body,) = press.press.indenters
+    assert isinstance(body, Sphere)
+    return body
+
+
 def test_errors_at_the_bound_have_its_size() -> None:
     press = next(each for each in presses() if isinstance(each.press.indenters[0], Sphere))
     [contact] = press.truth.contacts
-    design = SkinDesign(patch=PATCH, layer=SILICONE, quantity=sf.BaseStress(), noise_std=380.0)
-    touch = Touch(contact.force, float(np.sqrt(contact.area / np.pi)))
-    whole = Places.over(PATCH, 1e-3)
-    at = int(np.linalg.norm(whole.plane - contact.position, axis=1).argmin())
-    away = whole.plane[at] - contact.position  # the bound is asked for at a node: move the press
-    moved = posed(press.truth, Pose(float(away[0]), float(away[1])))
-    rows = bound_rows(plan_of(), moved, np.random.default_rng(0), draws=4000)
-    bound = place_accuracy(design, touch, Places(whole.grid, whole.nodes[[at]]))
-    for name, place, force in (
-        (KNOWN, bound.place_std_known_size, bound.force_std_known_size),
-        (UNKNOWN, bound.place_std, bound.force_std),
-    ):
-        mine = [row for row in rows if row["method"] == name]
-        place_rms = np.sqrt(np.mean([(1e-3 * row["place_error_mm"]) ** 2 for row in mine]))
-        force_rms = np.sqrt(np.mean([row["force_error"] ** 2 for row in mine]))
-        assert place_rms == pytest.approx(place[0], rel=0.08)
-        assert force_rms == pytest.approx(force[0] / contact.force, rel=0.08)
+    reads = [
+        readings_anywhere(
+            sf.simulate.press(SILICONE, [replace(ball, force=contact.force * part)], 20e-3, 0.3e-3),
+            PATCH.pad_diameter, "stress",
+        )
+        for part in (0.95, 1.0, 1.05)
+        for ball in [Sphere(radius=body_of(press).radius)]
+    ]  # fmt: skip
+    seen, ways = PATCH.plane - contact.position, 0.1e-3 * np.eye(2)
+    slopes = [(reads[1](seen - way) - reads[1](seen + way)) / 0.2e-3 for way in ways]
+    by_force = (reads[2](seen) - reads[0](seen)) / np.log(1.05 / 0.95)
+    jacobian = np.column_stack([*slopes, by_force]) / 380.0
+    variance = np.diag(np.linalg.inv(jacobian.T @ jacobian))
+    rows = bound_rows(plan_of(), [body_of(press)], press.truth, np.random.default_rng(0), 4000)
+    rms = {
+        name: [
+            np.sqrt(np.mean([row[key] ** 2 for row in rows if row["method"] == name]))
+            for key in ("place_error_mm", "force_error")
+        ]
+        for name in (KNOWN, UNKNOWN)
+    }
+    assert rms[KNOWN][0] == pytest.approx(1e3 * np.sqrt(variance[:2].sum()), rel=0.1)
+    assert rms[KNOWN][1] == pytest.approx(np.sqrt(variance[2]), rel=0.1)
+    assert rms[UNKNOWN][1] > 2 * rms[KNOWN][1]  # a smaller ball presses as a weaker one
 
 
 class Blind:
@@ -201,7 +214,7 @@ def test_linear_solvers_err_between_brackets_far_above_the_bound() -> None:
     for index, (x, y) in enumerate(rng.uniform(-12e-3, 12e-3, (6, 2)).tolist()):
         case = Case.from_press("ball", solved, PATCH, "stress", (x, y, 0.0))
         rows += rows_of_case(case, [level], known_entrants(20)[:2], index)
-        bound += bound_rows(plan_of(levels=(level,)), case.truth, rng, draws=20)
+        bound += bound_rows(plan_of(levels=(level,)), [ball], case.truth, rng, draws=20)
     limit = quantiles([row for row in bound if row["method"] == KNOWN])
     assert limit["place_error_mm_median"] < 0.05
     assert limit["force_error_median"] < 0.02

@@ -14,9 +14,18 @@ import numpy as np
 from skinfield.design import SkinDesign, Touch
 from skinfield.design.design import respond
 from skinfield.elastic import Layer
+from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
 from skinfield.errors import Floats, InputError, SkinfieldError, check_choice, check_positive
 from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
-from skinfield.lab.cases import Case, Pose, Truth, posed, quantity_by_name, truth_of_press
+from skinfield.lab.cases import (
+    Case,
+    Pose,
+    TrueContact,
+    Truth,
+    posed,
+    quantity_by_name,
+    truth_of_press,
+)
 from skinfield.lab.report import SIZES, program
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
@@ -30,7 +39,7 @@ NOISES = {  # standard deviations of one reading, Pa and ΔC/C₀; 0 is exact
     "capacitance": (0.0, 0.002, 0.005, 0.02),
 }
 KNOWN, UNKNOWN = "bound, size known", "bound, size unknown"
-PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln contact radius, if not known
+PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln radius, if it is not known
 DRAWS = 64  # of errors at the bound, per press
 RADIUS, FORCE = 3e-3, 1.0  # m, N: of each of two balls that are told apart
 
@@ -180,21 +189,26 @@ def rows_of_presses(plan: AccuracyPlan, first: int, last: int) -> dict[str, list
             case = pressed.case(patch, quantity)
             made = rows_of_case(case, levels, plan.entrants, noise_seed(plan.seed, index))
             rows += [about | row for row in made]
-        if all(isinstance(body, Sphere) for body in pressed.press.indenters):
+        balls = [body for body in pressed.press.indenters if isinstance(body, Sphere)]
+        if len(balls) == len(pressed.press.indenters):
             rng = np.random.default_rng([plan.seed, index, 1])
-            bound += [about | row for row in bound_rows(plan, pressed.truth, rng)]
+            bound += [about | row for row in bound_rows(plan, balls, pressed.truth, rng)]
     return {"rows": rows, "bound": bound}
 
 
 def bound_rows(
-    plan: AccuracyPlan, truth: Truth, rng: np.random.Generator, draws: int = DRAWS
+    plan: AccuracyPlan,
+    balls: Sequence[Sphere],
+    truth: Truth,
+    rng: np.random.Generator,
+    draws: int = DRAWS,
 ) -> list[Row]:
     """Errors at the Cramér-Rao bound of a press by balls, for each noise above 0.
 
-    They are Gaussian with the bound's covariance (see `skinfield.design.place_accuracy`), with the
-    contacts' sizes known and unknown: what an unbiased and efficient estimator of place and force
-    would score. Several balls are taken to act each by itself: they are 10 mm or more apart, five
-    thicknesses. None for touches that are beyond what a design can be asked.
+    They are Gaussian with the bound's covariance, with the balls' sizes known and unknown: what an
+    unbiased and efficient estimator of place and force would score. Several balls are taken to act
+    each by itself: they are 10 mm or more apart, five thicknesses. None for touches that are beyond
+    what a design can be asked.
     """
     rows: list[Row] = []
     forces = np.array([contact.force for contact in truth.contacts])
@@ -206,12 +220,8 @@ def bound_rows(
         )
         try:
             grams = [
-                respond(
-                    design,
-                    Touch(contact.force, float(np.sqrt(contact.area / np.pi))),
-                    np.array([contact.position]),
-                ).gram[0, 1:, 1:]
-                for contact in truth.contacts
+                _information(design, ball.radius, contact)
+                for ball, contact in zip(balls, truth.contacts, strict=True)
             ]
         except InputError:
             continue
@@ -228,6 +238,24 @@ def bound_rows(
                 for each in zip(place, total, single, strict=True)
             ]
     return rows
+
+
+def _information(design: SkinDesign, radius: float, contact: TrueContact) -> Floats:
+    """Fisher information (4, 4) of x m, y m, ln force and ln radius of a ball.
+
+    Its contact's radius is a function of the force times the ball's radius alone, as that of every
+    paraboloid on a linear layer is.
+    """
+    body, parts = Paraboloid(radius=radius), (0.95, 1.0, 1.05)
+    light, touch, heavy = (
+        indent_by_force(design.layer, body, contact.force * part).contact_radius for part in parts
+    )
+    change = np.eye(4, 5, 1)
+    change[3, 4] = 0.0
+    change[2:, 4] = np.log(heavy / light) / np.log(parts[2] / parts[0])
+    at = np.array([contact.position])
+    gram = respond(design, Touch(contact.force, touch), at).gram[0]
+    return np.asarray(change @ gram @ change.T)
 
 
 def _root_of_bound(gram: Floats, prior: float | None) -> Floats:

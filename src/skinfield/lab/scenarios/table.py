@@ -70,7 +70,7 @@ class Table:
 
     def wrong(self, key: str, expected: str) -> FileError:
         """Error about a value."""
-        shown = _shown(self.content[key]) if key in self.content else "missing"
+        shown = _excerpt(self.content[key]) if key in self.content else "missing"
         return FileError(f"{self.place(key)}: {key} is {shown}, expected {expected}")
 
     def value(self, key: str, default: Any = None) -> Any:
@@ -131,7 +131,7 @@ class Table:
             units = {name: f"{name} ({unit_of(name)})" for name in self.known if ending_of(name)}
             listed = ", ".join(units.get(name, name) for name in sorted(self.known))
             raise FileError(
-                f"{self.place(key)}: {_shown(key)} is not known, expected one of {listed}"
+                f"{self.place(key)}: {_excerpt(key)} is not known, expected one of {listed}"
                 f"{nearest(key, self.known)}"
             )
 
@@ -193,7 +193,7 @@ def _plain(value: Any) -> Any:
     return [_plain(item) for item in value] if isinstance(value, list) else value
 
 
-def _shown(value: object) -> str:
+def _excerpt(value: object) -> str:
     if isinstance(value, Decimal):
         return str(value)[:40]
     try:
