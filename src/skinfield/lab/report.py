@@ -257,6 +257,11 @@ def spread_in_words(values: Sequence[float], unit: str, scale: float = 1.0) -> s
     return f"{low if low == high else f'{low} to {high}'} {unit}"
 
 
+def verdict_of(whole: bool, part: bool = False, no: str = "does not hold") -> str:
+    """Whether a claim holds, holds in part, or does not."""
+    return "holds" if whole else "holds only in part" if part else no
+
+
 def listed(words: Sequence[str]) -> str:
     """Such as "a, b and c"."""
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

@@ -19,7 +19,16 @@ from skinfield.lab.plots import (
     draw_panels,
     in_rows,
 )
-from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, share_in_words
+from skinfield.lab.report import (
+    Cell,
+    Picture,
+    Section,
+    Settings,
+    Table,
+    Verdict,
+    share_in_words,
+    verdict_of,
+)
 from skinfield.lab.score import wilson
 from skinfield.reconstruct import Reconstructor
 from skinfield.signal.filters import Exponential
@@ -415,7 +424,7 @@ def _verdicts(made: Detection) -> list[Verdict]:
             "7",
             "0.5 N between three taxels is less clear but identifiable",
             f"found {between} at the same noise",
-            "holds" if between.interval[0] > 0.5 else "does not hold",
+            verdict_of(between.interval[0] > 0.5),
         ),
     ]
 

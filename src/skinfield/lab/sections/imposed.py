@@ -23,6 +23,7 @@ from skinfield.lab.report import (
     Verdict,
     listed,
     spread_in_words,
+    verdict_of,
 )
 from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Cylinder, press
@@ -326,7 +327,7 @@ def imposed(settings: Settings) -> Section:
                 "the force is smoothed, the more the denser the grid",
                 f"width {widths[0, 'widths']} mm where the same nodes can show "
                 f"{widths[0, 'true_widths']} mm: {listed([f'{b:.1f}' for b in blur])} times",
-                "holds" if min(blur) > 1 and blur[-1] > blur[0] else "does not hold",
+                verdict_of(min(blur) > 1 and blur[-1] > blur[0]),
             ),
             Verdict("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
             Verdict(
@@ -334,11 +335,7 @@ def imposed(settings: Settings) -> Section:
                 "three contacts stay distinct",
                 f"{listed([str(each.contacts) for each in apart])} contacts found on {sides} nodes "
                 "a side",
-                "holds"
-                if all(distinct)
-                else "holds only in part"
-                if any(distinct)
-                else "does not hold",
+                verdict_of(all(distinct), any(distinct)),
             ),
         ),
     )

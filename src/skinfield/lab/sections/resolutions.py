@@ -9,7 +9,7 @@ from skinfield.errors import Floats
 from skinfield.estimate import Estimate
 from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, Method, paper_patch, readings, sites
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict
+from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, verdict_of
 from skinfield.skin import Grid
 
 FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
@@ -76,11 +76,7 @@ def resolutions(settings: Settings) -> Section:
                 "8",
                 "the finer the grid, the smoother the surface",
                 f"roughness {_row(paper, 'roughness')} on grids from coarse to fine",
-                "holds"
-                if falls
-                else "holds only in part"
-                if rough[-1] < rough[0]
-                else "does not hold",
+                verdict_of(falls, rough[-1] < rough[0]),
             ),
         ),
     )

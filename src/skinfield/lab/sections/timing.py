@@ -6,7 +6,15 @@ from skinfield.errors import Floats
 from skinfield.lab.bench.run import INVERSION, PAPER, PREPARED, grid_rows, methods_of_paper
 from skinfield.lab.bench.scene import BenchSettings, BenchSize
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, spread_in_words
+from skinfield.lab.report import (
+    Picture,
+    Section,
+    Settings,
+    Table,
+    Verdict,
+    spread_in_words,
+    verdict_of,
+)
 from skinfield.lab.score import Row
 from skinfield.plot.style import number, plus_minus
 
@@ -77,7 +85,7 @@ def timing(settings: Settings) -> Section:
                 "9",
                 "the deviation of the time is almost negligible",
                 f"at most {100 * deviation:.0f} % of the mean",
-                "holds" if deviation < NEGLIGIBLE else "does not hold on this machine",
+                verdict_of(deviation < NEGLIGIBLE, no="does not hold on this machine"),
             ),
             Verdict(
                 "9",
