@@ -38,7 +38,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_run_has_its_files(made: Path) -> None:
     assert sorted(path.name for path in made.iterdir()) == [
         "calibration.toml", "layout.toml", "load_cell.csv", "recording.npz", "run.png",
-        "scenario.toml", "task.json", "truth.npz",
+        "task.json", "truth.npz",
     ]  # fmt: skip
     assert (made / "run.png").stat().st_size > 50_000
     assert json.loads((made / "task.json").read_text())["result"]["highest_force_N"] == 2.0
@@ -50,7 +50,7 @@ def test_a_run_has_its_files(made: Path) -> None:
 
 
 def test_its_scenario_makes_it_again(made: Path) -> None:
-    again = run_rig(load_scenario(made / "scenario.toml"))
+    again = run_rig(load_scenario(made.parent / "foam.toml"))
     recording = open_recording(made / "recording.npz")
     assert np.array_equal(recording.counts, again.recording.counts, equal_nan=True)
     assert np.array_equal(recording.stamp_ns, again.recording.stamp_ns)

@@ -1,13 +1,12 @@
 """`skinfield bench`: what a reading costs on this machine, and error against time."""
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from skinfield.cli.options import OUTPUT, Force, Json, flag_of
 from skinfield.cli.report import check_new, console, print_json, progress, say, say_notes
 from skinfield.errors import InputError, check_count
 
 if TYPE_CHECKING:
-    from skinfield.lab.bench.run import Bench
     from skinfield.lab.bench.scene import BenchSettings
 
 
@@ -90,7 +89,6 @@ def bench(
         raise InputError(f"--{flag_of(next(iter(options)))} belongs to --jitter: give both")
     check_new("--output", output, force)
     from skinfield.lab.bench.picture import machine_line, picture
-    from skinfield.lab.bench.run import bench_as_json
     from skinfield.lab.bench.scene import BenchSettings, bench_size
     from skinfield.plot import check_name, save
 
@@ -98,9 +96,9 @@ def bench(
     measured = _measured(BenchSettings(size=bench_size(size), seed=seed))
     if file is not None:
         save(picture(measured), file)
-    say_notes(measured.warnings)
+    say_notes(measured["warnings"])
     if as_json:
-        print_json(bench_as_json(measured))
+        print_json(measured)
         return
     from skinfield.cli.bench_tables import tables
 
@@ -111,7 +109,7 @@ def bench(
         say(f"wrote {file}")
 
 
-def _measured(settings: "BenchSettings") -> "Bench":
+def _measured(settings: "BenchSettings") -> dict[str, Any]:
     from skinfield.lab.bench.run import run_bench
 
     with progress() as bar:

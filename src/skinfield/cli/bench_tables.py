@@ -1,114 +1,109 @@
 """Tables of `skinfield bench`."""
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from skinfield.lab.bench.costs import INVERSION, PAPER, PAPER_REST_MS
-from skinfield.lab.bench.picture import prepared_gain, written
+from skinfield.lab.bench.picture import written
+from skinfield.lab.bench.run import INVERSION, PAPER, PAPER_REST_MS, Row, prepared_gain
 from skinfield.plot.style import number
-
-if TYPE_CHECKING:
-    from skinfield.lab.bench.costs import Call, GridTime
-    from skinfield.lab.bench.machine import Spread
-    from skinfield.lab.bench.run import Bench, Point
 
 NONE, TINY = "–", 1e-5
 
 
-def tables(bench: "Bench") -> Iterator[Table]:
+def tables(bench: Mapping[str, Any]) -> Iterator[Table]:
     """What a reading costs; error against time, of the solvers; whole calls."""
-    yield _costs(bench)
+    yield _costs(bench["grids"])
     yield _anytime(bench)
     yield _calls(bench)
 
 
-def _costs(bench: "Bench") -> Table:
+def _costs(grids: Sequence[Row]) -> Table:
+    nodes = list(dict.fromkeys(row["nodes"] for row in grids))
     table = _table(
         "time per reading: mean ± standard deviation (99th percentile)",
         ("method",),
-        tuple(f"{nodes} x {nodes}" for nodes in _nodes(bench.grids)),
+        tuple(f"{each} x {each}" for each in nodes),
     )
-    for name in dict.fromkeys(row.name for row in bench.grids):
-        rows = [row for row in bench.grids if row.name == name]
-        table.add_row(name, *map(_cost, rows))
-    gains = (f"{prepared_gain(bench.grids, nodes):,.0f}" for nodes in _nodes(bench.grids))
+    for name in dict.fromkeys(row["name"] for row in grids):
+        table.add_row(name, *(_cost(row) for row in grids if row["name"] == name))
+    gains = (f"{prepared_gain(grids, each):,.0f}" for each in nodes)
     table.add_row("paper over prepared, medians", *gains)
-    rest = [_rest(bench.grids, nodes) for nodes in _nodes(bench.grids)]
-    table.add_row("paper without its inversion, here", *rest)
-    stated = (PAPER_REST_MS.get(nodes) for nodes in _nodes(bench.grids))
+    table.add_row("paper without its inversion, here", *(_rest(grids, each) for each in nodes))
+    stated = (PAPER_REST_MS.get(each) for each in nodes)
     said = (NONE if each is None else f"{each:g} ms" for each in stated)
     table.add_row("the same, as the paper states", *said)
     return table
 
 
-def _nodes(grids: Sequence["GridTime"]) -> list[int]:
-    return list(dict.fromkeys(row.nodes for row in grids))
-
-
-def _cost(row: "GridTime") -> str:
-    found = row.seconds
-    text = f"{in_words(found['mean'])} ± {in_words(found['std'])} ({in_words(found['p99'])})"
-    if row.certified is not None and row.certified < 1.0:
-        text += f", {100 * row.certified:.0f} % certified"
+def _cost(row: Row) -> str:
+    mean, std, p99 = (_of(row["seconds_us"], key) for key in ("mean", "std", "p99"))
+    text = f"{mean} ± {std} ({p99})"
+    if row["certified"] is not None and row["certified"] < 1.0:
+        text += f", {100 * row['certified']:.0f} % certified"
     return text
 
 
-def _rest(grids: Sequence["GridTime"], nodes: int) -> str:
+def _rest(grids: Sequence[Row], nodes: int) -> str:
     """Of the paper's algorithm beside the inversion, by medians."""
-    times = {row.name: row.seconds["p50"] for row in grids if row.nodes == nodes}
-    return in_words(max(times[PAPER] - times[INVERSION], 0.0))
+    times = {row["name"]: row["seconds_us"]["p50"] for row in grids if row["nodes"] == nodes}
+    return in_words(1e-6 * max(times[PAPER] - times[INVERSION], 0.0))
 
 
-def _anytime(bench: "Bench") -> Table:
+def _anytime(bench: Mapping[str, Any]) -> Table:
+    nodes = bench["nodes"]
     table = _table(
-        f"two moving fingers, {bench.nodes} x {bench.nodes} nodes, {bench.readings} readings: "
+        f"two moving fingers, {nodes} x {nodes} nodes, {bench['readings']} readings: "
         "error to the converged pressure and to the truth, medians",
         ("solver",),
         ("deadline", "p50", "error", "gap", "force", "place", "missed"),
     )
-    for point in bench.points:
-        table.add_row(*_point(point), end_section=point.deadline is None)
+    for point in bench["points"]:
+        place = point["place_median_mm"]
+        table.add_row(
+            f"{point['solver']}, {point['start']}",
+            _deadline(point),
+            _of(point["seconds_us"], "p50"),
+            _share(point["errors"] and point["errors"]["p50"]),
+            _gap(point),
+            _share(point["force"] and point["force"]["p50"]),
+            NONE if place is None else f"{place:.2f} mm",
+            f"{point['missed']:.2f}",
+            end_section=point["deadline_us"] is None,
+        )
     return table
 
 
-def _point(point: "Point") -> tuple[str, ...]:
-    return (
-        f"{point.solver}, {point.start}",
-        NONE if point.deadline is None else in_words(point.deadline),
-        _of(point.seconds, "p50"),
-        _share(None if point.errors is None else point.errors["p50"]),
-        NONE if point.gap is None else f"{point.gap['p50']:.0e}",
-        _share(None if point.force is None else point.force["p50"]),
-        NONE if point.place_median is None else f"{1e3 * point.place_median:.2f} mm",
-        f"{point.missed:.2f}",
-    )
-
-
-def _calls(bench: "Bench") -> Table:
+def _calls(bench: Mapping[str, Any]) -> Table:
+    nodes = bench["nodes"]
     table = _table(
-        f"whole calls rec(readings, deadline=...), warm, {bench.nodes} x {bench.nodes} nodes",
+        f"whole calls rec(readings, deadline=...), warm, {nodes} x {nodes} nodes",
         ("solver",),
         ("deadline", "p50", "p99", "late p99", "latency p50", "gap", "deadline met"),
     )
-    for call in bench.calls:
-        table.add_row(*_call(call), end_section=call.deadline is None)
+    for call in bench["calls"]:
+        table.add_row(
+            call["solver"],
+            _deadline(call),
+            _of(call["seconds_us"], "p50"),
+            _of(call["seconds_us"], "p99"),
+            _of(call["late_us"], "p99"),
+            _of(call["latency_us"], "p50"),
+            _gap(call),
+            _share(call["reported"]),
+            end_section=call["deadline_us"] is None,
+        )
     return table
 
 
-def _call(call: "Call") -> tuple[str, ...]:
-    return (
-        call.solver,
-        NONE if call.deadline is None else in_words(call.deadline),
-        _of(call.seconds, "p50"),
-        _of(call.seconds, "p99"),
-        _of(call.late, "p99"),
-        _of(call.latency, "p50"),
-        NONE if call.gap is None else f"{call.gap['p50']:.0e}",
-        _share(call.reported),
-    )
+def _deadline(row: Row) -> str:
+    return NONE if row["deadline_us"] is None else in_words(1e-6 * row["deadline_us"])
+
+
+def _gap(row: Row) -> str:
+    return NONE if row["gap"] is None else f"{row['gap']['p50']:.0e}"
 
 
 def _table(title: str, words: Sequence[str], *numbers: Sequence[str]) -> Table:
@@ -135,8 +130,9 @@ def _three(value: float) -> str:
     return number(float(f"{value:.3g}"))
 
 
-def _of(found: "Spread | None", percentile: str) -> str:
-    return NONE if found is None else in_words(found[percentile])
+def _of(found: Mapping[str, float] | None, key: str) -> str:
+    """Of a distribution of times in µs."""
+    return NONE if found is None else in_words(1e-6 * found[key])
 
 
 def _share(value: float | None) -> str:

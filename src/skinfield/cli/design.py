@@ -1,5 +1,6 @@
 """`skinfield design`: judge a layout before it is made."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -31,7 +32,6 @@ from skinfield.design import (
     Places,
     SkinDesign,
     Terms,
-    ThicknessComparison,
     Touch,
     compare_thickness,
     judge,
@@ -42,6 +42,7 @@ from skinfield.settings.tree import QuantityName
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
+ENDINGS = {".csv": "a table, one row per place", ".json": "all maps with what they were made for"}
 COMPARED = (
     "smallest force found, place unknown",
     "place deviation, size unknown",
@@ -89,7 +90,7 @@ def design(
       skinfield design hexagon72 -o design.png
       skinfield design hexagon72 --thickness-mm 4 --noise 0.005 --force-n 1 --radius-mm 2
       skinfield design right_foot.txt --quantity stress --noise 400 --maps maps.csv
-      skinfield design hexagon72 --quantity stress --compare-thickness-mm 1,2,3,4,6 -o thickness.png
+      skinfield design hexagon72 --quantity stress --compare-thickness-mm 1,2,3,4,6
 
     Parameters
     ----------
@@ -118,7 +119,7 @@ def design(
     pitch_mm : float, mm, optional
         Distance of the places that are judged, mm. Default a tenth of the taxels'.
     compare_thickness_mm : str, optional
-        MM,MM,...: judge the same touch under several thicknesses, and draw that instead.
+        MM,MM,...: judge the same touch under several thicknesses, in a table alone.
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
     maps : tuple of str
@@ -126,19 +127,22 @@ def design(
     as_json : bool
         Numbers and verdict as one JSON object.
     """
-    from skinfield.files.judgements import check_judgement_name
     from skinfield.plot import check_name
 
     picture = free_name(PICTURE) if output is None else output
     check_name(picture)
     check_new("--output", picture, force)
+    if compare_thickness_mm is not None and (maps or output is not None):
+        raise InputError(
+            f"{(*maps, output)[0]!r} is to be written beside --compare-thickness-mm, expected one "
+            "of them: files are written of one thickness"
+        )
     for name in maps:
-        if compare_thickness_mm is not None:
-            raise InputError(
-                f"--maps is {name!r} beside --compare-thickness-mm, expected one of them: maps are "
-                "written of one thickness"
-            )
-        check_output("--maps", name, check_judgement_name(name).suffix)
+        ending = next((each for each in ENDINGS if name.lower().endswith(each)), "")
+        if not ending:
+            known = ", ".join(f"{each} ({what})" for each, what in ENDINGS.items())
+            raise InputError(f"--maps is {name!r}, expected one of {known}")
+        check_output("--maps", name, ending)
         check_new("--maps", name, force)
     skin = skin_from_text(layout)
     say_notes(skin.notes)
@@ -158,7 +162,7 @@ def design(
         false_alarm_rate=false_alarms, detection_rate=detection, error_rate=two_point_errors
     )
     if compare_thickness_mm is not None:
-        _compare(candidate, touch, terms, _thicknesses(compare_thickness_mm), picture, as_json)
+        _compare(candidate, touch, terms, _thicknesses(compare_thickness_mm), as_json)
         return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
     _judge(candidate, touch, terms, places, [picture, *maps], as_json)
@@ -182,7 +186,8 @@ def _judge(
     as_json: bool,
 ) -> None:
     """Judge one layout; the first of `files` is the picture."""
-    from skinfield.files.judgements import save_judgement
+    from skinfield.files import write_summary
+    from skinfield.files.pending import write_bytes
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
@@ -201,7 +206,10 @@ def _judge(
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
-        save_judgement(judgement, name)
+        if name.lower().endswith(".json"):
+            write_summary(name, judgement.as_mapping())
+        else:
+            write_bytes(name, judgement.as_csv().encode())
     if not as_json:
         for name in files:
             say(f"wrote {name}")
@@ -212,13 +220,9 @@ def _compare(
     touch: Touch,
     terms: Terms,
     thicknesses: list[float],
-    picture: str,
     as_json: bool,
 ) -> None:
     """Judge the same touch under several thicknesses."""
-    from skinfield.plot import save
-    from skinfield.plot.design import draw_thickness
-
     with progress() as bar:
         task = bar.add_task("thickness", total=len(thicknesses))
         begun: list[float] = []
@@ -231,12 +235,9 @@ def _compare(
             candidate, touch, thicknesses, terms=terms, on_thickness=on_thickness
         )
     if as_json:
-        print_json([_plain(each) for each in comparison.judgements])
+        print_json([_plain(each) for each in comparison])
     else:
         _show_thickness(comparison)
-    save(draw_thickness(comparison), picture)
-    if not as_json:
-        say(f"wrote {picture}")
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:
@@ -277,8 +278,7 @@ def _show(judgement: Judgement) -> None:
     for row in judgement.rows():
         table.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
     console().print(table)
-    blind, searched = judgement.blind, judgement.detectable.searched
-    independent = searched.independent(judgement.detectable.false_alarm_rate)
+    blind, independent = judgement.blind, judgement.detectable.independent
     say(
         f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
         f"{blind.threshold:.0%} of the best place); {judgement.missed_share:.1%} misses "
@@ -287,23 +287,25 @@ def _show(judgement: Judgement) -> None:
     say(judgement.verdict())
 
 
-def _show_thickness(found: ThicknessComparison) -> None:
+def _show_thickness(found: Sequence[Judgement]) -> None:
     """Table of medians and 95th percentiles by thickness."""
     from rich.table import Table
 
-    touch = found.judgements[0].touch
+    touch = found[0].touch
     title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
     table = Table(title=title, title_justify="left")
     for column in ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm",
                    "blind"):  # fmt: skip
         table.add_column(column, justify="right")
-    rows = [found.rows(name) for name in COMPARED]
-    for index, judgement in enumerate(found.judgements):
-        cells = [f"{_short(row[index].median)} / {_short(row[index].p95)}" for row in rows]
-        thickness = f"{found.thickness[index] * 1e3:g}"
-        table.add_row(thickness, *cells, f"{judgement.blind.blind_share:.1%}")
+    thick = [judgement.design.layer.thickness * 1e3 for judgement in found]
+    medians = []
+    for judgement, thickness in zip(found, thick, strict=True):
+        rows = {row.name: row for row in judgement.rows()}
+        cells = [f"{_short(rows[n].median)} / {_short(rows[n].p95)}" for n in COMPARED]
+        table.add_row(f"{thickness:g}", *cells, f"{judgement.blind.blind_share:.1%}")
+        medians.append([rows[name].median for name in COMPARED])
     console().print(table)
-    place, pair = (found.best(name) * 1e3 for name in (COMPARED[1], COMPARED[3]))
+    place, pair = (thick[int(np.argmin(np.array(medians)[:, at]))] for at in (1, 3))
     say(f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)")
 
 

@@ -184,7 +184,7 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
         settings,
         loop.granted,
         timing,
-        None if lateness is None else lateness.quantiles(),
+        None if lateness is None else Quantiles(*lateness.quantiles()),
         missing,
         company,
         None if usage is None or used is None else used[0] - usage[0],

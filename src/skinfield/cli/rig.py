@@ -10,6 +10,7 @@ from rich.table import Table
 from skinfield.cli.options import OUTPUT, Json
 from skinfield.cli.report import console, plural, print_json, progress, say, say_notes
 from skinfield.errors import FileError, InputError, check_count
+from skinfield.files.pending import write_bytes
 from skinfield.lab.runner import Outcome, Task, run, stored
 from skinfield.lab.scenarios import load_scenario, rig_tasks, template
 
@@ -33,11 +34,12 @@ def rig(
 
       recording.npz     counts, as from a real skin         layout.toml       where its taxels are
       load_cell.csv     as from a real force sensor         calibration.toml  the true one
-      truth.npz         force, depth, area, pressure, ...   scenario.toml     makes this run again
-      run.png           picture                             task.json         summary
+      truth.npz         force, depth, area, pressure, ...   run.png           picture
+      task.json         summary
 
-    A run that is there already, of the very same settings, is not made again: a campaign that was
-    stopped goes on where it was. What was made can be used like a real rig's:
+    The scenario itself is copied beside them. A run that is there already, of the very same
+    settings, is not made again: a campaign that was stopped goes on where it was. What was made can
+    be used like a real rig's:
 
       skinfield rig --new press.toml
       skinfield rig press.toml -o rig --dry-run
@@ -78,6 +80,8 @@ def rig(
         out.print(_plan(tasks, Path(output)))
         return
     outcomes = _run(tasks, Path(output), workers or os.cpu_count() or 1, not resume)
+    for path in scenario:
+        write_bytes(Path(output) / Path(path).name, Path(path).read_bytes())
     if as_json:
         print_json([{"run": one.name, "seconds": one.seconds, **(one.result or {}),
                      "failure": one.failure or None} for one in outcomes])  # fmt: skip
