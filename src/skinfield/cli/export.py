@@ -123,7 +123,7 @@ class _Work:
                 if fit is not None and len(rows := fit.rows_of(at, message.data)):
                     sink.add_rows("fit_contacts", rows)
             elif topic == CYCLES:
-                cycle = recording.cycle_of(at, message)
+                cycle = recording.cycle_of(at, message.data)
                 if cycle is not None:
                     self._held.append(cycle)
                 if len(self._held) >= HELD:

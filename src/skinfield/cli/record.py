@@ -25,7 +25,6 @@ def record(
     duration: float | None = None,
     compression: Literal["zstd", "lz4", "none"] = "zstd",
     ros: bool = False,
-    foxglove: bool = False,
     view_rate_hz: float = 20.0,
     force: Force = False,
     as_json: Json = False,
@@ -58,21 +57,14 @@ def record(
         Of the file's chunks; noisy 16-bit counts hardly shrink.
     ros : bool
         Also channels that ROS 2 reads: taxels, forces.
-    foxglove : bool
-        Also channels that Foxglove draws.
     view_rate_hz : float, 1/s
         Of pressure fields and of these channels, messages a second.
     as_json : bool
         One JSON object at the end.
     """
-    from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RosViews
+    from skinfield.files.mcap import RecordingSettings
     from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
 
-    if ros and foxglove:
-        raise InputError(
-            "--ros and --foxglove are both given, expected one: readers of ROS 2 bags refuse files "
-            "with Foxglove's channels, and Foxglove shows those of ROS too"
-        )
     if not output.lower().endswith(".mcap"):
         raise InputError(f"--output is {output!r}, expected a name that ends in .mcap")
     check_new("--output", output, force)
@@ -82,7 +74,7 @@ def record(
         name=name,
         path=Path(output),
         since_ns=time.time_ns(),
-        views=(*([RosViews] if ros else []), *([FoxgloveViews] if foxglove else [])),
+        ros=ros,
         view_rate=view_rate_hz,
         file=RecordingSettings(compression, overwrite=force),
     )

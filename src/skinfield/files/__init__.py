@@ -1,4 +1,4 @@
-"""Files: recordings, layouts, results, shapes and tables, both ways. A file has its name once it is whole."""
+"""Files: recordings, layouts, results, shapes and tables; a file has its name once it is whole."""
 
 from skinfield.files.archive_writer import save_recording as save_recording
 from skinfield.files.contacts import ContactWriter as ContactWriter

@@ -19,20 +19,20 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from skinfield.errors import FileError, InputError, SkinfieldError, check_count, check_range
-from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RecordingWriter, RosViews
+from skinfield.files.mcap import RecordingSettings, RecordingWriter, RosViews
 from skinfield.files.mcap.container import Output
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.parent_watchdog import end_with
 from skinfield.record.drain import (
     Drain,
-    SkinViews,
     StatusWatch,
     enclosed_of,
     layout_of,
+    model_config_of,
     place_now,
     place_since,
 )
-from skinfield.record.queue import Disk, Queue, event_item
+from skinfield.record.queue import Disk, Queue
 from skinfield.ring import RingReader
 from skinfield.ring.files import sidecar
 
@@ -162,6 +162,14 @@ PAUSE = 0.005  # s between looks at the ring
 SECOND = 1.0  # s between looks at everything else
 LOWEST = 1  # of the real-time priorities
 NICE = -10  # where that is not granted
+TOTALS = (
+    "bytes_read",
+    "cycles",
+    "overrun_bytes",
+    "overrun_cycles",
+    "dropped_bytes",
+    "dropped_cycles",
+)
 READY = b"ready\n"  # told on the standard output by one that waits
 
 
@@ -184,8 +192,8 @@ class RecorderSettings:
         After so long it is on the disk, and survives power loss.
     queue_bytes : int
         That may wait for the disk; what comes beyond is dropped and counted.
-    views : tuple of classes
-        Channels for other programs: `RosViews`, `FoxgloveViews`.
+    ros : bool
+        Whether to add channels for other programs, see `RosViews`.
     view_rate : float, 1/s
         Of these, and of the fields of pressure.
     """
@@ -197,7 +205,7 @@ class RecorderSettings:
     flush: float = 0.15
     sync: float = 1.5
     queue_bytes: int = 1 << 26
-    views: tuple[type[RosViews] | type[FoxgloveViews], ...] = ()
+    ros: bool = False
     view_rate: float = 20.0
 
     def __post_init__(self) -> None:
@@ -249,10 +257,11 @@ class Recorder:
         self.settings, self._say, self._rehearsal = settings, say, rehearsal
         self._reader = RingReader(settings.name)
         self._began, self._began_ns = time.monotonic(), time.time_ns()
-        layout = layout_of(self._reader)
+        model_config = model_config_of(self._reader)
+        layout, skin = layout_of(self._reader), model_config.skin
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
-        enclosed = enclosed_of(self._reader)
-        views = SkinViews.of(self._reader, settings.views)
+        enclosed = enclosed_of(self._reader, skin)
+        views = RosViews(skin) if settings.ros else None
         self._writer = RecordingWriter(
             settings.path,
             enclosed,
@@ -260,18 +269,20 @@ class Recorder:
             fit=FIT,
             settings=settings.file,
             output=output,
-            views=views.views,
+            views=views,
         )
         self._queue = Queue(settings.queue_bytes)
-        self._watch = StatusWatch(self._reader, self._queue, tares)
+        self._watch = StatusWatch(self._reader, self._queue, skin, tares)
         since_ns = settings.since_ns
         begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
-        self._drain = Drain(self._reader, self._queue, layout, views, settings.view_rate, begin)
+        self._drain = Drain(
+            self._reader, self._queue, layout, model_config, views, settings.view_rate, begin
+        )
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
         self._ended = ""
         text = f"recording {settings.name} of process {self._reader.pid}"
-        self._queue.tell(event_item(self._began_ns, "recording_started", text, {}))
+        self._queue.event("recording_started", text, self._began_ns)
         if first:  # now, as all that must be loaded is: the other thread inherits it
             come_first()
         self._disk.start()
@@ -326,8 +337,8 @@ class Recorder:
         self._drain.take()
         self._drain.tell_lost()
         self._watch.look()
-        text = f"the recording ends: {self._ended or 'closed'}"
-        self._queue.tell(event_item(time.time_ns(), "recording_ended", text, self._totals()))
+        text, state = f"the recording ends: {self._ended or 'closed'}", self._state()
+        self._queue.event("recording_ended", text, **{key: getattr(state, key) for key in TOTALS})
         try:
             self._disk.stop()
         finally:
@@ -338,17 +349,6 @@ class Recorder:
         self._write_state()
         self._say_changes()
         return self.state
-
-    def _totals(self) -> dict[str, object]:
-        drain, queue = self._drain, self._queue
-        return {
-            "bytes_read": drain.bytes_read,
-            "cycles": drain.cycles,
-            "overrun_bytes": drain.overrun_bytes,
-            "overrun_cycles": drain.overrun_cycles,
-            "dropped_bytes": queue.dropped_bytes,
-            "dropped_cycles": queue.dropped_cycles,
-        }
 
     def _state(self) -> RecorderState:
         disk, now, now_ns = self._disk.state, time.monotonic(), time.time_ns()

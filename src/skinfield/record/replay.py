@@ -140,7 +140,7 @@ class Replay:
         """Cycles from a time on, ns since the epoch; another iteration must not go on after it."""
         first = self.index.record_before(time_ns)
         for _, at, message in self.recording.messages((CYCLES,), first):
-            cycle = self.recording.cycle_of(at, message)
+            cycle = self.recording.cycle_of(at, message.data)
             if cycle is None or cycle.wall_ns < time_ns or not self._fits(at, cycle):
                 continue
             self._show_field(self._fields.before(cycle.wall_ns))

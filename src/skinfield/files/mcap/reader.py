@@ -174,20 +174,21 @@ class LiveStream:
             If the file cannot be read any more, or holds no reading.
         """
         total = sum(port.channels for port in ports_of(self.recording))
-        rows, count = Scan(self.channel, total), 0
-        for _, at, message in self.recording.messages((BLOCKS,)):
-            logged = self.recording.logged_of(at, message)
-            for piece in () if logged is None else rows.feed(logged.data):
-                count += len(piece[0])
-                yield self._recording(*piece)
-            if self.progress is not None:
-                self.progress(at, self.recording.outline.size)
-        for piece in rows.finish():
-            count += len(piece[0])
+        rows, empty = Scan(self.channel, total), True
+        for piece in self._pieces(rows):
+            empty = False
             yield self._recording(*piece)
-        if not count:
+        if empty:
             raise FileError(f"{self.recording.path} holds no reading of these channels")
         self._finish(rows)
+
+    def _pieces(self, rows: Scan) -> Iterator[tuple[Ints, Floats]]:
+        for _, at, message in self.recording.messages((BLOCKS,)):
+            if (logged := self.recording.logged_of(at, message)) is not None:
+                yield from rows.feed(logged.data)
+            if self.progress is not None:
+                self.progress(at, self.recording.outline.size)
+        yield from rows.finish()
 
     def _recording(self, stamps: Ints, counts: Floats) -> Recording:
         like = self.like
@@ -252,20 +253,6 @@ def _width(recording: LiveRecording, port: PortOf) -> int:
     return widths.pop() if len(widths) == 1 else port.channels
 
 
-def collected_live(stream: LiveStream) -> Recording:
-    """All of a stream in memory."""
-    parts = list(stream.blocks())
-    return Recording(
-        np.concatenate([part.stamp_ns for part in parts]),
-        np.concatenate([part.counts for part in parts]),
-        stream.like.uid,
-        stream.like.unit,
-        stream.like.source,
-        stream.notes,
-        stream.skipped,
-    )
-
-
 def matches(head: Head) -> bool:
     """Whether the file is an MCAP file."""
     return head.data.startswith(MAGIC)
@@ -284,8 +271,3 @@ def stream(
         found.like, counts=found.like.counts[:, keep], uid=None if uid is None else uid[keep]
     )
     return replace(found, like=like, channel=found.channel[keep])
-
-
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
-    """Read a file whose head `matches`, as a whole."""
-    return collected_live(stream(head, columns, progress))

@@ -277,6 +277,18 @@ def body_of(file: BinaryIO, record: Record) -> bytes:
     return file.read(record.length)
 
 
+def header_of(file: BinaryIO) -> tuple[str, str]:
+    """Profile and library of a file; empty where the header is damaged."""
+    file.seek(len(MAGIC))
+    opcode, length = HEAD.unpack(file.read(HEAD.size).ljust(HEAD.size, b"\0"))
+    try:
+        known = opcode == Op.HEADER and length < LARGEST
+        header = parsed(Op.HEADER, file.read(length) if known else b"")
+    except Damaged:
+        return "", ""
+    return header.profile, header.library
+
+
 class ChunkSize(NamedTuple):
     """What a chunk's head says: times of its first and last message, and bytes."""
 

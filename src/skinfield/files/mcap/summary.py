@@ -75,7 +75,7 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
 
 def _cycle_of(recording: LiveRecording, at: int, message: Any) -> Cycle | None:
     try:
-        return recording.cycle_of(at, message)
+        return recording.cycle_of(at, message.data)
     except FileError:  # its layout is damaged, which the message about cycles says
         return None
 
