@@ -267,7 +267,7 @@ class Drain:
         self._first = self._log.position
         self._settings = b""
         names = tuple(patch.name for patch in model_config.skin)
-        self._fit = FitDrain(reader.name, queue, names, max(model_config.rungs) ** 2)
+        self.fit = FitDrain(reader.name, queue, names, max(model_config.rungs) ** 2)
         self._lost: Counter[int] = Counter()
 
     def take(self) -> None:
@@ -295,11 +295,11 @@ class Drain:
             self._tell_missing(missing)
         if self._reader.generation != self.generation:
             self._restarted()
-        self._fit.take()
+        self.fit.take()
 
     def close(self) -> None:
         """Let go of the fit's ring; the engine's is the caller's."""
-        self._fit.close()
+        self.fit.close()
 
     def _show(self, number: int, time_ns: int) -> None:
         """Offer what the cycle read, its pressure, and its views."""
@@ -373,7 +373,7 @@ class Drain:
 
     def tell_lost(self) -> None:
         """Tell what was lost since the last call: answers of the fit, and messages of a bad bus."""
-        self._fit.tell_missed()
+        self.fit.tell_missed()
         for source, number in self._lost.items():
             text = f"{self._name(source)}: {number} messages were lost"
             self._queue.event("messages_lost", text, source=source, messages=number)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import listed, many, read_bytes, write_bytes
+from skinfield.files.layouts.text import listed, many, read_bytes
+from skinfield.files.pending import write_bytes
 from skinfield.skin.geometry import nearest_distance
 from skinfield.skin.patch import Patch, Skin
 
@@ -51,51 +52,6 @@ def pose_from_tf(path: Path, where: str, values: list[float]) -> tuple[Floats, l
 
 
 BRIDGE = 4.0  # pitches: a longer side joins taxels that are no neighbours
-LEFT_OUT = "; faces are left out: skinfield triangulates by itself"
-
-
-def check_faces(name: str, faces: object, positions: Floats) -> list[Finding]:
-    """Faces that name no taxel, a taxel twice, or taxels that are far apart."""
-    if not faces:
-        return []
-    if not isinstance(faces, list):
-        text = f"{name}: faces are {str(faces)[:40]!r}, expected a list of [i, j, k]"
-        return [Finding("mixed-up-faces", "warning", text + LEFT_OUT)]
-    good = [index for index, face in enumerate(faces) if _is_face(face, len(positions))]
-    findings, bad = [], sorted(set(range(len(faces))) - set(good))
-    if bad:
-        text = (
-            f"{name}: {len(bad)} of {len(faces)} faces (faces {listed(bad)}) do not name three "
-            f"different taxels of {len(positions)}: they belong to another list of taxels"
-        )
-        findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
-    corners = positions[np.array([faces[index] for index in good], np.int64).reshape(-1, 3)]
-    far = np.flatnonzero(longest_sides(corners) > reach(positions))
-    if len(far):
-        text = (
-            f"{name}: {len(far)} of {len(faces)} faces (faces {listed(far.tolist())}) join taxels "
-            f"more than {BRIDGE:g} pitches apart: they bridge gaps, or are mixed up"
-        )
-        findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
-    return findings
-
-
-def _is_face(face: object, taxels: int) -> bool:
-    if not isinstance(face, list) or len(face) != 3:
-        return False
-    return len(set(map(str, face))) == 3 and all(type(i) is int and 0 <= i < taxels for i in face)
-
-
-def longest_sides(corners: Floats) -> Floats:
-    """Longest side of each of (T, 3, 3) triangles, (T,) m."""
-    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1))
-
-
-def reach(positions: Floats) -> float:
-    """Distance, m, beyond which two of the taxels (N, 3) are no neighbours."""
-    return BRIDGE * float(np.median(nearest_distance(positions)))
-
-
 NAME = "cyskin"
 EXTENSIONS = (".json",)
 EXPECTED = "CySkin JSON (file_version 2) with 'skin' or 'tactile_maps'"
@@ -207,7 +163,9 @@ def _faces(patch: Patch) -> Ints:
         faces = patch.triangles
     except InputError:  # a curved patch that cannot be laid flat
         return np.empty((0, 3), np.int64)
-    faces = faces[longest_sides(patch.positions[faces]) <= reach(patch.positions)]
+    corners = patch.positions[faces]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    faces = faces[longest <= BRIDGE * np.median(nearest_distance(patch.positions))]
     sides = patch.positions[faces[:, 1:]] - patch.positions[faces[:, :1]]
     normal = np.cross(sides[:, 0], sides[:, 1])
     wrong = np.einsum("ti,ti->t", normal, patch.normals[faces].sum(axis=1)) < 0
@@ -256,9 +214,8 @@ def _is_number(value: object) -> bool:
 def _draft(path: Path, where: str, body: dict[str, Any], name: str) -> tuple[Draft, list[Finding]]:
     uid, positions, normals, cut = _columns(path, where, body)
     pose, link, found_pose = _pose(path, where, body)
-    findings = check_faces(name, body.get("faces"), positions)
-    findings += _counts(name, body, len(uid)) + found_pose
-    rows, dropped = _kept(path, name, uid, cut)
+    findings = _counts(name, body, len(uid)) + found_pose
+    rows, dropped = _pressure_rows(path, name, uid, cut)
     numbered = not uid[rows].any()
     draft = Draft(
         positions[rows],
@@ -295,7 +252,7 @@ def _columns(
     return np.array(uid, np.uint64), np.array(x), normals if normals.any() else None, np.array(cut)
 
 
-def _kept(
+def _pressure_rows(
     path: Path, name: str, uid: NDArray[np.uint64], cut: NDArray[np.bool_]
 ) -> tuple[Ints, list[Finding]]:
     """Rows that are taxels, and what the others are."""

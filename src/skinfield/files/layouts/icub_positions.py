@@ -21,8 +21,8 @@ from skinfield.files.layouts.text import (
     numbers,
     read_lines,
     spoilt,
-    write_bytes,
 )
+from skinfield.files.pending import write_bytes
 from skinfield.skin.patch import Skin
 
 NAME = "icub-positions"

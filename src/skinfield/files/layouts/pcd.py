@@ -6,56 +6,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import integer, listed, many, read_bytes, spoilt, write_bytes
-from skinfield.skin.patch import Skin
-
-
-def decompress(data: bytes, size: int) -> bytes:
-    """Unpack LZF to exactly `size` bytes.
-
-    A control byte below 32 is followed by that many + 1 literal bytes; any other holds the length
-    (3 bits, a further byte when all are set, plus 2) and the distance (13 bits, plus 1) of a copy
-    from what was unpacked before.
-
-    Raises
-    ------
-    InputError
-        When the data end early, point before their start, or unpack to another size.
-    """
-    out, at = bytearray(), 0
-    try:
-        while at < len(data) and len(out) <= size:
-            control = data[at]
-            at += 1
-            if control < 32:
-                literal = data[at : at + control + 1]
-                if len(literal) <= control:
-                    raise IndexError
-                out += literal
-                at += control + 1
-                continue
-            length = control >> 5
-            if length == 7:
-                length += data[at]
-                at += 1
-            distance = ((control & 31) << 8 | data[at]) + 1
-            at += 1
-            if distance > len(out):
-                raise IndexError
-            for _ in range(length + 2):  # byte by byte: a copy may overlap itself
-                out.append(out[-distance])
-    except IndexError:
-        raise InputError(f"LZF data are broken at byte {at} of {len(data)}") from None
-    if len(out) != size:
-        raise InputError(f"LZF data unpack to {len(out)} bytes, expected {size}")
-    return bytes(out)
-
+from skinfield.files.layouts.text import integer, listed, many, read_bytes, spoilt
 
 NAME = "pcd"
 EXTENSIONS = (".pcd",)
-EXPECTED = "a PCL point cloud: VERSION, FIELDS x y z ..., DATA ascii, binary or binary_compressed"
+EXPECTED = "a PCL point cloud: VERSION, FIELDS x y z ..., DATA ascii or binary"
+PACKINGS = "DATA ascii or binary: pcl_convert_pcd_ascii_binary in.pcd out.pcd 1 makes one of it"
 POINT = ("x", "y", "z")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 TYPES = {"F": (4, 8), "I": (1, 2, 4, 8), "U": (1, 2, 4, 8)}
@@ -113,41 +71,6 @@ def parse(path: Path) -> Content:
         name=path.stem,
     )
     return Content(path, path.stem, (draft,), tuple(findings))
-
-
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write the one patch of a skin (binary, 32-bit); return what the format cannot hold.
-
-    Raises
-    ------
-    InputError
-        When the skin has several patches.
-    """
-    if len(skin) != 1:
-        raise InputError(
-            f"skin has {len(skin)} patches, expected 1: a point cloud does not tell patches "
-            "apart; write each patch to a file of its own"
-        )
-    patch = skin[0]
-    head = [
-        "# .PCD v0.7 - Point Cloud Data file format",
-        "VERSION 0.7",
-        f"FIELDS {' '.join(POINT + NORMAL)}",
-        "SIZE 4 4 4 4 4 4",
-        "TYPE F F F F F F",
-        "COUNT 1 1 1 1 1 1",
-        f"WIDTH {len(patch)}",
-        "HEIGHT 1",
-        "VIEWPOINT 0 0 0 1 0 0 0",
-        f"POINTS {len(patch)}",
-        "DATA binary\n",
-    ]
-    points = np.hstack([patch.positions, patch.normals]).astype("<f4")
-    write_bytes(path, "\n".join(head).encode() + points.tobytes())
-    return (
-        "a point cloud holds no names, modules, uids, channels, pad diameters or poses",
-        "positions and normals are rounded to 32 bits (about 1e-7 of their size)",
-    )
 
 
 def _header(path: Path, data: bytes) -> _Header:
@@ -210,45 +133,18 @@ def _columns(path: Path, header: _Header, body: bytes) -> dict[str, NDArray[np.f
         (f"f{i}", kind, (count,))
         for i, (kind, count) in enumerate(zip(header.types, header.counts, strict=True))
     ]
+    if header.data != "binary":
+        raise spoilt(path, header.line, f"DATA {header.data}", PACKINGS)
     dtype = np.dtype(kinds)
     size = dtype.itemsize * header.points
-    if header.data == "binary":
-        if len(body) < size:
-            raise _short(path, header, len(body), size)
-        table = np.frombuffer(body[:size], dtype)
-        values = [table[f"f{i}"][:, 0] for i in range(len(kinds))]
-    elif header.data == "binary_compressed":
-        values = _unpacked(path, header, body, size)
-    else:
-        raise spoilt(path, header.line, f"DATA {header.data}", EXPECTED)
+    if len(body) < size:
+        raise FileError(
+            f"{path}: {len(body)} bytes after line {header.line}, expected {size} for "
+            f"{header.points} points: the file is cut short"
+        )
+    table = np.frombuffer(body[:size], dtype)
     with np.errstate(all="ignore"):
-        named = {n: v.astype(np.float64) for n, v in zip(header.fields, values, strict=True)}
-    return named
-
-
-def _short(path: Path, header: _Header, got: int, size: int) -> FileError:
-    return FileError(
-        f"{path}: {got} bytes after line {header.line}, expected {size} for "
-        f"{header.points} points: the file is cut short"
-    )
-
-
-def _unpacked(path: Path, header: _Header, body: bytes, size: int) -> list[NDArray[np.generic]]:
-    """Fields of a compressed cloud: two sizes, then LZF of one field after the other."""
-    packed, unpacked = np.frombuffer(body[:8].ljust(8, b"\0"), "<u4").tolist()
-    if unpacked != size or len(body) < 8 + packed:
-        raise _short(path, header, min(len(body) - 8, unpacked), size)
-    try:
-        flat = decompress(body[8 : 8 + packed], size)
-    except InputError as error:
-        raise FileError(f"{path}: {error}") from error
-    values, at = [], 0
-    for kind, count in zip(header.types, header.counts, strict=True):
-        width = np.dtype(kind).itemsize * count * header.points
-        column = np.frombuffer(flat[at : at + width], kind).reshape(header.points, count)
-        values.append(column[:, 0])
-        at += width
-    return values
+        return {n: table[f"f{i}"][:, 0].astype(float) for i, n in enumerate(header.fields)}
 
 
 def _ascii(path: Path, header: _Header, body: bytes) -> dict[str, NDArray[np.float64]]:
