@@ -9,7 +9,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import zarr
 from command_line import invoke
 from fit_rings import FakeFit, contact
 from mcap.reader import make_reader
@@ -71,12 +70,10 @@ def run(*words: str):
     return found.output
 
 
-@pytest.mark.parametrize("ending", ["h5", "zarr"])
-def test_stores(recorded, tmp_path, ending):
+def test_hdf5(recorded, tmp_path):
     path, counts, skin = recorded
-    run("export", str(path), "-o", str(tmp_path / f"a.{ending}"))
-    target = tmp_path / f"a.{ending}"
-    store = h5py.File(target) if ending == "h5" else zarr.open_group(target, mode="r")
+    run("export", str(path), "-o", str(tmp_path / "a.h5"))
+    store = h5py.File(tmp_path / "a.h5")
     np.testing.assert_array_equal(store["patches/arm/counts"][:], counts)
     assert len(store["patches/arm/stamp_ns"][:]) == CYCLES
     np.testing.assert_array_equal(store["patches/arm/uid"][:], skin[0].uid)
@@ -88,8 +85,7 @@ def test_stores(recorded, tmp_path, ending):
     assert store["contacts/position"].shape == (len(expected), 3)
     events = json.loads(bytes(store["events"][:]))
     assert [each["kind"] for each in events] == ["recording_started", "settings", "recording_ended"]
-    if ending == "h5":
-        store.close()
+    store.close()
 
 
 def test_parquet(recorded, tmp_path):

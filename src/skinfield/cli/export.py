@@ -30,7 +30,7 @@ def export(
     answer in each cycle; the cycles' times; and what happened. In the order of the layout's taxels,
     stamps in ns since the epoch, all else in SI units.
 
-      out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
+      out.h5               patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
                            cycles, events
       out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
                            out.patch_cycles.*, out.cycles.* and out.events.json
@@ -49,7 +49,7 @@ def export(
     file : str
         Recording (.mcap).
     output : str
-        File to write: .parquet, .csv, .zarr or .h5; for a bag, a DIR.
+        File to write: .parquet, .csv or .h5; for a bag, a DIR.
     patch : tuple of str
         Only this patch; again for more. Default all.
     form : str, optional
