@@ -236,12 +236,6 @@ class Drain:
     view_rate : float, 1/s
         Of pressure fields and views.
     begin : Place
-
-    Attributes
-    ----------
-    bytes_read, cycles : int
-    overrun_bytes, overrun_cycles : int
-        That the ring had overwritten.
     """
 
     def __init__(
@@ -262,7 +256,7 @@ class Drain:
         self._slot = reader.slot()
         self._cycle = Slot.of(self._slot.arrays)
         self.generation = reader.generation
-        self.bytes_read = self.cycles = self.overrun_bytes = self.overrun_cycles = 0
+        self._state = queue.state
         self._put_blocks(time.time_ns(), self._log.position, b"")
         self._first = self._log.position
         self._settings = b""
@@ -286,7 +280,7 @@ class Drain:
                 data = self._layout.encode(cycle)
                 write = partial(RecordingWriter.write_cycle, time_ns=cycle.wall_ns, record=data)
                 self._queue.put(Item(cycle.wall_ns, len(data), write, cycle=True))
-                self.cycles += 1
+                self._state.cycles += 1
                 due = not 0 <= cycle.wall_ns - self._shown < self._every
                 if due and self._cycle.head[Head.FRESH]:
                     self._show(number, cycle.wall_ns)
@@ -347,17 +341,17 @@ class Drain:
             data, lost = self._log.read(PIECE)
             now = time.time_ns()
             if lost:
-                self.overrun_bytes += lost
+                self._state.overrun_bytes += lost
                 text = f"the ring came round: {lost} bytes of readings were overwritten unread"
                 self._queue.event("log_overrun", text, bytes=lost, position=self._log.position)
             if not data:
                 return
             self._put_blocks(now, self._log.position - len(data), data)
-            self.bytes_read += len(data)
+            self._state.bytes_read += len(data)
             self._tell_sources(data)
 
     def _tell_missing(self, missing: list[int]) -> None:
-        self.overrun_cycles += len(missing)
+        self._state.overrun_cycles += len(missing)
         text = f"the ring came round: {len(missing)} cycles were overwritten unread"
         first, last = missing[0], missing[-1]
         self._queue.event("cycle_overrun", text, cycles=len(missing), first=first, last=last)
