@@ -16,8 +16,7 @@ from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.records import MAGIC, Damage
 from skinfield.files.mcap.schema import BLOCKS
-from skinfield.files.recordings.columns import chosen
-from skinfield.files.recordings.head import Head
+from skinfield.files.recordings.head import Head, chosen
 from skinfield.signal.block import WORD
 from skinfield.skin import Patch
 from skinfield.skin.reading import UNITS, Recording
