@@ -14,16 +14,10 @@ from fit_rings import FakeFit, contact
 from mcap.reader import make_reader
 from pyarrow import parquet
 from recorder_ring import FakeEngine
-from rosbags.highlevel import AnyReader
-from rosbags.typesys import Stores, get_typestore
 
-from skinfield.estimate.live_contacts import CONTACT
 from skinfield.files import open_recording, readings_for
-from skinfield.files.mcap import RosViews
-from skinfield.files.mcap.live import LiveRecording
 from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 from skinfield.signal import Blocks, Kind, Status
-from skinfield.skin import Patch, Skin
 
 CYCLES = 60
 
@@ -183,71 +177,6 @@ def test_reconstruct_takes_it(recorded, tmp_path):
         "-o", str(tmp_path / "contacts.csv"),
     )  # fmt: skip
     assert (tmp_path / "contacts.csv").exists()
-
-
-@pytest.fixture(scope="module")
-def viewed(tmp_path_factory):
-    name = f"view{uuid.uuid4().hex[:12]}"
-    path = tmp_path_factory.mktemp("views") / "a.mcap"
-    engine = FakeEngine(name)
-    recorder = Recorder(RecorderSettings(name=name, path=path, ros=True, view_rate=1000.0))
-    for _ in range(30):
-        engine.cycle()
-        recorder.step()
-    recorder.close()
-    engine.close()
-    forget_state(name)
-    return path, engine
-
-
-def test_rosbags_reads_them(viewed):
-    path, engine = viewed
-    with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-        kinds = {each.topic: each.msgtype for each in reader.connections}
-        assert kinds["/skin/arm/taxels"] == "sensor_msgs/msg/PointCloud2"
-        its = [each for each in reader.connections if each.topic == "/skin/arm/taxels"]
-        for connection, _, data in reader.messages(connections=its):
-            cloud = reader.deserialize(data, connection.msgtype)
-            points = cloud.data.view("<f4").reshape(cloud.width, 4)
-            np.testing.assert_allclose(points[:, :3], engine.skin[0].positions, atol=1e-7)
-            assert cloud.header.frame_id == "arm"
-        wrenches = [each for each in reader.connections if each.topic == "/skin/arm/wrench"]
-        read = [reader.deserialize(data, c.msgtype) for c, _, data in reader.messages(wrenches)]
-        assert len(read) >= 2
-
-
-def test_the_recording_is_as_without(viewed):
-    path, engine = viewed
-    found = LiveRecording.open(path)
-    assert b"".join(each.data for each in found.blocks()) == b"".join(engine.written)
-
-
-def test_the_wrench_of_two_contacts_on_a_turned_link():
-    """Their sum, and their moment about the link's origin."""
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [1.0, 2.0, 3.0]
-    patch = Patch(np.eye(3)[:, :2] * 0.01, name="palm 1", link="hand", link_from_patch=pose)
-    contacts = np.zeros(2, CONTACT)
-    contacts["position"] = [[-2.0, 1.0, -3.0], [-1.9, 1.0, -3.0]]  # origin and y 0.1 of the link
-    contacts["normal"], contacts["normal_force"] = [[0, 1.0, 0], [0, 0, 1.0]], [1.0, 2.0]
-    values, valid = np.arange(3, dtype=np.float32), np.array([1, 0, 1], np.uint8)
-    said = RosViews(Skin((patch,))).messages(1_500_000_000, values, valid, contacts)
-    messages, store = {m.topic: m for m in said}, get_typestore(Stores.ROS2_HUMBLE)
-    wrench = store.deserialize_cdr(
-        messages["/skin/palm_1/wrench"].data, "geometry_msgs/msg/WrenchStamped"
-    )
-    force, torque = wrench.wrench.force, wrench.wrench.torque
-    np.testing.assert_allclose([force.x, force.y, force.z], [1.0, 0.0, -2.0], atol=1e-12)
-    np.testing.assert_allclose([torque.x, torque.y, torque.z], [-0.2, 0.0, 0.0], atol=1e-12)
-    assert (wrench.header.stamp.sec, wrench.header.stamp.nanosec) == (1, 500_000_000)
-    assert wrench.header.frame_id == "hand"
-    cloud = store.deserialize_cdr(
-        messages["/skin/palm_1/taxels"].data, "sensor_msgs/msg/PointCloud2"
-    )
-    points = cloud.data.view("<f4").reshape(-1, 4)
-    np.testing.assert_allclose(points[0, :3], [1.0, 2.01, 3.0])
-    assert np.isnan(points[:, 3]).tolist() == [False, True, False]
-    assert not cloud.is_dense
 
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"

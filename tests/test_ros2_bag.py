@@ -43,7 +43,7 @@ def recorded(tmp_path_factory):
     name = f"rosb{uuid.uuid4().hex[:10]}"
     path = tmp_path_factory.mktemp("bag") / "a.mcap"
     engine = TwoPatches(name)
-    how = RecorderSettings(name=name, path=path, ros=True, view_rate=1000.0)
+    how = RecorderSettings(name=name, path=path, view_rate=1000.0)
     recorder = Recorder(how)
     for cycle in range(CYCLES):
         engine.cycle(touch_of(cycle), counts=counts_of(cycle))

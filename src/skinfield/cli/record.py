@@ -24,7 +24,6 @@ def record(
     output: Annotated[str, OUTPUT],
     duration: float | None = None,
     compression: Literal["zstd", "lz4", "none"] = "zstd",
-    ros: bool = False,
     view_rate_hz: float = 20.0,
     force: Force = False,
     as_json: Json = False,
@@ -55,10 +54,8 @@ def record(
         Seconds; default until Ctrl-C, or the skin stops.
     compression : str
         Of the file's chunks; noisy 16-bit counts hardly shrink.
-    ros : bool
-        Also channels that ROS 2 reads: taxels, forces.
     view_rate_hz : float, 1/s
-        Of pressure fields and of these channels, messages a second.
+        Of what all taxels read and the pressure, messages a second.
     as_json : bool
         One JSON object at the end.
     """
@@ -74,7 +71,6 @@ def record(
         name=name,
         path=Path(output),
         since_ns=time.time_ns(),
-        ros=ros,
         view_rate=view_rate_hz,
         file=RecordingSettings(compression, overwrite=force),
     )

@@ -25,7 +25,6 @@ from skinfield.files.mcap.schema import (
     FitRecord,
     FitSizes,
 )
-from skinfield.files.mcap.views import RosViews
 from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
 from skinfield.loop.model_config import FIELD as SOLVER
 from skinfield.loop.model_config import ModelConfig, configuration_of
@@ -232,9 +231,8 @@ class Drain:
     queue : Queue
     layout : CycleLayout
     model_config : ModelConfig
-    views : RosViews or None
     view_rate : float, 1/s
-        Of pressure fields and views.
+        Of pressure fields.
     begin : Place
     """
 
@@ -244,11 +242,10 @@ class Drain:
         queue: Queue,
         layout: CycleLayout,
         model_config: ModelConfig,
-        views: RosViews | None,
         view_rate: float,
         begin: Place,
     ) -> None:
-        self._reader, self._queue, self._layout, self._views = reader, queue, layout, views
+        self._reader, self._queue, self._layout = reader, queue, layout
         self._sources = [str(each) for each in reader.description.get("sources", [])]
         self._every, self._shown = int(1e9 / view_rate), 0
         self._number = begin.number
@@ -296,19 +293,13 @@ class Drain:
         self.fit.close()
 
     def _show(self, number: int, time_ns: int) -> None:
-        """Offer what the cycle read, its pressure, and its views."""
+        """Offer what the cycle read, and its pressure."""
         self._shown, slot = time_ns, self._cycle
         taxels = slot.counts.copy(), slot.values.copy(), slot.valid.copy()
         sides = np.maximum(slot.patches["rung"], 0)
         data = FieldRecord.of(number, time_ns, sides, slot.pressure, taxels).encode()
         write = partial(RecordingWriter.write_field, time_ns=time_ns, record=data)
         self._queue.offer(Item(time_ns, len(data), write))
-        if self._views is None:
-            return
-        contacts = slot.used_contacts()
-        for message in self._views.messages(time_ns, slot.values, slot.valid, contacts):
-            show = partial(RecordingWriter.show, message=message)
-            self._queue.offer(Item(time_ns, len(message.data), show))
 
     def _take_settings(self, number: int) -> None:
         """Tell which settings are in force, where they are others than before."""

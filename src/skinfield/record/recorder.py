@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from skinfield.errors import InputError, SkinfieldError, check_count, check_range
-from skinfield.files.mcap import RecordingSettings, RecordingWriter, RosViews
+from skinfield.files.mcap import RecordingSettings, RecordingWriter
 from skinfield.files.mcap.container import Output
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.parent_watchdog import end_with
@@ -71,10 +71,8 @@ class RecorderSettings:
         After so long it is on the disk, and survives power loss.
     queue_bytes : int
         That may wait for the disk; what comes beyond is dropped and counted.
-    ros : bool
-        Whether to add channels for other programs, see `RosViews`.
     view_rate : float, 1/s
-        Of these, and of the fields of pressure.
+        Of the fields of pressure.
     """
 
     name: str
@@ -84,7 +82,6 @@ class RecorderSettings:
     flush: float = 0.15
     sync: float = 1.5
     queue_bytes: int = 1 << 26
-    ros: bool = False
     view_rate: float = 20.0
 
     def __post_init__(self) -> None:
@@ -141,7 +138,6 @@ class Recorder:
         layout, skin = layout_of(self._reader), model_config.skin
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
         enclosed = enclosed_of(self._reader, skin)
-        views = RosViews(skin) if settings.ros else None
         self._writer = RecordingWriter(
             settings.path,
             enclosed,
@@ -149,14 +145,13 @@ class Recorder:
             fit=FIT,
             settings=settings.file,
             output=output,
-            views=views,
         )
         self._queue = Queue(settings.queue_bytes, live)
         self._watch = StatusWatch(self._reader, self._queue, skin, tares)
         since_ns = settings.since_ns
         begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
         self._drain = Drain(
-            self._reader, self._queue, layout, model_config, views, settings.view_rate, begin
+            self._reader, self._queue, layout, model_config, settings.view_rate, begin
         )
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}

@@ -36,7 +36,6 @@ from skinfield.files.mcap.schema import (
     FitLayout,
 )
 from skinfield.files.mcap.schema import __doc__ as _RECORDED
-from skinfield.files.mcap.views import RosViews, ViewMessage
 from skinfield.files.summary import plain_json
 from skinfield.signal import Calibration
 from skinfield.signal.block import __doc__ as _BLOCKS
@@ -194,8 +193,6 @@ class RecordingWriter:
     settings : RecordingSettings
     output : Output, optional
         Instead of a file of this path.
-    views : RosViews, optional
-        Channels for programs that do not know skinfield; `show` writes them.
 
     Raises
     ------
@@ -218,23 +215,17 @@ class RecordingWriter:
         fit: FitLayout | None = None,
         settings: RecordingSettings | None = None,
         output: Output | None = None,
-        views: RosViews | None = None,
     ) -> None:
         self.path = Path(path)
         settings = settings or RecordingSettings()
         self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
-        profile = PROFILE if views is None else views.profile
         library = f"skinfield {version('skinfield')}"
         self.container = Container(
-            self._output, settings.compression, settings.chunk_bytes, profile, library
+            self._output, settings.compression, settings.chunk_bytes, PROFILE, library
         )
 
         def add(topic: str, kind: str, schema: tuple[str, str, bytes], rows: Any = None) -> int:
-            # Readers of ROS 2 bags refuse files with a schema whose language they do not know.
-            name, language, text = schema
-            language = language if views is None else ""
-            metadata = None if rows is None else rows.metadata()
-            return self.container.add_channel(topic, kind, (name, language, text), metadata)
+            return self.container.add_channel(topic, kind, schema, rows and rows.metadata())
 
         self._blocks = add(BLOCKS, "x-skinfield-blocks", BLOCKS_SCHEMA)
         self._cycles = add(CYCLES, "x-skinfield-cycle", CYCLE_SCHEMA, layout)
@@ -242,8 +233,6 @@ class RecordingWriter:
         self._timing = add(TIMING, "json", TIMING_SCHEMA)
         self._events = add(EVENTS, "json", EVENT_SCHEMA)
         self._fit = None if fit is None else add(FITS, "x-skinfield-fit", FIT_SCHEMA, fit)
-        shown = () if views is None else views.channels()
-        self._views = {each.topic: self.container.add_channel(*each) for each in shown}
         self._numbers: Counter[int] = Counter()
         self.open = True
         for each in enclosed:
@@ -296,10 +285,6 @@ class RecordingWriter:
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
         """Add what was measured of the last second; raises as `write_blocks`."""
         self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
-
-    def show(self, message: ViewMessage) -> None:
-        """Add a message of one of `views`; raises as `write_blocks`."""
-        self._add(self._views[message.topic], message.time_ns, message.data)
 
     def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
         """Add a small file."""
