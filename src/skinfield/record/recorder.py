@@ -17,10 +17,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from skinfield.errors import InputError, SkinfieldError, check_count, check_range
 from skinfield.files.mcap import RecordingSettings, RecordingWriter
-from skinfield.files.mcap.container import Output
+from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.parent_watchdog import end_with
 from skinfield.record.drain import (
@@ -100,7 +101,7 @@ class Recorder:
     settings : RecorderSettings
     say : function of a sentence
         Told what goes wrong, and when it is well again.
-    output : Output, optional
+    output : FileOutput, optional
         Instead of a file.
     first : bool
         Whether this thread and the one that writes shall come before ordinary work from now on,
@@ -125,7 +126,7 @@ class Recorder:
         self,
         settings: RecorderSettings,
         say: Callable[[str], None] = lambda text: None,
-        output: Output | None = None,
+        output: FileOutput | None = None,
         *,
         first: bool = False,
         rehearsal: bool = False,
@@ -285,22 +286,6 @@ def come_first() -> str:
     return "ordinary"
 
 
-class Nowhere:
-    """An output for a recording that nobody wants."""
-
-    end = 0
-
-    def append(self, piece: bytes | bytearray | memoryview) -> None:
-        """See `Output`."""
-        self.end += len(piece)
-
-    def sync(self) -> None:
-        """See `Output`."""
-
-    def close(self) -> None:
-        """See `Output`."""
-
-
 def order_of(path: Path, since_ns: int) -> bytes:
     """What a recorder that waits is told on its standard input.
 
@@ -356,7 +341,7 @@ def _arguments() -> argparse.Namespace:
 
 
 def rehearse(name: str) -> bool:
-    """Record a moment into nowhere: all that a recording needs is loaded afterwards.
+    """Record a moment into a file that goes: all that a recording needs is loaded afterwards.
 
     Nothing of the ring is kept, as it may be another one until a recording is wanted.
 
@@ -365,15 +350,16 @@ def rehearse(name: str) -> bool:
     bool
         False if there is no such ring now: less is loaded then.
     """
-    settings = RecorderSettings(name=name, path=Path(os.devnull), since_ns=1)
-    try:
-        recorder = Recorder(settings, output=Nowhere(), rehearsal=True)
-    except SkinfieldError:  # it is being made anew
-        return False
-    try:
-        recorder.step()
-    finally:
-        recorder.close()
+    with TemporaryDirectory() as folder:
+        settings = RecorderSettings(name=name, path=Path(folder) / "rehearsal.mcap", since_ns=1)
+        try:
+            recorder = Recorder(settings, rehearsal=True)
+        except SkinfieldError:  # it is being made anew
+            return False
+        try:
+            recorder.step()
+        finally:
+            recorder.close()
     return True
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from struct import Struct
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -64,29 +64,13 @@ def octets(record: Any) -> bytes:
     return bytes(builder.end())  # type: ignore[no-untyped-call]
 
 
-class Output(Protocol):
-    """Where a container's pieces go."""
-
-    @property
-    def end(self) -> int:
-        """Bytes so far."""
-        ...
-
-    def append(self, piece: Bytes) -> None:
-        """Add a piece; on OSError nothing of it is there."""
-        ...
-
-    def sync(self) -> None:
-        """Have the system write everything to the disk."""
-        ...
-
-    def close(self) -> None:
-        """Let go of the file."""
-        ...
-
-
 class FileOutput:
     """A file, unbuffered: what was appended survives the end of the process.
+
+    Attributes
+    ----------
+    end : int
+        Bytes so far.
 
     Parameters
     ----------
@@ -119,7 +103,7 @@ class FileOutput:
             ) from error
 
     def append(self, piece: Bytes) -> None:
-        """See `Output`."""
+        """Add a piece; on OSError nothing of it is there."""
         left = memoryview(piece)
         try:
             while left:
@@ -130,11 +114,11 @@ class FileOutput:
         self.end += len(piece)
 
     def sync(self) -> None:
-        """See `Output`."""
+        """Have the system write everything to the disk."""
         os.fdatasync(self._file)
 
     def close(self) -> None:
-        """See `Output`."""
+        """Let go of the file."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
@@ -302,7 +286,7 @@ class Container:
 
     Parameters
     ----------
-    output : Output
+    output : FileOutput
     compression : Compression
     chunk_bytes : int
         A chunk is closed when it has as many.
@@ -317,7 +301,7 @@ class Container:
 
     def __init__(
         self,
-        output: Output,
+        output: FileOutput,
         compression: Compression,
         chunk_bytes: int,
         profile: str = "",

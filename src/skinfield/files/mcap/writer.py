@@ -17,7 +17,6 @@ from skinfield.files.mcap.container import (
     Compression,
     Container,
     FileOutput,
-    Output,
 )
 from skinfield.files.mcap.schema import (
     BLOCKS,
@@ -191,7 +190,7 @@ class RecordingWriter:
     fit : FitLayout, optional
         Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
     settings : RecordingSettings
-    output : Output, optional
+    output : FileOutput, optional
         Instead of a file of this path.
 
     Raises
@@ -214,7 +213,7 @@ class RecordingWriter:
         layout: CycleLayout,
         fit: FitLayout | None = None,
         settings: RecordingSettings | None = None,
-        output: Output | None = None,
+        output: FileOutput | None = None,
     ) -> None:
         self.path = Path(path)
         settings = settings or RecordingSettings()
