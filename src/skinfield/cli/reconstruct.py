@@ -106,7 +106,7 @@ def reconstruct(
     DIR/manifest.json: the same command goes on where a run was ended.
 
       skinfield reconstruct foot/data.log --skin right_foot.txt -o contacts.csv --plot foot.png
-      skinfield reconstruct press.csv --skin hexagon72 --grid 40 --fields press.zarr
+      skinfield reconstruct press.csv --skin hexagon72 --grid 40 --fields press.npz
       skinfield reconstruct hours.csv --skin hexagon72 --grid 40 -o hours.skinfield
       skinfield reconstruct hours.skinfield --slice 100:200 --fields part.npz
       skinfield reconstruct mon.csv tue.csv wed.csv --skin hexagon72 --workers 8 -o week
@@ -123,7 +123,7 @@ def reconstruct(
         Contacts of every reading: .csv or .parquet; or all results: .skinfield; again for more. Or
         a DIR, for results of several recordings.
     fields : str, optional
-        Pressure and displacement: .npz or .zarr.
+        Pressure and displacement: .npz.
     summary : str, optional
         Summary of the run: .json.
     plot : str, optional

@@ -129,7 +129,7 @@ class FlatExport(LiveExport):
             for taxel, uid in enumerate(patch.uid.tolist())
         ]
         self._starts = np.cumsum([0, *map(len, what.patches)])
-        counts = [("stamp_ns", np.dtype(np.int64))]
+        counts: list[tuple[str, np.dtype[Any]]] = [("stamp_ns", np.dtype(np.int64))]
         counts += [(name, np.dtype("<f4")) for name in names]
         try:
             self._files["counts"] = Table(path, counts, notes)

@@ -34,7 +34,7 @@ from skinfield.loop.runtime_parameters import tuning_of
 from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import HEAD as CHECKED
 from skinfield.reconstruct.serialisation import plain_from_value
-from skinfield.record.queue import Item, Queue
+from skinfield.record.queue import Item, Queue, event_item
 from skinfield.ring import RingReader, State
 from skinfield.signal import Calibration
 from skinfield.signal.block import HEADER, WORD, Kind
@@ -354,7 +354,7 @@ class Drain:
                 continue
             text = f"{self._name(source)} is {'connected' if number else 'gone'}"
             what = "source_up" if number else "source_down"
-            self._queue.event(what, text, stamp, source=source)
+            self._queue.tell(event_item(stamp, what, text, {"source": source}))
 
     def tell_lost(self) -> None:
         """Tell what was lost since the last call: answers of the fit, and messages of a bad bus."""

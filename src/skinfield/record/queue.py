@@ -118,9 +118,9 @@ class Queue:
             self._items.append(item)
             self._ready.notify()
 
-    def event(self, kind: str, text: str, time_ns: int = 0, **values: object) -> None:
-        """Append something that happened, at a time since the epoch, or now."""
-        self.tell(event_item(time_ns or time.time_ns(), kind, text, values))
+    def event(self, kind: str, text: str, /, **values: object) -> None:
+        """Append something that happens now."""
+        self.tell(event_item(time.time_ns(), kind, text, values))
 
     def offer(self, item: Item) -> bool:
         """Append something that comes after all readings, if there is room enough for those."""

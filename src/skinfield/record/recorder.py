@@ -34,7 +34,8 @@ from skinfield.record.drain import (
     place_since,
 )
 from skinfield.record.queue import Disk, Queue
-from skinfield.record.state import RecorderState, forget_state
+from skinfield.record.state import RecorderState as RecorderState
+from skinfield.record.state import forget_state as forget_state
 from skinfield.record.state import read_state as read_state
 from skinfield.ring import RingReader
 
@@ -157,7 +158,7 @@ class Recorder:
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
         text = f"recording {settings.name} of process {self._reader.pid}"
-        self._queue.event("recording_started", text, live.began_ns)
+        self._queue.event("recording_started", text)
         if first:  # now, as all that must be loaded is: the other thread inherits it
             come_first()
         self._disk.start()

@@ -160,7 +160,7 @@ def _new_uids(patch: Patch) -> NDArray[np.uint64]:
 def _faces(patch: Patch) -> Ints:
     """Triangles between neighbours, wound so that their normals point as the taxels' do."""
     try:
-        faces = patch.triangles
+        faces: Ints = patch.triangles
     except InputError:  # a curved patch that cannot be laid flat
         return np.empty((0, 3), np.int64)
     corners = patch.positions[faces]

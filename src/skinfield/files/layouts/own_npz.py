@@ -84,7 +84,7 @@ class _Arrays:
         """Array of such a shape, None for any length, and of such kinds of numbers."""
         if key not in self._arrays:
             raise FileError(f"{self.path}: no array {key!r}, expected it in {EXPECTED}")
-        found = self._arrays[key]
+        found: NDArray[Any] = self._arrays[key]
         wrong = len(shape) != found.ndim or any(
             wanted not in (None, size) for wanted, size in zip(shape, found.shape, strict=True)
         )

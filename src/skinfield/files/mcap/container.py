@@ -189,7 +189,7 @@ class Summary:
             metadata_count=self.counts[Opcode.METADATA_INDEX],
             schema_count=self.counts[Opcode.SCHEMA],
         )
-        groups = {**self.groups, Opcode.STATISTICS: octets(statistics)}
+        groups: dict[Opcode, Bytes] = {**self.groups, Opcode.STATISTICS: octets(statistics)}
         data_end = octets(DataEnd(crc))
         base = start + len(data_end)
         body, offsets = bytearray(), bytearray()

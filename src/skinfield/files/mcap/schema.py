@@ -213,7 +213,10 @@ class CycleLayout(RowLayout):
             )
         cut = _Cutter(data, size)
         found = cut.next(self.contact, contacts), cut.next(self.patch, patches)
-        return Cycle(numbers[0], CycleFlag(flags), *numbers[1:7], *found)
+        number, due, wake, acquired, done, wall, position = numbers[:7]
+        return Cycle(
+            number, CycleFlag(flags), due, wake, acquired, done, wall, position, *found
+        )  # fmt: skip
 
 
 def _dtype_of(text: str) -> np.dtype[Any]:
