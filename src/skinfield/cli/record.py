@@ -258,9 +258,8 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
         if began
         else "never"
     )
-    chunks, lost, contacts = (found[each] for each in ("chunks", "lost", "contacts"))
+    lost, contacts = found["lost"], found["contacts"]
     fields, fit = found["fields"], found["fit"]
-    ratio = chunks["unpacked_bytes"] / max(chunks["packed_bytes"], 1)
     whole = "" if found["finished"] else "; not finished: skinfield recover makes a whole file"
     enclosed = ", ".join(f"{name} ({size:,} bytes)" for name, size in found["attachments"].items())
     return [
@@ -282,7 +281,6 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
         ("lost", f"{lost['messages']:,} messages before the host; in the ring "
                  f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "
                  f"disk {lost['dropped_bytes']:,} bytes, {lost['dropped_cycles']:,} cycles"),
-        ("chunks", f"{chunks['count']:,}, {chunks['compression'] or 'none'}, {ratio:.2f} to 1"),
         ("enclosed", enclosed or "nothing"),
     ]  # fmt: skip
 

@@ -289,27 +289,6 @@ def header_of(file: BinaryIO) -> tuple[str, str]:
     return header.profile, header.library
 
 
-class ChunkSize(NamedTuple):
-    """What a chunk's head says: times of its first and last message, and bytes."""
-
-    first_ns: int
-    last_ns: int
-    compression: str
-    packed: int
-    unpacked: int
-
-
-def chunk_size(file: BinaryIO, record: Record) -> ChunkSize:
-    """Read the head of a chunk alone; raises Damaged."""
-    file.seek(record.start + HEAD.size)
-    head = file.read(min(record.length, CHUNK_HEAD.size + 4 + 64))
-    if len(head) < CHUNK_HEAD.size + 4:
-        raise Damaged(f"a chunk of {record.length} bytes")
-    first, last, unpacked, _ = CHUNK_HEAD.unpack_from(head)
-    name, at = text_at(head, CHUNK_HEAD.size)
-    return ChunkSize(first, last, name, record.length - at - 8, unpacked)
-
-
 def entries_of(file: BinaryIO, record: Record) -> Iterator[tuple[int, int, bytes]]:
     """Opcode, first byte and content of what stands in a chunk, or of a record without one.
 

@@ -10,7 +10,6 @@ import numpy as np
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
-from skinfield.files.mcap.records import Damaged, Op, chunk_size, open_file
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
 
 Progress = Callable[[int, int], None]
@@ -68,7 +67,6 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         "events": dict(Counter(str(event.get("kind")) for event in events)),
         "last_events": events[-SHOWN:],
         "attachments": {name: len(each.data) for name, each in recording.attached.items()},
-        "chunks": _chunks(recording),
         "damage": [{"byte": each.byte, "why": each.why} for each in recording.damage[:SHOWN]],
     }
 
@@ -102,25 +100,6 @@ def _skin_of(recording: LiveRecording) -> dict[str, Any]:
     except FileError:
         return {"skin": None, "taxels": None}
     return {"skin": skin.name, "taxels": sum(map(len, skin))}
-
-
-def _chunks(recording: LiveRecording) -> dict[str, Any]:
-    count, packed, unpacked, names = 0, 0, 0, set()
-    with open_file(recording.path) as file:
-        for record in recording.outline.records:
-            if record.opcode == Op.CHUNK:
-                try:
-                    size = chunk_size(file, record)
-                except Damaged:
-                    continue
-                count, packed, unpacked = count + 1, packed + size.packed, unpacked + size.unpacked
-                names.add(size.compression or "none")
-    return {
-        "count": count,
-        "compression": ", ".join(sorted(names)),
-        "packed_bytes": packed,
-        "unpacked_bytes": unpacked,
-    }
 
 
 class _Blocks:

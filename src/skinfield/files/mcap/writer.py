@@ -111,47 +111,26 @@ The fields of a patch, a contact and a form are in the channel's metadata as JSO
 """
 
 
-def _object(title: str, **properties: object) -> bytes:
+def _object(title: str, **kinds: str) -> tuple[str, str, bytes]:
+    """Schema of messages that are JSON."""
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,
         "type": "object",
-        "properties": properties,
+        "properties": {name: {"type": kind} for name, kind in kinds.items()},
     }
-    return json.dumps(schema).encode()
+    return title, "jsonschema", json.dumps(schema).encode()
 
 
-_QUANTILES = {
-    "type": "object",
-    "properties": {key: {"type": "number"} for key in ("p50", "p99", "p999", "max")},
-}
 BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}\n{_KINDS}".encode())
 CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
 FIELD_SCHEMA = ("skinfield.Field", TEXT, f"{_FIELD_HEAD}\n{_MORE}".encode())
 FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT_HEAD}\n{_MORE}".encode())
-TIMING_SCHEMA = (
-    "skinfield.Timing",
-    "jsonschema",
-    _object(
-        "skinfield.Timing",
-        wall_ns={"type": "integer"},
-        cycles={"type": "integer"},
-        late={"type": "integer"},
-        wake_us=_QUANTILES,
-        latency_us=_QUANTILES,
-        counters={"type": "object"},
-    ),
-)
-EVENT_SCHEMA = (
-    "skinfield.Event",
-    "jsonschema",
-    _object(
-        "skinfield.Event",
-        wall_ns={"type": "integer"},
-        kind={"type": "string"},
-        text={"type": "string"},
-    ),
-)
+TIMING_SCHEMA = _object(
+    "skinfield.Timing", wall_ns="integer", cycles="integer", late="integer", wake_us="object",
+    latency_us="object", counters="array",
+)  # fmt: skip
+EVENT_SCHEMA = _object("skinfield.Event", wall_ns="integer", kind="string", text="string")
 
 
 @dataclass(frozen=True)
