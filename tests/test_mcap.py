@@ -198,41 +198,6 @@ def read_all(path: Path) -> None:
         return
 
 
-@settings(max_examples=150, deadline=None)
-@given(st.binary(max_size=400), st.booleans())
-def test_any_bytes(octets, magic):
-    with tempfile.TemporaryDirectory() as name:
-        path = Path(name) / "a.mcap"
-        path.write_bytes((b"\x89MCAP0\r\n" if magic else b"") + octets)
-        read_all(path)
-        with contextlib.suppress(FileError):
-            recover(path, Path(name) / "b.mcap")
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.binary(max_size=300))
-def test_any_bytes_as_a_cycle(octets):
-    try:
-        cycle = ROWS.decode(octets)
-    except InputError:
-        return
-    again = ROWS.decode(ROWS.encode(cycle))
-    assert equal(again, cycle)
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    st.binary(max_size=300)
-    | st.binary(max_size=60).map(lambda more: field_of(3).encode()[:-20] + more)
-)
-def test_any_bytes_as_a_field(octets):
-    try:
-        found = FieldRecord.decode(octets)
-    except InputError:
-        return
-    found.pressure_into(np.zeros((len(found.sides), found.grid), np.float32))
-
-
 def test_scripts_of_older_files_are_passed_over():
     """They stood between the head of a cycle and its rows."""
     data, script = ROWS.encode(cycle_of(5)), bytes(range(80))
