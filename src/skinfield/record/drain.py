@@ -37,7 +37,7 @@ from skinfield.reconstruct.serialisation import plain_from_value
 from skinfield.record.queue import Item, Queue, event_item
 from skinfield.ring import RingReader, State
 from skinfield.signal import Calibration
-from skinfield.signal.block import HEADER, WORD, Kind
+from skinfield.signal.block import HEADER, WORD, Kind, block_bytes
 from skinfield.skin import Skin
 
 SILENT = 1.0  # s without a sign of life of the engine until it is told
@@ -156,8 +156,6 @@ PIECE = 1 << 20  # bytes of the log in one message, about
 SPARE = 4  # a fourth of the slots, which the engine may write while the others are taken
 OLDEST_NS = 10_000_000_000  # of an answer of a fit that is taken: its own stamp is wrong beyond
 NOTHING = np.zeros(0, np.uint32)
-# Bits per channel of a block.
-BITS: dict[int, int] = {Kind.BYTES: 8, Kind.SHORTS: 16, Kind.FLOATS: 32, Kind.STATUS: 1}
 
 
 class Place(NamedTuple):
@@ -213,12 +211,11 @@ def source_blocks(data: bytes) -> Iterator[tuple[int, int, int, int]]:
     while at + HEADER // WORD < len(words):
         second = words[at + 1]
         kind, count = second >> 48 & 0xFF, second >> 32 & 0xFFFF
-        if kind in BITS:
-            at += HEADER // WORD - (-BITS[Kind(kind)] * count // 64)
-        elif kind in (Kind.SOURCE, Kind.LOST):
+        if kind in (Kind.SOURCE, Kind.LOST):
             yield words[at], second & 0xFFFFFFFF, kind, words[at + 2]
-            at += HEADER // WORD + 1
-        else:
+        try:
+            at += block_bytes(kind, count) // WORD
+        except InputError:  # what follows is damaged
             return
 
 

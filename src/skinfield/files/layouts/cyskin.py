@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import listed, many, read_bytes
+from skinfield.files.layouts.repair import Content, Draft, Finding, finding_of_rows
+from skinfield.files.layouts.text import read_bytes
 from skinfield.files.pending import write_bytes
 from skinfield.skin.geometry import nearest_distance
 from skinfield.skin.patch import Patch, Skin
@@ -256,31 +256,26 @@ def _pressure_rows(
     path: Path, name: str, uid: NDArray[np.uint64], cut: NDArray[np.bool_]
 ) -> tuple[Ints, list[Finding]]:
     """Rows that are taxels, and what the others are."""
-    findings = []
-    nameless = (uid == 0) & ~cut
+    nameless, thermal = np.zeros((2, len(uid)), np.bool_)
     if uid.any():
-        reasons = [
-            (
-                "zero-uids", "error", nameless,
-                "with uid 0, so that no column of a recording is theirs; left out",
-            ),
-            (
-                "thermal", "info", (uid & np.uint64(15) == 0) & (uid != 0) & ~cut,
-                "that are sensor 0 of their module, a temperature; left out",
-            ),
-        ]  # fmt: skip
+        nameless = (uid == 0) & ~cut
+        thermal = (uid & np.uint64(15) == 0) & (uid != 0) & ~cut
+        findings = []
     else:
         text = f"{name}: all uids are 0; the taxels are numbered by their rows"
-        findings.append(Finding("zero-uids", "error", text, tuple(range(len(uid)))))
-        reasons = []
-    reasons.append(("cut", "info", cut, "cut off, or of another type than pressure; left out"))
-    keep = np.ones(len(uid), np.bool_)
-    for code, severity, which, text in reasons:
-        if which.any():
-            keep &= ~which
-            rows = np.flatnonzero(which).tolist()
-            message = f"{name}: {many(len(rows), 'taxel')} (rows {listed(rows)}) {text}"
-            findings.append(Finding(code, severity, message, tuple(rows)))  # type: ignore[arg-type]
+        findings = [Finding("zero-uids", "error", text, tuple(range(len(uid))))]
+    findings += finding_of_rows(
+        "zero-uids", "error", nameless, name, "taxel",
+        "with uid 0, so that no column of a recording is theirs; left out",
+    )  # fmt: skip
+    findings += finding_of_rows(
+        "thermal", "info", thermal, name, "taxel",
+        "that are sensor 0 of their module, a temperature; left out",
+    )  # fmt: skip
+    findings += finding_of_rows(
+        "cut", "info", cut, name, "taxel", "cut off, or of another type than pressure; left out"
+    )
+    keep = ~(nameless | thermal | cut)
     if not keep.any():
         raise FileError(f"{path}: {name}: no taxel is left, expected one that is a pressure sensor")
     return np.flatnonzero(keep), findings

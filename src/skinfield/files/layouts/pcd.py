@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError
-from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import integer, listed, many, read_bytes, spoilt
+from skinfield.files.layouts.repair import Content, Draft, finding_of_rows
+from skinfield.files.layouts.text import integer, read_bytes, spoilt
 
 NAME = "pcd"
 EXTENSIONS = (".pcd",)
@@ -53,11 +53,9 @@ def parse(path: Path) -> Content:
     if all(name in columns for name in NORMAL):
         normals = np.column_stack([columns[name] for name in NORMAL])
     good = np.isfinite(positions).all(axis=1)
-    findings = []
-    if not good.all():
-        rows = np.flatnonzero(~good).tolist()
-        text = f"{many(len(rows), 'point')} ({listed(rows)}) without a place (NaN); left out"
-        findings.append(Finding("no-pose", "warning", text, tuple(rows)))
+    findings = finding_of_rows(
+        "no-pose", "warning", ~good, path.stem, "point", "without a place (NaN); left out"
+    )
     keep = np.flatnonzero(good)
     if not len(keep):
         raise FileError(f"{path}: no point has a place, expected one or more taxels")
