@@ -155,7 +155,7 @@ class _Salvage:
             if message.channel in self.topics:
                 container.add_message(*message)
         elif opcode == Op.ATTACHMENT:
-            container.add_attachment(*attachment_of(body))
+            container.put(attachment_of(body))
         elif opcode == Op.SCHEMA:
             schema = parsed(Op.SCHEMA, body)
             if schema.id and schema.id not in self.schemas:

@@ -278,7 +278,7 @@ def _tares(recording: LiveRecording, taxels: int) -> Iterator[BaselineRecord]:
                 table, noise = file["calibration"], file["noise_std"]
             if table.shape != (taxels, 4) or noise.shape != (taxels,):
                 raise InputError(f"it is of {len(noise)} taxels, expected {taxels}")
-            time_ns = each.time_ns if known else 0  # the first holds from the beginning on
+            time_ns = each.log_time if known else 0  # the first holds from the beginning on
             known = True
             yield BaselineRecord(time_ns, table.astype(np.float64), noise.astype(np.float64))
         except (OSError, ValueError, KeyError, EOFError, TypeError) as error:

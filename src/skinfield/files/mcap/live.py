@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Generic, NamedTuple, Self, Type
 
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.records import (
-    Attached,
     Damage,
     Damaged,
     Message,
@@ -53,7 +52,7 @@ from skinfield.signal import Calibration
 from skinfield.skin import Skin
 
 if TYPE_CHECKING:
-    from mcap.records import Channel
+    from mcap.records import Attachment, Channel
 
 T = TypeVar("T")
 L = TypeVar("L", CycleLayout, FitLayout)
@@ -94,7 +93,8 @@ class LiveRecording:
         Records of the file, and whether it was finished.
     channels : dict of int to Channel
         As mcap has them.
-    attached : dict of str to Attached
+    attached : dict of str to Attachment
+        By their names, likewise.
     damage : list of Damage
         Places that cannot be read, by their bytes in the file, so far.
     """
@@ -102,7 +102,7 @@ class LiveRecording:
     path: Path
     outline: Outline
     channels: dict[int, "Channel"] = field(default_factory=dict)
-    attached: dict[str, Attached] = field(default_factory=dict)
+    attached: dict[str, "Attachment"] = field(default_factory=dict)
     damage: list[Damage] = field(default_factory=list)
 
     @classmethod
