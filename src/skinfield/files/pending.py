@@ -1,4 +1,4 @@
-"""Atomic results: written under another name and renamed at the end, so whole or not at all."""
+"""Atomic writing of results: under another name and renamed at the end, so whole or not at all."""
 
 import os
 import secrets

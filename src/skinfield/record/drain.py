@@ -1,4 +1,4 @@
-"""Drain of a ring into a recorder's queue: readings, cycles, fields, settings, events, views."""
+"""Drain of a ring into a recorder's queue: readings, cycles, fields, settings, events."""
 
 import contextlib
 import io

@@ -1,4 +1,4 @@
-"""What a live recording holds, in numbers: one pass over it."""
+"""Summary of a live recording, in numbers: one pass over it."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""The beginning of a file: enough to say what it is without reading all of it."""
+"""Head of a file: enough to say what it is without reading all of it."""
 
 from collections import Counter
 from collections.abc import Sequence

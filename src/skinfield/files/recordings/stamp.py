@@ -1,4 +1,4 @@
-"""Times as they are written, to whole nanoseconds."""
+"""Time stamps of text recordings, to whole nanoseconds."""
 
 from dataclasses import dataclass, field
 

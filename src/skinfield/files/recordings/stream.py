@@ -1,4 +1,4 @@
-"""A text recording block by block: memory does not grow with the length of the file."""
+"""Stream of a text recording, block by block: memory does not grow with the length of the file."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""What a skin feels, as messages of ROS 2.
+"""Messages of ROS 2 that say what a skin feels.
 
 Forces are those on the skin: a contact's points into it, against the outward normal.
 """
