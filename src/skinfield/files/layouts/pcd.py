@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
 from skinfield.files.layouts.repair import Content, Draft, finding_of_rows
@@ -39,7 +38,7 @@ def parse(path: Path) -> Content:
     normals = None
     if all(name in columns for name in NORMAL):
         normals = np.column_stack([columns[name] for name in NORMAL])
-    good: NDArray[np.bool_] = np.isfinite(positions).all(axis=1)
+    good = np.asarray(np.isfinite(positions).all(axis=1))
     findings = finding_of_rows(
         "no-pose", "warning", ~good, path.stem, "point", "without a place (NaN); left out"
     )
