@@ -1,6 +1,5 @@
 """MCAP files of live recordings: written, read, cut, damaged, recovered."""
 
-import contextlib
 import errno
 import struct
 import tempfile
@@ -19,7 +18,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.files.mcap import RecordingSettings, RecordingWriter
 from skinfield.files.mcap.container import COMPRESSIONS
 from skinfield.files.mcap.live import LiveRecording, Newest
-from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout, FieldRecord
+from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout
 from skinfield.record.recover import recover
 
 
