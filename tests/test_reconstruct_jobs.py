@@ -18,7 +18,7 @@ from skinfield.cli import reconstruct as reconstruct_module
 from skinfield.cli import reconstruct_jobs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import dask_client, run_jobs, settings_of
-from skinfield.files import contacts, fields, save_recording
+from skinfield.files import contacts, fields, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files import results_writer as results
 from skinfield.files.manifest import Manifest
@@ -257,7 +257,7 @@ def test_ctrl_c_leaves_nothing(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(reconstruct_module.Sinks, "write", write)
-    names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.zarr")
+    names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.npz")
     code, said = run("reconstruct", recording, *LAYOUT, "-o", *names)
     assert (code, list(tmp_path.iterdir())) == (130, []), said
 
@@ -270,7 +270,7 @@ def test_memory_does_not_grow_with_the_recording(
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
         (lines, "BLOCK", 2048), (contacts, "CHUNK", 32), (results, "BLOCK", 64),
-        (fields, "MOST", 64),
+        (fields, "MOST", 64), (fields, "COPIED", 1 << 12), (tables, "HELD", 1 << 12),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)
     peaks = []
@@ -279,7 +279,7 @@ def test_memory_does_not_grow_with_the_recording(
         tracemalloc.start() if peaks else None
         code, said = run(
             "reconstruct", path, *LAYOUT, "-o", tmp_path / f"{readings}.csv.skinfield",
-            "-o", tmp_path / f"c{readings}.csv", "--fields", tmp_path / f"f{readings}.zarr",
+            "-o", tmp_path / f"c{readings}.csv", "--fields", tmp_path / f"f{readings}.npz",
         )  # fmt: skip
         assert code == 0, said
         peaks.append(tracemalloc.get_traced_memory()[1] if peaks else 1)

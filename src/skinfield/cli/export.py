@@ -30,7 +30,7 @@ def export(
     answer in each cycle; the cycles' times; and what happened. In the order of the layout's taxels,
     stamps in ns since the epoch, all else in SI units.
 
-      out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
+      out.h5               patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
                            cycles, events
       out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
                            out.patch_cycles.*, out.cycles.* and out.events.json
@@ -49,7 +49,7 @@ def export(
     file : str
         Recording (.mcap).
     output : str
-        File to write: .parquet, .csv, .zarr or .h5; for a bag, a DIR.
+        File to write: .parquet, .csv or .h5; for a bag, a DIR.
     patch : tuple of str
         Only this patch; again for more. Default all.
     form : str, optional
@@ -64,8 +64,9 @@ def export(
         task = bar.add_task("exporting", total=recording.outline.size)
         for at in work.into(sink):
             bar.update(task, completed=at)
-        notes = work.views_into(sink) if form else []
-    notes += [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
+        if form:
+            work.taxels_into(sink)
+    notes = [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
     if not recording.finished:
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)
@@ -123,7 +124,7 @@ class _Work:
                 if fit is not None and len(rows := fit.rows_of(at, message.data)):
                     sink.add_rows("fit_contacts", rows)
             elif topic == CYCLES:
-                cycle = recording.cycle_of(at, message)
+                cycle = recording.cycle_of(at, message.data)
                 if cycle is not None:
                     self._held.append(cycle)
                 if len(self._held) >= HELD:
@@ -139,20 +140,14 @@ class _Work:
         self._put_cycles(sink)
         sink.add_happened(list(recording.timing()), list(recording.events()))
 
-    def views_into(self, bag: Any) -> list[str]:
-        """Hand a bag the taxels that were recorded for ROS; what was left out, in words."""
-        topics = {bag.taxels_of(place) for place in range(len(self.numbers))}
-        known = {
-            each.topic
-            for each in self._recording.channels.values()
-            if each.message_encoding == "cdr"
-        }
-        left = 0
-        if not (wanted := known & topics):
-            return []
-        for topic, _, message in self._recording.messages(wanted):
-            left += not bag.add_taxels(topic, message.time_ns, message.data)
-        return [f"{left} messages of taxels that cannot be read: left out"] if left else []
+    def taxels_into(self, bag: Any) -> None:
+        """Hand a bag what the taxels read, where that was recorded."""
+        ends = np.cumsum([len(patch) for patch in self._recording.skin])
+        for field in self._recording.fields():
+            if len(field.values) == ends[-1]:
+                parts = np.split(np.where(field.valid > 0, field.values, np.nan), ends[:-1])
+                for place, number in enumerate(self.numbers):
+                    bag.add_taxels(place, field.time_ns, parts[number])
 
     def _put_cycles(self, sink: Any) -> None:
         held, self._held = self._held, []

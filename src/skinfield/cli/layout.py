@@ -101,7 +101,6 @@ def convert(
     output: Annotated[str, Parameter(name="OUTPUT")],
     /,
     *,
-    form: Annotated[str | None, Parameter(name="--format")] = None,
     patch: str | None = None,
     force: Force = False,
 ) -> None:
@@ -111,29 +110,24 @@ def convert(
     Formats that hold one patch take one: choose it with --patch.
 
       skinfield layout convert right_foot.txt foot.toml
-      skinfield layout convert hexagon72 calibration.cache
-      skinfield layout convert tip.toml tip.txt --format fingertip
+      skinfield layout convert hexagon72 hexagon.json
 
     Parameters
     ----------
     text : str
         Layout file, or a generator by name.
     output : str
-        File to write.
-    form : str, optional
-        Format of OUTPUT where its extension has several.
+        File to write: .toml, .npz, .json (CySkin) or .txt (iCub positions).
     patch : str, optional
         Name of the one patch to write.
     """
-    from skinfield.files.layouts import format_by_name
     from skinfield.files.layouts.load import save_layout
 
-    wanted = format_by_name(form) if form else None
     check_new("OUTPUT", output, force)
     skin = skin_from_text(text)
     if patch is not None:
         skin = Skin((skin[patch],), name=skin.name, notes=skin.notes)
-    lost = save_layout(skin, output, wanted)
+    lost = save_layout(skin, output)
     say_notes(skin.notes)
     say_notes(f"not written: {sentence}" for sentence in lost)
     say(f"wrote {output}: {_summary(skin)}")

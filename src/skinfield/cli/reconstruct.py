@@ -106,7 +106,7 @@ def reconstruct(
     DIR/manifest.json: the same command goes on where a run was ended.
 
       skinfield reconstruct foot/data.log --skin right_foot.txt -o contacts.csv --plot foot.png
-      skinfield reconstruct press.csv --skin hexagon72 --grid 40 --fields press.zarr
+      skinfield reconstruct press.csv --skin hexagon72 --grid 40 --fields press.npz
       skinfield reconstruct hours.csv --skin hexagon72 --grid 40 -o hours.skinfield
       skinfield reconstruct hours.skinfield --slice 100:200 --fields part.npz
       skinfield reconstruct mon.csv tue.csv wed.csv --skin hexagon72 --workers 8 -o week
@@ -123,7 +123,7 @@ def reconstruct(
         Contacts of every reading: .csv or .parquet; or all results: .skinfield; again for more. Or
         a DIR, for results of several recordings.
     fields : str, optional
-        Pressure and displacement: .npz or .zarr.
+        Pressure and displacement: .npz.
     summary : str, optional
         Summary of the run: .json.
     plot : str, optional
@@ -176,7 +176,7 @@ def reconstruct(
             results, skipped = _taken_in(recording[0], sinks, options, files)
         say_notes(results.notes)
         totals, readings = _run(results, sinks, options)
-        shown = results.estimate(totals.shown)
+        shown = results.estimate(totals.peak)
         sinks.close()
         if sinks.results is not None:  # they have their name now
             results.readings = read_results(sinks.results.place.target).readings
@@ -384,7 +384,7 @@ def _run(results: Results, sinks: Sinks, options: dict[str, Any]) -> tuple[Total
                 sinks.write(part, results.config.grid)
                 totals.add(part.totals)
                 bar.update(line, advance=part.totals.readings)
-    totals.shown = totals.shown if reading is None else reading
+    totals.peak = totals.peak if reading is None else reading
     return totals, readings
 
 
@@ -484,7 +484,7 @@ def _report_many(manifest: Manifest) -> None:
             str(len(totals.silent or ())),
             str(totals.contacts),
             f"{totals.highest_load:.2f}",
-            str(totals.shown),
+            str(totals.peak),
         )
     if table.row_count:
         console().print(table)
@@ -530,7 +530,7 @@ def report(
 
         write_summary(options["summary"], _summary(results, totals, seconds, options))
     if options["plot"]:
-        _plot(results, totals.shown, shown, options["plot"])
+        _plot(results, totals.peak, shown, options["plot"])
     for name in (*options["output"], *(options[k] for k in ("fields", "summary", "plot"))):
         if name and not options["as_json"]:
             say(f"wrote {name}")
@@ -554,10 +554,10 @@ def _show(
         highlight=False,
         soft_wrap=True,
     )
-    when = (_stamp(results, totals.shown) - start) * 1e-9
+    when = (_stamp(results, totals.peak) - start) * 1e-9
     load = sum(contact.normal_force for contact in shown.contacts)
     found = plural(len(shown.contacts), "contact")
-    title = f"reading {totals.shown} at {when:.2f} s: {load:.2f} N in {found}"
+    title = f"reading {totals.peak} at {when:.2f} s: {load:.2f} N in {found}"
     out.print(table_of_contacts(shown.contacts, title))
 
 
@@ -613,7 +613,7 @@ def _summary(
         "contact_force_N": {"mean": totals.load / count, "highest": totals.highest_load},
         "field_force_N": {"mean": totals.force / count, "highest": totals.highest_force},
         "contacts_per_reading": totals.contacts / count,
-        "highest_load_reading": totals.shown,
+        "highest_load_reading": totals.peak,
         "latency_ms_per_reading": totals.seconds / count * 1e3,
         "notes": list(results.notes),
     }

@@ -296,7 +296,7 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
             readings=last - first,
             load=float(load.sum()),
             highest_load=float(load[best]),
-            shown=first + best,
+            peak=first + best,
             force=float(force.sum()),
             highest_force=float(force.max()),
             contacts=sum(map(len, estimate.contacts)),

@@ -24,8 +24,6 @@ def record(
     output: Annotated[str, OUTPUT],
     duration: float | None = None,
     compression: Literal["zstd", "lz4", "none"] = "zstd",
-    ros: bool = False,
-    foxglove: bool = False,
     view_rate_hz: float = 20.0,
     force: Force = False,
     as_json: Json = False,
@@ -56,23 +54,14 @@ def record(
         Seconds; default until Ctrl-C, or the skin stops.
     compression : str
         Of the file's chunks; noisy 16-bit counts hardly shrink.
-    ros : bool
-        Also channels that ROS 2 reads: taxels, forces.
-    foxglove : bool
-        Also channels that Foxglove draws.
     view_rate_hz : float, 1/s
-        Of pressure fields and of these channels, messages a second.
+        Of what all taxels read and the pressure, messages a second.
     as_json : bool
         One JSON object at the end.
     """
-    from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RosViews
+    from skinfield.files.mcap import RecordingSettings
     from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
 
-    if ros and foxglove:
-        raise InputError(
-            "--ros and --foxglove are both given, expected one: readers of ROS 2 bags refuse files "
-            "with Foxglove's channels, and Foxglove shows those of ROS too"
-        )
     if not output.lower().endswith(".mcap"):
         raise InputError(f"--output is {output!r}, expected a name that ends in .mcap")
     check_new("--output", output, force)
@@ -82,7 +71,6 @@ def record(
         name=name,
         path=Path(output),
         since_ns=time.time_ns(),
-        views=(*([RosViews] if ros else []), *([FoxgloveViews] if foxglove else [])),
         view_rate=view_rate_hz,
         file=RecordingSettings(compression, overwrite=force),
     )
@@ -270,9 +258,8 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
         if began
         else "never"
     )
-    chunks, lost, contacts = (found[each] for each in ("chunks", "lost", "contacts"))
+    lost, contacts = found["lost"], found["contacts"]
     fields, fit = found["fields"], found["fit"]
-    ratio = chunks["unpacked_bytes"] / max(chunks["packed_bytes"], 1)
     whole = "" if found["finished"] else "; not finished: skinfield recover makes a whole file"
     enclosed = ", ".join(f"{name} ({size:,} bytes)" for name, size in found["attachments"].items())
     return [
@@ -294,7 +281,6 @@ def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
         ("lost", f"{lost['messages']:,} messages before the host; in the ring "
                  f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "
                  f"disk {lost['dropped_bytes']:,} bytes, {lost['dropped_cycles']:,} cycles"),
-        ("chunks", f"{chunks['count']:,}, {chunks['compression'] or 'none'}, {ratio:.2f} to 1"),
         ("enclosed", enclosed or "nothing"),
     ]  # fmt: skip
 
