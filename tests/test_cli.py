@@ -106,7 +106,7 @@ def test_flags_come_before_a_file_and_both_are_written(tmp_path: Path) -> None:
     )
     again = invoke(["run", "--save", str(after)])
     assert (again.exit_code, "there already" in again.stderr) == (2, True)
-    words = ["--layout", "icub_hexagon", "--save", str(after), "--force"]
+    words = ["--skin", "icub_hexagon", "--save", str(after), "--force"]
     assert invoke(["run", *words]).exit_code == 0
     assert after.read_text() == '[skin]\nlayout = "icub_hexagon"\n'
 

@@ -2,22 +2,35 @@
 
 import time
 from collections.abc import Callable
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
 from skinfield.cli.options import (
     OUTPUT,
     Force,
+    Json,
+    Model,
+    OfElastomer,
+    config_of,
+    filled,
     layer_of,
-    part,
     patch_of,
     profile_in_use,
     quantity_of,
-    reconstructor_of,
     skin_from_text,
 )
-from skinfield.cli.report import check_new, console, free_name, table_of_contacts
+from skinfield.cli.report import (
+    check_picture,
+    console,
+    finish,
+    fixed,
+    free_name,
+    plain_contact,
+    say,
+    table,
+    table_of_contacts,
+)
 from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
 from skinfield.estimate import Estimate
 from skinfield.reconstruct import Reconstructor
@@ -26,6 +39,7 @@ from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
+FAR = 8e-3  # m: a contact beyond is not of this press
 
 
 def demo(
@@ -36,8 +50,9 @@ def demo(
     seed: int = 0,
     output: Annotated[str | None, OUTPUT] = None,
     force: Force = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
-    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
+    as_json: Json = False,
+    elastomer: OfElastomer = Elastomer(),
+    model: Model = ModelSettings(),
 ) -> None:
     """Simulate rigid balls that press on a patch, reconstruct what they do, and compare.
 
@@ -61,13 +76,14 @@ def demo(
         Of the noise.
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
+    as_json : bool
+        Contacts, the truth and times as one JSON object.
     """
-    from skinfield.plot import check_name, draw_estimate, save
+    from skinfield.plot import draw_estimate, save
     from skinfield.simulate import press as pressed
 
     picture = free_name(PICTURE) if output is None else output
-    check_name(picture)
-    check_new("--output", picture, force)
+    check_picture("--output", picture, force)
     patch = patch_of(skin_from_text(layout), None)
     profile = profile_in_use(elastomer, layout=layout)
     layer = layer_of(elastomer, profile)
@@ -82,7 +98,8 @@ def demo(
     clean = true.readings(patch.plane, patch.pad_diameter, name)
     readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
     start = time.perf_counter()
-    reconstructor = reconstructor_of(patch, layer, quantity, spread, model, profile)
+    config = config_of(patch, layer, quantity, spread, filled(model, profile))
+    reconstructor = config.reconstructor()
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
     figure = draw_estimate(
@@ -93,8 +110,19 @@ def demo(
         quantity_unit={"1": "%", "Pa": "kPa"}[quantity.unit],
     )
     save(figure, picture)
-    _report(reconstructor, estimate, balls, readings, prepared)
-    console().print(f"wrote {picture}", highlight=False, soft_wrap=True)
+    rows = [_against(ball, estimate) for ball in balls]
+    if not as_json:
+        _report(estimate, rows)
+        latency = _latency(reconstructor, estimate, readings)
+        say(f"latency: {latency}; prepared once in {prepared:.1f} s")
+    result = {
+        "contacts": [plain_contact(each) for each in estimate.contacts],
+        "presses": rows,
+        "prepared_s": prepared,
+        "latency_s": estimate.latency,
+        "picture": picture,
+    }
+    finish(as_json, result, [picture])
 
 
 def _ball_of(text: str) -> Sphere:
@@ -105,41 +133,31 @@ def _ball_of(text: str) -> Sphere:
     return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
-def _report(
-    reconstructor: Reconstructor,
-    estimate: Estimate,
-    balls: list[Sphere],
-    readings: Floats,
-    prepared: float,
-) -> None:
-    from rich.table import Table
+def _against(ball: Sphere, estimate: Estimate) -> dict[str, Any]:
+    """A press beside the contact that is nearest to it, if one is near."""
+    near = [(float(np.hypot(*(c.position[:2] - ball.position))), c) for c in estimate.contacts]
+    place, contact = min(near, key=lambda each: each[0], default=(np.inf, None))
+    row: dict[str, Any] = {"force_N": ball.force, "missed": contact is None or place > FAR}
+    if contact is not None and place <= FAR:
+        row["estimated_force_N"] = contact.normal_force
+        row["place_error_m"] = place
+    return row
 
+
+def _report(estimate: Estimate, rows: list[dict[str, Any]]) -> None:
+    """Tables of the contacts, and of the presses beside them."""
     out = console()
     out.print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
-    table = Table(title="Against the known truth", title_justify="left")
-    for column in ("press", "true N", "found N", "force error", "place error mm"):
-        table.add_column(column, justify="right")
-    for index, ball in enumerate(balls, start=1):
-        places = [np.hypot(*(c.position[:2] - ball.position)) for c in estimate.contacts]
-        nearest = int(np.argmin(places)) if places else -1
-        if nearest < 0 or places[nearest] > 8e-3:
-            table.add_row(str(index), f"{ball.force:.2f}", "missed", "", "")
-            continue
-        found = estimate.contacts[nearest].normal_force
-        table.add_row(
-            str(index),
-            f"{ball.force:.2f}",
-            f"{found:.2f}",
-            f"{(found / ball.force - 1) * 100:+.0f} %",
-            f"{places[nearest] * 1e3:.2f}",
-        )
-    out.print(table)
-    latency = _latency(reconstructor, estimate, readings)
-    out.print(
-        f"latency: {latency}; prepared once in {prepared:.1f} s",
-        highlight=False,
-        soft_wrap=True,
-    )
+    numbers = ("press", "true N", "found N", "force error", "place error mm")
+    shown = table("Against the known truth", (), numbers)
+    for index, row in enumerate(rows, start=1):
+        cells = ["missed", "", ""]
+        if not row["missed"]:
+            force = row["estimated_force_N"]
+            error = f"{(force / row['force_N'] - 1) * 100:+.0f} %"
+            cells = [fixed(force, 2), error, fixed(row["place_error_m"] * 1e3, 2)]
+        shown.add_row(str(index), fixed(row["force_N"], 2), *cells)
+    out.print(shown)
 
 
 def _latency(reconstructor: Reconstructor, estimate: Estimate, readings: Floats) -> str:

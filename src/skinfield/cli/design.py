@@ -1,6 +1,6 @@
 """`skinfield design`: judge a layout before it is made."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -8,23 +8,24 @@ from skinfield.cli.options import (
     OUTPUT,
     Force,
     Json,
+    OfElastomer,
     layer_of,
     mechanics_of,
-    part,
     patch_of,
     profile_in_use,
     quantity_of,
     skin_from_text,
 )
 from skinfield.cli.report import (
-    check_new,
     check_output,
+    check_picture,
     console,
+    finish,
     free_name,
-    print_json,
     progress,
     say,
     say_notes,
+    table,
 )
 from skinfield.design import (
     Judgement,
@@ -61,8 +62,6 @@ def design(
     force_n: float = 0.5,
     radius_mm: float | None = None,
     false_alarms: float = 1e-3,
-    detection: float = 0.9,
-    two_point_errors: float = 0.05,
     linear: bool = False,
     pitch_mm: float | None = None,
     compare_thickness_mm: str | None = None,
@@ -70,7 +69,7 @@ def design(
     maps: tuple[str, ...] = (),
     force: Force = False,
     as_json: Json = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Judge a layout before it is made: blind spots, smallest force, sharpness.
 
@@ -109,10 +108,6 @@ def design(
         Of the contact, mm. Default half the thickness.
     false_alarms : float
         Rate at which noise alone may be taken for a touch, per reading.
-    detection : float
-        Rate at which the smallest force is found.
-    two_point_errors : float
-        Rate of taking two touches for one, and one for two.
     linear : bool
         Take readings as proportional to the force, also of deep touches.
     pitch_mm : float, mm, optional
@@ -127,19 +122,16 @@ def design(
         Numbers and verdict as one JSON object.
     """
     from skinfield.files.judgements import check_judgement_name
-    from skinfield.plot import check_name
 
     picture = free_name(PICTURE) if output is None else output
-    check_name(picture)
-    check_new("--output", picture, force)
+    check_picture("--output", picture, force)
     for name in maps:
         if compare_thickness_mm is not None:
             raise InputError(
                 f"--maps is {name!r} beside --compare-thickness-mm, expected one of them: maps are "
                 "written of one thickness"
             )
-        check_output("--maps", name, check_judgement_name(name).suffix)
-        check_new("--maps", name, force)
+        check_output("--maps", name, force, check_judgement_name(name).suffix)
     skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)
@@ -154,14 +146,14 @@ def design(
     )
     candidate = candidate.linear if linear else candidate
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
-    terms = Terms(
-        false_alarm_rate=false_alarms, detection_rate=detection, error_rate=two_point_errors
-    )
+    terms = Terms(false_alarm_rate=false_alarms)
     if compare_thickness_mm is not None:
-        _compare(candidate, touch, terms, _thicknesses(compare_thickness_mm), picture, as_json)
-        return
-    places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
-    _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+        thicknesses = _thicknesses(compare_thickness_mm)
+        plain: Any = _compare(candidate, touch, terms, thicknesses, picture, as_json)
+    else:
+        places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
+        plain = _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+    finish(as_json, plain, (picture, *maps))
 
 
 def _thicknesses(text: str) -> list[float]:
@@ -180,31 +172,22 @@ def _judge(
     places: Places | None,
     files: list[str],
     as_json: bool,
-) -> None:
+) -> dict[str, object]:
     """Judge one layout; the first of `files` is the picture."""
     from skinfield.files.judgements import save_judgement
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
-    with progress() as bar:
-        task = bar.add_task("tables", total=MAPS + 1)
+    with progress("tables", MAPS + 1) as step:
         judgement = judge(
-            candidate,
-            touch,
-            places,
-            terms=terms,
-            on_map=lambda name: bar.update(task, description=name, advance=1),
+            candidate, touch, places, terms=terms, on_map=lambda name: step(what=name)
         )
-    if as_json:
-        print_json(_plain(judgement))
-    else:
+    if not as_json:
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
         save_judgement(judgement, name)
-    if not as_json:
-        for name in files:
-            say(f"wrote {name}")
+    return _plain(judgement)
 
 
 def _compare(
@@ -214,29 +197,23 @@ def _compare(
     thicknesses: list[float],
     picture: str,
     as_json: bool,
-) -> None:
+) -> list[dict[str, object]]:
     """Judge the same touch under several thicknesses."""
     from skinfield.plot import save
     from skinfield.plot.design import draw_thickness
 
-    with progress() as bar:
-        task = bar.add_task("thickness", total=len(thicknesses))
-        begun: list[float] = []
-
-        def on_thickness(thickness: float) -> None:
-            bar.update(task, description=f"{thickness * 1e3:g} mm", completed=len(begun))
-            begun.append(thickness)
-
+    with progress("thickness", len(thicknesses)) as step:
         comparison = compare_thickness(
-            candidate, touch, thicknesses, terms=terms, on_thickness=on_thickness
+            candidate,
+            touch,
+            thicknesses,
+            terms=terms,
+            on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
         )
-    if as_json:
-        print_json([_plain(each) for each in comparison.judgements])
-    else:
+    if not as_json:
         _show_thickness(comparison)
     save(draw_thickness(comparison), picture)
-    if not as_json:
-        say(f"wrote {picture}")
+    return [_plain(each) for each in comparison.judgements]
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:
@@ -263,20 +240,15 @@ def _plain(judgement: Judgement) -> dict[str, object]:
 
 def _show(judgement: Judgement) -> None:
     """Table, shares and verdict of one layout."""
-    from rich.table import Table
-
     design, touch = judgement.design, judgement.touch
     title = (
         f"{design.patch.name}: {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
         f"{design.layer.thickness * 1e3:g} mm of {design.layer.young_modulus / 1e3:g} kPa"
     )
-    table = Table(title=title, title_justify="left")
-    table.add_column("at one place")
-    for column in ("unit", "median", "90 %", "worst"):
-        table.add_column(column, justify="right")
+    shown = table(title, ("at one place",), ("unit", "median", "90 %", "worst"))
     for row in judgement.rows():
-        table.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
-    console().print(table)
+        shown.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
+    console().print(shown)
     blind, searched = judgement.blind, judgement.detectable.searched
     independent = searched.independent(judgement.detectable.false_alarm_rate)
     say(
@@ -287,23 +259,19 @@ def _show(judgement: Judgement) -> None:
     say(judgement.verdict())
 
 
-def _show_thickness(found: ThicknessComparison) -> None:
+def _show_thickness(comparison: ThicknessComparison) -> None:
     """Table of medians and 95th percentiles by thickness."""
-    from rich.table import Table
-
-    touch = found.judgements[0].touch
+    touch = comparison.judgements[0].touch
     title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
-    table = Table(title=title, title_justify="left")
-    for column in ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm",
-                   "blind"):  # fmt: skip
-        table.add_column(column, justify="right")
-    rows = [found.rows(name) for name in COMPARED]
-    for index, judgement in enumerate(found.judgements):
+    numbers = ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm", "blind")
+    shown = table(title, (), numbers)
+    rows = [comparison.rows(name) for name in COMPARED]
+    for index, judgement in enumerate(comparison.judgements):
         cells = [f"{_short(row[index].median)} / {_short(row[index].p95)}" for row in rows]
-        thickness = f"{found.thickness[index] * 1e3:g}"
-        table.add_row(thickness, *cells, f"{judgement.blind.blind_share:.1%}")
-    console().print(table)
-    place, pair = (found.best(name) * 1e3 for name in (COMPARED[1], COMPARED[3]))
+        thickness = f"{comparison.thickness[index] * 1e3:g}"
+        shown.add_row(thickness, *cells, f"{judgement.blind.blind_share:.1%}")
+    console().print(shown)
+    place, pair = (comparison.best(name) * 1e3 for name in (COMPARED[1], COMPARED[3]))
     say(f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)")
 
 

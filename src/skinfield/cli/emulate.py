@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from rich.console import Console
 
-from skinfield.cli.options import Force, Json, layer_of, part, profile_in_use
-from skinfield.cli.report import check_new, print_json
+from skinfield.cli.options import Force, Json, OfElastomer, layer_of, part, profile_in_use
+from skinfield.cli.report import check_output, note, print_json, say_notes
 from skinfield.emulator import (
     Fault,
     VirtualSettings,
@@ -138,7 +138,7 @@ def emulate(
     wires: Annotated[WireSettings, part("Wires")] = WireSettings(),
     electronics: Annotated[ElectronicsSettings, part("Electronics")] = ElectronicsSettings(),
     faults: Annotated[FaultSettings, part("Faults")] = FaultSettings(),
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Be a robot's skin: play the boards of one, on a real bus.
 
@@ -213,7 +213,7 @@ def emulate(
     as_json : bool
         One JSON object at the end.
     """
-    check_new("--truth", truth or None, force)
+    check_output("--truth", truth or None, force)
     profile = profile_in_use(elastomer, hardware, layout)
     settings = VirtualSettings(
         hardware=hardware,
@@ -246,23 +246,23 @@ def emulate(
         duration=duration,
         priority=priority,
     )
-    shown = Console(stderr=True)
-    counts = _played(settings, shown)
+    out = Console(stderr=True)
+    counts = _play(settings, out)
     if as_json:
         print_json(counts)
     else:
-        _sum_up(counts, shown)
+        _sum_up(counts)
 
 
-def _played(settings: VirtualSettings, shown: Console) -> dict[str, Any]:
+def _play(settings: VirtualSettings, out: Console) -> dict[str, Any]:
     """Play a skin until its time is over, or it is stopped; what it did."""
     skin = VirtualSkin(settings)
     before = {name: signal.getsignal(name) for name in (signal.SIGINT, signal.SIGTERM)}
     for name in before:
         signal.signal(name, lambda *_: skin.stop())
     try:
-        _introduce(skin, shown)
-        with shown.status("waiting for a host", spinner="dots") as status:
+        _introduce(skin)
+        with out.status("waiting for a host", spinner="dots") as status:
             skin.run(each_second=lambda each: status.update(_line_of(each)))
     finally:
         counts = {**skin.description(), **skin.counts()}
@@ -272,17 +272,16 @@ def _played(settings: VirtualSettings, shown: Console) -> dict[str, Any]:
     return counts
 
 
-def _introduce(skin: VirtualSkin, shown: Console) -> None:
+def _introduce(skin: VirtualSkin) -> None:
     """What it is and where."""
     settings = skin.settings
     patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
-    shown.print(f"{settings.hardware} skin: {patches}", highlight=False, soft_wrap=True)
+    note(f"{settings.hardware} skin: {patches}", "")
     where = ", ".join(skin.hardware.addresses)
-    shown.print(f"{settings.bus} at {where}; scene {skin.world.scene.name}", highlight=False)
+    note(f"{settings.bus} at {where}; scene {skin.world.scene.name}", "")
     if skin.control_address:
-        shown.print(f"presses and faults: JSON by UDP to {skin.control_address}", highlight=False)
-    for note in skin.notes:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
+        note(f"presses and faults: JSON by UDP to {skin.control_address}", "")
+    say_notes(skin.notes)
 
 
 def _line_of(skin: VirtualSkin) -> str:
@@ -302,27 +301,20 @@ def _line_of(skin: VirtualSkin) -> str:
     return " | ".join(parts)
 
 
-def _sum_up(counts: dict[str, Any], shown: Console) -> None:
+def _sum_up(counts: dict[str, Any]) -> None:
     """What was sent in all, and what became of it."""
-    said = [f"{counts['messages']:,} messages of {counts['readings']:,} readings sent"]
-    said += [f"{counts[name]:,} {name}" for name in MISHAPS]
-    shown.print(", ".join(said), highlight=False, soft_wrap=True)
+    parts = [f"{counts['messages']:,} messages of {counts['readings']:,} readings sent"]
+    note(", ".join(parts + [f"{counts[name]:,} {name}" for name in MISHAPS]), "")
     if counts["faults"]:
         began = ", ".join(f"{kind} {count}" for kind, count in counts["faults"].items())
-        shown.print(f"faults that began: {began}", highlight=False, soft_wrap=True)
+        note(f"faults that began: {began}", "")
     if counts["skipped"]:
-        shown.print(
+        note(
             f"{counts['skipped']:,} readings came too late and were skipped: this machine was "
             "too busy for the rate",
-            style="yellow",
-            highlight=False,
-            soft_wrap=True,
+            "yellow",
         )
     if counts["refused"] and not counts["messages"]:
-        shown.print(
-            f"nothing went out: no host has spoken to {', '.join(counts['channels'])}",
-            style="yellow",
-            highlight=False,
-        )
-    for note in counts["notes"]:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
+        where = ", ".join(counts["channels"])
+        note(f"nothing went out: no host has spoken to {where}", "yellow")
+    say_notes(counts["notes"])

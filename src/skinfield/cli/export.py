@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from cyclopts import Parameter
 
-from skinfield.cli.options import OUTPUT, Force
-from skinfield.cli.report import check_new, progress, say_notes
+from skinfield.cli.options import OUTPUT, Force, Json
+from skinfield.cli.report import check_output, finish, progress, say_notes
 from skinfield.errors import FileError, InputError
 
 HELD = 4096  # cycles whose rows are written together
@@ -22,6 +22,7 @@ def export(
     patch: tuple[str, ...] = (),
     form: Annotated[Literal["rosbag2", "rosbag2-sqlite"] | None, Parameter(name="--format")] = None,
     force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Turn FILE, a recording of a live skin, into arrays and tables that others read.
 
@@ -54,21 +55,27 @@ def export(
         Only this patch; again for more. Default all.
     form : str, optional
         A DIR as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.
+    as_json : bool
+        What was written, and what left out, as one JSON object.
     """
     from skinfield.files.mcap.live import LiveRecording
 
-    check_new("--output", output, force)
+    check_output("--output", output, force)
     recording = LiveRecording.open(Path(file))
     work = _Work(recording, patch)
-    with _sink_of(output, form, work) as sink, progress() as bar:
-        task = bar.add_task("exporting", total=recording.outline.size)
+    with (
+        _sink_of(output, form, work) as sink,
+        progress("exporting", recording.outline.size) as step,
+    ):
         for at in work.into(sink):
-            bar.update(task, completed=at)
+            step(at)
         notes = work.views_into(sink) if form else []
     notes += [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
     if not recording.finished:
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)
+    patches = [each.name for each in work.what.patches]
+    finish(as_json, {"file": output, "patches": patches, "notes": notes})
 
 
 def _sink_of(output: str, form: str | None, work: "_Work") -> Any:

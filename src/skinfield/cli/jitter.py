@@ -9,9 +9,8 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -253,43 +252,37 @@ def _loop(settings: JitterSettings) -> AbstractContextManager[Loop]:
 def bare_loop(settings: JitterSettings) -> Iterator[Loop]:
     """A loop that does nothing but wake: what Python costs."""
     sizes = [int(np.prod(shape)) for _, _, shape in FIELDS]
-    memory = SharedMemory(create=True, size=8 * sum(sizes))
     context = get_context("spawn")
+    memory = context.RawArray("Q", sum(sizes))
     ours, theirs = context.Pipe()
-    arguments = memory.name, int(1e9 / settings.rate_hz), settings.real_time, theirs
+    arguments = memory, int(1e9 / settings.rate_hz), settings.real_time, theirs
     child = context.Process(target=_run_bare, args=arguments, daemon=True)
     child.start()
     theirs.close()
-    arrays = list(_arrays_in(memory))
+    times, totals = _arrays_in(memory)
     try:
         if not ours.poll(PATIENCE):
             raise InputError(f"the loop did not start within {PATIENCE:g} s, expected less")
         granted = RealTimeStatus.from_dict(ours.recv())
-        yield Loop(int(child.pid or 0), granted, lambda: (arrays[0].copy(), arrays[1].copy()))
+        yield Loop(int(child.pid or 0), granted, lambda: (times.copy(), totals.copy()))
     finally:
         ours.close()  # which ends it
         child.join(10)
         if child.is_alive():
             child.kill()
             child.join()
-        arrays.clear()  # nothing refers to the memory any longer
-        memory.close()
-        memory.unlink()
 
 
-def _arrays_in(memory: SharedMemory) -> tuple[Words, Words]:
+def _arrays_in(memory: Any) -> tuple[Words, Words]:
     """Times and totals of a `TimingTable` in shared memory."""
-    arrays, offset = [], 0
-    for _, dtype, shape in FIELDS:
-        array: Words = np.ndarray(shape, dtype, memory.buf, offset)
-        arrays.append(array)
-        offset += array.nbytes
-    return arrays[0], arrays[1]
+    (_, _, times), (_, _, totals) = FIELDS
+    words: Words = np.frombuffer(memory, np.uint64)
+    length = int(np.prod(times))
+    return words[:length].reshape(times), words[length:].reshape(totals)
 
 
-def _run_bare(name: str, period_ns: int, real_time: RealTime, parent: Connection) -> None:
+def _run_bare(memory: Any, period_ns: int, real_time: RealTime, parent: Connection) -> None:
     """In the child: until the parent hangs up."""
-    memory = SharedMemory(name)
     times, totals = _arrays_in(memory)
     table = TimingTable(period_ns, times=times, totals=totals)
     clock = PeriodicClock(period_ns)

@@ -8,21 +8,30 @@ import numpy as np
 from skinfield.cli.options import (
     OUTPUT,
     Force,
+    Json,
+    OfElastomer,
     layer_of,
     mechanics_of,
-    part,
     patch_of,
     profile_in_use,
     skin_from_text,
 )
-from skinfield.cli.report import check_new, console, free_name, say
+from skinfield.cli.report import (
+    check_output,
+    check_picture,
+    console,
+    finish,
+    fixed,
+    free_name,
+    say,
+    table,
+)
 from skinfield.errors import Floats, InputError
 from skinfield.lab.scenarios.indenters import FACTORS, SHAPES, indenter_from_mapping
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import MechanicsName, QuantityName
 from skinfield.simulate import Indenter, Press
-from skinfield.simulate.pressing.press import Part, parts_of
-from skinfield.skin import Patch
+from skinfield.simulate.pressing.press import parts_of
 
 DEFAULT = "sphere radius=6 force=1"
 PICTURE = "press.png"
@@ -45,7 +54,8 @@ def press(
     plot: str | None = None,
     output: Annotated[str | None, OUTPUT] = None,
     force: Force = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    as_json: Json = False,
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Press rigid bodies on the skin: pressure, depth, readings.
 
@@ -93,16 +103,17 @@ def press(
         Picture to write: .png, .pdf or .svg. Default press.png, or a name that is free.
     output : str, optional
         File of fields, readings and resultants to write (.npz).
+    as_json : bool
+        Forces, depths and readings as one JSON object, in SI units.
     """
     from skinfield.files.presses import check_press_name, save_press
-    from skinfield.plot import check_name, save
+    from skinfield.plot import save
     from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
 
     picture = free_name(PICTURE) if plot is None else plot
-    check_name(picture)
-    check_new("--plot", picture, force)
-    check_new("--output", output, force)
+    check_picture("--plot", picture, force)
+    check_output("--output", output, force)
     if output is not None:
         check_press_name(output)
     profile = profile_in_use(elastomer, layout=layout or PLACELESS)
@@ -115,17 +126,19 @@ def press(
         cell=cell_mm * 1e-3,
         mechanics=mechanics_of(mechanics or profile.mechanics),
     )
-    _show_bodies(result)
     label, factor = LABELS[quantity]
     readings = None
     if taxels is not None:
-        readings = result.readings(taxels.plane, taxels.pad_diameter, quantity) * factor
-        _show_readings(taxels, readings, label)
-    save(draw_press(result, taxels, readings, label=label), picture)
-    say(f"wrote {picture}")
+        readings = result.readings(taxels.plane, taxels.pad_diameter, quantity)
+    if not as_json:
+        _show_bodies(result)
+    if readings is not None and not as_json:
+        _show_readings(readings * factor, label)
+    shown = None if readings is None else readings * factor
+    save(draw_press(result, taxels, shown, label=label), picture)
     if output is not None:
         save_press(result, output, taxels)
-        say(f"wrote {output}")
+    finish(as_json, _plain(result, readings), (picture, output))
 
 
 def _extent(bodies: list[Indenter]) -> float:
@@ -134,48 +147,56 @@ def _extent(bodies: list[Indenter]) -> float:
     return 2 * (far + ROOM * 1e-3)
 
 
-def _show_bodies(found: Press) -> None:
-    from rich.table import Table
+def _plain(result: Press, readings: Floats | None) -> dict[str, Any]:
+    """What a press comes to, in SI units."""
+    return {
+        "bodies": [
+            {
+                "kind": body.indenter.kind,
+                "force_N": body.force,
+                "depth_m": body.depth,
+                "centre_m": [float(each) for each in body.centre],
+                "area_m2": body.area,
+                "peak_Pa": body.peak,
+            }
+            for body in parts_of(result)
+        ],
+        "force_N": result.force,
+        "moment_Nm": [float(each) for each in result.moment],
+        "area_m2": result.contact_area,
+        "residual": result.residual,
+        "readings": None if readings is None else readings.tolist(),
+    }
 
-    table = Table(title="Indenters", title_justify="left")
-    for column in ("#", "body"):
-        table.add_column(column)
-    for column in ("force N", "depth mm", "x mm", "y mm", "area mm²", "peak kPa"):
-        table.add_column(column, justify="right")
-    for index, body in enumerate(parts_of(found), start=1):
-        table.add_row(str(index), *_row(body))
-    console().print(table)
-    moment = ", ".join(_fixed(part * 1e3, 2) for part in found.moment)
+
+def _show_bodies(result: Press) -> None:
+    columns = ("force N", "depth mm", "x mm", "y mm", "area mm²", "peak kPa")
+    shown = table("Indenters", ("#", "body"), columns)
+    for index, body in enumerate(parts_of(result), start=1):
+        load = (body.force, body.depth * 1e3, *(body.centre * 1e3))
+        sizes = (fixed(body.area * 1e6, 1), fixed(body.peak / 1e3, 1))
+        cells = (fixed(each, 3) for each in load)
+        shown.add_row(str(index), body.indenter.kind, *cells, *sizes)
+    console().print(shown)
+    moment = ", ".join(fixed(each * 1e3, 2) for each in result.moment)
     say(
-        f"in all {found.force:.3f} N, moment {moment} N mm about the origin; "
-        f"{found.contact_area * 1e6:.1f} mm² touch; residual {found.residual:.1e}"
+        f"in all {result.force:.3f} N, moment {moment} N mm about the origin; "
+        f"{result.contact_area * 1e6:.1f} mm² touch; residual {result.residual:.1e}"
     )
 
 
-def _row(body: Part) -> list[str]:
-    """Cells of the table for one indenter."""
-    load = (body.force, body.depth * 1e3, *(body.centre * 1e3))
-    return [body.indenter.kind, *(_fixed(value, 3) for value in load),
-            f"{body.area * 1e6:.1f}", f"{body.peak / 1e3:.1f}"]  # fmt: skip
-
-
-def _show_readings(patch: Patch, readings: Floats, label: str) -> None:
+def _show_readings(readings: Floats, label: str) -> None:
     high, low = int(readings.argmax()), int(readings.argmin())
     say(
-        f"{label} of {len(patch)} taxels: from {_fixed(readings[low], 2)} at taxel "
-        f"{low} to {_fixed(readings[high], 2)} at taxel {high}"
+        f"{label} of {len(readings)} taxels: from {fixed(readings[low], 2)} at taxel "
+        f"{low} to {fixed(readings[high], 2)} at taxel {high}"
     )
-
-
-def _fixed(value: float, decimals: int) -> str:
-    """Write a number without a minus before nothing."""
-    return f"{round(float(value), decimals) + 0.0:.{decimals}f}"
 
 
 def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
     """Indenter from its shape and `key=value` words, in mm, N and degrees.
 
-    Keys are those of `skinfield.lab.scenarios.indenters`; their units may be left out, so that `radius`
+    Keys are those of `lab.scenarios.indenters`; their units may be left out, so that `radius`
     stands for `radius_mm`.
 
     Raises

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from skinfield.cli.report import say
+from skinfield.cli.report import NONE, fixed, table
 from skinfield.errors import InputError
 
 SHOWN = {  # measure, and how the table calls it
@@ -19,6 +19,19 @@ SHOWN = {  # measure, and how the table calls it
     "deformation_error": "deformation, relative L2",
     "area_error": "contact area",
 }
+AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and decimals
+    ("force_error", 100.0, "force\n%", 0),
+    ("place_error_mm", 1.0, "place\nmm", 2),
+    ("contact_force_error", 100.0, "contact\nforce %", 0),
+    ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
+    ("deformation_error", 100.0, "deform.\n%", 0),
+)
+NOISE_RATES = (
+    ("missed", 100.0, "missed\n%", 0),
+    ("false_per_reading", 1.0, "false per\nreading", 2),
+    ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
+)
+TIMES = (("cold_ms", 1.0, "cold\nms", 1), ("warm_ms", 1.0, "warm\nms", 2))
 RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
 PER_CASE = {
     "force_error": "force",
@@ -64,44 +77,57 @@ def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
 
 def table_of_summary(summary: dict[str, Any], title: str) -> Any:
     """Medians with their intervals, 90th percentiles and rates."""
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    table.add_column("error of")
-    for column in ("median", "95 % interval", "90th percentile"):
-        table.add_column(column, justify="right")
+    made = table(title, ("error of",), ("median", "95 % interval", "90th percentile"))
     for key, label in SHOWN.items():
         median, low, high, p90 = (
-            number(summary[f"{key}_{end}"]) for end in ("median", "low", "high", "p90")
+            fixed(summary[f"{key}_{end}"], 3) for end in ("median", "low", "high", "p90")
         )
-        table.add_row(label, median, f"{low} to {high}", p90)
+        made.add_row(label, median, f"{low} to {high}", p90)
     for key, label in RATES.items():
-        rate, low, high = (number(summary[name]) for name in (key, f"{key}_low", f"{key}_high"))
-        table.add_row(label, rate, f"{low} to {high}", "")
-    return table
-
-
-def number(value: float, decimals: int = 3) -> str:
-    """Fixed decimals; a dash for what does not exist, such as the place of what was missed."""
-    return f"{value:.{decimals}f}" if math.isfinite(value) else "–"
+        rate, low, high = (fixed(summary[name], 3) for name in (key, f"{key}_low", f"{key}_high"))
+        made.add_row(label, rate, f"{low} to {high}", "")
+    return made
 
 
 def table_of_cases(rows: Sequence[dict[str, Any]]) -> Any:
     """A line per case."""
-    from rich.table import Table
-
-    table = Table(title="Medians over each case's readings", title_justify="left")
-    table.add_column("case", overflow="fold")
-    table.add_column("true N", justify="right")
-    for label in PER_CASE.values():
-        table.add_column(label, justify="right")
+    columns = ("true N", *PER_CASE.values())
+    made = table("Medians over each case's readings", ("case",), columns)
     for row in rows:
-        numbers = [number(row[key], 2) for key in PER_CASE]
-        table.add_row(str(row["case"]), f"{row['true_force_N']:.2f}", *numbers)
-    return table
+        numbers = [fixed(row[key], 2) for key in PER_CASE]
+        made.add_row(str(row["case"]), f"{row['true_force_N']:.2f}", *numbers)
+    return made
 
 
-def say_written(options: dict[str, Any]) -> None:
-    """Name the files that were written."""
-    for name in options["output"]:
-        say(f"wrote {name}")
+def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
+    """Medians and 90th percentiles, noise by noise and solver by solver."""
+    from rich import box
+
+    labels = [label for _, _, label, _ in (*AT_NOISES, *NOISE_RATES, *TIMES)]
+    title += "; median/90th percentile"
+    made = table(title, ("noise", "solver"), labels, box=box.SIMPLE_HEAD)
+    for index, row in enumerate(rows):
+        new = index == 0 or row["noise"] != rows[index - 1]["noise"]
+        last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
+        cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
+        cells += [_pair(row, key, factor, digits) for key, factor, _, digits in AT_NOISES]
+        cells += [_one(row.get(key), factor, digits) for key, factor, _, digits in NOISE_RATES]
+        cells += [_pair(row, key, factor, digits) for key, factor, _, digits in TIMES]
+        made.add_row(*cells, end_section=last)
+    return made
+
+
+def _pair(row: dict[str, Any], key: str, factor: float, digits: int) -> str:
+    if f"{key}_median" not in row:
+        return ""
+    middle = _one(row[f"{key}_median"], factor, digits)
+    return f"{middle}/{_one(row[f'{key}_p90'], factor, digits)}"
+
+
+def _one(value: float | None, factor: float, digits: int) -> str:
+    """A number; an exponent would hide how large it is, so what is huge is cut."""
+    if value is None:
+        return ""
+    if not math.isfinite(value):
+        return NONE
+    return f"{value * factor:.{digits}f}" if abs(value) * factor < 1e4 else ">9999"

@@ -1,4 +1,4 @@
-"""`skinfield status` and `skinfield tune`: what a running skin does, and changes to it."""
+"""`skinfield status`, `tune` and `tare`: what a running skin does, and changes to it."""
 
 import time
 from typing import Any, Literal
@@ -6,8 +6,8 @@ from typing import Any, Literal
 from rich.console import Console
 
 from skinfield.cli.options import Json
-from skinfield.cli.report import print_json
-from skinfield.cli.status_table import shown
+from skinfield.cli.report import finish, print_json, say
+from skinfield.cli.status_table import status_table
 from skinfield.errors import InputError, SkinfieldError, check_positive
 from skinfield.loop.client import Live, chosen
 from skinfield.loop.realtime import RealTimeStatus
@@ -59,12 +59,13 @@ def status(
     if as_json:
         print_json(newest.as_dict())
         return
-    console.print(shown(newest, console.width))
-    for sentence in notes_of(newest.notes):
+    console.print(status_table(newest, console.width))
+    sentences = notes_of(newest.notes)
+    for time_ns, what, text in (newest.beside.get("supervisor") or {}).get("events", []):
+        stamp = time.strftime("%H:%M:%S", time.localtime(time_ns * 1e-9))
+        sentences.append(f"{stamp} {what}: {text}")
+    for sentence in sentences:
         console.print(f" {sentence}", style="dim", highlight=False)
-    for event in (newest.beside.get("supervisor") or {}).get("events", []):
-        stamp = time.strftime("%H:%M:%S", time.localtime(event[0] * 1e-9))
-        console.print(f" {stamp} {event[1]}: {event[2]}", style="dim", highlight=False)
 
 
 def _watch(console: Console, observer: Observer, seconds: float) -> None:
@@ -74,7 +75,7 @@ def _watch(console: Console, observer: Observer, seconds: float) -> None:
         with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
             while True:
                 time.sleep(max(seconds, 0.1))
-                screen.update(shown(observer.look(), console.width, console.height))
+                screen.update(status_table(observer.look(), console.width, console.height))
     except KeyboardInterrupt:
         return
     except SkinfieldError as error:
@@ -83,15 +84,36 @@ def _watch(console: Console, observer: Observer, seconds: float) -> None:
 
 def notes_of(notes: dict[str, object]) -> list[str]:
     """What an engine says in words, as sentences."""
-    said: list[str] = []
     granted = notes.get("granted")
+    sentences: list[str] = []
     if isinstance(granted, dict):
-        said += RealTimeStatus.from_dict(granted).sentences()
+        sentences += RealTimeStatus.from_dict(granted).sentences()
     for name in ("tare", "sources"):
-        told = notes.get(name)
-        if isinstance(told, list):
-            said += [str(each) for each in told]
-    return said
+        texts = notes.get(name)
+        sentences += map(str, texts) if isinstance(texts, list) else []
+    return sentences
+
+
+def tare(name: str | None = None, /, *, as_json: Json = False) -> None:
+    """Take the baseline of a running skin anew: nothing may touch it meanwhile.
+
+    NAME is the one that `skinfield run --name` was given; without it the only one that runs.
+
+      skinfield tare
+      skinfield tare left_arm
+
+    Parameters
+    ----------
+    name : str, optional
+        Of the running skin.
+    as_json : bool
+        Which skin it was, as one JSON object.
+    """
+    with Live(chosen(name)) as live:
+        live.tare()
+        if not as_json:
+            say(f"{live.name} takes its baseline anew: leave the skin untouched")
+        finish(as_json, {"name": live.name})
 
 
 def tune(
@@ -156,9 +178,8 @@ def tune(
     if as_json:
         print_json(plain)
         return
-    console = Console()
     for line in lines_of(plain):
-        console.print(line, highlight=False)
+        say(line)
 
 
 def resolution_from_text(text: str) -> int | Literal["auto"]:

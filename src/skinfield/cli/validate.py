@@ -1,20 +1,27 @@
 """`skinfield validate`: score solvers on cases whose truth is known."""
 
-import os
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal
 
+from rich.console import Console
+
 from skinfield.cli.contenders import entrant_from_options, named
-from skinfield.cli.options import OUTPUT, Force, Json, flags_given
-from skinfield.cli.report import check_new, check_output, console, plural, print_json, progress
+from skinfield.cli.options import OUTPUT, Force, Json, flags_set, processes
+from skinfield.cli.report import check_output, console, finish, note, plural, progress
 from skinfield.cli.scores import (
     exceeds,
     limits_from_texts,
-    say_written,
     table_of_cases,
+    table_of_noises,
     table_of_summary,
 )
-from skinfield.errors import InputError, check_count, check_positive
+from skinfield.errors import FileError, InputError, check_count, check_positive
+
+WIDE = 150  # columns of the terminal that a table of several noises takes
+Rows = list[dict[str, Any]]
 
 
 def validate(
@@ -105,45 +112,30 @@ def validate(
         MEASURE=MOST: exit with 1 where the median, or the share 'missed', is higher; again for
         more.
     """
-    from skinfield.cli import unseen as at_noises
-
     options = dict(locals())
     limits_from_texts(require)
     check_positive("--gate-mm", gate_mm, "distance of contacts that are the same, in mm")
     for name, value, low, high in (
         ("--grid", grid, 1, 500), ("--unseen", unseen, 1, 100_000),
         ("--idle", idle, 1, 10_000_000), ("--seed", seed, 0, 1 << 63),
-        ("--workers", workers, 1, 1 << 12),
     ):  # fmt: skip
         if value is not None:
             check_count(name, value, low, high, "see --help")
     for name in output:
-        if Path(name).suffix.lower() not in (".csv", ".json"):
-            raise InputError(f"--output is {name!r}, expected a name that ends in .csv or .json")
-        check_output("--output", name, Path(name).suffix.lower())
-        check_new("--output", name, force)
+        check_output("--output", name, force, ".csv", ".json")
     if (cases is None) == (unseen is None):
         raise InputError(
             "expected either CASES, a folder or file, or --unseen with a number of presses"
         )
-    _check_together(
-        flags_given(validate, options),
-        unseen=cases is None,
-        noisy=bool(noise),
-        named=bool(solver),
-    )
-    options["workers"] = workers or os.cpu_count() or 1
+    flags = flags_set(validate, options)
+    _check_together(flags, unseen=cases is None, noisy=bool(noise), named=bool(solver))
     if cases is None:
-        failed = at_noises.validate_unseen(options)
-    elif noise:
-        failed = at_noises.validate_at_noises(cases, options)
-    else:
-        failed = _score_as_it_is(cases, options)
-    return int(failed)
+        return int(_score_unseen(options))
+    return int(_score_at_noises(cases, options) if noise else _score_as_it_is(cases, options))
 
 
 def _check_together(
-    given: list[tuple[str, str]], *, unseen: bool, noisy: bool, named: bool
+    flags: list[tuple[str, str]], *, unseen: bool, noisy: bool, named: bool
 ) -> None:
     """Refuse what would have no effect."""
     chosen = (named or not unseen, "--solver: with --unseen alone, solvers come as they are")
@@ -154,7 +146,7 @@ def _check_together(
         "seed": (unseen or noisy, "--unseen or --noise"),
         "per_case": (not unseen and not noisy, "CASES as they are: -o FILE.json has every press"),
     }
-    for name, flag in given:
+    for name, flag in flags:
         fits, to = needs.get(name, (True, ""))
         if not fits:
             raise InputError(f"{flag} has no effect here: it belongs to {to}")
@@ -163,35 +155,40 @@ def _check_together(
 def _score_as_it_is(cases: str, options: dict[str, Any]) -> bool:
     """Score solvers one after another on the readings that the cases hold."""
     from skinfield.lab.case_files import case_paths
-    from skinfield.lab.score import write_csv, write_json
 
     paths, rows, summaries = case_paths(cases), [], {}
     for solver in options["solver"] or ("gaussian",):
-        entrant = entrant_from_options(solver, options)
-        found, summary = _scored(paths, solver, entrant)
-        if options["per_case"] and not options["as_json"]:
-            console().print(table_of_cases(found))
+        mine, summary = _scored(paths, solver, entrant_from_options(solver, options))
         if not options["as_json"]:
+            if options["per_case"]:
+                console().print(table_of_cases(mine))
             readings = plural(summary["readings"], "reading")
             title = f"{solver} on {plural(len(paths), 'case')}, {readings}"
             console().print(table_of_summary(summary, title))
-        rows += found
+        rows += mine
         summaries[solver] = summary
     one = len(summaries) == 1
     result = next(iter(summaries.values())) if one else summaries
-    said = {key: options[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
-    said["solver"] = next(iter(summaries)) if one else list(summaries)
+    about = {key: options[key] for key in ("settings", "mechanics", "grid", "gate_mm")}
+    about["solver"] = next(iter(summaries)) if one else list(summaries)
+    files = {"options": about, "summary": result}
+    return _finish(options, rows, rows, files, result, list(summaries.values()))
+
+
+def _finish(
+    options: dict[str, Any], rows: Rows, csv: Rows, about: dict[str, Any], result: Any, judged: Rows
+) -> bool:
+    """Write and print what was scored; whether a limit is exceeded."""
+    from skinfield.lab.score import write_csv, write_json
+
     for name in options["output"]:
         if name.lower().endswith(".csv"):
-            write_csv(rows, name)
+            write_csv(csv, name)
         else:
-            write_json(rows, name, options=said, summary=result)
-    if options["as_json"]:
-        print_json(result)
-    else:
-        say_written(options)
+            write_json(rows, name, **about)
+    finish(options["as_json"], result, options["output"])
     limits = limits_from_texts(options["require"])
-    exceeded = [exceeds(limits, columns) for columns in summaries.values()]  # each is named
+    exceeded = [exceeds(limits, columns) for columns in judged]  # each is named
     return any(exceeded)
 
 
@@ -202,13 +199,103 @@ def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str
     from skinfield.lab.validation import row_of_case
 
     rows, scores = [], []
-    with progress() as bar:
-        task = bar.add_task(f"scoring {solver}", total=len(paths))
+    with progress(f"scoring {solver}", len(paths)) as step:
         for path in paths:
             case = load_case(path)
             with named(path, solver):
-                found = entrant.scores(case)
-            rows.append({"file": path.name, "solver": solver, **row_of_case(case, found)})
-            scores += found
-            bar.update(task, advance=1)
+                each = entrant.scores(case)
+            rows.append({"file": path.name, "solver": solver, **row_of_case(case, each)})
+            scores += each
+            step()
     return rows, summarise([score.row() for score in scores])
+
+
+def _score_unseen(options: dict[str, Any]) -> bool:
+    """Press at random, score every solver at every noise, and report."""
+    from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
+    from skinfield.lab.validation import Level, known_entrants
+    from skinfield.skin.generators import by_name
+
+    quantities = options["quantity"] or tuple(NOISES)
+    if options["noise"] and len(quantities) > 1:
+        raise InputError("--noise is in a quantity's unit, expected one --quantity beside it")
+    levels = [
+        Level(quantity, noise)
+        for quantity in quantities
+        for noise in options["noise"] or NOISES[quantity]
+    ]
+    names = options["solver"]
+    entrants = tuple(entrant_from_options(name, options) for name in names) or tuple(
+        replace(entrant, gate=options["gate_mm"] * 1e-3) for entrant in known_entrants()
+    )
+    plan = AccuracyPlan(
+        entrants=entrants,
+        levels=tuple(dict.fromkeys(levels)),
+        layout=options["layout"],
+        presses=options["unseen"],
+        idle=options["idle"],
+        seed=options["seed"],
+    )
+    by_name(plan.layout)  # an unknown one is said before anything is computed
+    with ExitStack() as parts:
+        kept = options["keep"] or parts.enter_context(TemporaryDirectory(prefix="skinfield-"))
+        step = parts.enter_context(progress("unseen presses"))
+        findings = computed(plan, Path(kept), processes(options["workers"]), step)
+    return _report(findings, options, plan.layout)
+
+
+def _score_at_noises(cases: str, options: dict[str, Any]) -> bool:
+    """Add noises to cases that hold exact readings, score every solver, and report."""
+    from skinfield.lab.accuracy import Findings
+    from skinfield.lab.case_files import case_paths, load_case
+    from skinfield.lab.validation import Level, noise_seed, rows_of_case
+
+    paths, rows = case_paths(cases), []
+    tried = [entrant_from_options(name, options) for name in options["solver"] or ("gaussian",)]
+    with progress("scoring", len(paths)) as step:
+        for index, path in enumerate(paths):
+            case = load_case(path)
+            levels = [Level(case.quantity, noise) for noise in options["noise"]]
+            for method in tried:
+                with named(path, method.name):
+                    seed = noise_seed(options["seed"], index)
+                    made = rows_of_case(case, levels, [method], seed)
+                    rows += [{"case": case.name, "file": path.name} | row for row in made]
+            step()
+    return _report(Findings(rows, [], [], []), options, str(cases))
+
+
+def _report(findings: Any, options: dict[str, Any], where: str) -> bool:
+    """Print and write; whether a limit is exceeded."""
+    from skinfield.lab.accuracy import accuracy_rows, group_rows
+
+    rows = findings.rows
+    table = accuracy_rows(findings, seed=options["seed"])
+    presses = len({row["case"] for row in rows})
+    for quantity in dict.fromkeys(row["quantity"] for row in table):
+        mine = [row for row in table if row["quantity"] == quantity]
+        if options["as_json"]:
+            continue
+        title = f"{quantity}: {plural(presses, 'case')} on {where}"
+        Console(width=max(console().width, WIDE)).print(table_of_noises(mine, title))
+    about = {"options": {"on": where}, "summary": table, "idle": findings.idle}
+    about["groups"] = group_rows(rows, seed=options["seed"])
+    if options["figures"]:
+        _draw(findings, Path(options["figures"]))
+    return _finish(options, rows, table, about, table, [row for row in table if "missed" in row])
+
+
+def _draw(findings: Any, folder: Path) -> None:
+    """Write a picture of the errors for each quantity."""
+    from skinfield.files.pending import write_bytes
+    from skinfield.lab.sections.accuracy import picture_of_errors
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise FileError(f"{folder} cannot be made: {error}, expected a folder") from error
+    for quantity in dict.fromkeys(row["quantity"] for row in findings.rows):
+        picture = picture_of_errors(quantity, findings)
+        path = folder / f"{picture.name}.png"
+        write_bytes(path, picture.png)
+        note(f"wrote {path}")

@@ -1,6 +1,5 @@
 """`skinfield view`: the page of a recording, or of skins elsewhere."""
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any, Protocol
@@ -9,16 +8,13 @@ from rich.console import Console
 
 from skinfield.bridges.launch import zenoh_sources
 from skinfield.bridges.zenoh.source import ZenohSource
-from skinfield.cli.options import part
-from skinfield.cli.replay import opened
-from skinfield.cli.report import show_address, signals_end
+from skinfield.cli.options import Page, part
+from skinfield.cli.replay import opened, show_page
 from skinfield.errors import InputError, check_positive
-from skinfield.page import serve_page
 from skinfield.page.controller import Controller
 from skinfield.page.source import DataSource, EngineView, plain_view
 from skinfield.settings import PageSettings, ZenohAddresses
 
-POLL = 0.25  # s between looks whether the page is still served
 NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machine reaches it?"
 
 
@@ -26,9 +22,8 @@ def view(
     file: str | None = None,
     /,
     *,
-    paused: bool = False,
     duration: float | None = None,
-    page: Annotated[PageSettings, part("Page")] = PageSettings(),
+    page: Page = PageSettings(),
     zenoh: Annotated[ZenohAddresses, part("Skins elsewhere")] = ZenohAddresses(),
 ) -> None:
     """Show a recording, or skins that run elsewhere, in the browser.
@@ -51,24 +46,13 @@ def view(
     ----------
     file : str, optional
         Recording (.mcap).
-    paused : bool
-        Do not play FILE at once.
     duration : float, s, optional
         Seconds; default until Ctrl-C.
     """
     _check(file, zenoh, duration)
     console = Console(stderr=True)
-    shown = _elsewhere(zenoh) if file is None else opened(file, not paused, console)
-    try:
-        with (
-            signals_end(),
-            shown as (sources, controller),
-            serve_page(page, sources, controller) as served,
-        ):
-            show_address(served.address, console, browser=page.browser)
-            _wait(served, duration)
-    except KeyboardInterrupt:
-        console.print("stopping", style="dim")
+    shown = _elsewhere(zenoh) if file is None else opened(file, console)
+    show_page(shown, page, duration, console)
 
 
 def _check(file: str | None, zenoh: ZenohAddresses, duration: float | None) -> None:
@@ -90,14 +74,6 @@ def _elsewhere(zenoh: ZenohAddresses) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of skins that are reached over zenoh."""
     with zenoh_sources(zenoh) as found:
         yield found.sources, RemoteController(found)
-
-
-def _wait(page: Any, duration: float | None) -> None:
-    """Until the time is over, Ctrl-C, or the page fails."""
-    end = None if duration is None else time.monotonic() + duration
-    while end is None or time.monotonic() < end:
-        page.check()
-        time.sleep(POLL if end is None else max(min(POLL, end - time.monotonic()), 0.0))
 
 
 class RemoteSources(Protocol):

@@ -7,20 +7,20 @@ from collections.abc import Callable
 from contextlib import closing
 from typing import TYPE_CHECKING
 
-from skinfield.cli.report import print_text
+from skinfield.cli.options import Json
+from skinfield.cli.report import finish, progress, say
 from skinfield.errors import InputError
 
 if TYPE_CHECKING:
     from skinfield.emulator.skin import VirtualSkin
     from skinfield.loop.engine_process import EngineProcess
 
-EXPECTED = 233  # functions that a first run compiles, on an empty cache
 RATE = 100.0  # readings per second of the virtual skin
 SETTLE = 3.0  # s that the engine answers a press, and the fit beside it
 PATIENCE = 900.0  # s
 
 
-def warmup() -> None:
+def warmup(*, as_json: Json = False) -> None:
     """Compile, once for this machine, what a first `skinfield run` needs.
 
     A virtual skin is pressed, and the engine and the fit answer, in this process. What they compile
@@ -28,16 +28,17 @@ def warmup() -> None:
     compiled already this takes a few seconds.
 
       skinfield warmup
-    """
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = TextColumn("compiling once for this machine"), BarColumn(), TimeRemainingColumn()
-    with Progress(*columns, TextColumn("{task.fields[name]}"), transient=True) as bar:
-        task = bar.add_task("", total=EXPECTED, name="")
-        count = warm_up(
-            lambda name, number: bar.update(task, completed=min(number, EXPECTED - 1), name=name)
-        )
-    print_text(f"compiled {count} functions" if count else "all is compiled already")
+    Parameters
+    ----------
+    as_json : bool
+        How many functions were compiled, as one JSON object.
+    """
+    with progress("compiling once for this machine, a minute or two") as step:
+        count = warm_up(lambda name, number: step(number, what=f"compiling {name}"))
+    if not as_json:
+        say(f"compiled {count} functions" if count else "all is compiled already")
+    finish(as_json, {"compiled": count})
 
 
 def warm_up(progress: Callable[[str, int], None]) -> int:
@@ -46,7 +47,7 @@ def warm_up(progress: Callable[[str, int], None]) -> int:
     Parameters
     ----------
     progress : function
-        Called with each function that is compiled, and its number: from 1 to about `EXPECTED`.
+        Called with each function that is compiled, and its number, from 1 on.
 
     Returns
     -------
