@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_readme import blocks
 
-from skinfield.cli import jitter
 from skinfield.cli.bench_tables import jitter_as_json, jitter_table
-from skinfield.cli.jitter import Jitter, JitterSettings, Loop
 from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
+from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, lateness_from_json
+from skinfield.lab.bench.jitter import Jitter, JitterSettings, Loop
 from skinfield.lab.bench.machine import Company
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
 

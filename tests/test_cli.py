@@ -38,7 +38,7 @@ def test_every_command_teaches_by_example(words: tuple[str, ...]) -> None:
 
 def test_help_is_as_it_was() -> None:
     texts = []
-    for words in [(), *commands()[: -len(LAB)]]:
+    for words in ((), ("tune",)):  # headings, commands, options, defaults, paragraphs
         text = invoke([*words, "--help"]).stdout
         texts.append("\n".join(line.rstrip() for line in text.splitlines()).rstrip())
     found = "\n\n\n".join(texts) + "\n"

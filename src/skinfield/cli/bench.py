@@ -1,5 +1,6 @@
 """`skinfield bench`: what a reading costs on this machine, and error against time."""
 
+from contextlib import AbstractContextManager
 from typing import Annotated, Any, Literal
 
 from skinfield.cli.options import OUTPUT, Force, Json, flag_of, solver_of
@@ -112,10 +113,18 @@ def bench(
     finish(as_json, bench_as_json(measured), [output])
 
 
+def virtual_boards(rate: float, priority: int) -> AbstractContextManager[Any]:
+    """Virtual skin of iCub's boards, idle at first, as `run_jitter` starts it."""
+    from skinfield.emulator.process import start
+    from skinfield.emulator.settings import VirtualSettings
+
+    return start(VirtualSettings(rate=rate, scene="idle", lead_in=0.0, priority=priority))
+
+
 def _measure_jitter(options: dict[str, Any], as_json: bool) -> None:
     """Measure the live loop, with the settings that are not as usual, and print."""
     from skinfield.cli.bench_tables import jitter_as_json, jitter_lines, jitter_notes, jitter_table
-    from skinfield.cli.jitter import JitterSettings, run_jitter
+    from skinfield.lab.bench.jitter import JitterSettings, run_jitter
     from skinfield.loop.realtime import RealTime
 
     if "solver" in options:
@@ -123,7 +132,7 @@ def _measure_jitter(options: dict[str, Any], as_json: bool) -> None:
     if "priority" in options:
         check_count("--priority", options["priority"], 0, 98, "of SCHED_FIFO; 0 for none")
         options["real_time"] = RealTime(priority=options.pop("priority"))
-    jitter = run_jitter(JitterSettings(**options), note)
+    jitter = run_jitter(JitterSettings(**options), note, virtual_boards)
     if not as_json:
         console().print(jitter_table(jitter))
         for line in jitter_lines(jitter):

@@ -13,8 +13,8 @@ from skinfield.plot.style import number
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from skinfield.cli.jitter import Jitter
     from skinfield.lab.bench.costs import Call, GridTime
+    from skinfield.lab.bench.jitter import Jitter
     from skinfield.lab.bench.machine import Spread
     from skinfield.lab.bench.run import Bench, Point
     from skinfield.loop.realtime import Quantiles

@@ -7,8 +7,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
-import numpy as np
-
 from skinfield.cli.options import (
     LIVE,
     OUTPUT,
@@ -21,7 +19,7 @@ from skinfield.cli.options import (
     flags_set,
     processes,
 )
-from skinfield.cli.reconstruct_jobs import STEPS, Part, Plan, dask_client, parts, run_jobs, take_in
+from skinfield.cli.reconstruct_jobs import Part, Plan, dask_client, parts, run_jobs, take_in
 from skinfield.cli.report import (
     check_output,
     check_picture,
@@ -327,31 +325,20 @@ def _reconstruct_one(recording: str, plan: Plan | None, wanted: Wanted, as_json:
 def _run(results: Results, sinks: Sinks, wanted: Wanted) -> tuple[Totals, range]:
     """Reconstruct what is asked for; where one reading is and no file, it alone."""
     readings, reading = _readings_of(wanted.slice_, len(results)), wanted.reading
+    totals, fields = Totals(), sinks.fields is not None
     if reading is not None and reading not in readings:
         raise InputError(
             f"--reading is {reading}, expected {readings.start} to {readings.stop - 1}"
         )
-    totals, fields = Totals(), sinks.fields is not None
     if reading is not None and not (sinks.tables or fields or wanted.summary):
-        totals.silent = _silent(results, readings)
-        totals.readings = len(readings)
-    else:
-        with progress("reconstructing", len(readings)) as step:
-            for part in parts(results, readings, fields):
-                sinks.write(part, results.config.grid)
-                totals.add(part.totals)
-                step(totals.readings)
+        readings = range(reading, reading + 1)
+    with progress("reconstructing", len(readings)) as step:
+        for part in parts(results, readings, fields):
+            sinks.write(part, results.config.grid)
+            totals.add(part.totals)
+            step(totals.readings)
     totals.shown = totals.shown if reading is None else reading
     return totals, readings
-
-
-def _silent(results: Results, readings: range) -> list[int]:
-    """Taxels that never answer."""
-    dead = np.ones(len(results.config.patch), np.bool_)
-    for first in range(readings.start, readings.stop, STEPS["linear"]):
-        last = min(first + STEPS["linear"], readings.stop)
-        dead &= np.isnan(results.readings.values(first, last)).all(axis=0)
-    return np.flatnonzero(dead).tolist()
 
 
 def _readings_of(text: str | None, count: int) -> range:

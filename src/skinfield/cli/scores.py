@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from skinfield.cli.report import NONE, fixed, table
+from skinfield.cli.report import fixed, table
 from skinfield.errors import InputError
 
 SHOWN = {  # measure, and how the table calls it
@@ -25,13 +25,11 @@ AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and de
     ("contact_force_error", 100.0, "contact\nforce %", 0),
     ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
     ("deformation_error", 100.0, "deform.\n%", 0),
-)
-NOISE_RATES = (
     ("missed", 100.0, "missed\n%", 0),
     ("false_per_reading", 1.0, "false per\nreading", 2),
-    ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
+    ("cold_ms", 1.0, "cold\nms", 1),
+    ("warm_ms", 1.0, "warm\nms", 2),
 )
-TIMES = (("cold_ms", 1.0, "cold\nms", 1), ("warm_ms", 1.0, "warm\nms", 2))
 RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
 PER_CASE = {
     "force_error": "force",
@@ -103,31 +101,20 @@ def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
     """Medians and 90th percentiles, noise by noise and solver by solver."""
     from rich import box
 
-    labels = [label for _, _, label, _ in (*AT_NOISES, *NOISE_RATES, *TIMES)]
+    labels = [label for _, _, label, _ in AT_NOISES]
     title += "; median/90th percentile"
     made = table(title, ("noise", "solver"), labels, box=box.SIMPLE_HEAD)
     for index, row in enumerate(rows):
         new = index == 0 or row["noise"] != rows[index - 1]["noise"]
         last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
         cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
-        cells += [_pair(row, key, factor, digits) for key, factor, _, digits in AT_NOISES]
-        cells += [_one(row.get(key), factor, digits) for key, factor, _, digits in NOISE_RATES]
-        cells += [_pair(row, key, factor, digits) for key, factor, _, digits in TIMES]
+        for key, factor, _, digits in AT_NOISES:
+            ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
+            cells.append("/".join(_cut(row[end] * factor, digits) for end in ends))
         made.add_row(*cells, end_section=last)
     return made
 
 
-def _pair(row: dict[str, Any], key: str, factor: float, digits: int) -> str:
-    if f"{key}_median" not in row:
-        return ""
-    middle = _one(row[f"{key}_median"], factor, digits)
-    return f"{middle}/{_one(row[f'{key}_p90'], factor, digits)}"
-
-
-def _one(value: float | None, factor: float, digits: int) -> str:
+def _cut(value: float, digits: int) -> str:
     """A number; an exponent would hide how large it is, so what is huge is cut."""
-    if value is None:
-        return ""
-    if not math.isfinite(value):
-        return NONE
-    return f"{value * factor:.{digits}f}" if abs(value) * factor < 1e4 else ">9999"
+    return fixed(value, digits) if not 1e4 <= abs(value) < math.inf else ">9999"

@@ -1,16 +1,13 @@
 """`skinfield validate`: score solvers on cases whose truth is known."""
 
-from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal
 
 from rich.console import Console
 
 from skinfield.cli.contenders import entrant_from_options, named
-from skinfield.cli.options import OUTPUT, Force, Json, flags_set, processes
-from skinfield.cli.report import check_output, console, finish, note, plural, progress
+from skinfield.cli.options import OUTPUT, Force, Json
+from skinfield.cli.report import check_output, console, finish, plural, progress
 from skinfield.cli.scores import (
     exceeds,
     limits_from_texts,
@@ -18,14 +15,14 @@ from skinfield.cli.scores import (
     table_of_noises,
     table_of_summary,
 )
-from skinfield.errors import FileError, InputError, check_count, check_positive
+from skinfield.errors import InputError, check_count, check_positive
 
 WIDE = 150  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
 
 
 def validate(
-    cases: str | None = None,
+    cases: str,
     /,
     *,
     solver: tuple[str, ...] = (),
@@ -34,14 +31,7 @@ def validate(
     grid: int = 40,
     gate_mm: float = 8.0,
     noise: tuple[float, ...] = (),
-    unseen: int | None = None,
-    quantity: tuple[Literal["capacitance", "stress"], ...] = (),
-    layout: str = "icub_hexagon",
-    idle: int = 5000,
     seed: int = 0,
-    workers: int | None = None,
-    keep: str | None = None,
-    figures: str | None = None,
     per_case: bool = False,
     output: Annotated[tuple[str, ...], OUTPUT] = (),
     force: Force = False,
@@ -56,25 +46,23 @@ def validate(
 
     Errors are parts of the truth where no unit stands; the intervals are 95 %, over these cases.
 
-    With --noise, or with --unseen in place of CASES, several solvers are set beside each other at
-    several noises, with what is found in noise alone, the time per reading cold and warm, and, of
-    presses by balls, the Cramér-Rao bound.
+    With --noise several solvers are set beside each other at several noises, with the time per
+    reading cold and warm. 'skinfield experiments --only accuracy' does so for random presses, with
+    the Cramér-Rao bound.
 
       skinfield cases cases && skinfield validate cases --solver gaussian
       skinfield validate cases --solver my_package.solvers:MySolver --settings '{"snr": 20}'
       skinfield validate cases --solver tikhonov --require place_error_mm=3 -o scores.json
-      skinfield validate --unseen 200 --keep campaign -o table.csv
-      skinfield validate --unseen 20 --quantity stress --noise 0 --noise 400 --solver gaussian
+      skinfield validate exact --noise 0 --noise 400 --solver gaussian --solver contact
 
     Parameters
     ----------
-    cases : str, optional
+    cases : str
         DIR of cases, or the file of one (.npz).
     solver : tuple of str
         One of gaussian, contact, nonnegative, tikhonov, pseudo-inverse, inverse; or your own as
         package.module:Class, from what is installed or lies in the current folder; or paper, its
-        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default gaussian;
-        with --unseen paper, gaussian and contact.
+        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default gaussian.
     settings : str
         Settings of the solver, as a JSON object.
     mechanics : str
@@ -86,22 +74,8 @@ def validate(
     noise : tuple of float
         Of a reading, in the quantity's unit, added to exact readings; 0 adds none. Again for more.
         Default what the cases hold.
-    unseen : int, optional
-        So many random presses, made here, instead of CASES.
-    quantity : tuple of str
-        What taxels read, with --unseen. Again for more. Default both.
-    layout : str
-        Generator of the patch, with --unseen.
-    idle : int
-        Readings of noise alone, with --unseen.
     seed : int
-        Of presses and noise, with --unseen or --noise.
-    workers : int, optional
-        Processes at once, with --unseen. Default one for each core.
-    keep : str, optional
-        DIR of what --unseen has computed: a run that was stopped goes on there.
-    figures : str, optional
-        DIR for a picture of the errors per quantity, with --unseen or --noise.
+        Of the noise that --noise adds.
     per_case : bool
         A line per case, too.
     output : tuple of str
@@ -115,48 +89,22 @@ def validate(
     options = dict(locals())
     limits_from_texts(require)
     check_positive("--gate-mm", gate_mm, "distance of contacts that are the same, in mm")
-    for name, value, low, high in (
-        ("--grid", grid, 1, 500), ("--unseen", unseen, 1, 100_000),
-        ("--idle", idle, 1, 10_000_000), ("--seed", seed, 0, 1 << 63),
-    ):  # fmt: skip
-        if value is not None:
-            check_count(name, value, low, high, "see --help")
+    check_count("--grid", grid, 1, 500, "nodes on a side")
+    check_count("--seed", seed, 0, 1 << 63, "of the noise")
     for name in output:
         check_output("--output", name, force, ".csv", ".json")
-    if (cases is None) == (unseen is None):
-        raise InputError(
-            "expected either CASES, a folder or file, or --unseen with a number of presses"
-        )
-    flags = flags_set(validate, options)
-    _check_together(flags, unseen=cases is None, noisy=bool(noise), named=bool(solver))
-    if cases is None:
-        return int(_score_unseen(options))
-    return int(_score_at_noises(cases, options) if noise else _score_as_it_is(cases, options))
+    if per_case and noise:
+        raise InputError("--per-case has no effect beside --noise: -o FILE.json has every press")
+    if seed and not noise:
+        raise InputError("--seed has no effect here: it belongs to --noise")
+    return int(_score_at_noises(options) if noise else _score_as_it_is(options))
 
 
-def _check_together(
-    flags: list[tuple[str, str]], *, unseen: bool, noisy: bool, named: bool
-) -> None:
-    """Refuse what would have no effect."""
-    chosen = (named or not unseen, "--solver: with --unseen alone, solvers come as they are")
-    needs = {
-        **dict.fromkeys(("settings", "mechanics", "grid"), chosen),
-        **dict.fromkeys(("quantity", "layout", "idle", "workers", "keep"), (unseen, "--unseen")),
-        "figures": (unseen or noisy, "--unseen or --noise"),
-        "seed": (unseen or noisy, "--unseen or --noise"),
-        "per_case": (not unseen and not noisy, "CASES as they are: -o FILE.json has every press"),
-    }
-    for name, flag in flags:
-        fits, to = needs.get(name, (True, ""))
-        if not fits:
-            raise InputError(f"{flag} has no effect here: it belongs to {to}")
-
-
-def _score_as_it_is(cases: str, options: dict[str, Any]) -> bool:
+def _score_as_it_is(options: dict[str, Any]) -> bool:
     """Score solvers one after another on the readings that the cases hold."""
     from skinfield.lab.case_files import case_paths
 
-    paths, rows, summaries = case_paths(cases), [], {}
+    paths, rows, summaries = case_paths(options["cases"]), [], {}
     for solver in options["solver"] or ("gaussian",):
         mine, summary = _scored(paths, solver, entrant_from_options(solver, options))
         if not options["as_json"]:
@@ -210,92 +158,30 @@ def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str
     return rows, summarise([score.row() for score in scores])
 
 
-def _score_unseen(options: dict[str, Any]) -> bool:
-    """Press at random, score every solver at every noise, and report."""
-    from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
-    from skinfield.lab.validation import Level, known_entrants
-    from skinfield.skin.generators import by_name
-
-    quantities = options["quantity"] or tuple(NOISES)
-    if options["noise"] and len(quantities) > 1:
-        raise InputError("--noise is in a quantity's unit, expected one --quantity beside it")
-    levels = [
-        Level(quantity, noise)
-        for quantity in quantities
-        for noise in options["noise"] or NOISES[quantity]
-    ]
-    names = options["solver"]
-    entrants = tuple(entrant_from_options(name, options) for name in names) or tuple(
-        replace(entrant, gate=options["gate_mm"] * 1e-3) for entrant in known_entrants()
-    )
-    plan = AccuracyPlan(
-        entrants=entrants,
-        levels=tuple(dict.fromkeys(levels)),
-        layout=options["layout"],
-        presses=options["unseen"],
-        idle=options["idle"],
-        seed=options["seed"],
-    )
-    by_name(plan.layout)  # an unknown one is said before anything is computed
-    with ExitStack() as parts:
-        kept = options["keep"] or parts.enter_context(TemporaryDirectory(prefix="skinfield-"))
-        step = parts.enter_context(progress("unseen presses"))
-        findings = computed(plan, Path(kept), processes(options["workers"]), step)
-    return _report(findings, options, plan.layout)
-
-
-def _score_at_noises(cases: str, options: dict[str, Any]) -> bool:
+def _score_at_noises(options: dict[str, Any]) -> bool:
     """Add noises to cases that hold exact readings, score every solver, and report."""
-    from skinfield.lab.accuracy import Findings
+    from skinfield.lab.accuracy import Findings, accuracy_rows, group_rows
     from skinfield.lab.case_files import case_paths, load_case
     from skinfield.lab.validation import Level, noise_seed, rows_of_case
 
-    paths, rows = case_paths(cases), []
+    paths: list[Path] = case_paths(options["cases"])
+    rows: Rows = []
     tried = [entrant_from_options(name, options) for name in options["solver"] or ("gaussian",)]
     with progress("scoring", len(paths)) as step:
         for index, path in enumerate(paths):
-            case = load_case(path)
+            case, seed = load_case(path), noise_seed(options["seed"], index)
             levels = [Level(case.quantity, noise) for noise in options["noise"]]
             for method in tried:
                 with named(path, method.name):
-                    seed = noise_seed(options["seed"], index)
-                    made = rows_of_case(case, levels, [method], seed)
-                    rows += [{"case": case.name, "file": path.name} | row for row in made]
+                    scored = rows_of_case(case, levels, [method], seed)
+                rows += [{"case": case.name, "file": path.name} | row for row in scored]
             step()
-    return _report(Findings(rows, [], [], []), options, str(cases))
-
-
-def _report(findings: Any, options: dict[str, Any], where: str) -> bool:
-    """Print and write; whether a limit is exceeded."""
-    from skinfield.lab.accuracy import accuracy_rows, group_rows
-
-    rows = findings.rows
-    table = accuracy_rows(findings, seed=options["seed"])
-    presses = len({row["case"] for row in rows})
-    for quantity in dict.fromkeys(row["quantity"] for row in table):
-        mine = [row for row in table if row["quantity"] == quantity]
-        if options["as_json"]:
-            continue
-        title = f"{quantity}: {plural(presses, 'case')} on {where}"
-        Console(width=max(console().width, WIDE)).print(table_of_noises(mine, title))
-    about = {"options": {"on": where}, "summary": table, "idle": findings.idle}
+    summary = accuracy_rows(Findings(rows, [], [], []), seed=options["seed"])
+    if not options["as_json"]:
+        for quantity in dict.fromkeys(row["quantity"] for row in summary):
+            mine = [row for row in summary if row["quantity"] == quantity]
+            title = f"{quantity}: {plural(len(paths), 'case')} of {options['cases']}"
+            Console(width=max(console().width, WIDE)).print(table_of_noises(mine, title))
+    about = {"options": {"on": options["cases"]}, "summary": summary}
     about["groups"] = group_rows(rows, seed=options["seed"])
-    if options["figures"]:
-        _draw(findings, Path(options["figures"]))
-    return _finish(options, rows, table, about, table, [row for row in table if "missed" in row])
-
-
-def _draw(findings: Any, folder: Path) -> None:
-    """Write a picture of the errors for each quantity."""
-    from skinfield.files.pending import write_bytes
-    from skinfield.lab.sections.accuracy import picture_of_errors
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        raise FileError(f"{folder} cannot be made: {error}, expected a folder") from error
-    for quantity in dict.fromkeys(row["quantity"] for row in findings.rows):
-        picture = picture_of_errors(quantity, findings)
-        path = folder / f"{picture.name}.png"
-        write_bytes(path, picture.png)
-        note(f"wrote {path}")
+    return _finish(options, rows, summary, about, summary, summary)

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
+Boards = Callable[[float, int], AbstractContextManager[Any]]
 PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
 RUNGS = (10, 20, 40)  # nodes on a side
 LOADS = ("skin", "none")
@@ -134,13 +135,16 @@ class Loop:
     failure: Callable[[], str] = str
 
 
-def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
+def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Boards) -> Jitter:
     """Measure.
 
     Parameters
     ----------
     tell : function of str
         Called with what happens.
+    boards : function of rate and priority
+        Starts a virtual skin of iCub's boards on UDP, which sends so many readings per second, as
+        a context; it gives what has their `channels`, and `scene`.
 
     Raises
     ------
@@ -148,7 +152,9 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
         If the loop does not start, or ends while it is measured.
     """
     tell("starting the loop")
-    with _loop(settings) as loop, _busy(settings):
+    alone = settings.load == "none"
+    started = bare_loop(settings) if alone else skin_loop(settings, boards)
+    with started as loop, _busy(settings):
         time.sleep(SETTLE)
         tell(f"measuring for {settings.duration:g} s")
         return measure(settings, loop)
@@ -244,10 +250,6 @@ def _busy(settings: JitterSettings) -> Iterator[None]:
             child.wait()
 
 
-def _loop(settings: JitterSettings) -> AbstractContextManager[Loop]:
-    return bare_loop(settings) if settings.load == "none" else skin_loop(settings)
-
-
 @contextmanager
 def bare_loop(settings: JitterSettings) -> Iterator[Loop]:
     """A loop that does nothing but wake: what Python costs."""
@@ -299,14 +301,12 @@ def _run_bare(memory: Any, period_ns: int, real_time: RealTime, parent: Connecti
 
 
 @contextmanager
-def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
+def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
     """The engine of the paper's hexagon on 40 x 40 nodes, which reads a virtual skin.
 
     The skin has a process of its own and sends messages of iCub boards over UDP, as often as the
     engine answers.
     """
-    from skinfield.emulator.process import start
-    from skinfield.emulator.settings import VirtualSettings
     from skinfield.loop.settings import LiveSettings
     from skinfield.loop.supervisor import Supervisor
     from skinfield.signal import ICubByte
@@ -314,18 +314,11 @@ def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
     from skinfield.wire.sources.factory import source_from_options
 
     skin, real_time = Skin((hexagon72(),)), settings.real_time
-    emulated = VirtualSettings(
-        bus="udp",
-        rate=settings.rate_hz,
-        scene="idle",
-        lead_in=0.0,
-        priority=max(real_time.priority - 10, 0),
-    )
     with ExitStack() as stack:
-        boards = stack.enter_context(start(emulated))
+        sent = stack.enter_context(boards(settings.rate_hz, max(real_time.priority - 10, 0)))
         live = LiveSettings(
             skin=skin,
-            sources=(source_from_options("icub", "udp", tuple(boards.channels), skin),),
+            sources=(source_from_options("icub", "udp", tuple(sent.channels), skin),),
             name=f"bench-{uuid.uuid4().hex[:8]}",
             board=ICubByte(),
             solver=settings.solver,
@@ -337,7 +330,7 @@ def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
         supervisor = stack.enter_context(Supervisor(live))
         reader = supervisor.wait(PATIENCE)
         stack.callback(reader.close)
-        boards.scene("slide")  # once it has its baseline
+        sent.scene("slide")  # once it has its baseline
         yield _engine(reader, supervisor)
 
 
