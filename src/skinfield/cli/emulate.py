@@ -1,7 +1,7 @@
 """`skinfield emulate`: boards that do not exist, on a real bus."""
 
 import signal
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from rich.console import Console
@@ -9,11 +9,10 @@ from rich.console import Console
 from skinfield.cli.options import Force, Json, OfElastomer, layer_of, part, profile_in_use
 from skinfield.cli.report import check_output, note, print_json, say_notes
 from skinfield.emulator import (
-    Fault,
     VirtualSettings,
     VirtualSkin,
     Wires,
-    fault_of,
+    fault_from_text,
     temperature_from_text,
 )
 from skinfield.settings import Elastomer
@@ -74,49 +73,6 @@ class ElectronicsSettings(Section):
     mtb3: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
-class FaultSettings(Section):
-    """Faults, WHAT[@START][+SECONDS] each; again for more.
-
-    Parameters
-    ----------
-    unplug : tuple of str
-        Triangle (or BOARD.TRIANGLE) that is unplugged.
-    reboot : tuple of str
-        Board that is silent, by default for 2s, and must then be configured anew.
-    bus_off : tuple of str
-        Bus that is gone.
-    dead : tuple of str
-        Taxel (or PATCH/TAXEL) that sends its count at rest.
-    stuck : tuple of str
-        Taxel that keeps its count.
-    noisy : tuple of str
-        Taxel with ten times the noise.
-    saturated : tuple of str
-        Taxel at the clamp of full load.
-    no_ack : tuple of str
-        Taxel whose converter does not answer.
-    """
-
-    unplug: tuple[str, ...] = ()
-    reboot: tuple[str, ...] = ()
-    bus_off: tuple[str, ...] = ()
-    dead: tuple[str, ...] = ()
-    stuck: tuple[str, ...] = ()
-    noisy: tuple[str, ...] = ()
-    saturated: tuple[str, ...] = ()
-    no_ack: tuple[str, ...] = ()
-
-    @property
-    def faults(self) -> tuple[Fault, ...]:
-        """With their times."""
-        return tuple(
-            fault_of(each.name.replace("_", "-"), text)
-            for each in fields(self)
-            for text in getattr(self, each.name)
-        )
-
-
 def emulate(
     *,
     hardware: Literal["icub", "cyskin", "packet"] = "icub",
@@ -132,12 +88,12 @@ def emulate(
     seed: int = 0,
     priority: int = 0,
     control: str = "127.0.0.1:0",
+    fault: tuple[str, ...] = (),
     truth: str = "",
     force: Force = False,
     as_json: Json = False,
     wires: Annotated[WireSettings, part("Wires")] = WireSettings(),
     electronics: Annotated[ElectronicsSettings, part("Electronics")] = ElectronicsSettings(),
-    faults: Annotated[FaultSettings, part("Faults")] = FaultSettings(),
     elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Be a robot's skin: play the boards of one, on a real bus.
@@ -168,14 +124,15 @@ def emulate(
 
       skinfield emulate --scene random --seed 7 --truth truth.jsonl
       skinfield emulate --rate-hz 1000 --lose 0.001 --duplicate 0.001 --swap 0.001
-      skinfield emulate --unplug 3@10s --reboot 0@20s+2s --stuck 17@5s+10s
+      skinfield emulate --fault "unplug 3@10s" --fault "reboot 0@20s+2s" --fault "stuck 17@5s+10s"
       skinfield emulate --temperature 25..35@600s --noise-scale 1
       skinfield emulate --hardware packet --skin rectangular:rows=64,columns=64 --rate-hz 1000
 
-    Faults are WHAT[@START][+SECONDS]: number 3 from 10 s after the first reading on, number 0 at 20
-    s for 2 s. WHAT can be a run, 3-7, or all, *. Everything can also be asked for while it runs, by
-    datagrams of JSON to the control address: {"do": "press", "x": 0.01, "y": 0, "force": 1}; see
-    docs/virtual-skin.md.
+    Faults are KIND NUMBER[@START][+SECONDS]: unplug (a triangle), reboot (a board), bus-off (a
+    bus), dead, stuck, noisy, saturated, no-ack (a taxel); number 3 from 10 s after the first
+    reading on, number 0 at 20 s for 2 s. NUMBER can be a run, 3-7, or all, *. Everything can also
+    be asked for while it runs, by datagrams of JSON to the control address:
+    {"do": "press", "x": 0.01, "y": 0, "force": 1}; see docs/virtual-skin.md.
 
     Readings that cannot be sent in time are skipped and counted, never sent late in a heap. Ctrl-C
     ends it with a summary.
@@ -208,6 +165,8 @@ def emulate(
         Of SCHED_FIFO, 1 to 99, where permitted.
     control : str
         Address for presses and faults from outside; empty for none.
+    fault : tuple of str
+        What fails, see above; again for more.
     truth : str
         File for what pressed, JSON lines.
     as_json : bool
@@ -239,7 +198,7 @@ def emulate(
             delay=wires.delay_ms * 1e-3,
             jitter=wires.jitter_us * 1e-6,
         ),
-        faults=faults.faults,
+        faults=tuple(map(fault_from_text, fault)),
         seed=seed,
         control=control,
         truth=truth,

@@ -185,14 +185,14 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
 
     if name is None:
         return
-    if endings and not str(name).lower().endswith(endings):
-        raise InputError(
-            f"{flag} is {str(name)!r}, expected a name that ends in {' or '.join(endings)}"
-        )
     if not force and Path(name).exists():
         raise InputError(
             f"{flag} is {str(name)!r}, which is there already, expected a new file, or --force to "
             "write over it"
+        )
+    if endings and not str(name).lower().endswith(endings):
+        raise InputError(
+            f"{flag} is {str(name)!r}, expected a name that ends in {' or '.join(endings)}"
         )
     if endings:
         pending(name)  # makes nothing: it says what is wrong with the folder

@@ -1,7 +1,6 @@
 """`skinfield run`: a robot's skin, alive."""
 
 import errno
-import os
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -161,7 +160,7 @@ def check_settings(wanted: Settings) -> None:
     """
     from skinfield.bridges.launch import bridge_settings
 
-    check_record(wanted.record.into)
+    check_output("--record", wanted.record.into, False, ".mcap")
     check_name(wanted.loop.name)
     check_port(wanted.page.port, wanted.page.host)
     bridge_settings(wanted.bridges)
@@ -173,16 +172,6 @@ def check_settings(wanted: Settings) -> None:
         )
     if wanted.source.hardware is None:
         check_scene(wanted.source.scene)
-
-
-def check_record(path: str | None) -> None:
-    """Refuse to write over a recording, or where nothing can be written."""
-    if path is None:
-        return
-    check_output("--record", path, False)
-    folder = Path(path).parent
-    if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise InputError(f"--record is {path}, expected a folder that is there and can be written")
 
 
 def check_name(name: str) -> None:
@@ -238,9 +227,7 @@ class NotYet:
         raise InputError("the source is not known yet")
 
 
-def live_settings(
-    wanted: Settings, profile: Profile, skin: Any, source: Any, hardware: str | None = None
-) -> Any:
+def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) -> Any:
     """`LiveSettings` of the settings; the source is one of the live sources."""
     from skinfield.loop.realtime import RealTime
     from skinfield.loop.settings import LiveSettings
@@ -257,7 +244,7 @@ def live_settings(
         quantity=quantity_of(model.quantity or "capacitance"),
         solver=live_solver(model.solver or "nonnegative"),
         rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
-        board=board_of(hardware, wanted.skin.no_load, profile, shift_of(wanted.source)),
+        board=board_of(wanted.source, wanted.skin.no_load, profile),
         gain=counts.gain,
         rate=None if loop.events else loop.rate_hz,
         budget=None if deadline is None else deadline * 1e-6,
@@ -277,26 +264,18 @@ def live_solver(name: str) -> Any:
     return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else solver_of(name)
 
 
-def shift_of(source: SourceSettings) -> int:
-    """Bits that an iCub's boards drop, as the option ``shift`` says."""
-    text = source.named_options.get("shift", str(USUAL_SHIFT))
-    if not text.isdecimal():
-        raise InputError(f"--set shift is {text!r}, expected a whole number, 2 on most robots")
-    return int(text)
-
-
-def board_of(
-    hardware: str | None, no_load: int | None, profile: Profile, shift: int = USUAL_SHIFT
-) -> Any:
+def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> Any:
     """What a count of this hardware means; None to go by the range of the counts."""
     from skinfield.signal import CySkinCount, ICubByte
 
-    if hardware in (None, "icub", "yarp"):
-        rest = no_load or profile.no_load or USUAL_NO_LOAD
-        return ICubByte(shift=shift, no_load=rest)
+    if source.hardware in (None, "icub", "yarp"):
+        shift = source.named_options.get("shift", str(USUAL_SHIFT))  # bits that the boards drop
+        if not shift.isdecimal():
+            raise InputError(f"--set shift is {shift!r}, expected a whole number, 2 on most robots")
+        return ICubByte(shift=int(shift), no_load=no_load or profile.no_load or USUAL_NO_LOAD)
     if no_load is not None:
         raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
-    return CySkinCount() if hardware in ("cyskin", "shm") else None
+    return CySkinCount() if source.hardware in ("cyskin", "shm") else None
 
 
 def virtual_skin(wanted: Settings, profile: Profile) -> Any:
@@ -413,7 +392,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     skin, source, virtual = skin_from_text(wanted.skin.layout), wanted.source, None
     with console.status(STARTING):
         profile = profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
-        live_settings(wanted, profile, skin, NotYet(), source.hardware)  # refuses what it must
+        live_settings(wanted, profile, skin, NotYet())  # refuses what it must
         if source.hardware is None:
             virtual = parts.enter_context(virtual_skin(wanted, profile))
             source = on_virtual_boards(source, virtual.channels)
@@ -423,7 +402,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         if wanted.skin.no_load is not None:  # the boards are sent it as well
             extra.setdefault("no_load", str(wanted.skin.no_load))
         stream = source_from_options(hardware, source.bus or "", source.channel, skin, extra)
-        settings = live_settings(wanted, profile, skin, stream, hardware)
+        settings = live_settings(wanted, profile, skin, stream)
         supervisor = parts.enter_context(Supervisor(settings))
         fit = parts.enter_context(start_fit(settings.name, wanted.loop.fit))
         supervisor.wait(STARTS, State.STARTING).close()
@@ -559,22 +538,9 @@ def _report_silent(sources: dict[str, dict[str, int]], console: Console) -> None
 
 def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:
     """What `--json` prints; times in µs since the engine's start."""
-    since = status.since
-
-    def micros(times: Any) -> dict[str, float] | None:
-        if times is None:
-            return None
-        return {key: value for key, value in times.as_micros().items() if key != "count"}
-
     return {
-        "cycles": since.cycles,
-        "late": since.late,
-        "overrun": since.overrun,
-        "skipped": since.skipped,
+        **status.since.as_dict(),
         "lost": status.lost,
-        "latency_us": micros(since.latency),
-        "wake_us": micros(since.wake),
-        "ready_us": micros(since.ready),
         "contacts": contacts,
         "sources": status.sources,
         "restarts": supervisor.restarts,

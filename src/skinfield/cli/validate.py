@@ -164,9 +164,9 @@ def _score_at_noises(options: dict[str, Any]) -> bool:
     from skinfield.lab.case_files import case_paths, load_case
     from skinfield.lab.validation import Level, noise_seed, rows_of_case
 
+    tried = [entrant_from_options(name, options) for name in options["solver"] or ("gaussian",)]
     paths: list[Path] = case_paths(options["cases"])
     rows: Rows = []
-    tried = [entrant_from_options(name, options) for name in options["solver"] or ("gaussian",)]
     with progress("scoring", len(paths)) as step:
         for index, path in enumerate(paths):
             case, seed = load_case(path), noise_seed(options["seed"], index)
