@@ -65,7 +65,7 @@ def test_a_run_that_is_there_is_not_made_again(made: Path) -> None:
     assert "1 run in" in result.output
     assert "1 of them from before" in result.output
     assert (made / "truth.npz").stat().st_mtime_ns == before
-    assert re.search(r"foam-ball +│ ball +│ there +│ +10 │ +35.0", call(*words, "--dry-run").output)
+    assert re.search(r"foam-ball +│ ball +│ +10 │ +35.0 │ there", call(*words, "--dry-run").output)
 
 
 def test_reconstruct_takes_it_for_a_real_recording(made: Path) -> None:

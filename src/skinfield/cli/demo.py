@@ -21,14 +21,14 @@ from skinfield.cli.options import (
     skin_from_text,
 )
 from skinfield.cli.report import (
+    Column,
     check_picture,
     console,
     finish,
-    fixed,
     free_name,
-    plain_contact,
+    plain_contacts,
     say,
-    table,
+    table_of,
     table_of_contacts,
 )
 from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
@@ -110,13 +110,13 @@ def demo(
         quantity_unit={"1": "%", "Pa": "kPa"}[quantity.unit],
     )
     save(figure, picture)
-    rows = [_against(ball, estimate) for ball in balls]
+    rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
     if not as_json:
         _report(estimate, rows)
         latency = _latency(reconstructor, estimate, readings)
         say(f"latency: {latency}; prepared once in {prepared:.1f} s")
     result = {
-        "contacts": [plain_contact(each) for each in estimate.contacts],
+        "contacts": plain_contacts(estimate.contacts),
         "presses": rows,
         "prepared_s": prepared,
         "latency_s": estimate.latency,
@@ -133,31 +133,29 @@ def _ball_of(text: str) -> Sphere:
     return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
-def _against(ball: Sphere, estimate: Estimate) -> dict[str, Any]:
+def _against(index: int, ball: Sphere, estimate: Estimate) -> dict[str, Any]:
     """A press beside the contact that is nearest to it, if one is near."""
     near = [(float(np.hypot(*(c.position[:2] - ball.position))), c) for c in estimate.contacts]
+    row: dict[str, Any] = {"press": index, "force_N": ball.force}
     place, contact = min(near, key=lambda each: each[0], default=(np.inf, None))
-    row: dict[str, Any] = {"force_N": ball.force, "missed": contact is None or place > FAR}
-    if contact is not None and place <= FAR:
-        row["estimated_force_N"] = contact.normal_force
-        row["place_error_m"] = place
-    return row
+    if contact is None or place > FAR:
+        return row | {"missed": True}
+    force = contact.normal_force
+    error = force / ball.force - 1
+    return row | {"estimated_force_N": force, "force_error": error, "place_error_m": place}
 
 
 def _report(estimate: Estimate, rows: list[dict[str, Any]]) -> None:
     """Tables of the contacts, and of the presses beside them."""
-    out = console()
-    out.print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
-    numbers = ("press", "true N", "found N", "force error", "place error mm")
-    shown = table("Against the known truth", (), numbers)
-    for index, row in enumerate(rows, start=1):
-        cells = ["missed", "", ""]
-        if not row["missed"]:
-            force = row["estimated_force_N"]
-            error = f"{(force / row['force_N'] - 1) * 100:+.0f} %"
-            cells = [fixed(force, 2), error, fixed(row["place_error_m"] * 1e3, 2)]
-        shown.add_row(str(index), fixed(row["force_N"], 2), *cells)
-    out.print(shown)
+    console().print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
+    columns = (
+        Column("press", "press", decimals=0),
+        Column("true N", "force_N", decimals=2),
+        Column("found N", "estimated_force_N", decimals=2),
+        Column("force error %", "force_error", 100.0, 0),
+        Column("place error mm", "place_error_m", 1e3, 2),
+    )
+    console().print(table_of("Against the known truth (–: missed)", rows, columns))
 
 
 def _latency(reconstructor: Reconstructor, estimate: Estimate, readings: Floats) -> str:

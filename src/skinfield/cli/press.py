@@ -17,6 +17,7 @@ from skinfield.cli.options import (
     skin_from_text,
 )
 from skinfield.cli.report import (
+    Column,
     check_output,
     check_picture,
     console,
@@ -24,7 +25,7 @@ from skinfield.cli.report import (
     fixed,
     free_name,
     say,
-    table,
+    table_of,
 )
 from skinfield.errors import Floats, InputError
 from skinfield.lab.scenarios.indenters import FACTORS, SHAPES, indenter_from_mapping
@@ -40,6 +41,12 @@ ROOM = 20.0  # mm around the reference points of the indenters
 WORDS = {"yes": True, "true": True, "no": False, "false": False}
 LABELS = {"capacitance": ("ΔC/C₀ (%)", 100.0), "gap": ("indentation (% of the layer)", 100.0),
           "stress": ("base stress (kPa)", 1e-3)}  # fmt: skip
+BODY = (
+    Column("#", "number", decimals=0), Column("body", "body"),
+    Column("force N", "force_N", decimals=3), Column("depth mm", "depth_m", 1e3, 3),
+    Column("x mm", "x_m", 1e3, 3), Column("y mm", "y_m", 1e3, 3),
+    Column("area mm²", "area_m2", 1e6, 1), Column("peak kPa", "peak_Pa", 1e-3, 1),
+)  # fmt: skip
 
 
 def press(
@@ -130,15 +137,16 @@ def press(
     readings = None
     if taxels is not None:
         readings = result.readings(taxels.plane, taxels.pad_diameter, quantity)
+    plain = _plain(result, readings)
     if not as_json:
-        _show_bodies(result)
+        _show_bodies(plain)
     if readings is not None and not as_json:
         _show_readings(readings * factor, label)
     shown = None if readings is None else readings * factor
     save(draw_press(result, taxels, shown, label=label), picture)
     if output is not None:
         save_press(result, output, taxels)
-    finish(as_json, _plain(result, readings), (picture, output))
+    finish(as_json, plain, (picture, output))
 
 
 def _extent(bodies: list[Indenter]) -> float:
@@ -152,14 +160,16 @@ def _plain(result: Press, readings: Floats | None) -> dict[str, Any]:
     return {
         "bodies": [
             {
-                "kind": body.indenter.kind,
+                "number": number,
+                "body": body.indenter.kind,
                 "force_N": body.force,
                 "depth_m": body.depth,
-                "centre_m": [float(each) for each in body.centre],
+                "x_m": float(body.centre[0]),
+                "y_m": float(body.centre[1]),
                 "area_m2": body.area,
                 "peak_Pa": body.peak,
             }
-            for body in parts_of(result)
+            for number, body in enumerate(parts_of(result), start=1)
         ],
         "force_N": result.force,
         "moment_Nm": [float(each) for each in result.moment],
@@ -169,19 +179,12 @@ def _plain(result: Press, readings: Floats | None) -> dict[str, Any]:
     }
 
 
-def _show_bodies(result: Press) -> None:
-    columns = ("force N", "depth mm", "x mm", "y mm", "area mm²", "peak kPa")
-    shown = table("Indenters", ("#", "body"), columns)
-    for index, body in enumerate(parts_of(result), start=1):
-        load = (body.force, body.depth * 1e3, *(body.centre * 1e3))
-        sizes = (fixed(body.area * 1e6, 1), fixed(body.peak / 1e3, 1))
-        cells = (fixed(each, 3) for each in load)
-        shown.add_row(str(index), body.indenter.kind, *cells, *sizes)
-    console().print(shown)
-    moment = ", ".join(fixed(each * 1e3, 2) for each in result.moment)
+def _show_bodies(plain: dict[str, Any]) -> None:
+    console().print(table_of("Indenters", plain["bodies"], BODY))
+    moment = ", ".join(fixed(each * 1e3, 2) for each in plain["moment_Nm"])
     say(
-        f"in all {result.force:.3f} N, moment {moment} N mm about the origin; "
-        f"{result.contact_area * 1e6:.1f} mm² touch; residual {result.residual:.1e}"
+        f"in all {plain['force_N']:.3f} N, moment {moment} N mm about the origin; "
+        f"{plain['area_m2'] * 1e6:.1f} mm² touch; residual {plain['residual']:.1e}"
     )
 
 

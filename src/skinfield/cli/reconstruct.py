@@ -21,6 +21,7 @@ from skinfield.cli.options import (
 )
 from skinfield.cli.reconstruct_jobs import Part, Plan, dask_client, parts, run_jobs, take_in
 from skinfield.cli.report import (
+    Column,
     check_output,
     check_picture,
     console,
@@ -30,7 +31,7 @@ from skinfield.cli.report import (
     progress,
     say,
     say_notes,
-    table,
+    table_of,
     table_of_contacts,
 )
 from skinfield.elastic import BaseStress, Capacitance, Quantity
@@ -47,6 +48,13 @@ ENDING = ".skinfield"
 OF_RESULTS = (  # options for results as well
     "output", "fields", "summary", "plot", "reading", "slice_", "workers", "scheduler",
     "store_fields", "force", "as_json",
+)  # fmt: skip
+RECORDING = (
+    Column("recording", "recording"), Column("readings", "readings", decimals=0),
+    Column("s", "duration_s", decimals=2), Column("skipped", "skipped_lines", decimals=0),
+    Column("left out", "taxels_left_out", decimals=0), Column("contacts", "contacts", decimals=0),
+    Column("highest N", "highest_force_N", decimals=2),
+    Column("at reading", "highest_load_reading", decimals=0),
 )  # fmt: skip
 OF_ONE = ("fields", "summary", "plot", "reading", "slice_")
 OF_MANY = ("workers", "scheduler", "store_fields")
@@ -406,31 +414,29 @@ def _watched(recordings: int) -> Iterator[Callable[[str, str, int], None]]:
 
 def _report_many(manifest: Manifest, as_json: bool) -> None:
     """A row for each recording that is complete, after its notes."""
-    shown = table(
-        f"results in {manifest.folder}",
-        ("recording",),
-        ("readings", "s", "skipped", "left out", "contacts", "highest N", "at reading"),
-    )
-    plain = []
+    rows = []
     for name in manifest.names:
         entry = manifest.entries[name]
         if not entry.complete:
             continue
         results, totals = read_results(manifest.target(name)), entry.totals()
         say_notes(f"{name}: {note}" for note in results.notes)
-        seconds, left_out = _seconds(results, range(len(results))), len(totals.silent or ())
-        values = (entry.readings, seconds, entry.skipped, left_out, totals.contacts,
-                  totals.highest_load, totals.shown)  # fmt: skip
-        texts = (f"{each:.2f}" if isinstance(each, float) else str(each) for each in values)
-        shown.add_row(f"{name}{ENDING}", *texts)
-        keys = ("readings", "duration_s", "skipped_lines", "taxels_left_out", "contacts",
-                "highest_force_N", "highest_load_reading")  # fmt: skip
-        folder = {"results": str(manifest.target(name))}
-        plain.append(folder | dict(zip(keys, values, strict=True)))
+        rows.append(
+            {
+                "recording": f"{name}{ENDING}",
+                "readings": entry.readings,
+                "duration_s": _seconds(results, range(len(results))),
+                "skipped_lines": entry.skipped,
+                "taxels_left_out": len(totals.silent or ()),
+                "contacts": totals.contacts,
+                "highest_force_N": totals.highest_load,
+                "highest_load_reading": totals.shown,
+            }
+        )
     if as_json:
-        print_json(plain)
-    elif plain:
-        console().print(shown)
+        print_json({"folder": str(manifest.folder), "recordings": rows})
+    elif rows:
+        console().print(table_of(f"results in {manifest.folder}", rows, RECORDING))
 
 
 # ---- what is printed of one

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from skinfield.cli.options import OUTPUT, Force, Json
 from skinfield.cli.report import (
+    Column,
     check_output,
     console,
     note,
@@ -18,11 +19,15 @@ from skinfield.cli.report import (
     print_json,
     progress,
     say,
-    table,
+    table_of,
 )
 from skinfield.errors import InputError, check_positive
 
 MOST_EVENTS = 12
+PATCH = (
+    Column("patch", "name"), Column("taxels", "taxels", decimals=0),
+    Column("readings", "readings", decimals=0), Column("per second", "rate", decimals=1),
+)  # fmt: skip
 
 
 def record(
@@ -240,11 +245,7 @@ def _show(summary: dict[str, Any]) -> None:
     for name, text in _lines(summary):
         say(f"{name:<16}{text}")
     if summary["patches"]:
-        shown = table(None, ("patch",), ("taxels", "readings", "per second"))
-        for each in summary["patches"]:
-            numbers = (f"{each['taxels']:,}", f"{each['readings']:,}", _rate(each["rate"]))
-            shown.add_row(each["name"], *numbers)
-        console().print(shown)
+        console().print(table_of(None, summary["patches"], PATCH))
     for event in summary["last_events"][-MOST_EVENTS:]:
         when = (event.get("wall_ns", 0) - (summary["began_ns"] or 0)) * 1e-9
         say(f"{when:10.3f} s  {event.get('text')}")

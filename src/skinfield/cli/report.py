@@ -5,10 +5,10 @@ import os
 import signal
 import sys
 import webbrowser
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich.console import Console
 
@@ -103,46 +103,84 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def table_of_contacts(contacts: Sequence["Contact"], title: str) -> "Table":
-    """Contacts with force and place and how sure they are, shape, size and peak.
+class Column(NamedTuple):
+    """Column of a table of rows.
 
-    The height stands there where one is not 0: on a flat patch it says nothing.
+    Attributes
+    ----------
+    head : str
+        With the unit.
+    key : str
+        Of a row's value.
+    factor : float
+        From SI to that unit.
+    decimals : int or None
+        None for words, which stand at the left.
     """
-    first = contacts[:MOST_CONTACTS]
-    curved = any(abs(contact.position[2]) > FLAT for contact in first)
-    places = ("x mm", "y mm", "z mm") if curved else ("x mm", "y mm")
-    sizes = ("radius mm", "area mm²", "peak kPa")
-    made = table(title, (), ("#", "force N", "± N", *places, "± mm", "shape", *sizes))
-    made.columns[5 + len(places) - 1].justify = "left"
-    for index, contact in enumerate(first, start=1):
-        made.add_row(
-            str(index),
-            f"{contact.normal_force:.2f}",
-            f"{contact.force_std:.2f}",
-            *(f"{value * 1e3:.1f}" for value in contact.position[: len(places)]),
-            f"{contact.place_std * 1e3:.2f}",
-            contact.shape,
-            f"{contact.radius * 1e3:.1f}",
-            f"{contact.area * 1e6:.0f}",
-            f"{contact.peak_pressure / 1e3:.1f}",
-        )
-    if len(contacts) > MOST_CONTACTS:
-        made.caption = f"and {len(contacts) - MOST_CONTACTS} weaker ones"
+
+    head: str
+    key: str
+    factor: float = 1.0
+    decimals: int | None = None
+
+    def cell(self, row: Mapping[str, Any]) -> str:
+        """Text of a row's value; a dash where it has none."""
+        value = row.get(self.key)
+        if self.decimals is None or value is None:
+            return NONE if value is None else str(value)
+        return fixed(value * self.factor, self.decimals)
+
+
+def table_of(
+    title: str | None, rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], **look: Any
+) -> "Table":
+    """Table of rows in SI units, as JSON has them, too."""
+    made = table(title, (), (), **look)
+    for column in columns:
+        words = column.decimals is None
+        made.add_column(column.head, justify="left" if words else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(column.cell(row) for column in columns))
     return made
 
 
-def plain_contact(contact: "Contact") -> dict[str, Any]:
-    """A contact as JSON has it, in SI units."""
-    return {
-        "force_N": contact.normal_force,
-        "force_std_N": contact.force_std,
-        "position_m": [float(value) for value in contact.position],
-        "place_std_m": contact.place_std,
-        "shape": contact.shape,
-        "radius_m": contact.radius,
-        "area_m2": contact.area,
-        "peak_pressure_Pa": contact.peak_pressure,
-    }
+CONTACT = (
+    Column("#", "contact", decimals=0), Column("force N", "force_N", decimals=2),
+    Column("± N", "force_std_N", decimals=2), Column("x mm", "x_m", 1e3, 1),
+    Column("y mm", "y_m", 1e3, 1), Column("z mm", "z_m", 1e3, 1),
+    Column("± mm", "place_std_m", 1e3, 2), Column("shape", "shape"),
+    Column("radius mm", "radius_m", 1e3, 1), Column("area mm²", "area_m2", 1e6, 0),
+    Column("peak kPa", "peak_pressure_Pa", 1e-3, 1),
+)  # fmt: skip
+
+
+def plain_contacts(contacts: Sequence["Contact"]) -> list[dict[str, Any]]:
+    """Contacts as JSON has them: force and place and how sure they are, shape, size and peak."""
+    return [
+        {
+            "contact": index,
+            "force_N": contact.normal_force,
+            "force_std_N": contact.force_std,
+            **dict(zip(("x_m", "y_m", "z_m"), map(float, contact.position), strict=True)),
+            "place_std_m": contact.place_std,
+            "shape": contact.shape,
+            "radius_m": contact.radius,
+            "area_m2": contact.area,
+            "peak_pressure_Pa": contact.peak_pressure,
+        }
+        for index, contact in enumerate(contacts, start=1)
+    ]
+
+
+def table_of_contacts(contacts: Sequence["Contact"], title: str) -> "Table":
+    """Contacts; their height stands there where one is not 0: on a flat patch it says nothing."""
+    first = plain_contacts(contacts[:MOST_CONTACTS])
+    curved = any(abs(row["z_m"]) > FLAT for row in first)
+    columns = [column for column in CONTACT if curved or column.key != "z_m"]
+    made = table_of(title, first, columns)
+    if len(contacts) > MOST_CONTACTS:
+        made.caption = f"and {len(contacts) - MOST_CONTACTS} weaker ones"
+    return made
 
 
 def say(text: str) -> None:

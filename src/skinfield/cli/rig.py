@@ -6,7 +6,7 @@ from typing import Annotated
 
 from skinfield.cli.options import OUTPUT, Force, Json, processes
 from skinfield.cli.report import (
-    NONE,
+    Column,
     check_output,
     console,
     finish,
@@ -15,11 +15,23 @@ from skinfield.cli.report import (
     progress,
     say,
     say_notes,
-    table,
+    table_of,
 )
 from skinfield.errors import InputError
 from skinfield.lab.runner import Outcome, Task, run, stored
 from skinfield.lab.scenarios import load_scenario, rig_tasks, template
+
+PLANNED = (
+    Column("run", "run"), Column("indenter", "indenter"), Column("presses", "presses", decimals=0),
+    Column("seconds", "seconds", decimals=1), Column("state", "state"),
+)  # fmt: skip
+MADE = (
+    Column("run", "run"), Column("presses", "presses", decimals=0),
+    Column("readings", "readings", decimals=0), Column("N", "highest_force_N", decimals=2),
+    Column("depth mm", "deepest_mm", decimals=3), Column("area mm²", "widest_area_mm2", decimals=1),
+    Column("ΔC/C₀", "highest_change", decimals=3), Column("cell full", "saturated", decimals=0),
+    Column("took s", "seconds", decimals=1),
+)  # fmt: skip
 
 
 def rig(
@@ -86,11 +98,15 @@ def rig(
         return
     outcomes = _run(tasks, Path(output), number)
     failed = [outcome for outcome in outcomes if outcome.failure]
+    rows = [
+        {"run": one.name, "seconds": one.seconds, "failure": one.failure or None}
+        | (one.result or {})
+        for one in outcomes
+    ]
     if as_json:
-        print_json([{"run": one.name, "seconds": one.seconds, **(one.result or {}),
-                     "failure": one.failure or None} for one in outcomes])  # fmt: skip
+        print_json(rows)
     else:
-        _show(outcomes)
+        console().print(table_of("Runs", rows, MADE))
         say(
             f"{plural(len(outcomes) - len(failed), 'run')} in {output}, "
             f"{sum(outcome.reused for outcome in outcomes)} of them from before"
@@ -113,20 +129,22 @@ def _tasks(scenarios: Sequence[str]) -> list[Task]:
 
 
 def _show_plan(tasks: Sequence[Task], folder: Path, as_json: bool) -> None:
-    shown = table(plural(len(tasks), "run"), ("run", "indenter", "state"), ("presses", "seconds"))
-    plain = []
+    rows = []
     for task in tasks:
         (scenario,) = task.arguments
-        kind, presses = scenario.tools[0].indenter.kind, scenario.presses
-        seconds, there = scenario.profile.duration(presses), bool(stored(task, folder))
-        state = "there" if there else "to do"
-        shown.add_row(task.name, kind, state, str(presses), f"{seconds:.1f}")
-        plain.append({"run": task.name, "indenter": kind, "presses": presses, "seconds": seconds,
-                      "state": state})  # fmt: skip
+        rows.append(
+            {
+                "run": task.name,
+                "indenter": scenario.tools[0].indenter.kind,
+                "presses": scenario.presses,
+                "seconds": scenario.profile.duration(scenario.presses),
+                "state": "there" if stored(task, folder) else "to do",
+            }
+        )
     if as_json:
-        print_json(plain)
+        print_json(rows)
     else:
-        console().print(shown)
+        console().print(table_of(plural(len(tasks), "run"), rows, PLANNED))
 
 
 def _run(tasks: Sequence[Task], folder: Path, workers: int) -> list[Outcome]:
@@ -138,21 +156,6 @@ def _run(tasks: Sequence[Task], folder: Path, workers: int) -> list[Outcome]:
             words = outcome.name + (f", {failures} failed" if failures else "")
             step(len(outcomes), what=words)
     return [outcomes[task.name] for task in tasks]
-
-
-def _show(outcomes: Sequence[Outcome]) -> None:
-    columns = {"presses": "presses", "readings": "readings", "N": "highest_force_N",
-               "depth mm": "deepest_mm", "area mm²": "widest_area_mm2",
-               "ΔC/C₀": "highest_change", "cell full": "saturated"}  # fmt: skip
-    formats = ("", "", ".2f", ".3f", ".1f", ".3f", "")
-    shown = table("Runs", ("run",), (*columns, "took s"))
-    for outcome in outcomes:
-        cells = [NONE] * len(columns)
-        if not outcome.failure:
-            values = (outcome.result[key] for key in columns.values())
-            cells = [f"{each:{how}}" for each, how in zip(values, formats, strict=True)]
-        shown.add_row(outcome.name, *cells, f"{outcome.seconds:.1f}")
-    console().print(shown)
 
 
 def _fail(failed: Sequence[Outcome], total: int, folder: Path) -> None:

@@ -1,8 +1,8 @@
 """`skinfield view`: the page of a recording, or of skins elsewhere."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Annotated, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any
 
 from rich.console import Console
 
@@ -14,6 +14,9 @@ from skinfield.errors import InputError, check_positive
 from skinfield.page.controller import Controller
 from skinfield.page.source import DataSource, EngineView, plain_view
 from skinfield.settings import PageSettings, ZenohAddresses
+
+if TYPE_CHECKING:
+    from skinfield.bridges.zenoh.discovery import ZenohSources
 
 NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machine reaches it?"
 
@@ -76,17 +79,6 @@ def _elsewhere(zenoh: ZenohAddresses) -> Iterator[tuple[Any, Any]]:
         yield found.sources, RemoteController(found)
 
 
-class RemoteSources(Protocol):
-    """What was found elsewhere; see `ZenohSources`."""
-
-    @property
-    def notes(self) -> Mapping[str, str]:
-        """Why an engine that can be seen is not shown, by its name."""
-
-    def sources(self) -> Sequence[DataSource]:
-        """Engines that are shown."""
-
-
 class RemoteController(Controller):
     """See `Controller`.
 
@@ -95,7 +87,7 @@ class RemoteController(Controller):
     found : ZenohSources
     """
 
-    def __init__(self, found: RemoteSources) -> None:
+    def __init__(self, found: "ZenohSources") -> None:
         super().__init__()
         self._found = found
         self._noted: dict[str, str] = {}
