@@ -14,8 +14,7 @@ import pytest
 from command_line import invoke
 
 import skinfield as sf
-from skinfield.cli import reconstruct as reconstruct_module
-from skinfield.cli import reconstruct_jobs
+from skinfield.cli import reconstruct_jobs, reconstruct_runs
 from skinfield.cli.options import CountSettings
 from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
 from skinfield.files import contacts, fields, save_recording
@@ -250,13 +249,13 @@ def test_a_damaged_file_is_named_in_one_paragraph(stored: Path, tmp_path: Path) 
 def test_ctrl_c_leaves_nothing(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = reconstruct_module.Sinks.write
+    original = reconstruct_runs.Sinks.write
 
     def write(self, part, grid) -> None:
         original(self, part, grid)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reconstruct_module.Sinks, "write", write)
+    monkeypatch.setattr(reconstruct_runs.Sinks, "write", write)
     names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.zarr")
     code, said = run("reconstruct", recording, *LAYOUT, "-o", *names)
     assert (code, list(tmp_path.iterdir())) == (130, []), said

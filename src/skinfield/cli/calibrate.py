@@ -2,7 +2,7 @@
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from cyclopts import Parameter
@@ -18,14 +18,13 @@ from skinfield.cli.options import (
     Model,
     OfElastomer,
 )
-from skinfield.cli.reconstruct_jobs import Plan, parts, take_in
 from skinfield.cli.report import check_output, check_picture, finish, progress, say, say_notes
 from skinfield.errors import Floats, InputError, as_floats
-from skinfield.files.pending import Pending
-from skinfield.files.results import read_results
-from skinfield.reconstruct.serialisation import ReconstructorConfig
 from skinfield.settings import Elastomer, ModelSettings
-from skinfield.signal import column_of, fit_scale
+
+if TYPE_CHECKING:
+    from skinfield.cli.reconstruct_jobs import Plan
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 calibrate = new_app(
     "calibrate",
@@ -90,8 +89,10 @@ def scale(
     as_json : bool
         The result as one JSON object.
     """
+    from skinfield.cli.reconstruct_jobs import Plan
     from skinfield.files import open_recording, write_summary
     from skinfield.plot import draw_timeline, save
+    from skinfield.signal import column_of, fit_scale
 
     check_picture("--plot", plot, force)
     check_output("--output", output, force, ".json")
@@ -130,8 +131,14 @@ def scale(
     finish(as_json, result, (output, plot))
 
 
-def _loads_of(recording: str, plan: Plan) -> tuple[ReconstructorConfig, NDArray[np.int64], Floats]:
+def _loads_of(
+    recording: str, plan: "Plan"
+) -> "tuple[ReconstructorConfig, NDArray[np.int64], Floats]":
     """What reconstructs a recording, its stamps (T,) ns, and the force of all contacts (T,) N."""
+    from skinfield.cli.reconstruct_jobs import parts, take_in
+    from skinfield.files.pending import Pending
+    from skinfield.files.results import read_results
+
     with TemporaryDirectory(prefix="skinfield-") as folder:
         place = Pending(Path(folder) / "readings", Path(folder) / "readings")
         take_in(recording, plan, place)

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -32,10 +32,12 @@ from skinfield.cli.report import (
     table_of_contacts,
 )
 from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
-from skinfield.estimate import Estimate
-from skinfield.reconstruct import Reconstructor
 from skinfield.settings import Elastomer, ModelSettings
-from skinfield.simulate import Sphere
+
+if TYPE_CHECKING:
+    from skinfield.estimate import Estimate
+    from skinfield.reconstruct import Reconstructor
+    from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
@@ -125,7 +127,9 @@ def demo(
     finish(as_json, result, [picture])
 
 
-def _ball_of(text: str) -> Sphere:
+def _ball_of(text: str) -> "Sphere":
+    from skinfield.simulate import Sphere
+
     parts = text.split(",")
     if len(parts) != 4:
         raise InputError(f"--press is {text!r}, expected x,y,force,radius in mm, mm, N, mm")
@@ -133,7 +137,7 @@ def _ball_of(text: str) -> Sphere:
     return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
-def _against(index: int, ball: Sphere, estimate: Estimate) -> dict[str, Any]:
+def _against(index: int, ball: "Sphere", estimate: "Estimate") -> dict[str, Any]:
     """A press beside the contact that is nearest to it, if one is near."""
     near = [(float(np.hypot(*(c.position[:2] - ball.position))), c) for c in estimate.contacts]
     row: dict[str, Any] = {"press": index, "force_N": ball.force}
@@ -145,7 +149,7 @@ def _against(index: int, ball: Sphere, estimate: Estimate) -> dict[str, Any]:
     return row | {"estimated_force_N": force, "force_error": error, "place_error_m": place}
 
 
-def _report(estimate: Estimate, rows: list[dict[str, Any]]) -> None:
+def _report(estimate: "Estimate", rows: list[dict[str, Any]]) -> None:
     """Tables of the contacts, and of the presses beside them."""
     console().print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
     columns = (
@@ -158,7 +162,7 @@ def _report(estimate: Estimate, rows: list[dict[str, Any]]) -> None:
     console().print(table_of("Against the known truth (–: missed)", rows, columns))
 
 
-def _latency(reconstructor: Reconstructor, estimate: Estimate, readings: Floats) -> str:
+def _latency(reconstructor: "Reconstructor", estimate: "Estimate", readings: Floats) -> str:
     nodes = f"{estimate.grid.shape[0]} x {estimate.grid.shape[1]} nodes"
     whole = f"{estimate.latency * 1e3:.1f} ms"
     try:

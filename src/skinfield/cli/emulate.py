@@ -2,22 +2,17 @@
 
 import signal
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rich.console import Console
 
 from skinfield.cli.options import Force, Json, OfElastomer, layer_of, part, profile_in_use
 from skinfield.cli.report import check_output, note, print_json, say_notes
-from skinfield.emulator import (
-    VirtualSettings,
-    VirtualSkin,
-    Wires,
-    fault_from_text,
-    temperature_from_text,
-)
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import Range, Section
-from skinfield.wire.can import PORT
+
+if TYPE_CHECKING:
+    from skinfield.emulator import VirtualSettings, VirtualSkin
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
 USUAL_BUS = "udp"
@@ -172,6 +167,14 @@ def emulate(
     as_json : bool
         One JSON object at the end.
     """
+    from skinfield.emulator import (
+        VirtualSettings,
+        Wires,
+        fault_from_text,
+        temperature_from_text,
+    )
+    from skinfield.wire.can import PORT
+
     check_output("--truth", truth or None, force)
     profile = profile_in_use(elastomer, hardware, layout)
     settings = VirtualSettings(
@@ -213,8 +216,10 @@ def emulate(
         _sum_up(counts)
 
 
-def _play(settings: VirtualSettings, out: Console) -> dict[str, Any]:
+def _play(settings: "VirtualSettings", out: Console) -> dict[str, Any]:
     """Play a skin until its time is over, or it is stopped; what it did."""
+    from skinfield.emulator import VirtualSkin
+
     skin = VirtualSkin(settings)
     before = {name: signal.getsignal(name) for name in (signal.SIGINT, signal.SIGTERM)}
     for name in before:
@@ -231,7 +236,7 @@ def _play(settings: VirtualSettings, out: Console) -> dict[str, Any]:
     return counts
 
 
-def _introduce(skin: VirtualSkin) -> None:
+def _introduce(skin: "VirtualSkin") -> None:
     """What it is and where."""
     settings = skin.settings
     patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
@@ -243,7 +248,7 @@ def _introduce(skin: VirtualSkin) -> None:
     say_notes(skin.notes)
 
 
-def _line_of(skin: VirtualSkin) -> str:
+def _line_of(skin: "VirtualSkin") -> str:
     """What is going on, in a line."""
     if not skin.stream_ns:
         return "waiting for a host"

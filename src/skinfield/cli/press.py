@@ -1,7 +1,6 @@
 """`skinfield press`: rigid bodies on the skin, and what the skin feels of them."""
 
-import shlex
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -27,18 +26,17 @@ from skinfield.cli.report import (
     say,
     table_of,
 )
-from skinfield.errors import Floats, InputError
-from skinfield.lab.scenarios.indenters import FACTORS, SHAPES, indenter_from_mapping
+from skinfield.errors import Floats
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import MechanicsName, QuantityName
-from skinfield.simulate import Indenter, Press
-from skinfield.simulate.pressing.press import parts_of
+
+if TYPE_CHECKING:
+    from skinfield.simulate import Indenter, Press
 
 DEFAULT = "sphere radius=6 force=1"
 PICTURE = "press.png"
 PLACELESS = "hexagon72"  # stands for a virtual skin where no taxels are
 ROOM = 20.0  # mm around the reference points of the indenters
-WORDS = {"yes": True, "true": True, "no": False, "false": False}
 LABELS = {"capacitance": ("ΔC/C₀ (%)", 100.0), "gap": ("indentation (% of the layer)", 100.0),
           "stress": ("base stress (kPa)", 1e-3)}  # fmt: skip
 BODY = (
@@ -114,6 +112,7 @@ def press(
         Forces, depths and readings as one JSON object, in SI units.
     """
     from skinfield.files.presses import check_press_name, save_press
+    from skinfield.lab.scenarios.indenter_words import indenter_from_text
     from skinfield.plot import save
     from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
@@ -149,14 +148,16 @@ def press(
     finish(as_json, plain, (picture, output))
 
 
-def _extent(bodies: list[Indenter]) -> float:
+def _extent(bodies: "list[Indenter]") -> float:
     """Side of a square around the origin that holds the places of all bodies, m."""
     far = max(float(np.abs([body.position, body.lowest]).max()) for body in bodies)
     return 2 * (far + ROOM * 1e-3)
 
 
-def _plain(result: Press, readings: Floats | None) -> dict[str, Any]:
+def _plain(result: "Press", readings: Floats | None) -> dict[str, Any]:
     """What a press comes to, in SI units."""
+    from skinfield.simulate.pressing.press import parts_of
+
     return {
         "bodies": [
             {
@@ -194,66 +195,3 @@ def _show_readings(readings: Floats, label: str) -> None:
         f"{label} of {len(readings)} taxels: from {fixed(readings[low], 2)} at taxel "
         f"{low} to {fixed(readings[high], 2)} at taxel {high}"
     )
-
-
-def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
-    """Indenter from its shape and `key=value` words, in mm, N and degrees.
-
-    Keys are those of `lab.scenarios.indenters`; their units may be left out, so that `radius`
-    stands for `radius_mm`.
-
-    Raises
-    ------
-    InputError
-        For words that mean nothing, with those that would.
-    FileError
-        If the file of a mesh or height map cannot be used.
-    """
-    return indenter_from_mapping(mapping_from_text(text, where), where)
-
-
-def mapping_from_text(text: str, where: str = "--indenter") -> dict[str, Any]:
-    """Settings that the words stand for."""
-    example = SHAPES["sphere"].example
-    try:
-        words = shlex.split(text)
-    except ValueError as error:
-        raise InputError(f"{where} is {text!r}: {error}; expected '{example}'") from error
-    if not words or "=" in words[0]:
-        raise InputError(
-            f"{where} is {text!r}, expected a shape first, one of {', '.join(SHAPES)}: "
-            f"for example '{example}'"
-        )
-    mapping: dict[str, Any] = {"shape": words[0]}
-    shape = SHAPES.get(words[0])
-    for word in words[1:]:
-        key, equals, value = word.partition("=")
-        if not equals or not value:
-            raise InputError(
-                f"{where} holds {word!r}, expected key=value: "
-                f"for example '{shape.example if shape else example}'"
-            )
-        key = _full_key(key, shape.keys if shape else ())
-        if key in mapping:
-            raise InputError(f"{where} gives {key} twice, expected it once")
-        mapping[key] = _value(key, value, where)
-    return mapping
-
-
-def _full_key(key: str, known: tuple[str, ...]) -> str:
-    """The key with its unit, where it was left out."""
-    return next((key + end for end in FACTORS if key + end in known), key)
-
-
-def _value(key: str, text: str, where: str) -> Any:
-    if key == "file":
-        return text
-    if key == "invert":
-        if text.lower() not in WORDS:
-            raise InputError(f"{where}: invert is {text!r}, expected yes or no")
-        return WORDS[text.lower()]
-    try:
-        return [float(part) for part in text.split(",")] if key == "down" else float(text)
-    except ValueError as error:
-        expected = "three numbers such as 0,0,-1" if key == "down" else "a number"
-        raise InputError(f"{where}: {key} is {text!r}, expected {expected}") from error

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from skinfield.cli.options import OUTPUT, Force, Json, processes
 from skinfield.cli.report import (
@@ -18,8 +18,9 @@ from skinfield.cli.report import (
     table_of,
 )
 from skinfield.errors import InputError
-from skinfield.lab.runner import Outcome, Task, run, stored
-from skinfield.lab.scenarios import load_scenario, rig_tasks, template
+
+if TYPE_CHECKING:
+    from skinfield.lab.runner import Outcome, Task
 
 PLANNED = (
     Column("run", "run"), Column("indenter", "indenter"), Column("presses", "presses", decimals=0),
@@ -84,6 +85,7 @@ def rig(
     number = processes(workers)
     if new is not None:
         from skinfield.files.pending import write_bytes
+        from skinfield.lab.scenarios import template
 
         check_output("--new", new, force)
         write_bytes(new, template().encode())
@@ -115,7 +117,9 @@ def rig(
         _fail(failed, len(outcomes), Path(output))
 
 
-def _tasks(scenarios: Sequence[str]) -> list[Task]:
+def _tasks(scenarios: Sequence[str]) -> "list[Task]":
+    from skinfield.lab.scenarios import load_scenario, rig_tasks
+
     tasks: dict[str, tuple[str, Task]] = {}
     for path in scenarios:
         for task in rig_tasks(load_scenario(path)):
@@ -128,7 +132,9 @@ def _tasks(scenarios: Sequence[str]) -> list[Task]:
     return [task for _, task in tasks.values()]
 
 
-def _show_plan(tasks: Sequence[Task], folder: Path, as_json: bool) -> None:
+def _show_plan(tasks: "Sequence[Task]", folder: Path, as_json: bool) -> None:
+    from skinfield.lab.runner import stored
+
     rows = []
     for task in tasks:
         (scenario,) = task.arguments
@@ -147,7 +153,9 @@ def _show_plan(tasks: Sequence[Task], folder: Path, as_json: bool) -> None:
         console().print(table_of(plural(len(tasks), "run"), rows, PLANNED))
 
 
-def _run(tasks: Sequence[Task], folder: Path, workers: int) -> list[Outcome]:
+def _run(tasks: "Sequence[Task]", folder: Path, workers: int) -> "list[Outcome]":
+    from skinfield.lab.runner import run
+
     outcomes: dict[str, Outcome] = {}
     with progress("rig", len(tasks)) as step:
         for outcome in run(tasks, folder, workers=workers):
@@ -158,7 +166,7 @@ def _run(tasks: Sequence[Task], folder: Path, workers: int) -> list[Outcome]:
     return [outcomes[task.name] for task in tasks]
 
 
-def _fail(failed: Sequence[Outcome], total: int, folder: Path) -> None:
+def _fail(failed: "Sequence[Outcome]", total: int, folder: Path) -> None:
     """Say what went wrong with each failed run, and end with an error."""
     say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
     raise InputError(

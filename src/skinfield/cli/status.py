@@ -7,12 +7,7 @@ from rich.console import Console
 
 from skinfield.cli.options import Json
 from skinfield.cli.report import finish, print_json, say
-from skinfield.cli.status_table import status_table
 from skinfield.errors import InputError, SkinfieldError, check_positive
-from skinfield.loop.client import Live, chosen
-from skinfield.loop.realtime import RealTimeStatus
-from skinfield.loop.runtime_parameters import Focus
-from skinfield.loop.status import Observer
 
 MICRO, MILLI = 1e-6, 1e-3
 
@@ -47,6 +42,10 @@ def status(
     as_json : bool
         As one JSON object, times in µs.
     """
+    from skinfield.cli.status_table import status_table
+    from skinfield.loop.client import Live, chosen
+    from skinfield.loop.status import Observer
+
     check_positive("--duration", duration, "seconds to watch")
     console = Console()
     with Live(chosen(name)) as live:
@@ -68,8 +67,10 @@ def status(
         console.print(f" {sentence}", style="dim", highlight=False)
 
 
-def _watch(console: Console, observer: Observer, seconds: float) -> None:
+def _watch(console: Console, observer: Any, seconds: float) -> None:
     from rich.live import Live as Screen
+
+    from skinfield.cli.status_table import status_table
 
     try:
         with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
@@ -84,6 +85,8 @@ def _watch(console: Console, observer: Observer, seconds: float) -> None:
 
 def notes_of(notes: dict[str, object]) -> list[str]:
     """What an engine says in words, as sentences."""
+    from skinfield.loop.realtime import RealTimeStatus
+
     granted = notes.get("granted")
     sentences: list[str] = []
     if isinstance(granted, dict):
@@ -109,6 +112,8 @@ def tare(name: str | None = None, /, *, as_json: Json = False) -> None:
     as_json : bool
         Which skin it was, as one JSON object.
     """
+    from skinfield.loop.client import Live, chosen
+
     with Live(chosen(name)) as live:
         live.tare()
         if not as_json:
@@ -121,7 +126,7 @@ def tune(
     /,
     *,
     deadline_us: float | None = None,
-    resolution: str | None = None,
+    resolution: int | Literal["auto"] | None = None,
     threshold_n: float | None = None,
     smoothing_ms: float | None = None,
     focus: str | None = None,
@@ -148,7 +153,7 @@ def tune(
         Of the running skin.
     deadline_us : float, µs, optional
         Time for the reconstruction in each cycle, µs.
-    resolution : str, optional
+    resolution : int or "auto", optional
         Nodes on a side of the finest grid that is used, or auto.
     threshold_n : float, N, optional
         Contacts of a smaller force are not published, N.
@@ -159,16 +164,15 @@ def tune(
     as_json : bool
         What is in force, as one JSON object in SI.
     """
-    numbers = (
-        ("deadline", deadline_us, MICRO),
-        ("threshold", threshold_n, 1.0),
-        ("smoothing", smoothing_ms, MILLI),
-    )
-    changes: dict[str, Any] = {
-        key: value * unit for key, value, unit in numbers if value is not None
+    from skinfield.loop.client import Live, chosen
+
+    wanted = {
+        "deadline": None if deadline_us is None else deadline_us * MICRO,
+        "threshold": threshold_n,
+        "smoothing": None if smoothing_ms is None else smoothing_ms * MILLI,
+        "resolution": resolution,
     }
-    if resolution is not None:
-        changes["resolution"] = resolution_from_text(resolution)
+    changes: dict[str, Any] = {key: value for key, value in wanted.items() if value is not None}
     with Live(chosen(name)) as live:
         if focus is not None:
             changes["focus"] = focus_from_text(focus, [patch.name for patch in live.skin])
@@ -182,17 +186,10 @@ def tune(
         say(line)
 
 
-def resolution_from_text(text: str) -> int | Literal["auto"]:
-    """Of the command's text."""
-    if text == "auto":
-        return "auto"
-    if text.isdecimal():
-        return int(text)
-    raise InputError(f"--resolution is {text!r}, expected auto or nodes on a side, such as 20")
-
-
 def focus_from_text(text: str, patches: list[str]) -> Any:
     """`Focus` of the command's text, or None; of a skin of one patch its name may be left out."""
+    from skinfield.loop.runtime_parameters import Focus
+
     if text == "none":
         return None
     patch, _, corners = text.rpartition(":")
