@@ -80,4 +80,4 @@ def export(
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)
     patches = [each.name for each in work.what.patches]
-    finish(as_json, {"file": output, "patches": patches, "notes": notes})
+    finish(as_json, {"file": output, "patches": patches, "notes": notes}, [output])

@@ -187,8 +187,8 @@ def _finish(skin: Skin, as_json: bool, output: str = "", lost: Iterable[str] = (
 def generators(*, as_json: Json = False) -> None:
     """List the layouts that need no file, with their arguments and defaults.
 
-    skinfield layout generators
-    skinfield layout show cylinder:radius_mm=40 -o cylinder.png
+      skinfield layout generators
+      skinfield layout show cylinder:radius_mm=40 -o cylinder.png
 
     Parameters
     ----------

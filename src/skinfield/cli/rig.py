@@ -89,7 +89,8 @@ def rig(
 
         check_output("--new", new, force)
         write_bytes(new, template().encode())
-        finish(as_json and not scenario, {"scenario": new}, [new])
+        if not (as_json and scenario):  # one object is printed
+            finish(as_json, {"scenario": new}, [new])
     if not scenario:
         if new is None:
             raise InputError("SCENARIO is missing, expected a file: --new FILE writes one")

@@ -4,20 +4,18 @@ Presses that no solver was tuned on are read, scored and timed; balls are told a
 distances; readings of noise alone count false contacts.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from skinfield.elastic import Layer
-from skinfield.errors import InputError, SkinfieldError, check_choice, check_positive
+from skinfield.errors import InputError, check_choice, check_positive
 from skinfield.lab.bound import contact_family, errors_at_bound
 from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
 from skinfield.lab.cases import Case, Pose, Truth, posed, truth_of_press
-from skinfield.lab.report import SIZES, Part, tasks_of
-from skinfield.lab.runner import run
+from skinfield.lab.report import SIZES, Part
 from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, once, rows_of_case
 from skinfield.simulate import Sphere, press
@@ -313,30 +311,6 @@ def parts_of(plan: AccuracyPlan) -> list[Part]:
         ),
         *(Part(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances),
     ]
-
-
-def computed(
-    plan: AccuracyPlan,
-    folder: Path,
-    workers: int = 1,
-    progress: Callable[[int, int], None] = lambda done, of: None,
-) -> Findings:
-    """Run all parts that `folder` does not hold yet.
-
-    Raises
-    ------
-    SkinfieldError
-        Where a part fails: with its last line, and the file that has the rest.
-    """
-    tasks, results = tasks_of(parts_of(plan), "accuracy"), {}
-    progress(0, len(tasks))
-    for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):
-        if outcome.failure:
-            reason = outcome.failure.strip().splitlines()[-1]
-            raise SkinfieldError(f"{outcome.name} fails: {reason} ({outcome.folder}.failed.txt)")
-        results[outcome.name] = outcome.result
-        progress(done, len(tasks))
-    return Findings.of([results[task.name] for task in tasks])
 
 
 def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> list[Row]:
