@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from skinfield.cli.report import fixed, table
+from skinfield.cli.report import Column, fixed, table
 from skinfield.errors import InputError
 
 SHOWN = {  # measure, and how the table calls it
@@ -31,14 +31,13 @@ AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and de
     ("warm_ms", 1.0, "warm\nms", 2),
 )
 RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
-PER_CASE = {
-    "force_error": "force",
-    "place_error_mm": "place mm",
-    "blurred_pressure_error": "pressure, blurred",
-    "deformation_error": "deformation",
-    "missed": "missed",
-    "false": "false",
-}
+PER_CASE = (
+    Column("case", "case"), Column("true N", "true_force_N", decimals=2),
+    Column("force", "force_error", decimals=2), Column("place mm", "place_error_mm", decimals=2),
+    Column("pressure, blurred", "blurred_pressure_error", decimals=2),
+    Column("deformation", "deformation_error", decimals=2),
+    Column("missed", "missed", decimals=2), Column("false", "false", decimals=2),
+)  # fmt: skip
 
 
 def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
@@ -84,16 +83,6 @@ def table_of_summary(summary: dict[str, Any], title: str) -> Any:
     for key, label in RATES.items():
         rate, low, high = (fixed(summary[name], 3) for name in (key, f"{key}_low", f"{key}_high"))
         made.add_row(label, rate, f"{low} to {high}", "")
-    return made
-
-
-def table_of_cases(rows: Sequence[dict[str, Any]]) -> Any:
-    """A line per case."""
-    columns = ("true N", *PER_CASE.values())
-    made = table("Medians over each case's readings", ("case",), columns)
-    for row in rows:
-        numbers = [fixed(row[key], 2) for key in PER_CASE]
-        made.add_row(str(row["case"]), f"{row['true_force_N']:.2f}", *numbers)
     return made
 
 

@@ -7,11 +7,11 @@ from rich.console import Console
 
 from skinfield.cli.contenders import entrant_from_options, named
 from skinfield.cli.options import OUTPUT, Force, Json
-from skinfield.cli.report import check_output, console, finish, plural, progress
+from skinfield.cli.report import check_output, console, finish, plural, progress, table_of
 from skinfield.cli.scores import (
+    PER_CASE,
     exceeds,
     limits_from_texts,
-    table_of_cases,
     table_of_noises,
     table_of_summary,
 )
@@ -109,7 +109,8 @@ def _score_as_it_is(options: dict[str, Any]) -> bool:
         mine, summary = _scored(paths, solver, entrant_from_options(solver, options))
         if not options["as_json"]:
             if options["per_case"]:
-                console().print(table_of_cases(mine))
+                title = "Medians over each case's readings"
+                console().print(table_of(title, mine, PER_CASE))
             readings = plural(summary["readings"], "reading")
             title = f"{solver} on {plural(len(paths), 'case')}, {readings}"
             console().print(table_of_summary(summary, title))
