@@ -1,7 +1,8 @@
 """`skinfield bench`: what a reading costs on this machine, and error against time."""
 
-from contextlib import AbstractContextManager
-from typing import Annotated, Any, Literal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from skinfield.cli.options import OUTPUT, Force, Json, flag_of, solver_of
 from skinfield.cli.report import (
@@ -14,6 +15,9 @@ from skinfield.cli.report import (
     say_notes,
 )
 from skinfield.errors import InputError, check_count
+
+if TYPE_CHECKING:
+    from skinfield.skin import Skin
 
 
 def bench(
@@ -113,12 +117,18 @@ def bench(
     finish(as_json, bench_as_json(measured), [output])
 
 
-def virtual_boards(rate: float, priority: int) -> AbstractContextManager[Any]:
-    """Virtual skin of iCub's boards, idle at first, as `run_jitter` starts it."""
+@contextmanager
+def virtual_boards(
+    skin: "Skin", rate: float, priority: int
+) -> Iterator[tuple[Any, Callable[[str], Any]]]:
+    """Virtual skin of iCub's boards, idle at first, as `run_jitter` takes it."""
     from skinfield.emulator.process import start
     from skinfield.emulator.settings import VirtualSettings
+    from skinfield.wire.sources.factory import source_from_options
 
-    return start(VirtualSettings(rate=rate, scene="idle", lead_in=0.0, priority=priority))
+    settings = VirtualSettings(rate=rate, scene="idle", lead_in=0.0, priority=priority)
+    with start(settings) as boards:
+        yield source_from_options("icub", "udp", tuple(boards.channels), skin), boards.scene
 
 
 def _measure_jitter(options: dict[str, Any], as_json: bool) -> None:

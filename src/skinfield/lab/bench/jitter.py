@@ -32,10 +32,9 @@ from skinfield.solve import NonNegative, Solver
 
 if TYPE_CHECKING:
     from skinfield.loop.supervisor import Supervisor
-    from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
-Boards = Callable[[float, int], AbstractContextManager[Any]]
+Boards = Callable[[Skin, float, int], AbstractContextManager[tuple[Any, Callable[[str], Any]]]]
 PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
 RUNGS = (10, 20, 40)  # nodes on a side
 LOADS = ("skin", "none")
@@ -142,9 +141,9 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Bo
     ----------
     tell : function of str
         Called with what happens.
-    boards : function of rate and priority
+    boards : function of skin, rate and priority
         Starts a virtual skin of iCub's boards on UDP, which sends so many readings per second, as
-        a context; it gives what has their `channels`, and `scene`.
+        a context; it gives the live source that reads them, and a function that plays a scene.
 
     Raises
     ------
@@ -311,14 +310,14 @@ def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
     from skinfield.loop.supervisor import Supervisor
     from skinfield.signal import ICubByte
     from skinfield.skin.generators import hexagon72
-    from skinfield.wire.sources.factory import source_from_options
 
     skin, real_time = Skin((hexagon72(),)), settings.real_time
     with ExitStack() as stack:
-        sent = stack.enter_context(boards(settings.rate_hz, max(real_time.priority - 10, 0)))
+        priority = max(real_time.priority - 10, 0)
+        source, play = stack.enter_context(boards(skin, settings.rate_hz, priority))
         live = LiveSettings(
             skin=skin,
-            sources=(source_from_options("icub", "udp", tuple(sent.channels), skin),),
+            sources=(source,),
             name=f"bench-{uuid.uuid4().hex[:8]}",
             board=ICubByte(),
             solver=settings.solver,
@@ -330,11 +329,11 @@ def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
         supervisor = stack.enter_context(Supervisor(live))
         reader = supervisor.wait(PATIENCE)
         stack.callback(reader.close)
-        sent.scene("slide")  # once it has its baseline
+        play("slide")  # once it has its baseline
         yield _engine(reader, supervisor)
 
 
-def _engine(reader: "RingReader", supervisor: "Supervisor") -> Loop:
+def _engine(reader: Any, supervisor: "Supervisor") -> Loop:
     def snapshot() -> tuple[Words, Words]:
         status = reader.status
         return status["times"].copy(), status["totals"].copy()
@@ -342,7 +341,7 @@ def _engine(reader: "RingReader", supervisor: "Supervisor") -> Loop:
     return Loop(reader.pid, _granted(reader), snapshot, lambda: supervisor.failure)
 
 
-def _granted(reader: "RingReader") -> RealTimeStatus:
+def _granted(reader: Any) -> RealTimeStatus:
     """From the engine's notes, which it may be writing just now."""
     from skinfield.loop.status_text import read_notes
 
