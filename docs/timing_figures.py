@@ -19,10 +19,11 @@ import numpy as np
 from rich.progress import Progress
 from threadpoolctl import threadpool_limits
 
+from skinfield.cli.bench import virtual_boards
 from skinfield.cli.bench_tables import in_words
-from skinfield.cli.jitter import Jitter, JitterSettings, run_jitter
 from skinfield.cli.report import say_notes
 from skinfield.errors import Floats
+from skinfield.lab.bench.jitter import Jitter, JitterSettings, run_jitter
 from skinfield.lab.bench.machine import this_machine
 from skinfield.lab.bench.picture import (
     machine_line,
@@ -209,7 +210,7 @@ def draw_jitter(seconds: float = 60.0) -> None:
     found = {}
     for name, more in ROWS.items():
         settings = JitterSettings(duration=seconds, **more)  # type: ignore[arg-type]
-        found[name] = run_jitter(settings, tell(name))
+        found[name] = run_jitter(settings, tell(name), virtual_boards)
     machine = this_machine()
     foot = f"{machine.processor}, {machine.cores} CPUs, {machine.system}, {date.today()}"
     lines = {

@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_readme import blocks
 
-from skinfield.cli import jitter
-from skinfield.cli.bench_jitter import _table, jitter_as_json
-from skinfield.cli.jitter import Jitter, JitterSettings, Loop
+from skinfield.cli.bench_tables import jitter_as_json, jitter_table
 from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
+from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, lateness_from_json
+from skinfield.lab.bench.jitter import Jitter, JitterSettings, Loop
 from skinfield.lab.bench.machine import Company
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
 
@@ -159,8 +159,8 @@ def test_its_table_and_its_json_have_the_times_beside_cyclictest() -> None:
     assert plain["cyclictest_us"]["p999"] == 10.0
     assert plain["ratio"]["p999"] == pytest.approx(1.2, rel=1 / 64)
     assert plain["granted"]["priority"] == 80
-    assert _table(measured()).row_count == 7
-    assert _table(measured("none")).row_count == 3
+    assert jitter_table(measured()).row_count == 7
+    assert jitter_table(measured("none")).row_count == 3
 
 
 def test_options_of_jitter_need_it() -> None:

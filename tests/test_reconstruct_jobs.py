@@ -14,10 +14,9 @@ import pytest
 from command_line import invoke
 
 import skinfield as sf
-from skinfield.cli import reconstruct as reconstruct_module
-from skinfield.cli import reconstruct_jobs
+from skinfield.cli import reconstruct_jobs, reconstruct_runs
 from skinfield.cli.options import CountSettings
-from skinfield.cli.reconstruct_jobs import dask_client, run_jobs, settings_of
+from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
 from skinfield.files import contacts, fields, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files import results_writer as results
@@ -250,13 +249,13 @@ def test_a_damaged_file_is_named_in_one_paragraph(stored: Path, tmp_path: Path) 
 def test_ctrl_c_leaves_nothing(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = reconstruct_module.Sinks.write
+    original = reconstruct_runs.Sinks.write
 
     def write(self, part, grid) -> None:
         original(self, part, grid)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reconstruct_module.Sinks, "write", write)
+    monkeypatch.setattr(reconstruct_runs.Sinks, "write", write)
     names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.npz")
     code, said = run("reconstruct", recording, *LAYOUT, "-o", *names)
     assert (code, list(tmp_path.iterdir())) == (130, []), said
@@ -290,16 +289,6 @@ def test_memory_does_not_grow_with_the_recording(
 # ---- workers
 
 
-def options_of(**other: object) -> dict[str, object]:
-    """Options as the command has them."""
-    given = {"layout": LAYOUT[1], "patch": None, "store_fields": True}
-    model = ModelSettings(grid=8)
-    return {
-        **reconstruct_module.plain_options(given, CountSettings(), Elastomer(), model),
-        **other,
-    }
-
-
 def read_whole(path: Path) -> tuple[np.ndarray, np.ndarray, list[dict[str, object]]]:
     results = sf.open_results(path)
     return (
@@ -318,7 +307,8 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
              if not (tmp_path / name).mkdir()]  # fmt: skip
     single = tmp_path / "single.skinfield"
     assert run("reconstruct", paths[0], *LAYOUT, "-o", single)[0] == 0
-    folder, options = tmp_path / "out", options_of()
+    folder = tmp_path / "out"
+    plan = Plan.of(LAYOUT[1], None, CountSettings(), Elastomer(), ModelSettings(grid=8))
     seen: list[tuple[str, str, int]] = []
     with dask_client(2, None) as client:
 
@@ -327,9 +317,9 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
             if kind == "window":
                 raise KeyboardInterrupt
 
-        manifest = Manifest.open(folder, map(str, paths), settings_of(options))
+        manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
         with pytest.raises(KeyboardInterrupt):
-            run_jobs(manifest, options, client, end_after_one)
+            run_jobs(manifest, plan, True, client, end_after_one)
 
         def kill_one(kind: str, name: str, readings: int) -> None:
             again.append((kind, name, readings))
@@ -339,9 +329,9 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
 
         again: list[tuple[str, str, int]] = []
         killed: list[int] = []
-        manifest = Manifest.open(folder, map(str, paths), settings_of(options))
+        manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
         manifest.save()
-        assert run_jobs(manifest, options, client, kill_one) == {}
+        assert run_jobs(manifest, plan, True, client, kill_one) == {}
         assert killed[0] not in client.run(os.getpid).values()
     assert sum(n for kind, _, n in again if kind == "window") == 1120
     assert sorted(p.name for p in folder.iterdir()) == [
@@ -362,7 +352,7 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
     assert code == 2
     assert "begun with other settings (smoothing_ms 0.0, not 5.0)" in said
     shutil.rmtree(folder / "b-data.skinfield")
-    manifest = Manifest.open(folder, map(str, paths), settings_of(options))
+    manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
     assert [manifest.entries[name].complete for name in manifest.names] == [True, False]
     assert manifest.entries["b-data"].left() == []
 

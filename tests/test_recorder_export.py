@@ -168,15 +168,10 @@ def test_info(recorded):
 
 
 def test_reconstruct_takes_it(recorded, tmp_path):
-    path, _, skin = recorded
-    from skinfield.files.layouts import own_npz
-
-    own_npz.write(skin, tmp_path / "layout.npz")
-    run(
-        "reconstruct", str(path), "--skin", str(tmp_path / "layout.npz"), "--grid", "8",
-        "-o", str(tmp_path / "contacts.csv"),
-    )  # fmt: skip
-    assert (tmp_path / "contacts.csv").exists()
+    """Its layout is enclosed."""
+    path, contacts = recorded[0], tmp_path / "contacts.csv"
+    run("reconstruct", str(path), "--grid", "8", "-o", str(contacts))
+    assert contacts.exists()
 
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"

@@ -9,23 +9,24 @@ from skinfield.cli.options import (
     OUTPUT,
     Force,
     Json,
+    OfElastomer,
     layer_of,
     mechanics_of,
-    part,
     patch_of,
     profile_in_use,
     quantity_of,
     skin_from_text,
 )
 from skinfield.cli.report import (
-    check_new,
     check_output,
+    check_picture,
     console,
+    finish,
     free_name,
-    print_json,
     progress,
     say,
     say_notes,
+    table,
 )
 from skinfield.design import (
     Judgement,
@@ -62,8 +63,6 @@ def design(
     force_n: float = 0.5,
     radius_mm: float | None = None,
     false_alarms: float = 1e-3,
-    detection: float = 0.9,
-    two_point_errors: float = 0.05,
     linear: bool = False,
     pitch_mm: float | None = None,
     compare_thickness_mm: str | None = None,
@@ -71,7 +70,7 @@ def design(
     maps: tuple[str, ...] = (),
     force: Force = False,
     as_json: Json = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Judge a layout before it is made: blind spots, smallest force, sharpness.
 
@@ -110,10 +109,6 @@ def design(
         Of the contact, mm. Default half the thickness.
     false_alarms : float
         Rate at which noise alone may be taken for a touch, per reading.
-    detection : float
-        Rate at which the smallest force is found.
-    two_point_errors : float
-        Rate of taking two touches for one, and one for two.
     linear : bool
         Take readings as proportional to the force, also of deep touches.
     pitch_mm : float, mm, optional
@@ -127,23 +122,15 @@ def design(
     as_json : bool
         Numbers and verdict as one JSON object.
     """
-    from skinfield.plot import check_name
-
-    picture = free_name(PICTURE) if output is None else output
-    check_name(picture)
-    check_new("--output", picture, force)
     if compare_thickness_mm is not None and (maps or output is not None):
         raise InputError(
             f"{(*maps, output)[0]!r} is to be written beside --compare-thickness-mm, expected one "
             "of them: files are written of one thickness"
         )
+    picture = free_name(PICTURE) if output is None else output
+    check_picture("--output", picture, force)
     for name in maps:
-        ending = next((each for each in ENDINGS if name.lower().endswith(each)), "")
-        if not ending:
-            known = ", ".join(f"{each} ({what})" for each, what in ENDINGS.items())
-            raise InputError(f"--maps is {name!r}, expected one of {known}")
-        check_output("--maps", name, ending)
-        check_new("--maps", name, force)
+        check_output("--maps", name, force, *ENDINGS)
     skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)
@@ -158,14 +145,13 @@ def design(
     )
     candidate = candidate.linear if linear else candidate
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
-    terms = Terms(
-        false_alarm_rate=false_alarms, detection_rate=detection, error_rate=two_point_errors
-    )
+    terms = Terms(false_alarm_rate=false_alarms)
     if compare_thickness_mm is not None:
-        _compare(candidate, touch, terms, _thicknesses(compare_thickness_mm), as_json)
+        finish(as_json, _compare(candidate, touch, terms, compare_thickness_mm, as_json))
         return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
-    _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+    plain = _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+    finish(as_json, plain, (picture, *maps))
 
 
 def _thicknesses(text: str) -> list[float]:
@@ -184,25 +170,18 @@ def _judge(
     places: Places | None,
     files: list[str],
     as_json: bool,
-) -> None:
+) -> dict[str, object]:
     """Judge one layout; the first of `files` is the picture."""
     from skinfield.files import write_summary
     from skinfield.files.pending import write_bytes
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
-    with progress() as bar:
-        task = bar.add_task("tables", total=MAPS + 1)
+    with progress("tables", MAPS + 1) as step:
         judgement = judge(
-            candidate,
-            touch,
-            places,
-            terms=terms,
-            on_map=lambda name: bar.update(task, description=name, advance=1),
+            candidate, touch, places, terms=terms, on_map=lambda name: step(what=name)
         )
-    if as_json:
-        print_json(_plain(judgement))
-    else:
+    if not as_json:
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
@@ -210,34 +189,29 @@ def _judge(
             write_summary(name, judgement.as_mapping())
         else:
             write_bytes(name, judgement.as_csv().encode())
-    if not as_json:
-        for name in files:
-            say(f"wrote {name}")
+    return _plain(judgement)
 
 
 def _compare(
     candidate: SkinDesign,
     touch: Touch,
     terms: Terms,
-    thicknesses: list[float],
+    text: str,
     as_json: bool,
-) -> None:
+) -> list[dict[str, object]]:
     """Judge the same touch under several thicknesses."""
-    with progress() as bar:
-        task = bar.add_task("thickness", total=len(thicknesses))
-        begun: list[float] = []
-
-        def on_thickness(thickness: float) -> None:
-            bar.update(task, description=f"{thickness * 1e3:g} mm", completed=len(begun))
-            begun.append(thickness)
-
+    thicknesses = _thicknesses(text)
+    with progress("thickness", len(thicknesses)) as step:
         comparison = compare_thickness(
-            candidate, touch, thicknesses, terms=terms, on_thickness=on_thickness
+            candidate,
+            touch,
+            thicknesses,
+            terms=terms,
+            on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
         )
-    if as_json:
-        print_json([_plain(each) for each in comparison])
-    else:
+    if not as_json:
         _show_thickness(comparison)
+    return [_plain(each) for each in comparison]
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:
@@ -264,20 +238,15 @@ def _plain(judgement: Judgement) -> dict[str, object]:
 
 def _show(judgement: Judgement) -> None:
     """Table, shares and verdict of one layout."""
-    from rich.table import Table
-
     design, touch = judgement.design, judgement.touch
     title = (
         f"{design.patch.name}: {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
         f"{design.layer.thickness * 1e3:g} mm of {design.layer.young_modulus / 1e3:g} kPa"
     )
-    table = Table(title=title, title_justify="left")
-    table.add_column("at one place")
-    for column in ("unit", "median", "90 %", "worst"):
-        table.add_column(column, justify="right")
+    shown = table(title, ("at one place",), ("unit", "median", "90 %", "worst"))
     for row in judgement.rows():
-        table.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
-    console().print(table)
+        shown.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
+    console().print(shown)
     blind, independent = judgement.blind, judgement.detectable.independent
     say(
         f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
@@ -287,24 +256,20 @@ def _show(judgement: Judgement) -> None:
     say(judgement.verdict())
 
 
-def _show_thickness(found: Sequence[Judgement]) -> None:
+def _show_thickness(judgements: Sequence[Judgement]) -> None:
     """Table of medians and 95th percentiles by thickness."""
-    from rich.table import Table
-
-    touch = found[0].touch
+    touch = judgements[0].touch
     title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
-    table = Table(title=title, title_justify="left")
-    for column in ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm",
-                   "blind"):  # fmt: skip
-        table.add_column(column, justify="right")
-    thick = [judgement.design.layer.thickness * 1e3 for judgement in found]
+    numbers = ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm", "blind")
+    shown = table(title, (), numbers)
+    thick = [judgement.design.layer.thickness * 1e3 for judgement in judgements]
     medians = []
-    for judgement, thickness in zip(found, thick, strict=True):
+    for judgement, thickness in zip(judgements, thick, strict=True):
         rows = {row.name: row for row in judgement.rows()}
         cells = [f"{_short(rows[n].median)} / {_short(rows[n].p95)}" for n in COMPARED]
-        table.add_row(f"{thickness:g}", *cells, f"{judgement.blind.blind_share:.1%}")
+        shown.add_row(f"{thickness:g}", *cells, f"{judgement.blind.blind_share:.1%}")
         medians.append([rows[name].median for name in COMPARED])
-    console().print(table)
+    console().print(shown)
     place, pair = (thick[int(np.argmin(np.array(medians)[:, at]))] for at in (1, 3))
     say(f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)")
 
