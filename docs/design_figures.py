@@ -16,11 +16,7 @@ PICTURES = {
     "design-capacitance-4mm": ("hexagon72", "--thickness-mm", "4", *CAPACITANCE),
     "design-stress-2mm": ("hexagon72", "--thickness-mm", "2", *STRESS),
     "design-stress-4mm": ("hexagon72", "--thickness-mm", "4", *STRESS),
-    "design-thickness": ("hexagon72", "--compare-thickness-mm", "1,2,3,4,5,6", *STRESS),
-    "design-thickness-capacitance": (
-        "hexagon72", "--compare-thickness-mm", "1,2,3,4,5,6", *CAPACITANCE,
-    ),
-}  # fmt: skip
+}
 
 
 def draw() -> None:

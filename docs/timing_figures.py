@@ -13,26 +13,25 @@ import sys
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.progress import Progress
 from threadpoolctl import threadpool_limits
 
+from skinfield.cli.bench import virtual_boards
 from skinfield.cli.bench_tables import in_words
-from skinfield.cli.jitter import Jitter, JitterSettings, run_jitter
 from skinfield.cli.report import say_notes
 from skinfield.errors import Floats
-from skinfield.lab.bench.costs import PAPER, PREPARED
+from skinfield.lab.bench.jitter import Jitter, JitterSettings, run_jitter
 from skinfield.lab.bench.machine import this_machine
 from skinfield.lab.bench.picture import (
     machine_line,
     picture,
     picture_of_truth,
-    prepared_gain,
     written,
 )
-from skinfield.lab.bench.run import Bench, bench_as_json, run_bench
+from skinfield.lab.bench.run import PAPER, PREPARED, prepared_gain, run_bench
 from skinfield.lab.bench.scene import BenchSettings, bench_size
 from skinfield.loop.realtime import Quantiles, RealTime
 from skinfield.plot import save
@@ -49,50 +48,48 @@ SHOWN = (None, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000)  # µs
 NONE = "–"
 
 
-def costs(bench: Bench) -> str:
+def costs(bench: dict[str, Any]) -> str:
     """Markdown: a row per method, a column per grid."""
-    nodes = list(dict.fromkeys(row.nodes for row in bench.grids))
+    grids = bench["grids"]
+    nodes = list(dict.fromkeys(row["nodes"] for row in grids))
     lines = [f"| time per reading | {' | '.join(f'{n} × {n}' for n in nodes)} |"]
     lines.append("| --- |" + " --- |" * len(nodes))
-    for name in dict.fromkeys(row.name for row in bench.grids):
-        found = [row.seconds for row in bench.grids if row.name == name]
-        cells = (
-            f"{in_words(each['p50'])} ({in_words(each['mean'])} ± {in_words(each['std'])})"
-            for each in found
-        )
+    for name in dict.fromkeys(row["name"] for row in grids):
+        times = [row["seconds_us"] for row in grids if row["name"] == name]
+        cells = ("{} ({} ± {})".format(*_words(each, "p50", "mean", "std")) for each in times)
         lines.append(f"| {name} | {' | '.join(cells)} |")
-    gains = (f"{prepared_gain(bench.grids, n):,.0f}" for n in nodes)
+    gains = (f"{prepared_gain(grids, n):,.0f}" for n in nodes)
     lines.append(f"| {PAPER} over {PREPARED}, medians | {' | '.join(gains)} |")
     said = f"Median (mean ± standard deviation). {machine_line(bench)}."
     return "\n".join([*lines, "", said])
 
 
-def anytime(bench: Bench) -> str:
+def _words(times: dict[str, float], *keys: str) -> list[str]:
+    return [in_words(1e-6 * times[key]) for key in keys]
+
+
+def anytime(bench: dict[str, Any]) -> str:
     """Markdown: a row per solver and deadline, warm."""
     columns = ("solver", "deadline", "p50", "p99", "late", "error", "gap", "force", "place")
     lines = [f"| {' | '.join(columns)} |", "|" + " --- |" * len(columns)]
-    for point in bench.points:
-        deadline = None if point.deadline is None else round(1e6 * point.deadline)
-        if deadline not in SHOWN or (point.start == "cold" and point.solver != PAPER):
+    for point in bench["points"]:
+        deadline, place = point["deadline_us"], point["place_median_mm"]
+        if deadline not in SHOWN or (point["start"] == "cold" and point["solver"] != PAPER):
             continue
-        assert point.seconds is not None
-        assert point.errors is not None
-        assert point.force is not None
         cells = (
-            point.solver,
-            NONE if point.deadline is None else in_words(point.deadline),
-            in_words(point.seconds["p50"]),
-            in_words(point.seconds["p99"]),
-            NONE if point.late is None else in_words(point.late["p99"]),
-            written(float(f"{point.errors['p50']:.1g}"), "share"),
-            NONE if point.gap is None else f"{point.gap['p50']:.0e}",
-            f"{100 * point.force['p50']:.0f} %",
-            NONE if point.place_median is None else f"{1e3 * point.place_median:.2f} mm",
+            point["solver"],
+            NONE if deadline is None else in_words(1e-6 * deadline),
+            *_words(point["seconds_us"], "p50", "p99"),
+            NONE if point["late_us"] is None else _words(point["late_us"], "p99")[0],
+            written(float(f"{point['errors']['p50']:.1g}"), "share"),
+            NONE if point["gap"] is None else f"{point['gap']['p50']:.0e}",
+            f"{100 * point['force']['p50']:.0f} %",
+            NONE if place is None else f"{place:.2f} mm",
         )
         lines.append(f"| {' | '.join(cells)} |")
     said = (
-        f"{bench.nodes} × {bench.nodes} nodes, {bench.readings} readings, warm; error to the "
-        "converged pressure, of the sum of forces and of the place: medians."
+        f"{bench['nodes']} × {bench['nodes']} nodes, {bench['readings']} readings, warm; error to "
+        "the converged pressure, of the sum of forces and of the place: medians."
     )
     return "\n".join([*lines, "", said])
 
@@ -112,13 +109,13 @@ def draw_bench(size: str = "short", file: str = "") -> None:
             lambda what, done, of: bar.update(task, description=what, completed=done, total=of),
         )
     if file:
-        Path(file).write_text(json.dumps(bench_as_json(found), indent=1) + "\n", encoding="utf-8")
+        Path(file).write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
     save(picture(found), DOCS / "images" / "bench.png")
     save(picture_of_truth(found), DOCS / "images" / "bench-truth.png")
     page = DOCS / "bench.md"
     text = put(page.read_text(encoding="utf-8"), "costs", costs(found))
     page.write_text(put(text, "anytime", anytime(found)), encoding="utf-8")
-    say_notes(found.warnings)
+    say_notes(found["warnings"])
 
 
 ROWS = {
@@ -213,7 +210,7 @@ def draw_jitter(seconds: float = 60.0) -> None:
     found = {}
     for name, more in ROWS.items():
         settings = JitterSettings(duration=seconds, **more)  # type: ignore[arg-type]
-        found[name] = run_jitter(settings, tell(name))
+        found[name] = run_jitter(settings, tell(name), virtual_boards)
     machine = this_machine()
     foot = f"{machine.processor}, {machine.cores} CPUs, {machine.system}, {date.today()}"
     lines = {

@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.container import COMPRESSIONS, Compression, Container
 from skinfield.files.mcap.live import LiveRecording, Newest
-from skinfield.files.mcap.reader import collected_live, live_stream
+from skinfield.files.mcap.reader import live_stream
 from skinfield.files.mcap.records import MAGIC
 from skinfield.files.mcap.schema import (
     CYCLE_HEAD,
@@ -24,6 +24,7 @@ from skinfield.files.mcap.schema import (
     FieldRecord,
 )
 from skinfield.files.mcap.summary import summary_of
+from skinfield.files.recordings.stream import collected
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.record.recover import recover
 from skinfield.record.replay import is_sound, slot_of
@@ -158,4 +159,4 @@ def read(path: Path) -> None:
             record = newest.before(place.time_ns)
             assert record is None or record.number in known
     summary_of(found)
-    collected_live(live_stream(found))
+    collected(live_stream(found))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +22,6 @@ from skinfield.lab.accuracy import (
     parts_of,
     two_point_rows,
 )
-from skinfield.lab.bound import bound_of, contact_family
 from skinfield.lab.case_sets import (
     APART,
     DEEPEST,
@@ -50,6 +50,7 @@ from skinfield.lab.validation import (
     rows_of_case,
 )
 from skinfield.simulate import Sphere
+from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin.generators import icub_hexagon, icub_triangle
 from skinfield.solve import InverseOperator
 
@@ -134,22 +135,39 @@ def test_a_gate_is_a_distance() -> None:
         replace(known_entrants()[0], gate=0)
 
 
+def body_of(press: RandomPress) -> Sphere:
+    (body,) = press.press.indenters
+    assert isinstance(body, Sphere)
+    return body
+
+
 def test_errors_at_the_bound_have_its_size() -> None:
     press = next(each for each in presses() if isinstance(each.press.indenters[0], Sphere))
-    [body], [contact] = press.press.indenters, press.truth.contacts
-    rows = bound_rows(plan_of(), [body], press.truth, np.random.default_rng(0), draws=4000)
-    family = contact_family(
-        press.press.layer, Sphere(radius=body.radius, force=contact.force), "stress",
-        PATCH.pad_diameter, extent=20e-3, cell=0.4e-3, size="radius",
-    )  # fmt: skip
-    exact = family.jacobian(PATCH.plane - contact.position)
-    for name, columns, prior in ((KNOWN, 3, None), (UNKNOWN, 4, 0.6)):
-        mine = [row for row in rows if row["method"] == name]
-        bound = bound_of(exact[:, :columns], 380.0, prior)
-        place_rms = np.sqrt(np.mean([(1e-3 * row["place_error_mm"]) ** 2 for row in mine]))
-        force_rms = np.sqrt(np.mean([row["force_error"] ** 2 for row in mine]))
-        assert place_rms == pytest.approx(bound.place, rel=0.08)
-        assert force_rms == pytest.approx(bound.force, rel=0.08)
+    [contact] = press.truth.contacts
+    reads = [
+        readings_anywhere(
+            sf.simulate.press(SILICONE, [replace(ball, force=contact.force * part)], 20e-3, 0.3e-3),
+            PATCH.pad_diameter, "stress",
+        )
+        for part in (0.95, 1.0, 1.05)
+        for ball in [Sphere(radius=body_of(press).radius)]
+    ]  # fmt: skip
+    seen, ways = PATCH.plane - contact.position, 0.1e-3 * np.eye(2)
+    slopes = [(reads[1](seen - way) - reads[1](seen + way)) / 0.2e-3 for way in ways]
+    by_force = (reads[2](seen) - reads[0](seen)) / np.log(1.05 / 0.95)
+    jacobian = np.column_stack([*slopes, by_force]) / 380.0
+    variance = np.diag(np.linalg.inv(jacobian.T @ jacobian))
+    rows = bound_rows(plan_of(), [body_of(press)], press.truth, np.random.default_rng(0), 4000)
+    rms = {
+        name: [
+            np.sqrt(np.mean([row[key] ** 2 for row in rows if row["method"] == name]))
+            for key in ("place_error_mm", "force_error")
+        ]
+        for name in (KNOWN, UNKNOWN)
+    }
+    assert rms[KNOWN][0] == pytest.approx(1e3 * np.sqrt(variance[:2].sum()), rel=0.1)
+    assert rms[KNOWN][1] == pytest.approx(np.sqrt(variance[2]), rel=0.1)
+    assert rms[UNKNOWN][1] > rms[KNOWN][1]  # a smaller ball presses as a weaker one
 
 
 class Blind:
@@ -258,7 +276,7 @@ def test_table_of_rows_made_by_hand() -> None:
 def test_the_section_from_its_parts() -> None:
     plan = replace(accuracy_plan("smoke"), entrants=known_entrants()[:2])
     results = [
-        part.function(*part.arguments)
+        part.function(Path(), *part.arguments)
         for part in parts_of(replace(plan, presses=2, idle=50, trials=4))
     ]
     found = Findings.of(results)

@@ -10,16 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.errors import InputError
-from skinfield.lab.bench import costs, machine, run, scene
-from skinfield.lab.bench.costs import Answer, Call, Chain, run_chain
+from skinfield.lab.bench import contenders, machine, run, scene
+from skinfield.lab.bench.contenders import Answer, Chain, run_chain
 from skinfield.lab.bench.machine import laps, spread, undisturbed
 from skinfield.lab.bench.picture import FLOOR, picture, written
-from skinfield.lab.bench.run import miss
+from skinfield.lab.bench.run import Track, miss
 from skinfield.lab.bench.scene import LADDER, SMOKE, BenchSettings, bench_size
 from skinfield.lab.paper import reconstruct_as_paper
-from skinfield.reconstruct import Reconstructor
 from skinfield.skin import Grid
-from skinfield.solve import NonNegative
+from skinfield.solve import GaussianField, NonNegative
 
 TINY = BenchSettings(size=replace(SMOKE, readings=3, nodes=10, grids=(10,)))
 
@@ -45,10 +44,7 @@ class Scripted:
         self.asked.append((readings[0], None if deadline_ns is None else deadline_ns - now))
 
     def last(self) -> Answer:
-        return Answer(self.pressure.astype(np.float32), gap=0.25, met=True, iterations=3)
-
-    def contacts(self, pressure: np.ndarray) -> tuple:
-        return ()
+        return Answer(self.pressure.astype(np.float32), tuple, gap=0.25, met=True, iterations=3)
 
 
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40))
@@ -122,35 +118,38 @@ def test_a_chain_has_deadlines_of_its_own_and_no_lead() -> None:
     assert all(left is None for _, left in cold.asked)
 
 
-def track_of(deadline: float | None, pressure: float, reference: np.ndarray) -> run._Track:
-    return run._Track(Scripted(np.full(4, pressure)), "warm", deadline, reference)
+def track_of(
+    deadline: float | None, *seconds: list[float], name: str = "scripted", start: str = "warm",
+    pressure: float = 1.0, reference: np.ndarray | None = None,
+) -> Track:  # fmt: skip
+    """A track whose chains took such times."""
+    made = Scripted(np.full(4, pressure))
+    made.name = name
+    chains = [Chain(np.array(each), [made.last()] * len(each)) for each in seconds]
+    return Track(made, start, deadline, np.ones((3, 4)) if reference is None else reference, chains)
 
 
 def test_a_point_says_error_lateness_and_share_in_time(tiny: scene.Scene) -> None:
     reference = np.array([[2.0, 2, 2, 2], [4, 4, 4, 4], [1, 1, 1, 1]])
-    track = track_of(1e-3, 1.0, reference)
-    for seconds in ([0.5e-3, 2e-3, 1e-3], [0.5e-3, 4e-3, 3e-3]):
-        answers = [track.contender.last()] * 3
-        track.take(Chain(np.array(seconds), answers), tiny, TINY)
-    point = track.point()
+    times = [0.5e-3, 2e-3, 1e-3], [0.5e-3, 4e-3, 3e-3]
+    point = track_of(1e-3, *times, reference=reference).point(tiny, TINY.patch)
     # Differences 1, 3, 0 per node against 2, 4, 1: relative 0.5, 0.75, 0.
-    assert point.error == pytest.approx(np.sqrt((1 + 9) / (4 + 16 + 1)))
-    assert point.errors["p50"] == pytest.approx(0.5)
-    assert point.usual_errors["count"] == 3
-    assert point.usual_seconds["max"] == pytest.approx(3e-3)  # median of 2 and 4 ms
-    assert point.met == pytest.approx(3 / 6)
-    assert point.late["max"] == pytest.approx(3e-3)
-    assert point.late["min"] == 0.0
-    assert (point.gap["p50"], point.reported, point.iterations["max"]) == (0.25, 1.0, 3)
-    assert (point.missed, point.extra, point.place_median) == (2.0, 0.0, None)
-    assert point.force["p50"] == 1.0  # nothing found: all of the force is missing
+    assert point["error"] == pytest.approx(np.sqrt((1 + 9) / (4 + 16 + 1)))
+    assert point["errors"]["p50"] == pytest.approx(0.5)
+    assert point["usual_errors"]["count"] == 3
+    assert point["usual_seconds_us"]["max"] == pytest.approx(3000)  # median of 2 and 4 ms
+    assert point["met"] == pytest.approx(3 / 6)
+    assert (point["late_us"]["min"], point["late_us"]["max"]) == pytest.approx((0.0, 3000))
+    assert (point["gap"]["p50"], point["reported"], point["iterations"]["max"]) == (0.25, 1.0, 3)
+    assert (point["missed"], point["extra"], point["place_median_mm"]) == (2.0, 0.0, None)
+    assert (point["deadline_us"], point["place_mm"]) == (1000.0, None)
+    assert point["force"]["p50"] == 1.0  # nothing found: all of the force is missing
+    assert json.loads(json.dumps(point, allow_nan=False)) == point
 
 
 def test_without_a_deadline_nothing_is_late(tiny: scene.Scene) -> None:
-    track = track_of(None, 1.0, np.ones((3, 4)))
-    track.take(Chain(np.ones(3), [track.contender.last()] * 3), tiny, TINY)
-    point = track.point()
-    assert (point.late, point.met, point.error) == (None, None, 0.0)
+    point = track_of(None, [1.0] * 3).point(tiny, TINY.patch)
+    assert (point["late_us"], point["met"], point["error"]) == (None, None, 0.0)
 
 
 @given(st.lists(st.floats(0, 1), max_size=9), st.integers(1, 9))
@@ -178,36 +177,31 @@ def test_a_contact_beside_its_finger_and_one_that_is_none() -> None:
         Found(np.array([-20e-3, 0, 0]), 1.5),
     ]
     error = miss(TINY.patch, places, forces, found)
-    assert error.force == pytest.approx(0.5)  # 2 N of 4 N
-    assert error.place == pytest.approx((1e-3,))
-    assert (error.missed, error.extra) == (1, 1)
+    assert error[0] == pytest.approx(0.5)  # 2 N of 4 N
+    assert error[1] == pytest.approx((1e-3,))
+    assert error[2:] == (1, 1)
 
 
 def test_contenders_answer_as_a_reconstructor_does(tiny: scene.Scene) -> None:
     nodes, reading = 10, tiny.readings[-1]
-    model = costs.model_of(TINY, nodes)
+    model = contenders.model_of(TINY, nodes)
     for made, solver in (
-        (costs.gaussian("g", TINY, nodes), costs.GaussianField()),
-        (costs.non_negative("n", model, NonNegative()), NonNegative()),
+        (contenders.gaussian("g", TINY, nodes), GaussianField()),
+        (contenders.non_negative("n", model, NonNegative()), NonNegative()),
     ):
         made.reset()
         made.answer(reading, None)
-        grid = Grid.square(TINY.patch, nodes=nodes)
-        estimate = Reconstructor(
-            TINY.patch, TINY.layer, grid, quantity=TINY.quantity, solver=solver,
-            noise_std=TINY.noise,
-        )(reading)  # fmt: skip
+        estimate = contenders.reconstructor(TINY, nodes, solver)(reading)
         size = np.abs(estimate.pressure).max()
         assert made.last().pressure == pytest.approx(estimate.pressure, abs=1e-4 * size)
-        found = made.contacts(made.last().pressure)
-        assert [c.normal_force for c in found] == pytest.approx(
+        assert [c.normal_force for c in made.last().contacts()] == pytest.approx(
             [c.normal_force for c in estimate.contacts], rel=1e-3
         )
 
 
 def test_the_papers_inverse_prepared_is_its_algorithm(tiny: scene.Scene) -> None:
     grid = Grid.square(TINY.patch, nodes=10)
-    made = costs.paper_prepared("paper", TINY, 10)
+    made = contenders.paper_prepared("paper", TINY, 10)
     made.answer(tiny.readings[-1], None)
     printed = reconstruct_as_paper(
         tiny.readings[-1], TINY.patch.plane, grid.plane, TINY.layer, grid.cell_area
@@ -220,53 +214,20 @@ def test_the_papers_inverse_prepared_is_its_algorithm(tiny: scene.Scene) -> None
 
 
 def test_what_converged_is_no_worse_than_what_is_compared_with_it(tiny: scene.Scene) -> None:
-    model = costs.model_of(TINY, 10)
-    exact, long = (
-        costs.non_negative("n", model, solver) for solver in (costs.CONVERGED, costs.LONG)
-    )
-    for made, gap in ((exact, 1e-9), (long, 1e-5)):
+    model = contenders.model_of(TINY, 10)
+    for solver, gap in ((run.CONVERGED, 1e-9), (run.LONG, 1e-5)):
+        made = contenders.non_negative("n", model, solver)
         made.answer(tiny.readings[-1], None)
         assert 0.0 <= made.last().gap <= gap
         assert made.last().met
 
 
-def bench(points: list[run.Point], times: list[costs.GridTime]) -> run.Bench:
-    call = Call(
-        solver="NonNegative", deadline=2e-5, seconds=spread([1e-5]), latency=None, gap=None,
-        reported=1.0, late=spread([0.0]),
-    )  # fmt: skip
-    return run.Bench(
-        size="smoke", seed=0, when="2024-01-01T00:00:00+00:00", machine=machine.this_machine(),
-        company=machine.Company(0.1, 0.0, 0.0, 1.0), warnings=(), nodes=10, readings=3,
-        grids=tuple(times), points=tuple(points), calls=(call,),
-    )  # fmt: skip
-
-
-def test_numbers_have_their_units(tiny: scene.Scene) -> None:
-    track = track_of(20e-6, 1.0, np.ones((3, 4)))
-    track.take(Chain(np.full(3, 30e-6), [track.contender.last()] * 3), tiny, TINY)
-    times = [costs.GridTime(10, costs.PAPER, spread([1e-3, 3e-3]))]
-    measured = bench([track.point()], times)
-    read = json.loads(json.dumps(run.bench_as_json(measured), allow_nan=False))
-    assert read["format"] == 1
-    assert set(read["machine"]) == {"processor", "cores", "system", "python", "packages", "blas"}
-    assert read["grids"][0]["seconds_us"]["mean"] == 2000.0
-    point = read["points"][0]
-    assert (point["deadline_us"], point["seconds_us"]["p50"]) == (20.0, 30.0)
-    assert point["late_us"]["p99"] == pytest.approx(10.0)
-    assert point["place_mm"] is None
-    assert read["calls"][0]["seconds_us"]["p50"] == 10.0
-
-
 def test_the_papers_point_has_the_time_of_all_its_work() -> None:
-    track = track_of(None, 1.0, np.ones((3, 4)))
-    track.contender.name = costs.PAPER
-    track.seconds, track.off = [np.ones(3)], [np.zeros(3)]
-    track.misses = [miss(TINY.patch, np.zeros((1, 2)), np.ones(1), [])]
-    times = [costs.GridTime(n, costs.PAPER, spread([n * 1e-3])) for n in (10, 20)]
-    (point,) = run.as_printed([track.point()], times, 20)
-    assert point.seconds["p50"] == point.usual_seconds["p50"] == pytest.approx(20e-3)
-    assert point.error == 0.0
+    point = track_of(None, [1.0] * 3, name=run.PAPER).times() | {"error": 0.5}
+    times = [{"nodes": n, "name": run.PAPER, "seconds_us": spread([n * 1e3])} for n in (10, 20)]
+    (found,) = run.as_printed([point], times, 20)
+    assert found["seconds_us"]["p50"] == found["usual_seconds_us"]["p50"] == pytest.approx(20e3)
+    assert (found["start"], found["error"]) == ("cold", 0.5)
 
 
 def test_sizes() -> None:
@@ -317,24 +278,31 @@ def test_a_system_that_tells_nothing(tmp_path, monkeypatch) -> None:
     assert machine.this_machine().processor
 
 
-def drawn_bench() -> run.Bench:
-    def point(solver: str, start: str, error: float) -> run.Point:
-        reference = np.ones((3, 4))
-        track = run._Track(Scripted(np.ones(4)), start, None, reference)
-        track.contender.name = solver
-        track.seconds, track.off = [np.full(3, 1e-4)], [np.full(3, 2.0 * error)]
-        track.misses = [miss(TINY.patch, np.zeros((1, 2)), np.ones(1), [])]
-        return track.point()
+def drawn_bench(tiny: scene.Scene) -> dict:
+    def point(solver: str, start: str, error: float) -> dict:
+        track = track_of(None, [1e-4] * 3, name=solver, start=start, pressure=1.0 + error)
+        return track.point(tiny, TINY.patch)
 
-    names = (costs.PAPER, costs.FIELD, "NonNegative to 1e-4, warm", "ContactFit")
-    names += ("NonNegative to 1e-2, warm", costs.PREPARED)
-    times = [costs.GridTime(n, name, spread([n * 1e-3])) for name in names for n in (10, 20)]
-    starts = (("NonNegative", "warm", 0.0), ("NonNegative", "cold", 0.5), (costs.PAPER, "cold", 1))
-    return bench([point(*each) for each in starts], times)
+    names = (run.PAPER, run.FIELD, "NonNegative to 1e-4, warm", "ContactFit")
+    names += ("NonNegative to 1e-2, warm", run.PREPARED)
+    starts = (("NonNegative", "warm", 0.0), ("NonNegative", "cold", 0.5), (run.PAPER, "cold", 1))
+    return {
+        "when": "2024-01-01T00:00:00+00:00",
+        "machine": vars(machine.this_machine()),
+        "warnings": [],
+        "nodes": 10,
+        "readings": 3,
+        "grids": [
+            {"nodes": n, "name": name, "seconds_us": spread([n * 1e3]), "certified": None}
+            for name in names
+            for n in (10, 20)
+        ],
+        "points": [point(*each) for each in starts],
+    }
 
 
-def test_costs_and_errors_are_drawn_with_their_units() -> None:
-    figure = picture(drawn_bench())
+def test_costs_and_errors_are_drawn_with_their_units(tiny: scene.Scene) -> None:
+    figure = picture(drawn_bench(tiny))
     left, right = figure.axes
     assert {axes.get_xscale() + axes.get_yscale() for axes in figure.axes} == {"loglog"}
     assert [tick.get_text() for tick in left.get_xticklabels()] == ["10", "20"]
@@ -350,8 +318,8 @@ def test_costs_and_errors_are_drawn_with_their_units() -> None:
     assert any("NumPy" in text.get_text() or "numpy" in text.get_text() for text in figure.texts)
 
 
-def test_the_legend_covers_nothing() -> None:
-    figure = picture(drawn_bench())
+def test_the_legend_covers_nothing(tiny: scene.Scene) -> None:
+    figure = picture(drawn_bench(tiny))
     figure.canvas.draw()
     (legend,) = figure.legends
     box = legend.get_window_extent()

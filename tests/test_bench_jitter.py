@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_readme import blocks
 
-from skinfield.cli import jitter
-from skinfield.cli.bench_jitter import _table, jitter_as_json
-from skinfield.cli.jitter import Jitter, JitterSettings, Loop
+from skinfield.cli.bench_tables import jitter_as_json, jitter_table
 from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
+from skinfield.lab.bench import jitter
 from skinfield.lab.bench.cyclictest import Cyclictest, lateness_from_json
+from skinfield.lab.bench.jitter import Jitter, JitterSettings, Loop
 from skinfield.lab.bench.machine import Company
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, TimingTable
 
@@ -42,7 +42,7 @@ def call(*words: str):
 
 def test_its_histogram_is_read() -> None:
     lateness = lateness_from_json(PRINTED)
-    quantiles = lateness.quantiles()
+    quantiles = Quantiles(*lateness.quantiles())
     assert (quantiles.count, quantiles.mean) == (100, pytest.approx(2.5e-6))
     assert quantiles.p50 == pytest.approx(2.5e-6)
     assert quantiles.p99 == quantiles.p999 == quantiles.max == pytest.approx(2402e-6)
@@ -54,7 +54,9 @@ def test_its_histogram_is_read() -> None:
 @given(st.lists(st.integers(0, 50), min_size=1, max_size=400))
 def test_its_quantiles_are_those_of_the_single_wakes(wakes: list[int]) -> None:
     histogram = {str(late): wakes.count(late) for late in set(wakes)}
-    quantiles = lateness_from_json(printed(histogram, len(wakes), max(wakes))).quantiles()
+    quantiles = Quantiles(
+        *lateness_from_json(printed(histogram, len(wakes), max(wakes))).quantiles()
+    )
     for value, thousandths in ((quantiles.p50, 500), (quantiles.p99, 990), (quantiles.p999, 999)):
         exact = sorted(wakes)[-(-len(wakes) * thousandths // 1000) - 1]
         assert value == pytest.approx(1e-6 * min(exact + 0.5, max(wakes)))
@@ -77,7 +79,7 @@ def test_what_is_no_histogram_is_refused(text: str) -> None:
         lateness = lateness_from_json(text)
     except FileError:
         return
-    assert lateness.quantiles().count == 3
+    assert Quantiles(*lateness.quantiles()).count == 3
 
 
 def fake(folder: Path, script: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,7 +103,7 @@ def test_it_is_run_with_these_words(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         monkeypatch,
     )
     running = Cyclictest.start(3, 81, period_ns=500_000, seconds=2.0, offset_ns=250_000)
-    assert running.finish().quantiles().count == 100
+    assert Quantiles(*running.finish().quantiles()).count == 100
     assert words.read_text() == "-q -t 1 -h 20000 -i 500 -D 2 -p 81 -a 3 -m --secaligned=250"
     assert not running.file.exists()
     Cyclictest.start(None, 0, lock_memory=False).finish()
@@ -128,7 +130,7 @@ def test_where_it_is_not_installed_the_error_names_the_package(
 @pytest.mark.skipif(shutil.which("cyclictest") is None, reason="cyclictest is not installed")
 def test_the_real_one_counts_its_wakes() -> None:
     running = Cyclictest.start(None, 0, period_ns=1_000_000, seconds=1.0, lock_memory=False)
-    quantiles = running.finish().quantiles()
+    quantiles = Quantiles(*running.finish().quantiles())
     assert 1 <= quantiles.count <= 1001
     assert quantiles.p50 <= quantiles.max
 
@@ -155,8 +157,8 @@ def test_its_table_and_its_json_have_the_times_beside_cyclictest() -> None:
     assert plain["cyclictest_us"]["p999"] == 10.0
     assert plain["ratio"]["p999"] == pytest.approx(1.2, rel=1 / 64)
     assert plain["granted"]["priority"] == 80
-    assert _table(measured()).row_count == 7
-    assert _table(measured("none")).row_count == 3
+    assert jitter_table(measured()).row_count == 7
+    assert jitter_table(measured("none")).row_count == 3
 
 
 def test_options_of_jitter_need_it() -> None:

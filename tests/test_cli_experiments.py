@@ -7,7 +7,8 @@ from pathlib import Path
 from command_line import invoke
 
 from skinfield.lab import experiments as running
-from skinfield.lab.report import SMOKE, Experiment, Missing, Part, Section, Settings
+from skinfield.lab.report import SMOKE, Experiment, Missing, Section, Settings
+from skinfield.lab.runner import Task
 
 SETTINGS = Settings(size=SMOKE)
 
@@ -27,12 +28,12 @@ def sometimes(settings: Settings) -> Section | Missing:
     return quick(settings) if SEEN else Missing("not yet")
 
 
-def share(number: float) -> float:
+def share(folder: Path, number: float) -> float:
     return number if number < 3 else float("nan")
 
 
-def shares(settings: Settings) -> list[Part]:
-    return [Part(f"share-{number:g}", share, (number,)) for number in (1.0, 2.0, 3.0)]
+def shares(settings: Settings) -> list[Task]:
+    return [Task(f"share-{number:g}", share, (number,)) for number in (1.0, 2.0, 3.0)]
 
 
 def gather(settings: Settings, results: list[float | None]) -> Section:
@@ -87,9 +88,9 @@ def test_parts_are_kept_and_handed_on_in_order(tmp_path: Path) -> None:
         section = json.loads((tmp_path / "whole" / "section.json").read_text())
         assert section["sentences"] == ["[1.0, 2.0, None]"]
         assert {file.name for file in (tmp_path / "parts").iterdir()} == {
-            "whole.share-1",
-            "whole.share-2",
-            "whole.share-3",
+            "share-1",
+            "share-2",
+            "share-3",
         }
 
 

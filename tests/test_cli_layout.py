@@ -21,8 +21,11 @@ def call(*words: object) -> Done:
 
 @pytest.fixture
 def inward(tmp_path: Path) -> Path:
-    save_layout(Patch(DOME.positions, normals=-DOME.normals), tmp_path / "dome.pcd")
-    return tmp_path / "dome.pcd"
+    patch = Patch(
+        DOME.positions, normals=-DOME.normals, name="dome", uid=np.arange(1, 16 * len(DOME), 16)
+    )
+    save_layout(patch, tmp_path / "dome.json")
+    return tmp_path / "dome.json"
 
 
 def test_lint_lists_findings_and_exits_with_one(inward: Path) -> None:
@@ -55,7 +58,7 @@ def test_lint_of_a_clean_layout_exits_with_zero(tmp_path: Path) -> None:
         (["show", "hexagon72", "-o", "a.gif"], "'.gif'"),
         (["show", "rectangular:rows=x", "-o", "a.png"], "rows"),
         (["convert", "hexagon72", "a.xyz"], "'.xyz'"),
-        (["convert", "hexagon72", "a.txt", "--format", "x"], "format is 'x', expected one of"),
+        (["convert", "hexagon72", "a.pcd"], "no layout format that is written"),
         (["convert", "hexagon72", "a.txt", "--patch", "x"], "patch 'x' is not in 'hexagon72'"),
     ],
 )
@@ -70,19 +73,19 @@ def test_errors_are_one_paragraph(words: list[str], message: str) -> None:
 
 
 def test_convert_says_what_is_repaired_and_what_is_lost(inward: Path) -> None:
-    result = call("layout", "convert", inward, inward.with_suffix(".json"))
+    result = call("layout", "convert", inward, inward.with_suffix(".txt"))
     assert result.exit_code == 0
     assert "note: dome: all normals point into the robot" in result.stderr
-    assert "note: not written: a CySkin file holds no pad diameters" in result.stderr
-    read = load_layout(inward.with_suffix(".json"))[0]
+    assert "note: not written: an iCub position file holds no pad diameters" in result.stderr
+    read = load_layout(inward.with_suffix(".txt"))[0]
     np.testing.assert_allclose(read.normals, DOME.normals, atol=1e-6)
 
 
-def test_convert_takes_one_patch_and_a_format(tmp_path: Path) -> None:
+def test_convert_takes_one_patch(tmp_path: Path) -> None:
     assert call("layout", "convert", "hexagon72", tmp_path / "a.toml").exit_code == 0
     words = ["layout", "convert", tmp_path / "a.toml", tmp_path / "a.txt", "--patch", "hexagon72"]
-    assert call(*words, "--format", "fingertip").exit_code == 0
-    assert (tmp_path / "a.txt").read_text().startswith("TAXEL 1")
+    assert call(*words).exit_code == 0
+    assert "[calibration]" in (tmp_path / "a.txt").read_text()
 
 
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])

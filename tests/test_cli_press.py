@@ -7,8 +7,8 @@ import pytest
 from command_line import invoke
 
 import skinfield as sf
-from skinfield.cli.press import indenter_from_text, mapping_from_text
 from skinfield.errors import InputError
+from skinfield.lab.scenarios.indenter_words import indenter_from_text, mapping_from_text
 from skinfield.simulate import Cylinder, Sphere, press
 
 

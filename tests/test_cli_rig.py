@@ -38,7 +38,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_run_has_its_files(made: Path) -> None:
     assert sorted(path.name for path in made.iterdir()) == [
         "calibration.toml", "layout.toml", "load_cell.csv", "recording.npz", "run.png",
-        "scenario.toml", "task.json", "truth.npz",
+        "task.json", "truth.npz",
     ]  # fmt: skip
     assert (made / "run.png").stat().st_size > 50_000
     assert json.loads((made / "task.json").read_text())["result"]["highest_force_N"] == 2.0
@@ -50,7 +50,7 @@ def test_a_run_has_its_files(made: Path) -> None:
 
 
 def test_its_scenario_makes_it_again(made: Path) -> None:
-    again = run_rig(load_scenario(made / "scenario.toml"))
+    again = run_rig(load_scenario(made.parent / "foam.toml"))
     recording = open_recording(made / "recording.npz")
     assert np.array_equal(recording.counts, again.recording.counts, equal_nan=True)
     assert np.array_equal(recording.stamp_ns, again.recording.stamp_ns)
@@ -70,7 +70,7 @@ def test_a_run_that_is_there_is_not_made_again(made: Path) -> None:
 
 def test_reconstruct_takes_it_for_a_real_recording(made: Path) -> None:
     result = call(
-        "reconstruct", str(made / "recording.npz"), "--layout", str(made / "layout.toml"),
+        "reconstruct", str(made / "recording.npz"), "--skin", str(made / "layout.toml"),
         "--calibration", str(made / "calibration.toml"), "--poisson", "0.3", "--modulus-kpa", "90",
         "-o", str(made.parent / "contacts.csv"),
     )  # fmt: skip
@@ -84,7 +84,7 @@ def test_its_scale_is_fitted_by_its_load_cell(made: Path) -> None:
     """From a modulus that is a third too high back to the true one."""
     result = call(
         "calibrate", "scale", str(made / "recording.npz"), str(made / "load_cell.csv"),
-        "--layout", str(made / "layout.toml"), "--calibration", str(made / "calibration.toml"),
+        "--skin", str(made / "layout.toml"), "--calibration", str(made / "calibration.toml"),
         "--poisson", "0.3", "--modulus-kpa", "120",
     )  # fmt: skip
     assert result.exit_code == 0, result.output
@@ -99,7 +99,7 @@ def test_a_scale_along_the_wrong_axis_is_refused_and_not_written(
     written = tmp_path / "scale.json"
     result = call(
         "calibrate", "scale", str(made / "recording.npz"), str(made / "load_cell.csv"),
-        "--layout", str(made / "layout.toml"), "--calibration", str(made / "calibration.toml"),
+        "--skin", str(made / "layout.toml"), "--calibration", str(made / "calibration.toml"),
         "--poisson", "0.3", "--axis", "z", "-o", str(written),
     )  # fmt: skip
     assert result.exit_code == 2, result.output
@@ -113,7 +113,7 @@ def test_a_template_is_written_once(tmp_path: Path) -> None:
     assert call("rig", str(path), "--dry-run").exit_code == 0
     again = call("rig", "--new", str(path))
     assert again.exit_code == 2
-    assert "is there, expected a new name" in again.output
+    assert "is there already, expected a new file" in again.output
 
 
 def test_a_run_that_fails_is_told_and_the_others_are_made(tmp_path: Path) -> None:

@@ -184,7 +184,6 @@ def test_several_solvers_at_several_noises(exact: Path, tmp_path: Path) -> None:
     result = call(
         "validate", str(exact), "--solver", "paper", "--solver", "gaussian", "--grid", "20",
         "--noise", "0", "--noise", "400", "-o", str(files[0]), "-o", str(files[1]),
-        "--figures", str(tmp_path / "pictures"),
     )  # fmt: skip
     assert result.exit_code == 0, result.output
     assert "stress: 2 cases" in result.output
@@ -195,25 +194,6 @@ def test_several_solvers_at_several_noises(exact: Path, tmp_path: Path) -> None:
     with files[1].open() as file:
         table = list(csv.DictReader(file))
     assert 0.0 < float(table[0]["place_error_mm_median"]) < 5.0
-    assert (tmp_path / "pictures" / "errors-stress.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_unseen_presses_are_made_scored_and_kept(tmp_path: Path) -> None:
-    words = (
-        "validate", "--unseen", "2", "--quantity", "stress", "--noise", "400", "--solver",
-        "gaussian", "--grid", "20", "--idle", "50", "--workers", "1", "--keep",
-        str(tmp_path / "kept"), "-o",
-    )  # fmt: skip
-    first, again = tmp_path / "a.json", tmp_path / "b.json"
-    for path in (first, again):
-        result = call(*words, str(path))
-        assert result.exit_code == 0, result.output
-    assert "bound, size unknown" in result.output
-    one, two = (json.loads(path.read_text()) for path in (first, again))
-    assert one == two  # times too: nothing is computed twice
-    ours, known, unknown = one["summary"]
-    assert (ours["method"], ours["presses"], ours["idle_readings"]) == ("gaussian", 2, 50)
-    assert 0.0 < known["place_error_mm_median"] < unknown["place_error_mm_median"]
 
 
 def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) -> None:
@@ -229,20 +209,11 @@ def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "expected either CASES"),
-        (("cases", "--unseen", "2"), "expected either CASES"),
-        (("--unseen", "2", "--noise", "5"), "expected one --quantity beside it"),
-        (("--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
-        (("cases", "--keep", "kept"), "--keep has no effect here: it belongs to --unseen"),
-        (("cases", "--figures", "f"), "it belongs to --unseen or --noise"),
+        ((), "CASES"),
         (("cases", "--noise", "2", "--per-case"), "-o FILE.json has every press"),
-        (("--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
-        (("--unseen", "2", "--settings", '{"snr": 3}'), "--settings has no effect here: it"),
-        (("--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to --solver"),
-        (("--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
-        (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
-        (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",
-          '{"snr": 2}'), "expected one that takes them"),
+        (("cases", "--seed", "2"), "--seed has no effect here: it belongs to --noise"),
+        (("cases", "--solver", "paper", "--solver", "gaussian", "--settings", '{"snr": 2}',
+          "--noise", "0"), "expected one that takes them"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_together_is_said(words: tuple[str, ...], message: str) -> None:

@@ -1,7 +1,8 @@
 """Scenarios of the rig: TOML both ways, and what is said of mistakes."""
 
 import tomllib
-from dataclasses import replace
+from collections.abc import Callable
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -10,40 +11,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
-from skinfield.elastic import HalfSpace, Layer, PronySeries, StandardLinearSolid
-from skinfield.errors import FileError, InputError
+from skinfield.elastic import Layer
+from skinfield.errors import FileError
 from skinfield.files.layouts.load import save_layout
-from skinfield.lab.scenarios import load_scenario, scenario_from_toml, template, toml_from_scenario
-from skinfield.lab.scenarios.scenario import PARTS, PROFILE, in_folder
-from skinfield.lab.scenarios.table import number_from_si, si_from_number
+from skinfield.lab.scenarios import load_scenario, scenario_from_toml, template
+from skinfield.lab.scenarios.scenario import PARTS, PROFILE
+from skinfield.lab.scenarios.table import si_from_number
 from skinfield.simulate.electronics import (
-    CrossTalk,
-    CySkinBoard,
-    Defects,
-    Delivery,
     Electronics,
-    ICubBoard,
-    LinearBoard,
-    Noise,
-    ThermalDrift,
     cyskin_electronics,
     icub_electronics,
     ideal_electronics,
 )
 from skinfield.simulate.rig import (
     At,
-    BetweenThree,
-    BetweenTwo,
-    LoadCell,
-    Loads,
-    OverTaxels,
-    Profile,
-    Random,
-    Raster,
     Scenario,
-    Solving,
-    Temperature,
-    Tool,
 )
 
 HEAD = "skinfield_rig = 1\n"
@@ -53,92 +35,17 @@ def number(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high, allow_subnormal=False)
 
 
-angles = st.integers(-180, 180).map(lambda degrees: degrees * (np.pi / 180.0))
-rows = st.integers(0, 71)
-places = st.one_of(
-    st.builds(OverTaxels, taxels=st.lists(rows, max_size=3).map(tuple), angle=angles),
-    st.builds(BetweenTwo, pairs=st.lists(st.tuples(rows, rows), max_size=2).map(tuple)),
-    st.builds(BetweenThree, triples=st.lists(st.tuples(rows, rows, rows), max_size=2).map(tuple)),
-    st.builds(At, positions=st.lists(st.tuples(number(-1, 1), number(-1, 1)), min_size=1,
-                                     max_size=3).map(tuple)),
-    st.builds(Random, count=st.integers(1, 50), within=number(1e-4, 0.1), turned=st.booleans()),
-    st.builds(Raster, rows=st.integers(1, 9), columns=st.integers(1, 9), step=number(1e-4, 0.1)),
-)  # fmt: skip
-loads = st.lists(number(1e-6, 50.0), min_size=1, max_size=4).map(tuple)
-shapes = st.builds(  # whole micrometres: indenters' files hold millimetres
-    lambda kind, microns, tilt: kind(radius=microns * 1e-3 * 1e-3, tilt=(tilt, 0.0)),
-    st.sampled_from([sf.simulate.Sphere, sf.simulate.Cylinder]),
-    st.integers(100, 20_000),
-    st.integers(-60, 60).map(lambda degrees: degrees * (np.pi / 180.0)),
-)
-electronics = st.builds(
-    Electronics,
-    board=st.one_of(
-        st.builds(ICubBoard), st.builds(CySkinBoard, gain=number(1, 1e6)), st.builds(LinearBoard)
-    ),
-    quantised=st.booleans(),
-    gain_spread=number(0, 1),
-    baseline_spread=number(0, 100),
-    cross_talk=st.builds(CrossTalk, neighbours=number(0, 0.5)),
-    drift=st.builds(ThermalDrift, per_kelvin=number(-99, 99), reference=number(250, 350)),
-    noise=st.builds(Noise, white=number(0, 100), walk=number(0, 9)),
-    defects=st.builds(Defects, absent=number(0, 0.5), stuck=number(0, 0.5)),
-    delivery=st.builds(Delivery, rate=number(1, 50), jitter=number(0, 0.1), holds=st.booleans()),
-)
-scenarios = st.builds(
-    Scenario,
-    name=st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,39}", fullmatch=True),
-    seed=st.integers(0, 2**63 - 1),
-    repeats=st.integers(1, 9),
-    first_repeat=st.integers(0, 9),
-    layer=st.builds(
-        Layer, thickness=number(1e-4, 0.1), young_modulus=number(1.0, 1e9),
-        poisson_ratio=number(0, 0.5), relative_permittivity=number(1, 10),
-    ),
-    cover=st.booleans(),
-    elastomer=st.one_of(
-        st.builds(StandardLinearSolid, number(0.01, 1), number(1e-3, 1e3)),
-        st.just(PronySeries(((0.1, 0.3), (0.2, 7.0)))),
-    ),
-    tools=shapes.map(lambda shape: (Tool(name="a", indenter=shape),)),
-    places=st.lists(places, min_size=1, max_size=3).map(tuple),
-    loads=st.one_of(st.builds(Loads, forces=loads), st.builds(Loads, depths=loads)),
-    profile=st.builds(
-        Profile, rest=number(0, 9), ramp=number(0.01, 9), smooth=st.booleans(),
-        clearance=number(0, 0.5),
-    ),
-    load_cell=st.builds(LoadCell, offset=number(-1, 1), noise=number(0, 1), rate=number(1, 1e4)),
-    temperature=st.builds(Temperature, start=number(250, 350)),
-    solving=st.builds(Solving, extent=number(0.01, 0.1), rungs=st.integers(4, 50)),
-    electronics=electronics,
-)  # fmt: skip
-
-
-@given(scenarios)
-@settings(max_examples=60)
-def test_a_scenario_comes_back_from_its_text(scenario: Scenario) -> None:
-    again = scenario_from_toml(toml_from_scenario(scenario))
-    assert again == scenario
-    assert toml_from_scenario(again) == toml_from_scenario(scenario)
-
-
 @pytest.mark.parametrize("make", [icub_electronics, cyskin_electronics, ideal_electronics])
-def test_presets_come_back(make: object) -> None:
-    scenario = Scenario(electronics=make())  # type: ignore[operator]
-    assert scenario_from_toml(toml_from_scenario(scenario)) == scenario
-    name = make.__name__.removesuffix("_electronics")  # type: ignore[attr-defined]
+def test_presets_are_those_of_the_package(make: Callable[[], Electronics]) -> None:
+    name = make.__name__.removesuffix("_electronics")
     text = f'{HEAD}[electronics]\npreset = "{name}"\n'
-    assert scenario_from_toml(text) == scenario
+    assert scenario_from_toml(text) == Scenario(electronics=make())
 
 
-@given(st.sampled_from(["x_mm", "x_ms", "x_kpa", "x_pf", "x_s", "x"]), number(-1e6, 1e6))
-def test_numbers_in_units_come_back_to_the_last_digit(key: str, value: float) -> None:
-    assert si_from_number(key, number_from_si(key, value)) == value
-
-
-@given(number(1.0, 1000.0))
-def test_temperatures_come_back_to_the_last_digit(kelvin: float) -> None:
-    assert si_from_number("x_c", number_from_si("x_c", kelvin)) == kelvin
+@given(st.integers(-9999, 9999))
+def test_numbers_are_those_of_the_text_to_the_last_digit(digits: int) -> None:
+    for key, power in (("x_mm", "e-5"), ("x_kpa", "e1"), ("x_pf", "e-14"), ("x_s", "e-2")):
+        assert si_from_number(key, Decimal(digits) / 100) == float(f"{digits}{power}")
 
 
 def test_units_are_what_they_say() -> None:
@@ -258,7 +165,7 @@ def _survives(text: str) -> None:
         scenario = scenario_from_toml(text, path="garbage.toml")
     except FileError:
         return
-    assert scenario_from_toml(toml_from_scenario(scenario)) == scenario
+    assert isinstance(scenario, Scenario)
 
 
 def test_a_layout_beside_the_file_is_found(tmp_path: Path) -> None:
@@ -267,35 +174,14 @@ def test_a_layout_beside_the_file_is_found(tmp_path: Path) -> None:
     (tmp_path / "s.toml").write_text(HEAD + "[patch]\nlayout = 'mine.toml'\n")
     scenario = load_scenario(tmp_path / "s.toml")
     assert scenario.patch.positions == pytest.approx(patch.positions)
-    assert scenario_from_toml(toml_from_scenario(scenario)).layout == scenario.layout
+    assert scenario.layout == str(tmp_path / "mine.toml")
 
 
-def test_shapes_from_files_go_along_with_a_scenario(tmp_path: Path) -> None:
+def test_shapes_from_files_are_found_beside_a_scenario(tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     trimesh.creation.icosphere(subdivisions=2, radius=4.0).export(tmp_path / "ball.stl")
     table = '[[indenter]]\nshape = "mesh"\nfile = "ball.stl"\nunit_mm = 1.5\ndown = [0, 0, -1]\n'
     (tmp_path / "s.toml").write_text(HEAD + table)
-    scenario = load_scenario(tmp_path / "s.toml")
-    beside, copies = in_folder(scenario, "layout.toml")
-    assert copies == [(tmp_path / "ball.stl", "shape-1.stl")]
-    text = toml_from_scenario(beside)
-    written = tomllib.loads(text)["indenter"][0]
-    assert written["file"] == "shape-1.stl"
-    assert (written["unit_mm"], written["down"]) == (1.5, [0, 0, -1])
-    (tmp_path / "ball.stl").rename(tmp_path / "shape-1.stl")
-    save_layout(scenario.patch, tmp_path / "layout.toml")
-    again = scenario_from_toml(text, tmp_path).tools[0].indenter
-    first = scenario.tools[0].indenter
-    x = np.linspace(-4e-3, 4e-3, 9)
-    assert again.height(x, 0 * x) == pytest.approx(first.height(x, 0 * x))
-    assert scenario.tools[0].name == "mesh-1"
-
-
-def test_what_a_file_cannot_hold_is_refused() -> None:
-    talk = CrossTalk(matrix=np.zeros((72, 72)))
-    with pytest.raises(InputError, match="matrix of cross-talk"):
-        toml_from_scenario(Scenario(electronics=replace(icub_electronics(), cross_talk=talk)))
-    with pytest.raises(InputError, match=r"elastomer is .* a scenario's file can hold"):
-        toml_from_scenario(Scenario(elastomer=HalfSpace()))  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="expected where its patch is from"):
-        toml_from_scenario(Scenario(layout=""))
+    (tool,) = load_scenario(tmp_path / "s.toml").tools
+    assert tool.name == "mesh-1"
+    assert tool.indenter.height(np.array([3e-3]), np.zeros(1)) == pytest.approx(0.77e-3, rel=0.1)

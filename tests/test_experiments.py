@@ -21,10 +21,8 @@ from skinfield.lab.paper import (
 from skinfield.lab.report import SMOKE, Settings, size_by_name
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import (
-    FieldPeak,
     Trial,
-    highest_taxel,
-    known_shape,
+    field_peak,
     noisy,
     roc,
     threshold,
@@ -39,7 +37,7 @@ from skinfield.lab.sections.imposed import (
     truth_on_own_grid,
 )
 from skinfield.lab.sections.resolutions import roughness
-from skinfield.lab.sections.timing import Times, exponents
+from skinfield.lab.sections.timing import exponents
 from skinfield.simulate import press
 
 SETTINGS = Settings(size=SMOKE)
@@ -74,25 +72,17 @@ def test_roc_of_two_normal_distributions() -> None:
     assert found == pytest.approx(ndtr(1.5 + ndtri(alarms)), abs=0.01)
 
 
-def test_highest_of_72_idle_taxels_is_gumbel_like() -> None:
-    from scipy.special import ndtri
-
-    quiet = np.random.default_rng(3).normal(size=(100_000, 72))
-    level = threshold(highest_taxel(quiet), 1e-3)
-    assert level == pytest.approx(-ndtri(1 - (1 - 1e-3) ** (1 / 72)), abs=0.08)
-
-
 def test_statistic_of_the_field_is_the_highest_pressure_of_an_estimate() -> None:
     for method in (PAPER, FIELD):
         reconstruct = method.prepared(paper_patch(), LAYER_OF_PAPER, 12, 1e3)
         values = np.random.default_rng(4).normal(scale=1e3, size=(5, 72))
         estimate = reconstruct(values)
         inside = reconstruct.plan.noise.std > 0
-        assert FieldPeak(reconstruct)(values) == pytest.approx(
+        assert field_peak(reconstruct)(values) == pytest.approx(
             estimate.pressure[:, inside].max(axis=1)
         )
         scaled = (estimate.pressure / np.where(inside, reconstruct.plan.noise.std, np.inf)).max(1)
-        assert FieldPeak(reconstruct, in_deviations=True)(values) == pytest.approx(scaled)
+        assert field_peak(reconstruct, in_deviations=True)(values) == pytest.approx(scaled)
 
 
 def test_paper_method_in_the_package_is_the_paper_algorithm_written_anew() -> None:
@@ -138,13 +128,6 @@ def test_noise_is_independent_of_the_trial_before_and_shrinks_when_averaged() ->
     assert np.std(once - clean) == pytest.approx(3.8e3, rel=0.03)
     assert np.std(many - clean) == pytest.approx(380.0, rel=0.03)
     assert np.array_equal(once, noisy(trial, SETTINGS, (9,), (9, 1), 1))
-
-
-def test_matched_filter_peaks_at_its_own_shape() -> None:
-    known = known_shape(SETTINGS)
-    shape = known.templates[700:701]
-    assert known(shape)[0] == pytest.approx(np.linalg.norm(shape))
-    assert known(shape)[0] >= known(-shape)[0]
 
 
 def test_half_width_of_a_gaussian() -> None:
@@ -193,24 +176,20 @@ def test_truth_on_its_own_grid_obeys_the_paper_formulas() -> None:
 
 
 def test_exponents_tell_a_power_law_from_an_exponential() -> None:
-    def times(mean) -> list[Times]:
-        return [Times(n, np.full(2, mean(n**2)), np.ones(2), np.ones(2)) for n in (10, 20, 30, 40)]
-
-    power, about_power, about_exponential = exponents(times(lambda k: 1e-9 * k**2.5))
+    grids = (10, 20, 30, 40)
+    nodes = np.array(grids) ** 2
+    power, about_power, about_exponential = exponents(grids, 1e-9 * nodes**2.5)
     assert power == pytest.approx(2.5)
     assert about_power < 1e-9 < about_exponential
-    _, about_power, about_exponential = exponents(times(lambda k: 1e-9 * np.exp(k / 400)))
+    _, about_power, about_exponential = exponents(grids, 1e-9 * np.exp(nodes / 400))
     assert about_exponential < 1e-9 < about_power
 
 
 def test_parts_are_chosen_by_name_or_figure() -> None:
     assert chosen([]) == EXPERIMENTS
     assert [each.name for each in chosen(["fig3", " FIG6 "])] == ["imposed", "detection"]
-    with pytest.raises(InputError, match="'fig10' names no experiment, expected some of imposed"):
-        chosen(["fig10"])
-
-
-def test_sizes_have_names() -> None:
     assert size_by_name("smoke") is SMOKE
     with pytest.raises(InputError, match="size is 'tiny', expected one of full, short, smoke"):
         size_by_name("tiny")
+    with pytest.raises(InputError, match="'fig10' names no experiment, expected some of imposed"):
+        chosen(["fig10"])

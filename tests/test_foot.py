@@ -23,12 +23,12 @@ def test_the_foot_stands_and_tips(shared_data: Path) -> None:
     found = foot_forces(shared_data)
     assert found.modulus == pytest.approx(44.2e3, rel=0.01)
     standing, edge = found.parts["standing"], found.parts["on its edge"]
-    assert standing["bias"] == pytest.approx(0.0, abs=0.5)
-    assert 2.0 < standing["rms"] < 3.5
+    assert standing["error, mean (N)"] == pytest.approx(0.0, abs=0.5)
+    assert 2.0 < standing["error, rms (N)"] < 3.5
     assert 2.0 < found.held_out < 3.5
-    assert 20 < found.parts["tipping"]["rms"] < 30
-    assert edge["sensor"] == pytest.approx(117, abs=2)
-    assert edge["skin"] == pytest.approx(17, abs=2)  # the foot rests beyond its taxels
+    assert 20 < found.parts["tipping"]["error, rms (N)"] < 30
+    assert edge["sensor (N)"] == pytest.approx(117, abs=2)
+    assert edge["skin (N)"] == pytest.approx(17, abs=2)  # the foot rests beyond its taxels
 
 
 def test_the_foot_is_a_section(shared_data: Path) -> None:

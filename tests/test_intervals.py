@@ -16,8 +16,6 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.estimate import Contact, Estimate
-from skinfield.lab.report import SMOKE, Missing, Section, Settings
-from skinfield.lab.sections.coverage import coverage, coverage_parts, panels
 from skinfield.reconstruct import Intervals, load_intervals, save_intervals
 from skinfield.reconstruct.interval_training import (
     Rehearsal,
@@ -285,44 +283,3 @@ def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.chdir(tmp_path)
     assert follow(ROOT / "docs" / "uncertainty.md") == (3, 0)
-
-
-def test_the_report_counts_what_was_held() -> None:
-    """Rows that are made up: 90 of 100 at every level, so too many at 50 % and too few at 95 %."""
-    counts: dict[str, Any] = {
-        f"{name}_{level}": 90 for name in ("force", "place") for level in (50, 68, 90, 95)
-    }
-    counts |= {"found": 100, "trials": 120, "force_by_covariance": 80, "place_by_covariance": 99}
-    widths: dict[str, Any] = {
-        "force_std": 0.3,
-        "place_std_mm": 1.0,
-        "force_width": 1.0,
-        "place_radius_mm": 2.0,
-    }
-    rows: list[dict[str, Any]] = [
-        {"quantity": quantity, "noise": 1.0, "noise_std": 0.1, "solver": solver, "intervals": way}
-        | counts
-        | widths
-        for quantity in ("stress", "capacitance")
-        for solver in ("one", "other")
-        for way in ("stated", "calibrated")
-    ]
-    section = coverage(Settings(size=SMOKE), [rows])
-    assert isinstance(section, Section)
-    assert "hold 90 % [87–93 %] of the truths" in section.sentences[1]  # Wilson, 360 of 400
-    assert "Of the 8 calibrated rows of the table, 8 hold" in section.sentences[3]
-    assert section.tables[0].rows[0][5:7] == ("90 [83–94]", "80 [71–87]")
-    assert section.pictures[0].png.startswith(b"\x89PNG")
-    honest, one, other = panels(rows)[0][0].curves
-    assert honest.y == pytest.approx([50.0, 68.0, 90.0, 95.0])
-    assert one.y == pytest.approx([90.0] * 4)
-    assert other.y == pytest.approx([90.0] * 4)
-    assert isinstance(coverage(Settings(size=SMOKE), [None]), Missing)
-
-
-def test_the_smoke_form_of_the_experiment_runs() -> None:
-    (part,) = coverage_parts(Settings(size=SMOKE))
-    rows = part.function(*part.arguments)
-    assert [row["intervals"] for row in rows] == ["stated", "calibrated"]
-    assert all(0 < row["found"] <= row["trials"] for row in rows)
-    assert all(row["force_50"] <= row["force_95"] <= row["found"] for row in rows)

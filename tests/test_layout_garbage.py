@@ -7,10 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from skinfield.errors import FileError, InputError
-from skinfield.files.layouts import FORMATS
+from skinfield.errors import FileError
+from skinfield.files.layouts import FORMATS, WRITTEN
 from skinfield.files.layouts.load import load_layout, save_layout
-from skinfield.files.layouts.pcd import decompress
 from skinfield.skin import Skin, generators
 
 FUZZ = settings(
@@ -39,11 +38,6 @@ def cloud_columns() -> list[np.ndarray]:
 def cloud(form: str) -> bytes:
     columns = cloud_columns()
     head = CLOUD.format(points=12, form=form).encode()
-    if form == "binary_compressed":  # every byte a literal of its own run of at most 32
-        flat = b"".join(column.tobytes() for column in columns)
-        runs = [flat[i : i + 32] for i in range(0, len(flat), 32)]
-        packed = b"".join(bytes([len(run) - 1]) + run for run in runs)
-        return head + np.array([len(packed), len(flat)], "<u4").tobytes() + packed
     rows = [[c[i] for c in columns[:3]] + [*columns[3][i]] + [c[i] for c in columns[4:]]
             for i in range(12)]  # fmt: skip
     if form == "ascii":
@@ -51,7 +45,7 @@ def cloud(form: str) -> bytes:
     return head + b"".join(np.array(value).tobytes() for row in rows for value in row)
 
 
-@pytest.mark.parametrize("form", ["ascii", "binary", "binary_compressed"])
+@pytest.mark.parametrize("form", ["ascii", "binary"])
 def test_clouds_of_every_packing(tmp_path: Path, form: str) -> None:
     (tmp_path / "a.pcd").write_bytes(cloud(form))
     patch = load_layout(tmp_path / "a.pcd")[0]
@@ -62,26 +56,30 @@ def test_clouds_of_every_packing(tmp_path: Path, form: str) -> None:
         load_layout(tmp_path / "a.pcd")
 
 
-def test_lzf_copies_may_overlap() -> None:
-    # three literals, then a copy of 7 from 3 back: abcabcabca
-    assert decompress(b"\x02abc" + bytes([(7 - 2) << 5 | 0, 2]), 10) == b"abcabcabca"
-    # a long copy: length 7 in the control byte, a further byte, plus 2
-    assert decompress(b"\x00a" + bytes([7 << 5, 20, 0]), 30) == b"a" * 30
-    for data in (b"\x02ab", b"\x00a" + bytes([1 << 5, 1]), b"\x00a" + bytes([7 << 5]), b""):
-        with pytest.raises(InputError, match="LZF"):
-            decompress(data, 4)
+def test_a_compressed_cloud_is_refused_with_a_remedy(tmp_path: Path) -> None:
+    data = cloud("binary").replace(b"DATA binary", b"DATA binary_compressed")
+    (tmp_path / "a.pcd").write_bytes(data)
+    with pytest.raises(FileError, match=r"binary_compressed.*pcl_convert_pcd_ascii_binary"):
+        load_layout(tmp_path / "a.pcd")
+
+
+TEXTS = {
+    "a.ini": b"cardid 3 2\nrobotPart foot\n[SENSORS]\ntriangle_10pad 2 10 20 90 5 1 0\n",
+    "a.cache": b"2 2\n0 0 0 0 0 1 0 0 0.002 0 1 1\n0.005 0 0 0 0 1 0 0 0.002 0 1 0\n",
+    "tip.txt": b"TAXEL 1\n-1.0 -20.9\n0.0 0.0\n0.0 0.0\nTAXEL 2\n-0.5 -18.7\n0.8 3.15\n0.3 1\n",
+}
 
 
 @pytest.fixture(scope="module")
 def valid(tmp_path_factory) -> dict[str, bytes]:
     folder = tmp_path_factory.mktemp("valid")
-    files = {}
+    files = dict(TEXTS)
     skin = Skin((generators.icub_triangle(),), name="a")
-    for form in FORMATS:
+    for form in WRITTEN:
         path = folder / f"{form.NAME}{form.EXTENSIONS[0]}"
-        save_layout(skin, path, form)
+        save_layout(skin, path)
         files[path.name] = path.read_bytes()
-    for kind in ("ascii", "binary_compressed"):
+    for kind in ("ascii", "binary"):
         files[f"{kind}.pcd"] = cloud(kind)
     return files
 

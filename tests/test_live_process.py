@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import invoke
 from live_skins import LAYER, Ticking, settings, sf_board, unique_name, wait_for
 from numpy.testing import assert_array_equal
 
@@ -99,7 +100,8 @@ def test_times_are_published(running) -> None:
 def test_a_new_baseline_is_taken_on_order(running) -> None:
     with connect(name_of(running)) as live:
         before = int(live.reader.status["tares"][0])
-        live.tare()
+        done = invoke(["tare", name_of(running)])
+        assert "leave the skin untouched" in done.output
         wait_for(lambda: live.reader.status["tares"][0] == before + 1)
         assert_array_equal(live.reader.status["calibration"][:, 3], 1.0)
         assert live.state == State.RUNNING

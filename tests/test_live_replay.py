@@ -30,8 +30,8 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         recorder = Recorder(RecorderSettings(name=made.name, path=path))
 
         def goes_on(cycles: int) -> None:
-            end = recorder._drain.cycles + cycles
-            wait_for(lambda: recorder.step() or recorder._drain.cycles >= end)
+            end = recorder._live.cycles + cycles
+            wait_for(lambda: recorder.step() or recorder._live.cycles >= end)
             seen.append(live.latest())
 
         with connect(made.name) as live:

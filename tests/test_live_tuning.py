@@ -67,8 +67,8 @@ class Session:
         self.supervisor, self.live, self.recorder = supervisor, live, recorder
 
     def goes_on(self, cycles: int = ENOUGH) -> None:
-        end = self.recorder._drain.cycles + cycles
-        wait_for(lambda: self.recorder.step() or self.recorder._drain.cycles >= end, LONG)
+        end = self.recorder._live.cycles + cycles
+        wait_for(lambda: self.recorder.step() or self.recorder._live.cycles >= end, LONG)
 
     def reconfigure(self, solver: Solver) -> None:
         """In another thread, as the recorder must be stepped meanwhile."""

@@ -1,6 +1,5 @@
 """MCAP files of live recordings: written, read, cut, damaged, recovered."""
 
-import contextlib
 import errno
 import struct
 import tempfile
@@ -19,7 +18,7 @@ from skinfield.errors import FileError, InputError
 from skinfield.files.mcap import RecordingSettings, RecordingWriter
 from skinfield.files.mcap.container import COMPRESSIONS
 from skinfield.files.mcap.live import LiveRecording, Newest
-from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout, FieldRecord
+from skinfield.files.mcap.schema import CYCLES, FIELDS, CycleLayout
 from skinfield.record.recover import recover
 
 
@@ -196,41 +195,6 @@ def read_all(path: Path) -> None:
         assert len(list(found.fields())) <= len(found.index.places[FIELDS])
     except FileError:
         return
-
-
-@settings(max_examples=150, deadline=None)
-@given(st.binary(max_size=400), st.booleans())
-def test_any_bytes(octets, magic):
-    with tempfile.TemporaryDirectory() as name:
-        path = Path(name) / "a.mcap"
-        path.write_bytes((b"\x89MCAP0\r\n" if magic else b"") + octets)
-        read_all(path)
-        with contextlib.suppress(FileError):
-            recover(path, Path(name) / "b.mcap")
-
-
-@settings(max_examples=200, deadline=None)
-@given(st.binary(max_size=300))
-def test_any_bytes_as_a_cycle(octets):
-    try:
-        cycle = ROWS.decode(octets)
-    except InputError:
-        return
-    again = ROWS.decode(ROWS.encode(cycle))
-    assert equal(again, cycle)
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    st.binary(max_size=300)
-    | st.binary(max_size=60).map(lambda more: field_of(3).encode()[:-20] + more)
-)
-def test_any_bytes_as_a_field(octets):
-    try:
-        found = FieldRecord.decode(octets)
-    except InputError:
-        return
-    found.pressure_into(np.zeros((len(found.sides), found.grid), np.float32))
 
 
 def test_scripts_of_older_files_are_passed_over():

@@ -14,11 +14,10 @@ import pytest
 from command_line import invoke
 
 import skinfield as sf
-from skinfield.cli import reconstruct as reconstruct_module
-from skinfield.cli import reconstruct_jobs
+from skinfield.cli import reconstruct_jobs, reconstruct_runs
 from skinfield.cli.options import CountSettings
-from skinfield.cli.reconstruct_jobs import dask_client, run_jobs, settings_of
-from skinfield.files import contacts, fields, save_recording
+from skinfield.cli.reconstruct_jobs import Plan, dask_client, run_jobs
+from skinfield.files import contacts, fields, save_recording, tables
 from skinfield.files import manifest as manifest_module
 from skinfield.files import results_writer as results
 from skinfield.files.manifest import Manifest
@@ -250,14 +249,14 @@ def test_a_damaged_file_is_named_in_one_paragraph(stored: Path, tmp_path: Path) 
 def test_ctrl_c_leaves_nothing(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = reconstruct_module.Sinks.write
+    original = reconstruct_runs.Sinks.write
 
     def write(self, part, grid) -> None:
         original(self, part, grid)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(reconstruct_module.Sinks, "write", write)
-    names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.zarr")
+    monkeypatch.setattr(reconstruct_runs.Sinks, "write", write)
+    names = (tmp_path / "r.skinfield", "-o", tmp_path / "c.csv", "--fields", tmp_path / "f.npz")
     code, said = run("reconstruct", recording, *LAYOUT, "-o", *names)
     assert (code, list(tmp_path.iterdir())) == (130, []), said
 
@@ -270,7 +269,7 @@ def test_memory_does_not_grow_with_the_recording(
     monkeypatch.setitem(reconstruct_jobs.STEPS, "linear", 32)
     for module, name, value in (
         (lines, "BLOCK", 2048), (contacts, "CHUNK", 32), (results, "BLOCK", 64),
-        (fields, "MOST", 64),
+        (fields, "MOST", 64), (fields, "COPIED", 1 << 12), (tables, "HELD", 1 << 12),
     ):  # fmt: skip
         monkeypatch.setattr(module, name, value)
     peaks = []
@@ -279,7 +278,7 @@ def test_memory_does_not_grow_with_the_recording(
         tracemalloc.start() if peaks else None
         code, said = run(
             "reconstruct", path, *LAYOUT, "-o", tmp_path / f"{readings}.csv.skinfield",
-            "-o", tmp_path / f"c{readings}.csv", "--fields", tmp_path / f"f{readings}.zarr",
+            "-o", tmp_path / f"c{readings}.csv", "--fields", tmp_path / f"f{readings}.npz",
         )  # fmt: skip
         assert code == 0, said
         peaks.append(tracemalloc.get_traced_memory()[1] if peaks else 1)
@@ -288,16 +287,6 @@ def test_memory_does_not_grow_with_the_recording(
 
 
 # ---- workers
-
-
-def options_of(**other: object) -> dict[str, object]:
-    """Options as the command has them."""
-    given = {"layout": LAYOUT[1], "patch": None, "store_fields": True}
-    model = ModelSettings(grid=8)
-    return {
-        **reconstruct_module.plain_options(given, CountSettings(), Elastomer(), model),
-        **other,
-    }
 
 
 def read_whole(path: Path) -> tuple[np.ndarray, np.ndarray, list[dict[str, object]]]:
@@ -318,7 +307,8 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
              if not (tmp_path / name).mkdir()]  # fmt: skip
     single = tmp_path / "single.skinfield"
     assert run("reconstruct", paths[0], *LAYOUT, "-o", single)[0] == 0
-    folder, options = tmp_path / "out", options_of()
+    folder = tmp_path / "out"
+    plan = Plan.of(LAYOUT[1], None, CountSettings(), Elastomer(), ModelSettings(grid=8))
     seen: list[tuple[str, str, int]] = []
     with dask_client(2, None) as client:
 
@@ -327,9 +317,9 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
             if kind == "window":
                 raise KeyboardInterrupt
 
-        manifest = Manifest.open(folder, map(str, paths), settings_of(options))
+        manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
         with pytest.raises(KeyboardInterrupt):
-            run_jobs(manifest, options, client, end_after_one)
+            run_jobs(manifest, plan, True, client, end_after_one)
 
         def kill_one(kind: str, name: str, readings: int) -> None:
             again.append((kind, name, readings))
@@ -339,9 +329,9 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
 
         again: list[tuple[str, str, int]] = []
         killed: list[int] = []
-        manifest = Manifest.open(folder, map(str, paths), settings_of(options))
+        manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
         manifest.save()
-        assert run_jobs(manifest, options, client, kill_one) == {}
+        assert run_jobs(manifest, plan, True, client, kill_one) == {}
         assert killed[0] not in client.run(os.getpid).values()
     assert sum(n for kind, _, n in again if kind == "window") == 1120
     assert sorted(p.name for p in folder.iterdir()) == [
@@ -362,7 +352,7 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
     assert code == 2
     assert "begun with other settings (smoothing_ms 0.0, not 5.0)" in said
     shutil.rmtree(folder / "b-data.skinfield")
-    manifest = Manifest.open(folder, map(str, paths), settings_of(options))
+    manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
     assert [manifest.entries[name].complete for name in manifest.names] == [True, False]
     assert manifest.entries["b-data"].left() == []
 

@@ -91,7 +91,7 @@ def test_bytes_that_do_not_go_together_are_refused() -> None:
         ROWS.decode(data + b"1")
     for at, kind, value, why in [
         (0, "<H", 2, "version 2, expected 1"),
-        (2, "<H", 8, "its head says"),
+        (2, "<H", 8, "head of 8 bytes"),
         (4, "<I", 2, "rising numbers below 2"),
         (24, "<I", 7, "below 7"),
         (28, "<I", 1 << 30, "expected 1 to"),

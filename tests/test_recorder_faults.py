@@ -185,7 +185,7 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     def write_on() -> float:
         engine.cycle()
         recorder.step()
-        return recorder._disk.state.failing_since
+        return recorder._disk.failing_since
 
     until(write_on, "the full disk")
     for _ in range(100):
@@ -199,7 +199,7 @@ def test_a_full_disk_that_is_emptied_again(engine, small_disk):
     so_far = [cycle.number for cycle in LiveRecording.open(path).cycles()]  # it can be read
     assert so_far == list(range(1, len(so_far) + 1))
     ballast.unlink()
-    until(lambda: not recorder._disk.state.failing_since, "the disk")
+    until(lambda: not recorder._disk.failing_since, "the disk")
     assert path.stat().st_size > size
     state = recorder.close()
     assert state.finished
@@ -220,7 +220,7 @@ def test_a_disk_that_stays_full(engine, small_disk, tmp_path):
         for _ in range(20):
             engine.cycle()
         recorder.step()
-        return recorder._disk.state.failing_since
+        return recorder._disk.failing_since
 
     until(write_on, "the full disk")
     fill(small_disk / "ballast")
@@ -251,17 +251,17 @@ def test_the_last_bytes_of_a_full_disk_take_the_end(engine, tmp_path):
     recorder = Recorder(RecorderSettings(name=engine.ring.name, path=path), output=disk)
     engine.cycle()
     recorder.step()
-    until(lambda: recorder._disk.state.last_flush and disk.end > 12_000, "the first flush")
+    until(lambda: recorder._disk.last_flush and disk.end > 12_000, "the first flush")
     disk.room = disk.end + 20_000
     engine.keep = False
     for _ in range(500):
         engine.cycle()
         recorder.step()
-        if recorder._disk.state.failing_since:
+        if recorder._disk.failing_since:
             break
         if recorder._writer.waiting < 30_000:  # all in one chunk, longer than what is left
-            recorder._disk.state.last_flush = time.monotonic()
-    until(lambda: recorder._disk.state.failing_since, "the failure")
+            recorder._disk.last_flush = time.monotonic()
+    until(lambda: recorder._disk.failing_since, "the failure")
     state = recorder.close()
     assert state.finished
     found = LiveRecording.open(path)

@@ -16,6 +16,7 @@ from skinfield.loop import fit_ring
 from skinfield.loop.fit_ring import Fitted, fit_name
 from skinfield.record.queue import Item, Queue
 from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
+from skinfield.record.state import RecorderState
 from skinfield.ring import Field, Ring
 
 
@@ -168,7 +169,7 @@ def test_a_full_queue_leaves_answers_out_and_no_readings(engine: FakeEngine, pat
 
 
 def test_a_queue_keeps_half_of_its_room_for_readings() -> None:
-    queue = Queue(1 << 12)
+    queue = Queue(1 << 12, RecorderState())
 
     def item(size: int) -> Item:
         return Item(1, size, lambda writer: None)

@@ -393,18 +393,6 @@ def test_random_bytes_and_text(tmp_path: Path, data: bytes) -> None:
     survives(tmp_path / "f", data)
 
 
-@pytest.mark.parametrize("kind", [*TEXTS, "npz"])
-def test_truncation_at_every_offset(tmp_path: Path, kind: str) -> None:
-    if kind == "npz":
-        data = npz_bytes(tmp_path)
-        offsets = range(0, len(data), 7)
-    else:
-        data = b"".join(TEXTS[kind].encode().splitlines(keepends=True)[:6])
-        offsets = range(len(data))
-    for end in offsets:
-        survives(tmp_path / "f", data[:end])
-
-
 # ---- onto a patch
 
 

@@ -41,6 +41,7 @@ from skinfield.record.drain import FitDrain
 from skinfield.record.queue import Queue
 from skinfield.record.recover import recover
 from skinfield.record.replay import Moment, Published, Replay, ReplayFit, is_sound, slot_of
+from skinfield.record.state import RecorderState
 from skinfield.signal import Port
 
 CYCLES, TARED = 320, 170
@@ -461,7 +462,7 @@ class Page:
         self.models = Models(ModelConfig.of(made, (Port("port", 72),)), np.full(len(PATCH), NOISE))
         self.name, self.now_ns = unique_name(), 0
         self.clock = SimpleNamespace(time_ns=lambda: self.now_ns)
-        self.reader, self.queue = FitReader(self.name), Queue(1 << 24)
+        self.reader, self.queue = FitReader(self.name), Queue(1 << 24, RecorderState())
         self.drain = FitDrain(self.name, self.queue, (PATCH.name,), NODES)
         self.fit: FakeFit | None = None
         self.seen: list[EngineView] = []

@@ -135,13 +135,6 @@ def test_files_are_read_back_equal(tmp_path: Path) -> None:
         ]
 
 
-def test_a_section_that_was_cut_short_says_so(tmp_path: Path) -> None:
-    write_section(SECTION, tmp_path)
-    (tmp_path / "first.png").unlink()
-    with pytest.raises(FileError, match="remove its folder, and it is made again"):
-        read_section(tmp_path)
-
-
 GARBAGE = st.recursive(
     st.none() | st.integers() | st.text(max_size=4),
     lambda inner: (

@@ -9,7 +9,6 @@ from ros2_ring import MOVE, TURN, TwoPatches, contact, two_patches
 from rosbags.highlevel import AnyReader
 
 from skinfield.errors import FileError, SkinfieldError
-from skinfield.files.mcap import RosViews
 from skinfield.files.ros import BagExport
 from skinfield.record.recorder import Recorder, RecorderSettings, forget_state
 
@@ -44,7 +43,7 @@ def recorded(tmp_path_factory):
     name = f"rosb{uuid.uuid4().hex[:10]}"
     path = tmp_path_factory.mktemp("bag") / "a.mcap"
     engine = TwoPatches(name)
-    how = RecorderSettings(name=name, path=path, views=(RosViews,), view_rate=1000.0)
+    how = RecorderSettings(name=name, path=path, view_rate=1000.0)
     recorder = Recorder(how)
     for cycle in range(CYCLES):
         engine.cycle(touch_of(cycle), counts=counts_of(cycle))

@@ -21,7 +21,6 @@ from skinfield.lab.score import (
     Lattice,
     Row,
     Score,
-    Spread,
     matched,
     median_interval,
     score,
@@ -199,10 +198,10 @@ def test_matrices_deposit_as_single_cells_do(patch: Patch) -> None:
     grid = Grid(patch, (7, 5), 1.7e-3, np.array([-3.3e-3, 1.1e-3]))
     lattice = Lattice.around(grid.plane.min(axis=0) - 2e-3, grid.plane.max(axis=0) + 2e-3)
     pressure = np.random.default_rng(0).normal(size=len(grid))
-    spread = Spread.of(grid, lattice)
     one_by_one = lattice.deposit(grid.plane, pressure, grid.pitch)
-    np.testing.assert_allclose(spread(pressure), one_by_one, atol=1e-12)
-    np.testing.assert_allclose(spread(pressure, True), lattice.blurred(one_by_one), atol=1e-12)
+    np.testing.assert_allclose(lattice.of_grid(grid, pressure), one_by_one, atol=1e-12)
+    soft = lattice.of_grid(grid, pressure, blur=True)
+    np.testing.assert_allclose(soft, lattice.blurred(one_by_one), atol=1e-12)
 
 
 def test_contacts_are_assigned_to_the_nearest_as_a_whole(patch: Patch) -> None:

@@ -2,7 +2,6 @@
 
 import io
 import struct
-import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -149,18 +148,14 @@ def test_where_a_picture_is_transparent_there_is_no_body(tmp_path: Path) -> None
     assert (found.heights[:, 2:] == 0).all()
 
 
-@pytest.mark.parametrize("name", ["a.npy", "a.csv", "one.npz", "named.npz"])
+@pytest.mark.parametrize("name", ["a.npy", "a.csv"])
 def test_tables_hold_millimetres(tmp_path: Path, name: str) -> None:
     heights = np.array([[0.0, 1.0, 2.0], [0.5, np.nan, 2.5]])
     path = tmp_path / name
     if name == "a.npy":
         np.save(path, heights)
-    elif name == "a.csv":
-        np.savetxt(path, heights, delimiter=",")
-    elif name == "one.npz":
-        np.savez_compressed(path, z=heights)
     else:
-        np.savez(path, heights=heights, other=np.zeros(3))
+        np.savetxt(path, heights, delimiter=",")
     found = load_height_map(path, MM)
     want = np.where(np.isnan(heights), np.inf, heights * MM)
     np.testing.assert_allclose(found.heights, want, rtol=1e-12)
@@ -180,16 +175,13 @@ def vast_png() -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
 
 
-def vast_npz() -> bytes:
-    """An archive whose one array claims 10^12 numbers, and unpacks to 20 MB of zeros."""
+def vast_npy() -> bytes:
+    """An array that claims 10^12 numbers."""
     head = io.BytesIO()
     np.lib.format.write_array_header_1_0(
         head, {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**6)}
     )
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("heights.npy", head.getvalue() + bytes(20_000_000))
-    return packed.getvalue()
+    return head.getvalue() + bytes(1000)
 
 
 def saved(array: np.ndarray) -> bytes:
@@ -209,8 +201,8 @@ def saved(array: np.ndarray) -> bytes:
         ("a.npy", lambda: saved(np.array(["a"])), "expected numbers"),
         ("a.npy", lambda: saved(np.full((2, 2), np.nan)), "none of them finite"),
         ("a.npy", lambda: saved(np.zeros((9, 9)))[:200], "cannot be read"),
-        ("a.npz", vast_npz, "holds 1000000000000 samples"),
-        ("a.npz", lambda: b"PK\x03\x04", "cannot be read"),
+        ("a.npy", vast_npy, "holds 1000000000000 samples"),
+        ("a.npz", lambda: b"PK\x03\x04", "has another ending"),
         ("a.csv", lambda: b"1,2\n3", "cannot be read"),
         ("a.csv", lambda: b"", "cannot be read|holds 0 samples"),
         ("a.csv", lambda: b"1,x\n", "cannot be read"),

@@ -18,7 +18,6 @@ from skinfield.errors import FileError, InputError, SkinfieldError
 from skinfield.estimate import Contact, Estimate
 from skinfield.estimate.contact_table import COLUMNS
 from skinfield.files import contacts as contacts_module
-from skinfield.files import fields as fields_module
 from skinfield.skin.reading import Recording
 
 PATCH = sf.Patch(np.random.default_rng(0).uniform(-0.02, 0.02, (12, 2)), name="palm")
@@ -94,7 +93,7 @@ KINDS = pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 @pytest.fixture(autouse=True)
 def need_packages(request) -> None:
     suffix = request.node.callspec.params.get("suffix") if hasattr(request.node, "callspec") else ""
-    pytest.importorskip({".parquet": "pyarrow", ".zarr": "zarr"}.get(suffix, "numpy"))
+    pytest.importorskip({".parquet": "pyarrow"}.get(suffix, "numpy"))
 
 
 # ---- contacts
@@ -174,26 +173,15 @@ def test_what_is_not_finite_is_left_empty(tmp_path: Path) -> None:
 # ---- fields
 
 
-def fields(path: Path) -> dict[str, np.ndarray]:
-    if path.suffix == ".npz":
-        with np.load(path) as archive:
-            return dict(archive)
-    zarr = pytest.importorskip("zarr")
-    group = zarr.open_group(path, mode="r")
-    return {name: group[name][...] for name in group.array_keys()}
-
-
-@pytest.mark.parametrize("suffix", [".npz", ".zarr"])
-def test_fields_come_back(tmp_path: Path, suffix: str, monkeypatch) -> None:
-    batch, path = estimates(23), tmp_path / f"f{suffix}"
-    monkeypatch.setattr(fields_module, "CHUNK_BYTES", 20 * 16 * 4)  # four readings
+def test_fields_come_back(tmp_path: Path) -> None:
+    batch, path = estimates(23), tmp_path / "f.npz"
     with sinks.open_fields(path) as writer:
         writer.write(batch[0])
         for one in list(batch)[1:6]:
             writer.write(one)
         writer.write(since(batch, 6))
-        assert writer.readings_held < 4
-    got = fields(path)
+    with np.load(path) as archive:
+        got = dict(archive)
     np.testing.assert_array_equal(got["stamp_ns"], batch.stamp_ns)
     np.testing.assert_array_equal(got["pressure"], batch.pressure.reshape(23, 4, 4).astype("f4"))
     assert got["displacement"].dtype == np.float32
@@ -202,28 +190,13 @@ def test_fields_come_back(tmp_path: Path, suffix: str, monkeypatch) -> None:
     )
     np.testing.assert_array_equal(got["position"].reshape(16, 3), GRID.positions)
     assert (got["pressure_std"] == 50).all()
-    if suffix == ".npz":
-        said = json.loads(str(got["attributes"]))
-        assert said["units"]["displacement"] == "m"
-        assert said["patch"] == "palm"
+    said = json.loads(str(got["attributes"]))
+    assert said["units"]["displacement"] == "m"
+    assert said["patch"] == "palm"
 
 
-def test_zarr_fields_say_units_and_open_with_xarray(tmp_path: Path) -> None:
-    zarr, xarray = pytest.importorskip("zarr"), pytest.importorskip("xarray")
-    sinks.write_fields(tmp_path / "f.zarr", estimates())
-    group = zarr.open_group(tmp_path / "f.zarr", mode="r")
-    assert group["pressure"].attrs["units"] == "Pa"
-    assert group.attrs["cell_area_m2"] == GRID.cell_area
-    data = xarray.open_zarr(tmp_path / "f.zarr", consolidated=False)
-    assert data.displacement.dims == ("reading", "row", "column", "axis")
-    force = data.pressure.sum(("row", "column")) * data.attrs["cell_area_m2"]
-    np.testing.assert_allclose(force, estimates().normal_force, rtol=1e-4)
-
-
-@pytest.mark.parametrize("suffix", [".npz", ".zarr"])
-def test_fields_of_another_grid_or_of_nothing_are_refused(tmp_path: Path, suffix: str) -> None:
-    path = tmp_path / f"f{suffix}"
-    batch = estimates()
+def test_fields_of_another_grid_or_of_nothing_are_refused(tmp_path: Path) -> None:
+    path, batch = tmp_path / "f.npz", estimates()
     other = replace(batch, grid=sf.Grid(PATCH, (4, 4), 2e-3))
     with pytest.raises(InputError, match="one file holds one grid"):
         sinks.write_fields(path, [batch, other])
@@ -240,11 +213,10 @@ def failing() -> Iterator[Estimate]:
     raise RuntimeError("the solver failed")
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz"])
 def test_a_failure_leaves_what_was_there_before(tmp_path: Path, suffix: str, monkeypatch) -> None:
     monkeypatch.setattr(contacts_module, "CHUNK", 8)  # some of it is on the disk already
-    monkeypatch.setattr(fields_module, "CHUNK_BYTES", 2048)
-    write = sinks.write_fields if suffix in (".npz", ".zarr") else sinks.write_contacts
+    write = sinks.write_fields if suffix == ".npz" else sinks.write_contacts
     path = tmp_path / f"x{suffix}"
     write(path, estimates())
     before = {file: file.read_bytes() for file in path.parent.rglob("*") if file.is_file()}
@@ -258,10 +230,10 @@ def test_a_failure_leaves_what_was_there_before(tmp_path: Path, suffix: str, mon
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz"])
 def test_the_file_has_its_name_only_when_closed(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"x{suffix}"
-    make = sinks.open_fields if suffix in (".npz", ".zarr") else sinks.open_contacts
+    make = sinks.open_fields if suffix == ".npz" else sinks.open_contacts
     writer = make(path)
     writer.write(estimates())
     assert not path.exists()
@@ -270,9 +242,9 @@ def test_the_file_has_its_name_only_when_closed(tmp_path: Path, suffix: str) -> 
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz"])
 def test_a_full_disk_is_said_and_leaves_nothing(tmp_path: Path, suffix: str) -> None:
-    write = sinks.write_fields if suffix in (".npz", ".zarr") else sinks.write_contacts
+    write = sinks.write_fields if suffix == ".npz" else sinks.write_contacts
     batch = estimates(400)
     write(tmp_path / f"warm{suffix}", batch)  # what is imported writes no file below
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -285,9 +257,9 @@ def test_a_full_disk_is_said_and_leaves_nothing(tmp_path: Path, suffix: str) -> 
     assert [file.name for file in tmp_path.iterdir()] == [f"warm{suffix}"]
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz", ".zarr"])
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz"])
 def test_places_that_cannot_be_written_are_named_at_once(tmp_path: Path, suffix: str) -> None:
-    make = sinks.open_fields if suffix in (".npz", ".zarr") else sinks.open_contacts
+    make = sinks.open_fields if suffix == ".npz" else sinks.open_contacts
     (tmp_path / "file").touch()
     (tmp_path / f"folder{suffix}").mkdir()
     for place, why in (
@@ -319,26 +291,20 @@ def test_other_extensions_are_refused(tmp_path: Path) -> None:
     recording = Recording(np.arange(2), np.ones((2, 3)))
     for call in (
         lambda: sinks.open_contacts(tmp_path / "x.xlsx"),
-        lambda: sinks.open_fields(tmp_path / "x.h5"),
         lambda: sinks.save_recording(recording, tmp_path / "x.txt"),
     ):
         with pytest.raises(InputError, match=r"expected a name that ends in \.\w+ or \.\w+"):
             call()
+    with pytest.raises(InputError, match=r"expected a name that ends in \.npz"):
+        sinks.open_fields(tmp_path / "x.zarr")
     with pytest.raises(InputError, match="unit is 'V'"):
         sinks.save_recording(replace(recording, unit="V"), tmp_path / "x.csv")
 
 
-@pytest.mark.parametrize(
-    ("package", "name", "make"),
-    [("pyarrow", "x.parquet", sinks.open_contacts), ("zarr", "x.zarr", sinks.open_fields)],
-)
-def test_a_missing_package_names_its_extra(
-    tmp_path: Path, package: str, name: str, make, monkeypatch
-) -> None:
-    monkeypatch.setitem(sys.modules, package, None)
-    extra = "parquet" if package == "pyarrow" else "zarr"
-    with pytest.raises(SkinfieldError, match=rf"pip install 'skinfield\[{extra}\]'"):
-        make(tmp_path / name)
+def test_a_missing_package_names_its_extra(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(SkinfieldError, match=r"pip install 'skinfield\[parquet\]'"):
+        sinks.open_contacts(tmp_path / "x.parquet")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from skinfield.cli.status_table import shortened, shown
+from skinfield.cli.status_table import shortened, status_table
 from skinfield.loop.realtime import Quantiles, Timing
 from skinfield.loop.status import Status
 from skinfield.signal import Count
@@ -120,7 +120,7 @@ def scene(made: Any) -> Status:
 
 def text_of(status: Status, width: int, height: int | None = None, styles: bool = False) -> str:
     console = Console(record=True, width=width, force_terminal=True, file=io.StringIO())
-    console.print(shown(status, width, height))
+    console.print(status_table(status, width, height))
     return console.export_text(styles=styles)
 
 

@@ -206,7 +206,7 @@ def test_settings_that_cannot_be_used_are_said_where_it_was_started():
 def test_the_command_says_what_it_sent(tmp_path):
     truth = tmp_path / "truth.jsonl"
     words = ["emulate", "--hardware", "packet", "--channel", "127.0.0.1:9", "--duration", "1.5"]
-    words += ["--rate-hz", "100", "--unplug", "1@1ms", "--truth", str(truth), "--json"]
+    words += ["--rate-hz", "100", "--fault", "unplug 1@1ms", "--truth", str(truth), "--json"]
     result = invoke(words)
     assert result.exit_code == 0, result.output
     said = json.loads(result.stdout.splitlines()[-1])
@@ -235,11 +235,11 @@ def test_the_command_ends_with_a_summary_when_it_is_told_to(number):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--unplug", "9"], "triangle is '9', expected a number from 0 to 5"),
+        (["--fault", "unplug 9"], "triangle is '9', expected a number from 0 to 5"),
         (["--scene", "dance"], "scene is 'dance', expected one of idle"),
         (["--hardware", "packet", "--bus", "can"], "bus is 'can', expected one of"),
         (["--temperature", "hot"], "temperature is 'hot', expected 25"),
-        (["--reboot", "0@soon"], "reboot is '0@soon', expected WHAT[@START][+SECONDS]"),
+        (["--fault", "reboot 0@soon"], "reboot is '0@soon', expected WHAT[@START][+SECONDS]"),
         (["--skin", "skim"], "skim: no such file"),
         (["--rate-hz", "0"], "rate is 0"),
     ],

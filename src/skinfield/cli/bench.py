@@ -1,14 +1,23 @@
 """`skinfield bench`: what a reading costs on this machine, and error against time."""
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from skinfield.cli.options import OUTPUT, Force, Json, flag_of
-from skinfield.cli.report import check_new, console, print_json, progress, say, say_notes
+from skinfield.cli.options import OUTPUT, Force, Json, flag_of, solver_of
+from skinfield.cli.report import (
+    check_picture,
+    console,
+    finish,
+    note,
+    progress,
+    say,
+    say_notes,
+)
 from skinfield.errors import InputError, check_count
 
 if TYPE_CHECKING:
-    from skinfield.lab.bench.run import Bench
-    from skinfield.lab.bench.scene import BenchSettings
+    from skinfield.skin import Skin
 
 
 def bench(
@@ -80,44 +89,63 @@ def bench(
                  "solver": solver, "priority": priority}  # fmt: skip
     options = {name: value for name, value in of_jitter.items() if value is not None}
     if jitter:
-        from skinfield.cli.bench_jitter import jitter_settings, measure_jitter
-
         if output is not None:
             raise InputError("-o draws what --jitter does not measure: leave it out")
-        measure_jitter(jitter_settings(options), as_json)
+        _measure_jitter(options, as_json)
         return
     if options:
         raise InputError(f"--{flag_of(next(iter(options)))} belongs to --jitter: give both")
-    check_new("--output", output, force)
-    from skinfield.lab.bench.picture import machine_line, picture
-    from skinfield.lab.bench.run import bench_as_json
-    from skinfield.lab.bench.scene import BenchSettings, bench_size
-    from skinfield.plot import check_name, save
-
-    file = None if output is None else check_name(output)  # before anything is measured
-    measured = _measured(BenchSettings(size=bench_size(size), seed=seed))
-    if file is not None:
-        save(picture(measured), file)
-    say_notes(measured.warnings)
-    if as_json:
-        print_json(bench_as_json(measured))
-        return
+    check_picture("--output", output, force)  # before anything is measured
     from skinfield.cli.bench_tables import tables
-
-    console().print(machine_line(measured), highlight=False)
-    for table in tables(measured):
-        console().print(table)
-    if file is not None:
-        say(f"wrote {file}")
-
-
-def _measured(settings: "BenchSettings") -> "Bench":
+    from skinfield.lab.bench.picture import machine_line, picture
     from skinfield.lab.bench.run import run_bench
+    from skinfield.lab.bench.scene import BenchSettings, bench_size
+    from skinfield.plot import save
 
-    with progress() as bar:
-        task = bar.add_task("bench", total=1)
+    with progress("bench", 1) as step:
+        measured = run_bench(
+            BenchSettings(size=bench_size(size), seed=seed),
+            lambda what, done, total: step(done, total, what),
+        )
+    if output is not None:
+        save(picture(measured), output)
+    say_notes(measured["warnings"])
+    if not as_json:
+        say(machine_line(measured))
+        for each in tables(measured):
+            console().print(each)
+    finish(as_json, measured, [output])
 
-        def show(what: str, done: int, of: int) -> None:
-            bar.update(task, description=what, completed=done, total=of)
 
-        return run_bench(settings, show)
+@contextmanager
+def virtual_boards(
+    skin: "Skin", rate: float, priority: int
+) -> Iterator[tuple[Any, Callable[[str], Any]]]:
+    """Virtual skin of iCub's boards, idle at first, as `run_jitter` takes it."""
+    from skinfield.emulator.process import start
+    from skinfield.emulator.settings import VirtualSettings
+    from skinfield.wire.sources.factory import source_from_options
+
+    settings = VirtualSettings(rate=rate, scene="idle", lead_in=0.0, priority=priority)
+    with start(settings) as boards:
+        yield source_from_options("icub", "udp", tuple(boards.channels), skin), boards.scene
+
+
+def _measure_jitter(options: dict[str, Any], as_json: bool) -> None:
+    """Measure the live loop, with the settings that are not as usual, and print."""
+    from skinfield.cli.bench_tables import jitter_as_json, jitter_lines, jitter_notes, jitter_table
+    from skinfield.lab.bench.jitter import JitterSettings, run_jitter
+    from skinfield.loop.realtime import RealTime
+
+    if "solver" in options:
+        options["solver"] = solver_of(options["solver"])
+    if "priority" in options:
+        check_count("--priority", options["priority"], 0, 98, "of SCHED_FIFO; 0 for none")
+        options["real_time"] = RealTime(priority=options.pop("priority"))
+    jitter = run_jitter(JitterSettings(**options), note, virtual_boards)
+    if not as_json:
+        console().print(jitter_table(jitter))
+        for line in jitter_lines(jitter):
+            say(line)
+        say_notes(jitter_notes(jitter))
+    finish(as_json, jitter_as_json(jitter))

@@ -1,8 +1,8 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Annotated, Literal
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from cyclopts import Parameter
@@ -10,31 +10,21 @@ from numpy.typing import NDArray
 
 from skinfield.cli.main import new_app
 from skinfield.cli.options import (
-    OF_UNIT,
     OUTPUT,
-    USUAL_SOLVER,
+    Counts,
     CountSettings,
     Force,
     Json,
-    conditioning_of,
-    layer_of,
-    part,
-    patch_of,
-    profile_in_use,
-    quantity_of,
-    reconstructor_of,
-    skin_from_text,
+    Model,
+    OfElastomer,
 )
-from skinfield.cli.report import check_new, check_output, print_json, progress, say, say_notes
+from skinfield.cli.report import check_output, check_picture, finish, progress, say, say_notes
 from skinfield.errors import Floats, InputError, as_floats
-from skinfield.estimate import Estimate
-from skinfield.reconstruct import Reconstructor
-from skinfield.reconstruct.conditioned import Conditioned, condition, without_empty
 from skinfield.settings import Elastomer, ModelSettings
-from skinfield.signal import column_of, fit_scale
-from skinfield.skin.reading import Recording
 
-CHUNK = 64  # readings per step of the progress bar; bounds the memory of the fields
+if TYPE_CHECKING:
+    from skinfield.cli.reconstruct_jobs import Plan
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
 
 calibrate = new_app(
     "calibrate",
@@ -56,15 +46,14 @@ def scale(
     layout: str,
     patch: str | None = None,
     axis: str = "-z",
-    summed: Annotated[Literal["contacts", "field"], Parameter(name="--sum")] = "contacts",
     seconds: str | None = None,
     output: Annotated[str | None, OUTPUT] = None,
     plot: str | None = None,
     force: Force = False,
     as_json: Json = False,
-    counts: Annotated[CountSettings, part("Counts")] = CountSettings(),
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
-    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
+    counts: Counts = CountSettings(),
+    elastomer: OfElastomer = Elastomer(),
+    model: Model = ModelSettings(),
 ) -> None:
     """Fit the elastomer's modulus so that the normal force follows a force sensor.
 
@@ -91,8 +80,6 @@ def scale(
         Name or number of the patch of a layout with several.
     axis : str
         Of the sensor, into the skin.
-    summed : str
-        What is summed: the contacts' force, or the whole field's pressure.
     seconds : str, optional
         FROM,TO: part of the skin's recording to fit, s.
     output : str, optional
@@ -102,125 +89,79 @@ def scale(
     as_json : bool
         The result as one JSON object.
     """
+    from skinfield.cli.reconstruct_jobs import Plan
     from skinfield.files import open_recording, write_summary
-    from skinfield.plot import check_name, draw_timeline, save
+    from skinfield.plot import draw_timeline, save
+    from skinfield.signal import column_of, fit_scale
 
-    if plot:
-        check_name(plot)
-    check_output("--output", output, ".json")
-    check_new("--plot", plot, force)
-    check_new("--output", output, force)
+    check_picture("--plot", plot, force)
+    check_output("--output", output, force, ".json")
     sensor = open_recording(force_file)
     reference = column_of(sensor, axis)
-    job = prepare(recording, layout, patch, counts, elastomer, model)
-    say_notes(job.conditioned.notes)
-    sums = _forces(job, summed)
-    within = _part_of(job.conditioned.recording, seconds)
-    stamps, forces = job.conditioned.recording.stamp_ns[within], sums[within]
-    fit = fit_scale(stamps, forces, sensor.stamp_ns, reference)
-    layer = job.reconstructor.layer
-    modulus = layer.young_modulus * 1e-3 * fit.factor
-    held = {
-        "grid": job.reconstructor.grid.shape[0],
-        "poisson": layer.poisson_ratio,
-        "thickness_mm": layer.thickness * 1e3,
-        "solver": model.solver or USUAL_SOLVER,
+    plan = Plan.of(layout, patch, counts, elastomer, model)
+    config, all_stamps, loads = _loads_of(recording, plan)
+    within = _part_of(all_stamps, seconds)
+    stamps, loads = all_stamps[within], loads[within]
+    fit = fit_scale(stamps, loads, sensor.stamp_ns, reference)
+    modulus = config.layer.young_modulus * 1e-3 * fit.factor
+    model_used = {
+        "grid": config.grid.shape[0],
+        "poisson": config.layer.poisson_ratio,
+        "thickness_mm": config.layer.thickness * 1e3,
+        "solver": plan.model.solver,
     }
     result = fit.numbers() | {"modulus_kpa": modulus, "recording": recording, "force": force_file}
-    result |= held
-    if as_json:
-        print_json(result)
-    else:
+    result |= model_used
+    if not as_json:
         say(fit.sentences(modulus))
-        words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in held.items())
+        words = ", ".join(f"{name.replace('_', ' ')} {each}" for name, each in model_used.items())
         say(f"the modulus holds for {words} only")
     if output:
         write_summary(output, result)
     if plot:
         figure = draw_timeline(
             (stamps - stamps[0]) * 1e-9,
-            fit.factor * forces,
+            fit.factor * loads,
             fit.reference,
             label=f"skin x {fit.factor:.3g} (E = {modulus:.3g} kPa)",
             reference_label=f"force/torque sensor, {axis}",
-            title=f"{job.reconstructor.patch.name}: normal force, {summed} summed",
+            title=f"{config.patch.name}: normal force of all contacts",
         )
         save(figure, plot)
-    for name in (output, plot):
-        if name and not as_json:
-            say(f"wrote {name}")
+    finish(as_json, result, (output, plot))
 
 
-@dataclass(frozen=True, eq=False)
-class Job:
-    """A recording and what reconstructs it."""
+def _loads_of(
+    recording: str, plan: "Plan"
+) -> "tuple[ReconstructorConfig, NDArray[np.int64], Floats]":
+    """What reconstructs a recording, its stamps (T,) ns, and the force of all contacts (T,) N."""
+    from skinfield.cli.reconstruct_jobs import parts, take_in
+    from skinfield.files.pending import Pending
+    from skinfield.files.results import read_results
 
-    reconstructor: Reconstructor
-    conditioned: Conditioned
-
-    def __len__(self) -> int:
-        return len(self.conditioned.values)
-
-    def estimates(self) -> Iterator[tuple[int, Estimate]]:
-        """Batches of estimates, each with the index of its first reading."""
-        stamps = self.conditioned.recording.stamp_ns
-        for first in range(0, len(self), CHUNK):
-            part = slice(first, first + CHUNK)
-            yield first, self.reconstructor(self.conditioned.values[part], stamp_ns=stamps[part])
-
-
-def prepare(
-    path: str,
-    layout: str,
-    patch_name: str | None,
-    counts: CountSettings,
-    elastomer: Elastomer,
-    model: ModelSettings,
-) -> Job:
-    """Open, condition and prepare."""
-    from skinfield.files import open_recording, readings_for
-
-    patch = patch_of(skin_from_text(layout), patch_name)
-    board = None if counts.board == "auto" else counts.board
-    profile = profile_in_use(elastomer, board, layout)
-    layer, how = layer_of(elastomer, profile), conditioning_of(patch, counts, profile)
-    with progress() as bar:
-        task = bar.add_task("reading", total=None)
-        opened = open_recording(
-            path, progress=lambda done, total: bar.update(task, completed=done, total=total)
-        )
-    readings = readings_for(opened, patch)
-    quantity = quantity_of(model.quantity or OF_UNIT[readings.unit])
-    conditioned = without_empty(condition(readings, patch, layer, quantity, how))
-    reconstructor = reconstructor_of(patch, layer, quantity, conditioned.noise_std, model, profile)
-    return Job(reconstructor, conditioned)
+    with TemporaryDirectory(prefix="skinfield-") as folder:
+        place = Pending(Path(folder) / "readings", Path(folder) / "readings")
+        take_in(recording, plan, place)
+        results = read_results(place.part)
+        say_notes(results.notes)
+        loads: list[Floats] = []
+        with progress("reconstructing", len(results)) as step:
+            for part in parts(results, range(len(results)), fields=False):
+                loads.append(part.load)
+                step(sum(map(len, loads)))
+        return results.config, results.readings.stamps(0, len(results)), np.concatenate(loads)
 
 
-def _forces(job: Job, summed: str) -> Floats:
-    """Normal force of every reading, (T,) N."""
-    found: list[float] = []
-    with progress() as bar:
-        task = bar.add_task("reconstructing", total=len(job))
-        for _, batch in job.estimates():
-            if summed == "contacts":
-                found += [sum(c.normal_force for c in contacts) for contacts in batch.contacts]
-            else:
-                found += np.asarray(batch.normal_force).tolist()
-            bar.update(task, advance=len(batch))
-    return np.array(found)
-
-
-def _part_of(recording: Recording, seconds: str | None) -> NDArray[np.bool_]:
+def _part_of(stamps: NDArray[np.int64], seconds: str | None) -> NDArray[np.bool_]:
     """Readings from one time to another, after the first reading."""
     if seconds is None:
-        return np.ones(len(recording), dtype=np.bool_)
+        return np.ones(len(stamps), dtype=np.bool_)
     ends = seconds.split(",")
     if len(ends) != 2:
         raise InputError(f"--seconds is {seconds!r}, expected two numbers such as 0,6.5")
     low, high = as_floats("--seconds", ends)
-    part = (recording.time >= low) & (recording.time <= high)
+    time = (stamps - stamps[0]) * 1e-9
+    part = (time >= low) & (time <= high)
     if not part.any():
-        raise InputError(
-            f"--seconds is {seconds!r}, expected a part of 0 to {recording.time[-1]:.2f} s"
-        )
+        raise InputError(f"--seconds is {seconds!r}, expected a part of 0 to {time[-1]:.2f} s")
     return np.asarray(part)

@@ -1,12 +1,9 @@
 """`skinfield cases`: write a set of cases to judge solvers by."""
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import Parameter
-
-from skinfield.cli.options import patch_of, skin_from_text
-from skinfield.cli.report import plural, progress, say
+from skinfield.cli.options import Force, Json, patch_of, skin_from_text
+from skinfield.cli.report import finish, plural, progress, say
 from skinfield.errors import FileError, InputError, check_count, check_positive
 from skinfield.settings.tree import QuantityName
 
@@ -25,7 +22,8 @@ def cases(
     quantity: QuantityName = "capacitance",
     noise: float | None = None,
     draws: int = 4,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Write simulated cases into the DIR FOLDER, for 'skinfield validate'.
 
@@ -61,8 +59,8 @@ def cases(
         Of a reading, in the quantity's unit. Default typical.
     draws : int
         Noisy readings per case; 0 for one without noise.
-    force : bool
-        Remove the NPZ files that FOLDER holds.
+    as_json : bool
+        Names of the files as one JSON object.
     """
     from skinfield.lab.case_files import save_case
     from skinfield.lab.case_sets import random_cases, standard_cases
@@ -81,12 +79,15 @@ def cases(
     taxels = patch_of(skin_from_text(layout), patch)
     place = _prepared(Path(folder), force)
     make = standard_cases if unseen is None else random_cases
-    with progress() as bar:
-        task = bar.add_task("pressing", total=total)
+    written = []
+    with progress("pressing", total) as step:
         for case in make(taxels, total, seed, quantity, noise, draws):
-            save_case(case, place / f"{case.name}.npz")
-            bar.update(task, advance=1)
-    say(f"wrote {plural(total, 'case')} to {folder}")
+            written.append(str(place / f"{case.name}.npz"))
+            save_case(case, written[-1])
+            step()
+    if not as_json:
+        say(f"wrote {plural(total, 'case')} to {folder}")
+    finish(as_json, {"folder": folder, "files": written})
 
 
 def _prepared(folder: Path, force: bool) -> Path:

@@ -1,14 +1,20 @@
 """Solvers as the command line names them, ready for cases, and errors that name the case."""
 
+import importlib
+import json
+import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from skinfield.cli.options import mechanics_of, solver_from_text
+from skinfield.cli.options import SOLVERS, mechanics_of
 from skinfield.errors import FileError, InputError
+
+if TYPE_CHECKING:
+    from skinfield.solve import Solver
 
 
 def entrant_from_options(name: str, options: dict[str, Any]) -> Any:
@@ -62,3 +68,78 @@ def named(path: Path, solver: str) -> Iterator[None]:
             f"{path}: --solver {solver} fails with {type(error).__name__}: {error} "
             f"({last.filename}, line {last.lineno})"
         ) from error
+
+
+def solver_from_text(text: str, settings: str = "{}") -> "Solver":
+    """Solver by its name on the command line, or by where it is imported from.
+
+    Parameters
+    ----------
+    text : str
+        Such as "gaussian" or "package.module:Class"; a class, or a function that makes a
+        solver, is called with the settings.
+    settings : str
+        A JSON object.
+
+    Raises
+    ------
+    InputError
+        If there is no such solver, it does not take these settings, or it has no `prepare`.
+    """
+    keywords = _settings(settings)
+    if ":" in text:
+        make = _imported(text)
+    elif text in SOLVERS:
+        from skinfield import solve as inverse
+
+        make = getattr(inverse, SOLVERS[text])
+    else:
+        raise InputError(
+            f"--solver is {text!r}, expected one of {', '.join(SOLVERS)}, or your own as "
+            "package.module:Class"
+        )
+    try:
+        ready = (_is_solver(make) and not keywords) or not callable(make)
+        solver = make if ready else make(**keywords)
+    except TypeError as error:
+        raise InputError(f"--settings is {settings}, but {text} says: {error}") from error
+    if not _is_solver(solver):
+        raise InputError(
+            f"--solver is {text!r}, which has no prepare(model), expected a solver: "
+            "see CONTRIBUTING.md"
+        )
+    return solver  # type: ignore[no-any-return]
+
+
+def _is_solver(value: Any) -> bool:
+    """Whether it is an object, not a class of objects, that prepares."""
+    return not isinstance(value, type) and callable(getattr(value, "prepare", None))
+
+
+def _settings(text: str) -> dict[str, Any]:
+    try:
+        keywords = json.loads(text)
+    except ValueError as error:
+        raise InputError(f"--settings is {text!r}, expected a JSON object: {error}") from error
+    if not isinstance(keywords, dict):
+        raise InputError(f"--settings is {text!r}, expected a JSON object such as {{}}")
+    return keywords
+
+
+def _imported(text: str) -> Any:
+    """What "package.module:name" names; modules of the current folder count."""
+    name, _, attribute = text.partition(":")
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
+    try:
+        module = importlib.import_module(name)
+    except Exception as error:  # whatever runs while a foreign module is imported
+        raise InputError(
+            f"--solver is {text!r}, but {name!r} cannot be imported: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+    finally:
+        sys.path.remove(here)
+    if not hasattr(module, attribute):
+        raise InputError(f"--solver is {text!r}, but {name} has no {attribute!r}")
+    return getattr(module, attribute)

@@ -2,30 +2,46 @@
 
 import time
 from collections.abc import Callable
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from skinfield.cli.options import (
     OUTPUT,
     Force,
+    Json,
+    Model,
+    OfElastomer,
+    config_of,
+    filled,
     layer_of,
-    part,
     patch_of,
     profile_in_use,
     quantity_of,
-    reconstructor_of,
     skin_from_text,
 )
-from skinfield.cli.report import check_new, console, free_name, table_of_contacts
+from skinfield.cli.report import (
+    Column,
+    check_picture,
+    console,
+    finish,
+    free_name,
+    plain_contacts,
+    say,
+    table_of,
+    table_of_contacts,
+)
 from skinfield.errors import Floats, InputError, as_floats, check_count, check_positive
-from skinfield.estimate import Estimate
-from skinfield.reconstruct import Reconstructor
 from skinfield.settings import Elastomer, ModelSettings
-from skinfield.simulate import Sphere
+
+if TYPE_CHECKING:
+    from skinfield.estimate import Estimate
+    from skinfield.reconstruct import Reconstructor
+    from skinfield.simulate import Sphere
 
 DEFAULT_PRESSES = ("-16,8,1.5,6", "13,-12,1,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
+FAR = 8e-3  # m: a contact beyond is not of this press
 
 
 def demo(
@@ -36,8 +52,9 @@ def demo(
     seed: int = 0,
     output: Annotated[str | None, OUTPUT] = None,
     force: Force = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
-    model: Annotated[ModelSettings, part("Model")] = ModelSettings(),
+    as_json: Json = False,
+    elastomer: OfElastomer = Elastomer(),
+    model: Model = ModelSettings(),
 ) -> None:
     """Simulate rigid balls that press on a patch, reconstruct what they do, and compare.
 
@@ -61,13 +78,14 @@ def demo(
         Of the noise.
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
+    as_json : bool
+        Contacts, the truth and times as one JSON object.
     """
-    from skinfield.plot import check_name, draw_estimate, save
+    from skinfield.plot import draw_estimate, save
     from skinfield.simulate import press as pressed
 
     picture = free_name(PICTURE) if output is None else output
-    check_name(picture)
-    check_new("--output", picture, force)
+    check_picture("--output", picture, force)
     patch = patch_of(skin_from_text(layout), None)
     profile = profile_in_use(elastomer, layout=layout)
     layer = layer_of(elastomer, profile)
@@ -82,7 +100,8 @@ def demo(
     clean = true.readings(patch.plane, patch.pad_diameter, name)
     readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
     start = time.perf_counter()
-    reconstructor = reconstructor_of(patch, layer, quantity, spread, model, profile)
+    config = config_of(patch, layer, quantity, spread, filled(model, profile))
+    reconstructor = config.reconstructor()
     prepared = time.perf_counter() - start
     estimate = reconstructor(readings)
     figure = draw_estimate(
@@ -93,11 +112,24 @@ def demo(
         quantity_unit={"1": "%", "Pa": "kPa"}[quantity.unit],
     )
     save(figure, picture)
-    _report(reconstructor, estimate, balls, readings, prepared)
-    console().print(f"wrote {picture}", highlight=False, soft_wrap=True)
+    rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
+    if not as_json:
+        _report(estimate, rows)
+        latency = _latency(reconstructor, estimate, readings)
+        say(f"latency: {latency}; prepared once in {prepared:.1f} s")
+    result = {
+        "contacts": plain_contacts(estimate.contacts),
+        "presses": rows,
+        "prepared_s": prepared,
+        "latency_s": estimate.latency,
+        "picture": picture,
+    }
+    finish(as_json, result, [picture])
 
 
-def _ball_of(text: str) -> Sphere:
+def _ball_of(text: str) -> "Sphere":
+    from skinfield.simulate import Sphere
+
     parts = text.split(",")
     if len(parts) != 4:
         raise InputError(f"--press is {text!r}, expected x,y,force,radius in mm, mm, N, mm")
@@ -105,44 +137,32 @@ def _ball_of(text: str) -> Sphere:
     return Sphere(position=(x * 1e-3, y * 1e-3), force=force, radius=radius * 1e-3)
 
 
-def _report(
-    reconstructor: Reconstructor,
-    estimate: Estimate,
-    balls: list[Sphere],
-    readings: Floats,
-    prepared: float,
-) -> None:
-    from rich.table import Table
+def _against(index: int, ball: "Sphere", estimate: "Estimate") -> dict[str, Any]:
+    """A press beside the contact that is nearest to it, if one is near."""
+    near = [(float(np.hypot(*(c.position[:2] - ball.position))), c) for c in estimate.contacts]
+    row: dict[str, Any] = {"press": index, "force_N": ball.force}
+    place, contact = min(near, key=lambda each: each[0], default=(np.inf, None))
+    if contact is None or place > FAR:
+        return row | {"missed": True}
+    force = contact.normal_force
+    error = force / ball.force - 1
+    return row | {"estimated_force_N": force, "force_error": error, "place_error_m": place}
 
-    out = console()
-    out.print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
-    table = Table(title="Against the known truth", title_justify="left")
-    for column in ("press", "true N", "found N", "force error", "place error mm"):
-        table.add_column(column, justify="right")
-    for index, ball in enumerate(balls, start=1):
-        places = [np.hypot(*(c.position[:2] - ball.position)) for c in estimate.contacts]
-        nearest = int(np.argmin(places)) if places else -1
-        if nearest < 0 or places[nearest] > 8e-3:
-            table.add_row(str(index), f"{ball.force:.2f}", "missed", "", "")
-            continue
-        found = estimate.contacts[nearest].normal_force
-        table.add_row(
-            str(index),
-            f"{ball.force:.2f}",
-            f"{found:.2f}",
-            f"{(found / ball.force - 1) * 100:+.0f} %",
-            f"{places[nearest] * 1e3:.2f}",
-        )
-    out.print(table)
-    latency = _latency(reconstructor, estimate, readings)
-    out.print(
-        f"latency: {latency}; prepared once in {prepared:.1f} s",
-        highlight=False,
-        soft_wrap=True,
+
+def _report(estimate: "Estimate", rows: list[dict[str, Any]]) -> None:
+    """Tables of the contacts, and of the presses beside them."""
+    console().print(table_of_contacts(estimate.contacts, "Contacts reconstructed"))
+    columns = (
+        Column("press", "press", decimals=0),
+        Column("true N", "force_N", decimals=2),
+        Column("found N", "estimated_force_N", decimals=2),
+        Column("force error %", "force_error", 100.0, 0),
+        Column("place error mm", "place_error_m", 1e3, 2),
     )
+    console().print(table_of("Against the known truth (–: missed)", rows, columns))
 
 
-def _latency(reconstructor: Reconstructor, estimate: Estimate, readings: Floats) -> str:
+def _latency(reconstructor: "Reconstructor", estimate: "Estimate", readings: Floats) -> str:
     nodes = f"{estimate.grid.shape[0]} x {estimate.grid.shape[1]} nodes"
     whole = f"{estimate.latency * 1e3:.1f} ms"
     try:

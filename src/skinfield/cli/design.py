@@ -1,5 +1,6 @@
 """`skinfield design`: judge a layout before it is made."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
@@ -8,30 +9,30 @@ from skinfield.cli.options import (
     OUTPUT,
     Force,
     Json,
+    OfElastomer,
     layer_of,
     mechanics_of,
-    part,
     patch_of,
     profile_in_use,
     quantity_of,
     skin_from_text,
 )
 from skinfield.cli.report import (
-    check_new,
     check_output,
+    check_picture,
     console,
+    finish,
     free_name,
-    print_json,
     progress,
     say,
     say_notes,
+    table,
 )
 from skinfield.design import (
     Judgement,
     Places,
     SkinDesign,
     Terms,
-    ThicknessComparison,
     Touch,
     compare_thickness,
     judge,
@@ -42,6 +43,7 @@ from skinfield.settings.tree import QuantityName
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
+ENDINGS = {".csv": "a table, one row per place", ".json": "all maps with what they were made for"}
 COMPARED = (
     "smallest force found, place unknown",
     "place deviation, size unknown",
@@ -61,8 +63,6 @@ def design(
     force_n: float = 0.5,
     radius_mm: float | None = None,
     false_alarms: float = 1e-3,
-    detection: float = 0.9,
-    two_point_errors: float = 0.05,
     linear: bool = False,
     pitch_mm: float | None = None,
     compare_thickness_mm: str | None = None,
@@ -70,7 +70,7 @@ def design(
     maps: tuple[str, ...] = (),
     force: Force = False,
     as_json: Json = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Judge a layout before it is made: blind spots, smallest force, sharpness.
 
@@ -89,7 +89,7 @@ def design(
       skinfield design hexagon72 -o design.png
       skinfield design hexagon72 --thickness-mm 4 --noise 0.005 --force-n 1 --radius-mm 2
       skinfield design right_foot.txt --quantity stress --noise 400 --maps maps.csv
-      skinfield design hexagon72 --quantity stress --compare-thickness-mm 1,2,3,4,6 -o thickness.png
+      skinfield design hexagon72 --quantity stress --compare-thickness-mm 1,2,3,4,6
 
     Parameters
     ----------
@@ -109,16 +109,12 @@ def design(
         Of the contact, mm. Default half the thickness.
     false_alarms : float
         Rate at which noise alone may be taken for a touch, per reading.
-    detection : float
-        Rate at which the smallest force is found.
-    two_point_errors : float
-        Rate of taking two touches for one, and one for two.
     linear : bool
         Take readings as proportional to the force, also of deep touches.
     pitch_mm : float, mm, optional
         Distance of the places that are judged, mm. Default a tenth of the taxels'.
     compare_thickness_mm : str, optional
-        MM,MM,...: judge the same touch under several thicknesses, and draw that instead.
+        MM,MM,...: judge the same touch under several thicknesses, in a table alone.
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default design.png, or a name that is free.
     maps : tuple of str
@@ -126,20 +122,15 @@ def design(
     as_json : bool
         Numbers and verdict as one JSON object.
     """
-    from skinfield.files.judgements import check_judgement_name
-    from skinfield.plot import check_name
-
+    if compare_thickness_mm is not None and (maps or output is not None):
+        raise InputError(
+            f"{(*maps, output)[0]!r} is to be written beside --compare-thickness-mm, expected one "
+            "of them: files are written of one thickness"
+        )
     picture = free_name(PICTURE) if output is None else output
-    check_name(picture)
-    check_new("--output", picture, force)
+    check_picture("--output", picture, force)
     for name in maps:
-        if compare_thickness_mm is not None:
-            raise InputError(
-                f"--maps is {name!r} beside --compare-thickness-mm, expected one of them: maps are "
-                "written of one thickness"
-            )
-        check_output("--maps", name, check_judgement_name(name).suffix)
-        check_new("--maps", name, force)
+        check_output("--maps", name, force, *ENDINGS)
     skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)
@@ -154,14 +145,13 @@ def design(
     )
     candidate = candidate.linear if linear else candidate
     touch = Touch(force_n, layer.thickness / 2 if radius_mm is None else radius_mm * 1e-3)
-    terms = Terms(
-        false_alarm_rate=false_alarms, detection_rate=detection, error_rate=two_point_errors
-    )
+    terms = Terms(false_alarm_rate=false_alarms)
     if compare_thickness_mm is not None:
-        _compare(candidate, touch, terms, _thicknesses(compare_thickness_mm), picture, as_json)
+        finish(as_json, _compare(candidate, touch, terms, compare_thickness_mm, as_json))
         return
     places = None if pitch_mm is None else Places.over(chosen, pitch_mm * 1e-3)
-    _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+    plain = _judge(candidate, touch, terms, places, [picture, *maps], as_json)
+    finish(as_json, plain, (picture, *maps))
 
 
 def _thicknesses(text: str) -> list[float]:
@@ -180,63 +170,48 @@ def _judge(
     places: Places | None,
     files: list[str],
     as_json: bool,
-) -> None:
+) -> dict[str, object]:
     """Judge one layout; the first of `files` is the picture."""
-    from skinfield.files.judgements import save_judgement
+    from skinfield.files import write_summary
+    from skinfield.files.pending import write_bytes
     from skinfield.plot import save
     from skinfield.plot.design import draw_judgement
 
-    with progress() as bar:
-        task = bar.add_task("tables", total=MAPS + 1)
+    with progress("tables", MAPS + 1) as step:
         judgement = judge(
-            candidate,
-            touch,
-            places,
-            terms=terms,
-            on_map=lambda name: bar.update(task, description=name, advance=1),
+            candidate, touch, places, terms=terms, on_map=lambda name: step(what=name)
         )
-    if as_json:
-        print_json(_plain(judgement))
-    else:
+    if not as_json:
         _show(judgement)
     save(draw_judgement(judgement), files[0])
     for name in files[1:]:
-        save_judgement(judgement, name)
-    if not as_json:
-        for name in files:
-            say(f"wrote {name}")
+        if name.lower().endswith(".json"):
+            write_summary(name, judgement.as_mapping())
+        else:
+            write_bytes(name, judgement.as_csv().encode())
+    return _plain(judgement)
 
 
 def _compare(
     candidate: SkinDesign,
     touch: Touch,
     terms: Terms,
-    thicknesses: list[float],
-    picture: str,
+    text: str,
     as_json: bool,
-) -> None:
+) -> list[dict[str, object]]:
     """Judge the same touch under several thicknesses."""
-    from skinfield.plot import save
-    from skinfield.plot.design import draw_thickness
-
-    with progress() as bar:
-        task = bar.add_task("thickness", total=len(thicknesses))
-        begun: list[float] = []
-
-        def on_thickness(thickness: float) -> None:
-            bar.update(task, description=f"{thickness * 1e3:g} mm", completed=len(begun))
-            begun.append(thickness)
-
+    thicknesses = _thicknesses(text)
+    with progress("thickness", len(thicknesses)) as step:
         comparison = compare_thickness(
-            candidate, touch, thicknesses, terms=terms, on_thickness=on_thickness
+            candidate,
+            touch,
+            thicknesses,
+            terms=terms,
+            on_thickness=lambda thickness: step(what=f"{thickness * 1e3:g} mm"),
         )
-    if as_json:
-        print_json([_plain(each) for each in comparison.judgements])
-    else:
-        _show_thickness(comparison)
-    save(draw_thickness(comparison), picture)
     if not as_json:
-        say(f"wrote {picture}")
+        _show_thickness(comparison)
+    return [_plain(each) for each in comparison]
 
 
 def _plain(judgement: Judgement) -> dict[str, object]:
@@ -263,22 +238,16 @@ def _plain(judgement: Judgement) -> dict[str, object]:
 
 def _show(judgement: Judgement) -> None:
     """Table, shares and verdict of one layout."""
-    from rich.table import Table
-
     design, touch = judgement.design, judgement.touch
     title = (
         f"{design.patch.name}: {touch.force:g} N on a contact of radius {touch.radius * 1e3:g} mm, "
         f"{design.layer.thickness * 1e3:g} mm of {design.layer.young_modulus / 1e3:g} kPa"
     )
-    table = Table(title=title, title_justify="left")
-    table.add_column("at one place")
-    for column in ("unit", "median", "90 %", "worst"):
-        table.add_column(column, justify="right")
+    shown = table(title, ("at one place",), ("unit", "median", "90 %", "worst"))
     for row in judgement.rows():
-        table.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
-    console().print(table)
-    blind, searched = judgement.blind, judgement.detectable.searched
-    independent = searched.independent(judgement.detectable.false_alarm_rate)
+        shown.add_row(row.name, row.unit, *map(_short, (row.median, row.p90, row.worst)))
+    console().print(shown)
+    blind, independent = judgement.blind, judgement.detectable.independent
     say(
         f"{judgement.blind.blind_share:.1%} of {blind.places.area * 1e6:.0f} mm² is blind (below "
         f"{blind.threshold:.0%} of the best place); {judgement.missed_share:.1%} misses "
@@ -287,23 +256,21 @@ def _show(judgement: Judgement) -> None:
     say(judgement.verdict())
 
 
-def _show_thickness(found: ThicknessComparison) -> None:
+def _show_thickness(judgements: Sequence[Judgement]) -> None:
     """Table of medians and 95th percentiles by thickness."""
-    from rich.table import Table
-
-    touch = found.judgements[0].touch
+    touch = judgements[0].touch
     title = f"{touch.force:g} N, contact radius {touch.radius * 1e3:g} mm: median / 95 % of places"
-    table = Table(title=title, title_justify="left")
-    for column in ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm",
-                   "blind"):  # fmt: skip
-        table.add_column(column, justify="right")
-    rows = [found.rows(name) for name in COMPARED]
-    for index, judgement in enumerate(found.judgements):
-        cells = [f"{_short(row[index].median)} / {_short(row[index].p95)}" for row in rows]
-        thickness = f"{found.thickness[index] * 1e3:g}"
-        table.add_row(thickness, *cells, f"{judgement.blind.blind_share:.1%}")
-    console().print(table)
-    place, pair = (found.best(name) * 1e3 for name in (COMPARED[1], COMPARED[3]))
+    numbers = ("thickness mm", "smallest force N", "place mm", "force N", "two touches mm", "blind")
+    shown = table(title, (), numbers)
+    thick = [judgement.design.layer.thickness * 1e3 for judgement in judgements]
+    medians = []
+    for judgement, thickness in zip(judgements, thick, strict=True):
+        rows = {row.name: row for row in judgement.rows()}
+        cells = [f"{_short(rows[n].median)} / {_short(rows[n].p95)}" for n in COMPARED]
+        shown.add_row(f"{thickness:g}", *cells, f"{judgement.blind.blind_share:.1%}")
+        medians.append([rows[name].median for name in COMPARED])
+    console().print(shown)
+    place, pair = (thick[int(np.argmin(np.array(medians)[:, at]))] for at in (1, 3))
     say(f"sharpest for places at {place:g} mm, for two touches at {pair:g} mm (median)")
 
 

@@ -1,24 +1,18 @@
 """`skinfield emulate`: boards that do not exist, on a real bus."""
 
 import signal
-from dataclasses import dataclass, fields
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from rich.console import Console
 
-from skinfield.cli.options import Force, Json, layer_of, part, profile_in_use
-from skinfield.cli.report import check_new, print_json
-from skinfield.emulator import (
-    Fault,
-    VirtualSettings,
-    VirtualSkin,
-    Wires,
-    fault_of,
-    temperature_from_text,
-)
+from skinfield.cli.options import Force, Json, OfElastomer, layer_of, part, profile_in_use
+from skinfield.cli.report import check_output, note, print_json, say_notes
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import Range, Section
-from skinfield.wire.can import PORT
+
+if TYPE_CHECKING:
+    from skinfield.emulator import VirtualSettings, VirtualSkin
 
 MISHAPS = ("skipped", "lost", "duplicated", "swapped", "refused", "withheld")
 USUAL_BUS = "udp"
@@ -74,49 +68,6 @@ class ElectronicsSettings(Section):
     mtb3: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
-class FaultSettings(Section):
-    """Faults, WHAT[@START][+SECONDS] each; again for more.
-
-    Parameters
-    ----------
-    unplug : tuple of str
-        Triangle (or BOARD.TRIANGLE) that is unplugged.
-    reboot : tuple of str
-        Board that is silent, by default for 2s, and must then be configured anew.
-    bus_off : tuple of str
-        Bus that is gone.
-    dead : tuple of str
-        Taxel (or PATCH/TAXEL) that sends its count at rest.
-    stuck : tuple of str
-        Taxel that keeps its count.
-    noisy : tuple of str
-        Taxel with ten times the noise.
-    saturated : tuple of str
-        Taxel at the clamp of full load.
-    no_ack : tuple of str
-        Taxel whose converter does not answer.
-    """
-
-    unplug: tuple[str, ...] = ()
-    reboot: tuple[str, ...] = ()
-    bus_off: tuple[str, ...] = ()
-    dead: tuple[str, ...] = ()
-    stuck: tuple[str, ...] = ()
-    noisy: tuple[str, ...] = ()
-    saturated: tuple[str, ...] = ()
-    no_ack: tuple[str, ...] = ()
-
-    @property
-    def faults(self) -> tuple[Fault, ...]:
-        """With their times."""
-        return tuple(
-            fault_of(each.name.replace("_", "-"), text)
-            for each in fields(self)
-            for text in getattr(self, each.name)
-        )
-
-
 def emulate(
     *,
     hardware: Literal["icub", "cyskin", "packet"] = "icub",
@@ -132,13 +83,13 @@ def emulate(
     seed: int = 0,
     priority: int = 0,
     control: str = "127.0.0.1:0",
+    fault: tuple[str, ...] = (),
     truth: str = "",
     force: Force = False,
     as_json: Json = False,
     wires: Annotated[WireSettings, part("Wires")] = WireSettings(),
     electronics: Annotated[ElectronicsSettings, part("Electronics")] = ElectronicsSettings(),
-    faults: Annotated[FaultSettings, part("Faults")] = FaultSettings(),
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Be a robot's skin: play the boards of one, on a real bus.
 
@@ -168,14 +119,15 @@ def emulate(
 
       skinfield emulate --scene random --seed 7 --truth truth.jsonl
       skinfield emulate --rate-hz 1000 --lose 0.001 --duplicate 0.001 --swap 0.001
-      skinfield emulate --unplug 3@10s --reboot 0@20s+2s --stuck 17@5s+10s
+      skinfield emulate --fault "unplug 3@10s" --fault "reboot 0@20s+2s" --fault "stuck 17@5s+10s"
       skinfield emulate --temperature 25..35@600s --noise-scale 1
       skinfield emulate --hardware packet --skin rectangular:rows=64,columns=64 --rate-hz 1000
 
-    Faults are WHAT[@START][+SECONDS]: number 3 from 10 s after the first reading on, number 0 at 20
-    s for 2 s. WHAT can be a run, 3-7, or all, *. Everything can also be asked for while it runs, by
-    datagrams of JSON to the control address: {"do": "press", "x": 0.01, "y": 0, "force": 1}; see
-    docs/virtual-skin.md.
+    Faults are KIND NUMBER[@START][+SECONDS]: unplug (a triangle), reboot (a board), bus-off (a
+    bus), dead, stuck, noisy, saturated, no-ack (a taxel); number 3 from 10 s after the first
+    reading on, number 0 at 20 s for 2 s. NUMBER can be a run, 3-7, or all, *. Everything can also
+    be asked for while it runs, by datagrams of JSON to the control address:
+    {"do": "press", "x": 0.01, "y": 0, "force": 1}; see docs/virtual-skin.md.
 
     Readings that cannot be sent in time are skipped and counted, never sent late in a heap. Ctrl-C
     ends it with a summary.
@@ -208,12 +160,22 @@ def emulate(
         Of SCHED_FIFO, 1 to 99, where permitted.
     control : str
         Address for presses and faults from outside; empty for none.
+    fault : tuple of str
+        What fails, see above; again for more.
     truth : str
         File for what pressed, JSON lines.
     as_json : bool
         One JSON object at the end.
     """
-    check_new("--truth", truth or None, force)
+    from skinfield.emulator import (
+        VirtualSettings,
+        Wires,
+        fault_from_text,
+        temperature_from_text,
+    )
+    from skinfield.wire.can import PORT
+
+    check_output("--truth", truth or None, force)
     profile = profile_in_use(elastomer, hardware, layout)
     settings = VirtualSettings(
         hardware=hardware,
@@ -239,30 +201,32 @@ def emulate(
             delay=wires.delay_ms * 1e-3,
             jitter=wires.jitter_us * 1e-6,
         ),
-        faults=faults.faults,
+        faults=tuple(map(fault_from_text, fault)),
         seed=seed,
         control=control,
         truth=truth,
         duration=duration,
         priority=priority,
     )
-    shown = Console(stderr=True)
-    counts = _played(settings, shown)
+    out = Console(stderr=True)
+    counts = _play(settings, out)
     if as_json:
         print_json(counts)
     else:
-        _sum_up(counts, shown)
+        _sum_up(counts)
 
 
-def _played(settings: VirtualSettings, shown: Console) -> dict[str, Any]:
+def _play(settings: "VirtualSettings", out: Console) -> dict[str, Any]:
     """Play a skin until its time is over, or it is stopped; what it did."""
+    from skinfield.emulator import VirtualSkin
+
     skin = VirtualSkin(settings)
     before = {name: signal.getsignal(name) for name in (signal.SIGINT, signal.SIGTERM)}
     for name in before:
         signal.signal(name, lambda *_: skin.stop())
     try:
-        _introduce(skin, shown)
-        with shown.status("waiting for a host", spinner="dots") as status:
+        _introduce(skin)
+        with out.status("waiting for a host", spinner="dots") as status:
             skin.run(each_second=lambda each: status.update(_line_of(each)))
     finally:
         counts = {**skin.description(), **skin.counts()}
@@ -272,20 +236,19 @@ def _played(settings: VirtualSettings, shown: Console) -> dict[str, Any]:
     return counts
 
 
-def _introduce(skin: VirtualSkin, shown: Console) -> None:
+def _introduce(skin: "VirtualSkin") -> None:
     """What it is and where."""
     settings = skin.settings
     patches = ", ".join(f"{patch.name} ({len(patch)} taxels)" for patch in skin.skin)
-    shown.print(f"{settings.hardware} skin: {patches}", highlight=False, soft_wrap=True)
+    note(f"{settings.hardware} skin: {patches}", "")
     where = ", ".join(skin.hardware.addresses)
-    shown.print(f"{settings.bus} at {where}; scene {skin.world.scene.name}", highlight=False)
+    note(f"{settings.bus} at {where}; scene {skin.world.scene.name}", "")
     if skin.control_address:
-        shown.print(f"presses and faults: JSON by UDP to {skin.control_address}", highlight=False)
-    for note in skin.notes:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
+        note(f"presses and faults: JSON by UDP to {skin.control_address}", "")
+    say_notes(skin.notes)
 
 
-def _line_of(skin: VirtualSkin) -> str:
+def _line_of(skin: "VirtualSkin") -> str:
     """What is going on, in a line."""
     if not skin.stream_ns:
         return "waiting for a host"
@@ -302,27 +265,20 @@ def _line_of(skin: VirtualSkin) -> str:
     return " | ".join(parts)
 
 
-def _sum_up(counts: dict[str, Any], shown: Console) -> None:
+def _sum_up(counts: dict[str, Any]) -> None:
     """What was sent in all, and what became of it."""
-    said = [f"{counts['messages']:,} messages of {counts['readings']:,} readings sent"]
-    said += [f"{counts[name]:,} {name}" for name in MISHAPS]
-    shown.print(", ".join(said), highlight=False, soft_wrap=True)
+    parts = [f"{counts['messages']:,} messages of {counts['readings']:,} readings sent"]
+    note(", ".join(parts + [f"{counts[name]:,} {name}" for name in MISHAPS]), "")
     if counts["faults"]:
         began = ", ".join(f"{kind} {count}" for kind, count in counts["faults"].items())
-        shown.print(f"faults that began: {began}", highlight=False, soft_wrap=True)
+        note(f"faults that began: {began}", "")
     if counts["skipped"]:
-        shown.print(
+        note(
             f"{counts['skipped']:,} readings came too late and were skipped: this machine was "
             "too busy for the rate",
-            style="yellow",
-            highlight=False,
-            soft_wrap=True,
+            "yellow",
         )
     if counts["refused"] and not counts["messages"]:
-        shown.print(
-            f"nothing went out: no host has spoken to {', '.join(counts['channels'])}",
-            style="yellow",
-            highlight=False,
-        )
-    for note in counts["notes"]:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
+        where = ", ".join(counts["channels"])
+        note(f"nothing went out: no host has spoken to {where}", "yellow")
+    say_notes(counts["notes"])

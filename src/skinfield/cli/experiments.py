@@ -1,21 +1,14 @@
 """`skinfield experiments`: the paper's campaign as one command."""
 
-import os
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from skinfield.cli.options import OUTPUT, Json
-from skinfield.cli.report import console, print_json, progress, say
+from skinfield.cli.options import OUTPUT, Json, processes
+from skinfield.cli.report import console, finish, progress, table
 from skinfield.errors import SkinfieldError, check_count
-
-if TYPE_CHECKING:
-    from rich.table import Table
-
-    from skinfield.lab.report import Verdict
 
 
 def experiments(
@@ -57,36 +50,28 @@ def experiments(
         Verdicts and page as one JSON object.
     """
     check_count("--seed", seed, 0, 1 << 63, "of the noise")
-    if workers is not None:
-        check_count("--workers", workers, 1, 1 << 12, "processes at once")
+    number = processes(workers)
     from skinfield.lab.experiments import chosen, run
     from skinfield.lab.report import Settings, size_by_name
 
     wanted = chosen(only.split(","))
     settings = Settings(size=size_by_name(size), seed=seed, data=data or "")
-    with progress() as bar:
-        task = bar.add_task("experiments", total=len(wanted))
-
-        def show(name: str, done: int, of: int) -> None:
-            bar.update(task, completed=done, total=of, description=name or "experiments")
-
-        finished = run(wanted, settings, Path(output), workers or os.cpu_count() or 1, show)
-    if as_json:
-        verdicts = [asdict(verdict) for verdict in finished.verdicts]
-        print_json({"page": str(finished.page), "verdicts": verdicts})
-    else:
-        if finished.verdicts:
-            console().print(_table(finished.verdicts))
-        say(f"wrote {finished.page}")
+    with progress("experiments", len(wanted)) as step:
+        finished = run(
+            wanted,
+            settings,
+            Path(output),
+            number,
+            lambda name, done, total: step(done, total, name or "experiments"),
+        )
+    page, verdicts = str(finished.page), finished.verdicts
+    if verdicts and not as_json:
+        columns = ("figure", "the paper says", "measured here", "verdict")
+        shown = table(None, columns, (), show_lines=True)
+        for verdict in verdicts:
+            shown.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
+        console().print(shown)
+    finish(as_json, {"page": page, "verdicts": [asdict(each) for each in verdicts]}, [page])
     if finished.failures:
         named = ", ".join(f"{name} (see {file})" for name, file in finished.failures)
         raise SkinfieldError(f"the report lacks what failed: {named}")
-
-
-def _table(verdicts: Sequence["Verdict"]) -> "Table":
-    from rich.table import Table
-
-    table = Table("figure", "the paper says", "measured here", "verdict", show_lines=True)
-    for verdict in verdicts:
-        table.add_row(verdict.figure, verdict.claim, verdict.measured, verdict.verdict)
-    return table

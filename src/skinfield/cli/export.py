@@ -1,17 +1,13 @@
 """`skinfield export`: a recording of a live skin into tables and arrays that others read."""
 
-from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal
 
-import numpy as np
 from cyclopts import Parameter
 
-from skinfield.cli.options import OUTPUT, Force
-from skinfield.cli.report import check_new, progress, say_notes
-from skinfield.errors import FileError, InputError
-
-HELD = 4096  # cycles whose rows are written together
+from skinfield.cli.options import OUTPUT, Force, Json
+from skinfield.cli.report import check_output, finish, progress, say_notes
 
 
 def export(
@@ -22,6 +18,7 @@ def export(
     patch: tuple[str, ...] = (),
     form: Annotated[Literal["rosbag2", "rosbag2-sqlite"] | None, Parameter(name="--format")] = None,
     force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Turn FILE, a recording of a live skin, into arrays and tables that others read.
 
@@ -30,7 +27,7 @@ def export(
     answer in each cycle; the cycles' times; and what happened. In the order of the layout's taxels,
     stamps in ns since the epoch, all else in SI units.
 
-      out.h5, out.zarr     patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
+      out.h5               patches/<name>/counts and stamp_ns; contacts, fit_contacts, patch_cycles,
                            cycles, events
       out.parquet, .csv    the counts; beside it out.contacts.*, out.fit_contacts.*,
                            out.patch_cycles.*, out.cycles.* and out.events.json
@@ -49,214 +46,38 @@ def export(
     file : str
         Recording (.mcap).
     output : str
-        File to write: .parquet, .csv, .zarr or .h5; for a bag, a DIR.
+        File to write: .parquet, .csv or .h5; for a bag, a DIR.
     patch : tuple of str
         Only this patch; again for more. Default all.
     form : str, optional
         A DIR as a bag of ROS 2: MCAP, or SQLite as Humble has it. Default by the ending.
+    as_json : bool
+        What was written, and what left out, as one JSON object.
     """
+    from skinfield.files.live_export import open_export
+    from skinfield.files.mcap.export import Export
     from skinfield.files.mcap.live import LiveRecording
+    from skinfield.files.ros import BagExport
 
-    check_new("--output", output, force)
+    check_output("--output", output, force)
     recording = LiveRecording.open(Path(file))
-    work = _Work(recording, patch)
-    with _sink_of(output, form, work) as sink, progress() as bar:
-        task = bar.add_task("exporting", total=recording.outline.size)
-        for at in work.into(sink):
-            bar.update(task, completed=at)
-        notes = work.views_into(sink) if form else []
+    work = Export(recording, patch)
+    with ExitStack() as parts:
+        notes: list[str] = []
+        if form is None:
+            sink = parts.enter_context(open_export(output, work.what))
+        else:
+            sqlite = form == "rosbag2-sqlite"
+            bag = BagExport(output, work.what.patches, work.numbers, sqlite=sqlite)
+            sink = parts.enter_context(bag)
+        with progress("exporting", recording.outline.size) as step:
+            for at in work.into(sink):
+                step(at)
+        if form is not None:
+            work.taxels_into(sink)
     notes += [f"byte {each.byte}: {each.why}: left out" for each in recording.damage[:8]]
     if not recording.finished:
         notes.insert(0, f"{file} was not finished: its end may be missing")
     say_notes(notes)
-
-
-def _sink_of(output: str, form: str | None, work: "_Work") -> Any:
-    from skinfield.files.live_export import open_export
-
-    if form is None:
-        return open_export(output, work.what)
-    from skinfield.files.ros import BagExport
-
-    return BagExport(output, work.what.patches, work.numbers, sqlite=form == "rosbag2-sqlite")
-
-
-class _Work:
-    """From the messages of a recording to the pieces of an export."""
-
-    def __init__(self, recording: Any, names: tuple[str, ...]) -> None:
-        from skinfield.files.live_export import Exported
-        from skinfield.files.mcap.reader import Scan, port_of, ports_of
-
-        ports, skin = ports_of(recording), recording.skin
-        for name in names:
-            skin[name]  # says which there are
-        self._recording = recording
-        chosen = tuple(patch for patch in skin if not names or patch.name in names)
-        every = [patch.name for patch in skin]
-        self.numbers = [every.index(patch.name) for patch in chosen]
-        total = sum(port.channels for port in ports)
-        its = [port_of(patch, ports) for patch in chosen]
-        self._scans = [
-            Scan(patch.channel + port.first, total) for patch, port in zip(chosen, its, strict=True)
-        ]
-        layout = recording.cycle_layout
-        self._tables = {
-            "contacts": _with_cycle(layout.contact),
-            "patch_cycles": _with_cycle(layout.patch, "patch"),
-            "cycles": CYCLE,
-        }
-        units = tuple(port.unit for port in its)
-        self._fit = FitRows.of(recording)
-        if self._fit is not None:
-            self._tables["fit_contacts"] = self._fit.fields
-        self.what = Exported(str(recording.path), chosen, units, self._tables)
-        self._held: list[Any] = []
-
-    def into(self, sink: Any) -> Iterator[int]:
-        """Hand everything to the sink; bytes of the file that are done, now and then."""
-        from skinfield.files.mcap.schema import BLOCKS, CYCLES, FITS
-
-        recording, fit = self._recording, self._fit
-        for topic, at, message in recording.messages((BLOCKS, CYCLES, FITS)):
-            if topic == FITS:
-                if fit is not None and len(rows := fit.rows_of(at, message.data)):
-                    sink.add_rows("fit_contacts", rows)
-            elif topic == CYCLES:
-                cycle = recording.cycle_of(at, message)
-                if cycle is not None:
-                    self._held.append(cycle)
-                if len(self._held) >= HELD:
-                    self._put_cycles(sink)
-            elif (logged := recording.logged_of(at, message)) is not None:
-                for patch, scan in enumerate(self._scans):
-                    for stamps, counts in scan.feed(logged.data):
-                        sink.add_counts(patch, stamps, counts)
-            yield at
-        for patch, scan in enumerate(self._scans):
-            for stamps, counts in scan.finish():
-                sink.add_counts(patch, stamps, counts)
-        self._put_cycles(sink)
-        sink.add_happened(list(recording.timing()), list(recording.events()))
-
-    def views_into(self, bag: Any) -> list[str]:
-        """Hand a bag the taxels that were recorded for ROS; what was left out, in words."""
-        topics = {bag.taxels_of(place) for place in range(len(self.numbers))}
-        known = {
-            each.topic
-            for each in self._recording.channels.values()
-            if each.message_encoding == "cdr"
-        }
-        left = 0
-        if not (wanted := known & topics):
-            return []
-        for topic, _, message in self._recording.messages(wanted):
-            left += not bag.add_taxels(topic, message.time_ns, message.data)
-        return [f"{left} messages of taxels that cannot be read: left out"] if left else []
-
-    def _put_cycles(self, sink: Any) -> None:
-        held, self._held = self._held, []
-        if not held:
-            return
-        sink.add_rows("cycles", _cycle_rows(held))
-        for table in ("contacts", "patch_cycles"):
-            rows = _rows_of(held, table, self._tables[table])
-            if len(rows):
-                sink.add_rows(table, rows)
-
-
-CYCLE = np.dtype(
-    [(name, "<i8") for name in ("cycle", "flags", "wall_ns", "due_ns", "wake_ns", "acquired_ns",
-                                "done_ns", "log_position", "contacts")]
-)  # fmt: skip
-
-
-def _with_cycle(rows: "np.dtype[Any]", place: str = "") -> "np.dtype[Any]":
-    """The rows' fields behind the cycle's number and time, and the row's place if it is named."""
-    clash = {"cycle", "wall_ns", place} & set(rows.names or ())
-    if clash:
-        raise InputError(f"rows have the fields {sorted(clash)}, which stand for the cycle")
-    more = [(place, "<i8")] if place else []
-    return np.dtype([("cycle", "<i8"), ("wall_ns", "<i8"), *more, *rows.descr])
-
-
-def _cycle_rows(cycles: list[Any]) -> Any:
-    rows = np.zeros(len(cycles), CYCLE)
-    for name in CYCLE.names or ():
-        rows[name] = [
-            {"cycle": each.number, "contacts": len(each.contacts)}.get(name)
-            if name in ("cycle", "contacts")
-            else getattr(each, name)
-            for each in cycles
-        ]
-    return rows
-
-
-def _rows_of(cycles: list[Any], table: str, kind: "np.dtype[Any]") -> Any:
-    """Rows of all cycles, one after the other."""
-    parts = [each.contacts if table == "contacts" else each.patches for each in cycles]
-    counts = [len(part) for part in parts]
-    rows = np.zeros(sum(counts), kind)
-    rows["cycle"] = np.repeat([each.number for each in cycles], counts)
-    rows["wall_ns"] = np.repeat([each.wall_ns for each in cycles], counts)
-    if table == "patch_cycles":
-        rows["patch"] = np.concatenate([np.arange(count) for count in counts])
-    joined = np.concatenate(parts)
-    for name in joined.dtype.names or ():
-        rows[name] = joined[name]
-    return rows
-
-
-class FitRows:
-    """From messages of a fit to rows of a table; made by `FitRows.of`.
-
-    A row is a contact: `wall_ns`, when the fit published it; of its patch's answer the engine's
-    `cycle`, `stamp_ns` of the newest reading in it and `readings`, how many it is the mean of; and
-    all fields of a contact and of its form.
-    """
-
-    def __init__(self, recording: Any, layout: Any) -> None:
-        self._recording, self._layout = recording, layout
-        patch, contact, form = layout.patch.names, layout.contact.names, layout.form.names
-        self._of_patch = [name for name in ("cycle", "stamp_ns", "readings") if name in patch]
-        taken = {"wall_ns", *self._of_patch}
-        self._of_contact = [name for name in contact if name not in taken]
-        taken |= set(self._of_contact)
-        self._of_form = [name for name in form if name not in taken and name != "spare"]
-        self.fields = np.dtype(
-            [("wall_ns", "<i8")]
-            + [(name, layout.patch[name]) for name in self._of_patch]
-            + [(name, layout.contact[name]) for name in self._of_contact]
-            + [(name, layout.form[name]) for name in self._of_form]
-        )
-        self._told: dict[int, bytes] = {}
-
-    @classmethod
-    def of(cls, recording: Any) -> Self | None:
-        """Of a recording; None where it has no channel of fits, or none that can be read."""
-        try:
-            layout = recording.fit_layout
-        except FileError as error:  # the rest is whole
-            recording.note(0, str(error))
-            return None
-        return None if layout is None else cls(recording, layout)
-
-    def rows_of(self, at: int, data: bytes) -> Any:
-        """What a message at byte `at` says that was not said before."""
-        found = self._recording.fit_of(at, data)
-        if found is None:
-            return np.zeros(0, self.fields)
-        told = {int(p): row.tobytes() for p, row in zip(found.places, found.patches, strict=True)}
-        fresh = np.array([self._told.get(place) != row for place, row in told.items()], bool)
-        self._told = told
-        counts = found.patches["contacts"]
-        new = np.repeat(fresh, counts)
-        rows = np.zeros(int(new.sum()), self.fields)
-        rows["wall_ns"] = found.time_ns
-        for name in self._of_patch:
-            rows[name] = np.repeat(found.patches[name], counts)[new]
-        for name in self._of_contact:
-            rows[name] = found.contacts[name][new]
-        for name in self._of_form:
-            rows[name] = found.forms[name][new]
-        return rows
+    patches = [each.name for each in work.what.patches]
+    finish(as_json, {"file": output, "patches": patches, "notes": notes}, [output])

@@ -1,5 +1,6 @@
 """`skinfield layout`: where the taxels are."""
 
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,7 +9,16 @@ from cyclopts import Parameter
 
 from skinfield.cli.main import new_app
 from skinfield.cli.options import LAYOUT, OUTPUT, Force, Json, skin_from_text
-from skinfield.cli.report import check_new, console, print_json, print_text, say, say_notes
+from skinfield.cli.report import (
+    check_output,
+    check_picture,
+    console,
+    finish,
+    print_json,
+    say,
+    say_notes,
+    table,
+)
 from skinfield.skin import Patch, Skin
 
 if TYPE_CHECKING:
@@ -39,6 +49,7 @@ def show(
     *,
     output: Annotated[str, OUTPUT],
     force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Draw a layout to a PNG, PDF or SVG file.
 
@@ -54,16 +65,16 @@ def show(
         Layout file, or a generator by name.
     output : str
         Figure to write: .png, .pdf or .svg.
+    as_json : bool
+        Its patches as one JSON object.
     """
     from skinfield.plot.layout import draw_layout
-    from skinfield.plot.style import check_name, save
+    from skinfield.plot.style import save
 
-    check_name(output)
-    check_new("--output", output, force)
+    check_picture("--output", output, force)
     skin = skin_from_text(text)
-    say_notes(skin.notes)
     save(draw_layout(skin), output)
-    say(f"wrote {output}: {_summary(skin)}")
+    _finish(skin, as_json, output)
 
 
 @layout.command
@@ -101,9 +112,9 @@ def convert(
     output: Annotated[str, Parameter(name="OUTPUT")],
     /,
     *,
-    form: Annotated[str | None, Parameter(name="--format")] = None,
     patch: str | None = None,
     force: Force = False,
+    as_json: Json = False,
 ) -> None:
     """Convert a layout to another format, chosen by the extension of OUTPUT.
 
@@ -111,32 +122,27 @@ def convert(
     Formats that hold one patch take one: choose it with --patch.
 
       skinfield layout convert right_foot.txt foot.toml
-      skinfield layout convert hexagon72 calibration.cache
-      skinfield layout convert tip.toml tip.txt --format fingertip
+      skinfield layout convert hexagon72 hexagon.json
 
     Parameters
     ----------
     text : str
         Layout file, or a generator by name.
     output : str
-        File to write.
-    form : str, optional
-        Format of OUTPUT where its extension has several.
+        File to write: .toml, .npz, .json (CySkin) or .txt (iCub positions).
     patch : str, optional
         Name of the one patch to write.
+    as_json : bool
+        Its patches, and what is not written, as one JSON object.
     """
-    from skinfield.files.layouts import format_by_name
     from skinfield.files.layouts.load import save_layout
 
-    wanted = format_by_name(form) if form else None
-    check_new("OUTPUT", output, force)
+    check_output("OUTPUT", output, force)
     skin = skin_from_text(text)
     if patch is not None:
         skin = Skin((skin[patch],), name=skin.name, notes=skin.notes)
-    lost = save_layout(skin, output, wanted)
-    say_notes(skin.notes)
-    say_notes(f"not written: {sentence}" for sentence in lost)
-    say(f"wrote {output}: {_summary(skin)}")
+    lost = save_layout(skin, output)
+    _finish(skin, as_json, output, lost)
 
 
 @layout.command
@@ -154,50 +160,64 @@ def info(text: Annotated[str, LAYOUT], /, *, as_json: Json = False) -> None:
         One JSON object.
     """
     skin = skin_from_text(text)
-    if as_json:
-        print_json({"name": skin.name, "patches": [_plain(patch) for patch in skin]})
-    else:
-        print_text(f"{skin.name}: {_summary(skin)}")
+    if not as_json:
+        say(f"{skin.name}: {_summary(skin)}")
         for patch in skin:
-            print_text(_line(patch))
+            say(_line(patch))
+    _finish(skin, as_json)
+
+
+def _finish(skin: Skin, as_json: bool, output: str = "", lost: Iterable[str] = ()) -> None:
+    """Notes, the result as JSON, and what was written."""
     say_notes(skin.notes)
+    say_notes(f"not written: {sentence}" for sentence in lost)
+    plain = {"name": skin.name, "patches": [_plain(patch) for patch in skin]}
+    if output:
+        plain |= {"file": output, "not_written": list(lost)}
+    finish(as_json, plain, [f"{output}: {_summary(skin)}"] if output else ())
 
 
 @layout.command
-def generators() -> None:
+def generators(*, as_json: Json = False) -> None:
     """List the layouts that need no file, with their arguments and defaults.
 
-    skinfield layout generators
-    skinfield layout show cylinder:radius_mm=40 -o cylinder.png
+      skinfield layout generators
+      skinfield layout show cylinder:radius_mm=40 -o cylinder.png
+
+    Parameters
+    ----------
+    as_json : bool
+        One JSON list.
     """
     from skinfield.skin.generators import known
 
+    if as_json:
+        print_json(list(known()))
+        return
     for usage in known():
-        print_text(usage)
+        say(usage)
 
 
 def _show_findings(title: str, findings: "list[Finding]") -> None:
-    from rich.table import Table
     from rich.text import Text
 
     if not findings:
-        print_text(f"{title}: nothing found")
+        say(f"{title}: nothing found")
         return
-    print_text(title)
-    table = Table(show_lines=True)
-    table.add_column("severity", no_wrap=True)
-    table.add_column("code", no_wrap=True)
-    table.add_column("what it means, and what reading the file does about it")
-    table.add_column("rows", max_width=16)
+    say(title)
+    columns = ("severity", "code", "what it means, and what reading the file does about it", "rows")
+    shown = table(None, columns, (), show_lines=True)
+    shown.columns[0].no_wrap = shown.columns[1].no_wrap = True
+    shown.columns[3].max_width = 16
     for finding in findings:
         first = ", ".join(map(str, finding.rows[:MOST_ROWS]))
         total = len(finding.rows)
         rows = first + (f", ... {total} in all" if total > MOST_ROWS else "")
         severity = Text(finding.severity, style=COLOURS[finding.severity])
-        table.add_row(severity, finding.code, Text(finding.message), rows)  # may hold brackets
-    console().print(table)
+        shown.add_row(severity, finding.code, Text(finding.message), rows)  # may hold brackets
+    console().print(shown)
     counts = [f"{sum(f.severity == s for f in findings)} {s}" for s in COLOURS]
-    print_text(", ".join(counts))
+    say(", ".join(counts))
 
 
 def _plain(patch: Patch) -> dict[str, Any]:

@@ -4,7 +4,6 @@ import inspect
 import re
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
 from typing import Any, NamedTuple
 
 from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
@@ -16,7 +15,6 @@ from skinfield.cli.options import flag_of
 from skinfield.errors import SkinfieldError
 from skinfield.settings.text import nearest
 
-RENAMED = {"--layout": "--skin"}
 FAILED = 2  # exit code of an error of the user's input
 PLAIN = Box("    \n" * 8)  # no lines around help
 WIDEST = 100  # columns of help
@@ -58,6 +56,7 @@ COMMANDS = {
     "bench": Lazy("bench:bench", "Time the solvers here: cost, error against time.", "Machine"),
     "status": Lazy("status:status", "What runs, and how well it keeps its time."),
     "tune": Lazy("status:tune", "Change how a running skin answers."),
+    "tare": Lazy("status:tare", "Take the baseline of an untouched skin anew."),
     "warmup": Lazy("warmup:warmup", "Compile once for this machine what a run needs."),
     "emulate": Lazy("emulate:emulate", "Be a skin: boards that do not exist, on a real bus."),
     **LAB,
@@ -72,7 +71,14 @@ Start with
   skinfield run my_robot.toml     your own
   skinfield COMMAND --help        what a command takes, with examples
 
-Of a running skin also: status, tune, emulate, warmup; of recordings: info, recover."""
+Of a running skin also: status, tune, tare, emulate, warmup; of recordings: info, recover."""
+
+
+def version() -> str:
+    """Of the package that is installed."""
+    from importlib.metadata import version as version_of
+
+    return version_of("skinfield")
 
 
 def shown_default(value: Any) -> str | None:
@@ -137,7 +143,7 @@ def add_commands(app: App, commands: dict[str, Lazy], called: str) -> None:
 def app_for(words: Sequence[str]) -> App:
     """The program, as it is called."""
     called = [word for word in words if not word.startswith("-")] + ["", ""]
-    app = new_app("skinfield", HELP, version=lambda: version("skinfield"), config=settings_of_file)
+    app = new_app("skinfield", HELP, version=version, config=settings_of_file)
     add_commands(app, COMMANDS, called[0])
     lab = new_app("lab", LAB_HELP, group=Group("Research", sort_key=98))
     add_commands(lab, LAB, called[1])
@@ -183,21 +189,21 @@ def main(words: Sequence[str] | None = None) -> None:
     """
     from threadpoolctl import threadpool_limits
 
-    given = [_renamed(word) for word in (sys.argv[1:] if words is None else words)]
-    app = app_for(given)
+    words = sys.argv[1:] if words is None else words
+    app = app_for(words)
     try:
         with threadpool_limits(limits=1):
             code = app(
-                given,
+                words,
                 exit_on_error=False,
                 print_error=False,
                 result_action="return_value",
                 console=_console(),
             )
-    except CycloptsError as error:
-        _fail(_said_of(error))
-    except SkinfieldError as error:
-        _fail(_with_flag(error))
+    except (CycloptsError, SkinfieldError) as error:
+        text = _usage_error(error) if isinstance(error, CycloptsError) else _with_flag(error)
+        print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words
+        code = FAILED
     sys.exit(code if isinstance(code, int) else 0)
 
 
@@ -210,12 +216,7 @@ def _console() -> Any:
     return console
 
 
-def _renamed(word: str) -> str:
-    name, equals, value = word.partition("=")
-    return RENAMED.get(name, name) + equals + value
-
-
-def _said_of(error: CycloptsError) -> str:
+def _usage_error(error: CycloptsError) -> str:
     """What is wrong with a command line, and where its help is."""
     chain = error.command_chain or ()
     called = " ".join(["skinfield", *chain])
@@ -231,8 +232,3 @@ def _with_flag(error: SkinfieldError) -> str:
     """What is wrong, with the flag in place of the field's name."""
     name = getattr(error, "name", None)
     return f"--{flag_of(name)} {error.text}" if name and hasattr(error, "text") else str(error)
-
-
-def _fail(text: str) -> None:
-    print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words
-    sys.exit(FAILED)

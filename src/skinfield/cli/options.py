@@ -1,28 +1,25 @@
 """Options that commands share, and the objects that they stand for: the only list of variants."""
 
-import importlib
 import inspect
-import json
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, fields, is_dataclass
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from cyclopts import Group, Parameter
 
-from skinfield.cli.report import say_profile
-from skinfield.errors import InputError
-from skinfield.settings import Elastomer, ModelSettings, Profile, profile_of
-from skinfield.settings.tree import Positive, Range, Section
+from skinfield.cli.report import note
+from skinfield.errors import InputError, check_count
+from skinfield.settings import Elastomer, ModelSettings, PageSettings, Profile, profile_of
+from skinfield.settings.tree import Positive, Range, Section, SolverName
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from skinfield.elastic import Layer, Mechanics, Quantity
-    from skinfield.reconstruct import Reconstructor
     from skinfield.reconstruct.diagnostics import Conditioning
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.skin import Patch, Skin
     from skinfield.solve import Solver
 
@@ -41,7 +38,9 @@ FLAGS = {  # of fields whose flag has another name
     "into": "record",
 }
 OF_UNIT = {"count": "capacitance", "dC/C0": "capacitance", "Pa": "stress", "1": "gap"}
-USUAL_SOLVER = "gaussian"
+S = TypeVar("S", bound=Section)
+LIVE = ".mcap"  # ends the name of a recording of a live skin
+USUAL_SOLVER: SolverName = "gaussian"
 USUAL_NO_LOAD = 240  # of an iCub byte
 PER_PITCH, COARSEST, FINEST = 4, 10, 80  # nodes: to a pitch of the taxels, at least, at most
 
@@ -92,6 +91,12 @@ class CountSettings(Section):
     noise: Annotated[float | None, Positive("no reading is exact")] = None
 
 
+Counts = Annotated[CountSettings, part("Counts")]
+OfElastomer = Annotated[Elastomer, part("Elastomer")]
+Model = Annotated[ModelSettings, part("Model")]
+Page = Annotated[PageSettings, part("Page")]
+
+
 def solver_of(name: str) -> "Solver":
     """Solver of a name in `SOLVERS`, as it usually is."""
     from skinfield import solve as inverse
@@ -124,27 +129,39 @@ def quantity_of(name: str) -> "Quantity":
 
 
 def skin_from_text(text: str) -> "Skin":
-    """Skin of a layout file, or a generator by name."""
+    """Skin of a layout file, of a recording that has it enclosed, or a generator by name."""
+    if text.lower().endswith(LIVE):
+        from skinfield.files.mcap.live import LiveRecording
+
+        return LiveRecording.open(Path(text)).skin
     from skinfield.files.layouts.load import skin_from_text as skin_of_words
 
     return skin_of_words(text)
 
 
-def profile_in_use(given: Elastomer, hardware: str | None = None, layout: str = "") -> Profile:
+def profile_in_use(wanted: Elastomer, hardware: str | None = None, layout: str = "") -> Profile:
     """Profile of whose skin it is, which is named on stderr."""
-    profile = profile_of(given, hardware, layout)
-    say_profile(profile.sentence(given))
+    profile = profile_of(wanted, hardware, layout)
+    note(profile.sentence(wanted))
     return profile
 
 
-def layer_of(given: Elastomer, profile: Profile) -> "Layer":
-    """Elastomer, in SI units: what was given, else the profile's."""
+def filled(section: S, profile: Profile) -> S:
+    """Section of settings in which the profile's values stand for those that were left out."""
+    missing = [each.name for each in fields(section) if getattr(section, each.name) is None]
+    known = {name: getattr(profile, name) for name in missing if hasattr(profile, name)}
+    return replace(section, **known)
+
+
+def layer_of(elastomer: Elastomer, profile: Profile) -> "Layer":
+    """Elastomer, in SI units: what was set, else the profile's."""
     from skinfield.elastic import Layer
 
-    thickness, modulus, poisson = (
-        getattr(profile if getattr(given, name) is None else given, name)
-        for name in ("thickness_mm", "modulus_kpa", "poisson")
-    )
+    whole = filled(elastomer, profile)
+    thickness, modulus, poisson = whole.thickness_mm, whole.modulus_kpa, whole.poisson
+    assert thickness is not None  # a profile has them all
+    assert modulus is not None
+    assert poisson is not None
     return Layer(thickness * 1e-3, modulus * 1e3, poisson)
 
 
@@ -161,33 +178,32 @@ def nodes_for(patch: "Patch", most: int = FINEST) -> int:
     return int(np.clip(np.ceil(PER_PITCH * extent / pitch), COARSEST, most))
 
 
-def reconstructor_of(
+def config_of(
     patch: "Patch",
     layer: "Layer",
     quantity: "Quantity",
     noise_std: "ArrayLike",
     model: ModelSettings,
-    profile: Profile,
-) -> "Reconstructor":
+) -> "ReconstructorConfig":
     """Reconstruction with the chosen grid, mechanics and solver."""
-    from skinfield.reconstruct import Reconstructor
+    from skinfield.estimate import ContactFinder
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.skin import Grid
 
-    return Reconstructor(
+    return ReconstructorConfig(
         patch,
         layer,
         Grid.square(patch, nodes=model.grid or nodes_for(patch)),
-        mechanics=mechanics_of(model.mechanics or profile.mechanics),
-        quantity=quantity,
-        solver=solver_of(model.solver or USUAL_SOLVER),
-        noise_std=noise_std,
+        mechanics_of(model.mechanics or "layer"),
+        quantity,
+        solver_of(model.solver or USUAL_SOLVER),
+        noise_std,
+        ContactFinder(),
     )
 
 
-def conditioning_of(
-    patch: "Patch", given: CountSettings, profile: Profile | None = None
-) -> "Conditioning":
-    """What counts mean."""
+def conditioning_of(patch: "Patch", counts: CountSettings) -> "Conditioning":
+    """What counts mean; gain and rest that are not set are the board's."""
     from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.signal import (
         Convention,
@@ -199,21 +215,20 @@ def conditioning_of(
         load_calibration,
     )
 
-    known = profile or CountSettings()  # gain and rest, where they were not given
-    no_load = given.no_load or known.no_load or USUAL_NO_LOAD
+    no_load = counts.no_load or USUAL_NO_LOAD
     conventions: dict[str, Convention | None] = {
         "auto": None if no_load == USUAL_NO_LOAD else ICubByte(no_load=no_load),
         "icub": ICubByte(no_load=no_load),
         "cyskin": CySkinCount(),
     }
-    seconds, path = given.smoothing_ms * 1e-3, given.calibration
+    seconds, path = counts.smoothing_ms * 1e-3, counts.calibration
     smooth: Filter = Exponential(time_constant=seconds) if seconds else NoFilter()
     return Conditioning(
-        board=conventions[given.board],
-        gain=known.gain if given.gain is None else given.gain,
+        board=conventions[counts.board],
+        gain=counts.gain,
         calibration=None if path is None else load_calibration(path, patch),
         filter=smooth,
-        noise_std=given.noise,
+        noise_std=counts.noise,
     )
 
 
@@ -222,7 +237,7 @@ def flag_of(name: str) -> str:
     return FLAGS.get(name, name.strip("_").replace("_", "-").lower())
 
 
-def flags_given(command: Callable[..., Any], values: dict[str, Any]) -> list[tuple[str, str]]:
+def flags_set(command: Callable[..., Any], values: dict[str, Any]) -> list[tuple[str, str]]:
     """Names and flags of the parameters of a command that are not as usual, in its order."""
     names: list[str] = []
     for parameter in inspect.signature(command).parameters.values():
@@ -247,83 +262,10 @@ def patch_of(skin: "Skin", name: str | None) -> "Patch":
     return skin[0]
 
 
-def solver_from_text(text: str, settings: str = "{}") -> "Solver":
-    """Solver by its name on the command line, or by where it is imported from.
-
-    Parameters
-    ----------
-    text : str
-        Such as "gaussian" or "package.module:Class"; a class, or a function that makes a
-        solver, is called with the settings.
-    settings : str
-        A JSON object.
-
-    Raises
-    ------
-    InputError
-        If there is no such solver, it does not take these settings, or it has no `prepare`.
-    """
-    given = _settings(settings)
-    if ":" in text:
-        make = _imported(text)
-    elif text in SOLVERS:
-        from skinfield import solve as inverse
-
-        make = getattr(inverse, SOLVERS[text])
-    else:
-        raise InputError(
-            f"--solver is {text!r}, expected one of {', '.join(SOLVERS)}, or your own as "
-            "package.module:Class"
-        )
-    try:
-        ready = (_is_solver(make) and not given) or not callable(make)
-        solver = make if ready else make(**given)
-    except TypeError as error:
-        raise InputError(f"--settings is {settings}, but {text} says: {error}") from error
-    if not _is_solver(solver):
-        raise InputError(
-            f"--solver is {text!r}, which has no prepare(model), expected a solver: "
-            "see CONTRIBUTING.md"
-        )
-    return solver  # type: ignore[no-any-return]
-
-
-def _is_solver(found: Any) -> bool:
-    """Whether it is an object, not a class of objects, that prepares."""
-    return not isinstance(found, type) and callable(getattr(found, "prepare", None))
-
-
-def _settings(text: str) -> dict[str, Any]:
-    try:
-        found = json.loads(text)
-    except ValueError as error:
-        raise InputError(f"--settings is {text!r}, expected a JSON object: {error}") from error
-    if not isinstance(found, dict):
-        raise InputError(f"--settings is {text!r}, expected a JSON object such as {{}}")
-    return found
-
-
-def _imported(text: str) -> Any:
-    module, _, attribute = text.partition(":")
-    with _current_folder():
-        try:
-            found = importlib.import_module(module)
-        except Exception as error:  # whatever runs while a foreign module is imported
-            raise InputError(
-                f"--solver is {text!r}, but {module!r} cannot be imported: "
-                f"{type(error).__name__}: {error}"
-            ) from error
-    if not hasattr(found, attribute):
-        raise InputError(f"--solver is {text!r}, but {module} has no {attribute!r}")
-    return getattr(found, attribute)
-
-
-@contextmanager
-def _current_folder() -> Iterator[None]:
-    """Modules of the current folder can be imported, as with `python -m`."""
-    here = str(Path.cwd())
-    sys.path.insert(0, here)
-    try:
-        yield
-    finally:
-        sys.path.remove(here)
+def processes(workers: int | None) -> int:
+    """How many processes work at once: as many as are asked for, else one for each core."""
+    if workers is None:
+        allowed = getattr(os, "sched_getaffinity", None)  # not on every system
+        return len(allowed(0)) if allowed else os.cpu_count() or 1
+    check_count("--workers", workers, 1, 1 << 12, "processes at once")
+    return workers

@@ -1,36 +1,50 @@
 """`skinfield press`: rigid bodies on the skin, and what the skin feels of them."""
 
-import shlex
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from skinfield.cli.options import (
     OUTPUT,
     Force,
+    Json,
+    OfElastomer,
     layer_of,
     mechanics_of,
-    part,
     patch_of,
     profile_in_use,
     skin_from_text,
 )
-from skinfield.cli.report import check_new, console, free_name, say
-from skinfield.errors import Floats, InputError
-from skinfield.lab.scenarios.indenters import FACTORS, SHAPES, indenter_from_mapping
+from skinfield.cli.report import (
+    Column,
+    check_output,
+    check_picture,
+    console,
+    finish,
+    fixed,
+    free_name,
+    say,
+    table_of,
+)
+from skinfield.errors import Floats
 from skinfield.settings import Elastomer
 from skinfield.settings.tree import MechanicsName, QuantityName
-from skinfield.simulate import Indenter, Press
-from skinfield.simulate.pressing.press import Part, parts_of
-from skinfield.skin import Patch
+
+if TYPE_CHECKING:
+    from skinfield.simulate import Indenter, Press
 
 DEFAULT = "sphere radius=6 force=1"
 PICTURE = "press.png"
 PLACELESS = "hexagon72"  # stands for a virtual skin where no taxels are
 ROOM = 20.0  # mm around the reference points of the indenters
-WORDS = {"yes": True, "true": True, "no": False, "false": False}
 LABELS = {"capacitance": ("ΔC/C₀ (%)", 100.0), "gap": ("indentation (% of the layer)", 100.0),
           "stress": ("base stress (kPa)", 1e-3)}  # fmt: skip
+BODY = (
+    Column("#", "number", decimals=0), Column("body", "body"),
+    Column("force N", "force_N", decimals=3), Column("depth mm", "depth_m", 1e3, 3),
+    Column("x mm", "x_m", 1e3, 3), Column("y mm", "y_m", 1e3, 3),
+    Column("area mm²", "area_m2", 1e6, 1), Column("peak kPa", "peak_Pa", 1e-3, 1),
+)  # fmt: skip
 
 
 def press(
@@ -45,7 +59,8 @@ def press(
     plot: str | None = None,
     output: Annotated[str | None, OUTPUT] = None,
     force: Force = False,
-    elastomer: Annotated[Elastomer, part("Elastomer")] = Elastomer(),
+    as_json: Json = False,
+    elastomer: OfElastomer = Elastomer(),
 ) -> None:
     """Press rigid bodies on the skin: pressure, depth, readings.
 
@@ -93,16 +108,18 @@ def press(
         Picture to write: .png, .pdf or .svg. Default press.png, or a name that is free.
     output : str, optional
         File of fields, readings and resultants to write (.npz).
+    as_json : bool
+        Forces, depths and readings as one JSON object, in SI units.
     """
     from skinfield.files.presses import check_press_name, save_press
-    from skinfield.plot import check_name, save
+    from skinfield.lab.scenarios.indenter_words import indenter_from_text
+    from skinfield.plot import save
     from skinfield.plot.press import draw_press
     from skinfield.simulate import press as pressed
 
     picture = free_name(PICTURE) if plot is None else plot
-    check_name(picture)
-    check_new("--plot", picture, force)
-    check_new("--output", output, force)
+    check_picture("--plot", picture, force)
+    check_output("--output", output, force)
     if output is not None:
         check_press_name(output)
     profile = profile_in_use(elastomer, layout=layout or PLACELESS)
@@ -115,121 +132,66 @@ def press(
         cell=cell_mm * 1e-3,
         mechanics=mechanics_of(mechanics or profile.mechanics),
     )
-    _show_bodies(result)
     label, factor = LABELS[quantity]
     readings = None
     if taxels is not None:
-        readings = result.readings(taxels.plane, taxels.pad_diameter, quantity) * factor
-        _show_readings(taxels, readings, label)
-    save(draw_press(result, taxels, readings, label=label), picture)
-    say(f"wrote {picture}")
+        readings = result.readings(taxels.plane, taxels.pad_diameter, quantity)
+    plain = _plain(result, readings)
+    if not as_json:
+        _show_bodies(plain)
+    if readings is not None and not as_json:
+        _show_readings(readings * factor, label)
+    shown = None if readings is None else readings * factor
+    save(draw_press(result, taxels, shown, label=label), picture)
     if output is not None:
         save_press(result, output, taxels)
-        say(f"wrote {output}")
+    finish(as_json, plain, (picture, output))
 
 
-def _extent(bodies: list[Indenter]) -> float:
+def _extent(bodies: "list[Indenter]") -> float:
     """Side of a square around the origin that holds the places of all bodies, m."""
     far = max(float(np.abs([body.position, body.lowest]).max()) for body in bodies)
     return 2 * (far + ROOM * 1e-3)
 
 
-def _show_bodies(found: Press) -> None:
-    from rich.table import Table
+def _plain(result: "Press", readings: Floats | None) -> dict[str, Any]:
+    """What a press comes to, in SI units."""
+    from skinfield.simulate.pressing.press import parts_of
 
-    table = Table(title="Indenters", title_justify="left")
-    for column in ("#", "body"):
-        table.add_column(column)
-    for column in ("force N", "depth mm", "x mm", "y mm", "area mm²", "peak kPa"):
-        table.add_column(column, justify="right")
-    for index, body in enumerate(parts_of(found), start=1):
-        table.add_row(str(index), *_row(body))
-    console().print(table)
-    moment = ", ".join(_fixed(part * 1e3, 2) for part in found.moment)
+    return {
+        "bodies": [
+            {
+                "number": number,
+                "body": body.indenter.kind,
+                "force_N": body.force,
+                "depth_m": body.depth,
+                "x_m": float(body.centre[0]),
+                "y_m": float(body.centre[1]),
+                "area_m2": body.area,
+                "peak_Pa": body.peak,
+            }
+            for number, body in enumerate(parts_of(result), start=1)
+        ],
+        "force_N": result.force,
+        "moment_Nm": [float(each) for each in result.moment],
+        "area_m2": result.contact_area,
+        "residual": result.residual,
+        "readings": None if readings is None else readings.tolist(),
+    }
+
+
+def _show_bodies(plain: dict[str, Any]) -> None:
+    console().print(table_of("Indenters", plain["bodies"], BODY))
+    moment = ", ".join(fixed(each * 1e3, 2) for each in plain["moment_Nm"])
     say(
-        f"in all {found.force:.3f} N, moment {moment} N mm about the origin; "
-        f"{found.contact_area * 1e6:.1f} mm² touch; residual {found.residual:.1e}"
+        f"in all {plain['force_N']:.3f} N, moment {moment} N mm about the origin; "
+        f"{plain['area_m2'] * 1e6:.1f} mm² touch; residual {plain['residual']:.1e}"
     )
 
 
-def _row(body: Part) -> list[str]:
-    """Cells of the table for one indenter."""
-    load = (body.force, body.depth * 1e3, *(body.centre * 1e3))
-    return [body.indenter.kind, *(_fixed(value, 3) for value in load),
-            f"{body.area * 1e6:.1f}", f"{body.peak / 1e3:.1f}"]  # fmt: skip
-
-
-def _show_readings(patch: Patch, readings: Floats, label: str) -> None:
+def _show_readings(readings: Floats, label: str) -> None:
     high, low = int(readings.argmax()), int(readings.argmin())
     say(
-        f"{label} of {len(patch)} taxels: from {_fixed(readings[low], 2)} at taxel "
-        f"{low} to {_fixed(readings[high], 2)} at taxel {high}"
+        f"{label} of {len(readings)} taxels: from {fixed(readings[low], 2)} at taxel "
+        f"{low} to {fixed(readings[high], 2)} at taxel {high}"
     )
-
-
-def _fixed(value: float, decimals: int) -> str:
-    """Write a number without a minus before nothing."""
-    return f"{round(float(value), decimals) + 0.0:.{decimals}f}"
-
-
-def indenter_from_text(text: str, where: str = "--indenter") -> Indenter:
-    """Indenter from its shape and `key=value` words, in mm, N and degrees.
-
-    Keys are those of `skinfield.lab.scenarios.indenters`; their units may be left out, so that
-    `radius` stands for `radius_mm`.
-
-    Raises
-    ------
-    InputError
-        For words that mean nothing, with those that would.
-    FileError
-        If the file of a mesh or height map cannot be used.
-    """
-    return indenter_from_mapping(mapping_from_text(text, where), where)
-
-
-def mapping_from_text(text: str, where: str = "--indenter") -> dict[str, Any]:
-    """Settings that the words stand for."""
-    example = SHAPES["sphere"].example
-    try:
-        words = shlex.split(text)
-    except ValueError as error:
-        raise InputError(f"{where} is {text!r}: {error}; expected '{example}'") from error
-    if not words or "=" in words[0]:
-        raise InputError(
-            f"{where} is {text!r}, expected a shape first, one of {', '.join(SHAPES)}: "
-            f"for example '{example}'"
-        )
-    mapping: dict[str, Any] = {"shape": words[0]}
-    shape = SHAPES.get(words[0])
-    for word in words[1:]:
-        key, equals, value = word.partition("=")
-        if not equals or not value:
-            raise InputError(
-                f"{where} holds {word!r}, expected key=value: "
-                f"for example '{shape.example if shape else example}'"
-            )
-        key = _full_key(key, shape.keys if shape else ())
-        if key in mapping:
-            raise InputError(f"{where} gives {key} twice, expected it once")
-        mapping[key] = _value(key, value, where)
-    return mapping
-
-
-def _full_key(key: str, known: tuple[str, ...]) -> str:
-    """The key with its unit, where it was left out."""
-    return next((key + end for end in FACTORS if key + end in known), key)
-
-
-def _value(key: str, text: str, where: str) -> Any:
-    if key == "file":
-        return text
-    if key == "invert":
-        if text.lower() not in WORDS:
-            raise InputError(f"{where}: invert is {text!r}, expected yes or no")
-        return WORDS[text.lower()]
-    try:
-        return [float(part) for part in text.split(",")] if key == "down" else float(text)
-    except ValueError as error:
-        expected = "three numbers such as 0,0,-1" if key == "down" else "a number"
-        raise InputError(f"{where}: {key} is {text!r}, expected {expected}") from error

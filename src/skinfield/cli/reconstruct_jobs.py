@@ -6,36 +6,33 @@ run that was ended goes on where it was.
 """
 
 import logging
-import os
 import secrets
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from rich.progress import Progress
 
 from skinfield.cli.options import (
     OF_UNIT,
+    USUAL_SOLVER,
     CountSettings,
     conditioning_of,
-    mechanics_of,
-    nodes_for,
+    config_of,
+    filled,
+    layer_of,
     patch_of,
+    profile_in_use,
     quantity_of,
     skin_from_text,
-    solver_of,
 )
-from skinfield.cli.report import progress
-from skinfield.elastic import Layer
+from skinfield.cli.report import Step, progress
 from skinfield.errors import Floats, InputError, SkinfieldError
-from skinfield.estimate import ContactFinder
 from skinfield.estimate.contact_table import Row, rows_from_estimate
 from skinfield.files.fields import Arrays, series_of
 from skinfield.files.manifest import Manifest, Totals
@@ -50,100 +47,121 @@ from skinfield.files.results_writer import (
 from skinfield.reconstruct.bulk import CHUNK, RUN
 from skinfield.reconstruct.conditioned import impossible_note
 from skinfield.reconstruct.diagnostics import Conditioning, Survey, survey
-from skinfield.reconstruct.serialisation import ReconstructorConfig, checksum, plain_from_value
+from skinfield.reconstruct.serialisation import checksum, plain_from_value
+from skinfield.settings import Elastomer, ModelSettings, Profile
 from skinfield.signal import NoFilter
-from skinfield.skin import Grid, Patch
+from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
 
 PIECE = 1 << 20  # numbers that are conditioned together: 8 MB
 FEWEST, MOST = 2048, 16384  # readings that are: enough to see motion, and what stands still
 STEPS = {"linear": CHUNK, "iterative": 2 * RUN}  # readings that are answered together
-OF_CONDITIONING = ("board", "no_load", "gain", "calibration", "smoothing_ms", "noise")
-OF_MODEL = ("grid", "solver", "mechanics", "quantity", "thickness_mm", "modulus_kpa", "poisson")
 
 
-class RowsFile:
-    """Stamps and numbers of many readings in files without name.
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What a reconstruction depends on beside the recording; another process can be sent it.
 
     Parameters
     ----------
-    folder : Path
-        Where there is room.
-    width : int
-        Numbers of a reading.
+    layout : str
+        Layout file, or a generator by name.
+    patch : str, optional
+        Name or number of the patch of a layout with several.
+    profile : Profile
+        Whose values stand where the sections leave something out.
+    counts : CountSettings
+    elastomer : Elastomer
+    model : ModelSettings
     """
 
-    def __init__(self, folder: Path, width: int) -> None:
-        self.width, self._count = width, 0
-        self._stamps = TemporaryFile(dir=folder)  # noqa: SIM115
-        self._values = TemporaryFile(dir=folder)  # noqa: SIM115
+    layout: str
+    patch: str | None
+    profile: Profile
+    counts: CountSettings
+    elastomer: Elastomer
+    model: ModelSettings
 
-    def __len__(self) -> int:
-        return self._count
+    @classmethod
+    def of(
+        cls,
+        layout: str,
+        patch: str | None,
+        counts: CountSettings,
+        elastomer: Elastomer,
+        model: ModelSettings,
+    ) -> "Plan":
+        """Plan with the values of the profile in use, which is named on stderr."""
+        board = None if counts.board == "auto" else counts.board
+        profile = profile_in_use(elastomer, board, layout)
+        return cls(
+            layout=layout,
+            patch=patch,
+            profile=profile,
+            counts=filled(counts, profile),
+            elastomer=filled(elastomer, profile),
+            model=filled(replace(model, solver=model.solver or USUAL_SOLVER), profile),
+        )
 
-    def write(self, stamp_ns: NDArray[np.int64], values: Floats) -> None:
-        """Add readings (T, width) with their stamps (T,)."""
-        for file, rows, kind in ((self._stamps, stamp_ns, "i8"), (self._values, values, "f8")):
-            file.seek(0, os.SEEK_END)
-            file.write(np.ascontiguousarray(rows, kind).data)
-        self._count += len(stamp_ns)
+    def as_dict(self) -> dict[str, Any]:
+        """Its values by their names, without their sections."""
+        sections = (self.counts, self.elastomer, self.model)
+        values = {name: value for each in sections for name, value in asdict(each).items()}
+        return {**values, "profile": self.profile.name, "layout": self.layout}
 
-    def stamps(self, first: int, last: int) -> NDArray[np.int64]:
-        """Of readings first to last, ns."""
-        return np.asarray(self._rows(self._stamps, np.empty(last - first, np.int64), first))
+    def taxels(self) -> Patch:
+        """The patch."""
+        return patch_of(skin_from_text(self.layout), self.patch)
 
-    def values(self, first: int, last: int) -> Floats:
-        """Readings first to last, (last - first, width)."""
-        return np.asarray(self._rows(self._values, np.empty((last - first, self.width)), first))
+    def everywhere(self) -> "Plan":
+        """The same for workers that run in other folders."""
+        calibration = self.counts.calibration
+        counts = replace(self.counts, calibration=calibration and str(Path(calibration).resolve()))
+        there = Path(self.layout).exists()  # else it is a generator's name
+        layout = str(Path(self.layout).resolve()) if there else self.layout
+        return replace(self, layout=layout, counts=counts)
 
-    @staticmethod
-    def _rows(file: Any, out: NDArray[Any], first: int) -> NDArray[Any]:
-        file.seek(first * out.itemsize * (out.size // max(len(out), 1)))
-        file.readinto(out.data)
-        return out
-
-
-class ResultsFile(RowsFile):
-    """Conditioned readings in files without name, until the end of the run."""
-
-    def __init__(self, folder: Path, config: ReconstructorConfig, source: str) -> None:
-        super().__init__(folder, len(config.patch))
-        self.results = Results(config, self, source=source)
-
-    def close(self, notes: tuple[str, ...] = ()) -> None:
-        """Add what was assumed, found and left out."""
-        self.results.notes = notes
+    def settings(self, store_fields: bool) -> dict[str, Any]:
+        """What a manifest keeps: values, with sums of what the files hold that they name."""
+        patch = self.taxels()
+        calibration = conditioning_of(patch, self.counts).calibration
+        values = {name: value for name, value in self.as_dict().items() if name != "profile"}
+        return {
+            **values,
+            "store_fields": store_fields,
+            "patch": patch.name,
+            "layout_checksum": checksum(plain_from_value("patch", patch)),
+            "calibration_checksum": checksum(plain_from_value("calibration", calibration)),
+        }
 
 
-class Writer(Protocol):
-    """Takes conditioned readings: a `ResultsWriter` or a `ResultsFile`."""
-
-    def write(self, stamp_ns: NDArray[np.int64], readings: Floats, /) -> None:
-        """Add readings (T, L) with their stamps (T,)."""
-        ...
-
-    def close(self, notes: tuple[str, ...] = ()) -> None:
-        """Finish, with what was assumed, found and left out."""
-        ...
-
-
-@dataclass(eq=False)
 class Spool:
-    """A recording's numbers in a file, in the order of the patch's taxels."""
+    """A recording's numbers in a file without name, in the order of the patch's taxels.
 
-    patch: Patch
-    rows: RowsFile
-    like: Recording | None = None
-    notes: tuple[str, ...] = ()
-    skipped: int = 0
-    divisor: int = 1
+    Parameters
+    ----------
+    patch : Patch
+    folder : Path
+        Where there is room.
+    """
+
+    def __init__(self, patch: Patch, folder: Path) -> None:
+        self.patch = patch
+        self.like: Recording | None = None
+        self.notes: tuple[str, ...] = ()
+        self.skipped, self.divisor, self._count = 0, 1, 0
+        self._kind = np.dtype([("stamp_ns", "<i8"), ("counts", "<f8", (len(patch),))])
+        self._file = TemporaryFile(dir=folder)  # noqa: SIM115
 
     def add(self, block: Recording) -> None:
         """Append readings."""
         from skinfield.files import readings_for
 
         mine = readings_for(block, self.patch)
-        self.rows.write(mine.stamp_ns, mine.counts)
+        rows = np.empty(len(mine), self._kind)
+        rows["stamp_ns"], rows["counts"] = mine.stamp_ns, mine.counts
+        self._file.write(rows.view(np.uint8).data)
+        self._count += len(rows)
         if self.like is None:
             self.like = replace(mine, stamp_ns=mine.stamp_ns[:0], counts=mine.counts[:0])
             self.notes = mine.notes[len(block.notes) :]
@@ -152,33 +170,27 @@ class Spool:
         """All of it again, in blocks of one size, but for the last: a short rest joins it."""
         assert self.like is not None
         size = int(np.clip(PIECE // len(self.patch), FEWEST, MOST))
-        count, first = len(self.rows), 0
-        while first < count:
-            last = first + size if count - first >= 2 * size else count
-            stamps = self.rows.stamps(first, last) // self.divisor
-            yield replace(self.like, stamp_ns=stamps, counts=self.rows.values(first, last))
+        first = 0
+        while first < self._count:
+            last = first + size if self._count - first >= 2 * size else self._count
+            rows = np.empty(last - first, self._kind)
+            self._file.seek(first * self._kind.itemsize)
+            self._file.readinto(rows.view(np.uint8).data)
+            stamps = rows["stamp_ns"] // self.divisor
+            counts = np.ascontiguousarray(rows["counts"])
+            yield replace(self.like, stamp_ns=stamps, counts=counts)
             first = last
 
 
-def take_in(
-    recording: str,
-    options: Mapping[str, Any],
-    folder: Path,
-    writer_of: Callable[[ReconstructorConfig, str], Writer],
-    *,
-    quiet: bool = False,
-) -> int:
-    """Read and condition a recording in one pass.
+def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) -> int:
+    """Read and condition a recording in one pass, into a folder of results.
 
     Parameters
     ----------
     recording : str
-    options : mapping
-        Of the command: layout, patch, model and conditioning.
-    folder : Path
-        With room for the recording's numbers.
-    writer_of : function of config and source
-        Makes what takes the conditioned readings.
+    plan : Plan
+    place : Pending
+        Its part gets the readings; beside it there is room for the recording's numbers.
     quiet : bool
         No progress is shown.
 
@@ -187,40 +199,26 @@ def take_in(
     int
         Lines that were skipped.
     """
-    patch = patch_of(skin_from_text(options["layout"]), options["patch"])
-    layer = Layer(options["thickness_mm"] * 1e-3, options["modulus_kpa"] * 1e3, options["poisson"])
-    grid = Grid.square(patch, nodes=options["grid"] or nodes_for(patch))
-    how = conditioning_of(patch, CountSettings(**{name: options[name] for name in OF_CONDITIONING}))
-    with explained(folder), Progress(disable=True) if quiet else progress() as bar:
-        spool = _spooled(recording, Spool(patch, RowsFile(folder, len(patch))), bar)
+    patch = plan.taxels()
+    layer = layer_of(plan.elastomer, plan.profile)
+    how, folder = conditioning_of(patch, plan.counts), place.part.parent
+    with explained(folder), progress("reading", quiet=quiet) as step:
+        spool = _spooled(recording, Spool(patch, folder), step)
         assert spool.like is not None
-        unit = spool.like.unit
-        name = options["quantity"] or OF_UNIT[unit]
-        quantity = quantity_of(name)
-        bar.add_task("looking for rest and faults", total=None)
+        quantity = quantity_of(plan.model.quantity or OF_UNIT[spool.like.unit])
+        step(0, what="looking for rest and faults")
         found = survey(spool.blocks, patch, layer, quantity, how)
-        config = ReconstructorConfig(
-            patch,
-            layer,
-            grid,
-            mechanics_of(options["mechanics"]),
-            quantity,
-            solver_of(options["solver"]),
-            found.noise_std,
-            ContactFinder(),
-        )
-        _condition(spool, found, how, writer_of(config, spool.like.source))
+        config = config_of(patch, layer, quantity, found.noise_std, plan.model)
+        writer = ResultsWriter(place, config, spool.like.source)
+        _condition(spool, found, how, writer)
     return spool.skipped
 
 
-def _spooled(recording: str, spool: Spool, bar: Progress) -> Spool:
+def _spooled(recording: str, spool: Spool, step: Step) -> Spool:
     """Everything that a recording holds, parsed once."""
     from skinfield.files import stream_recording
 
-    task = bar.add_task("reading", total=None)
-    opened = stream_recording(
-        recording, progress=lambda done, total: bar.update(task, completed=done, total=total)
-    )
+    opened = stream_recording(recording, progress=step)
     if isinstance(opened, Recording):
         for first in range(0, len(opened), MOST):
             part = slice(first, first + MOST)
@@ -232,11 +230,10 @@ def _spooled(recording: str, spool: Spool, bar: Progress) -> Spool:
     spool.notes, spool.skipped = opened.notes + spool.notes, opened.skipped
     if spool.like is None:
         raise InputError(f"{recording} holds no reading, expected one or more")
-    bar.remove_task(task)
     return spool
 
 
-def _condition(spool: Spool, found: Survey, how: Conditioning, writer: Writer) -> None:
+def _condition(spool: Spool, found: Survey, how: Conditioning, writer: ResultsWriter) -> None:
     """Condition block by block; a filter's state goes on from each to the next."""
     assert spool.like is not None
     state = None
@@ -267,9 +264,21 @@ def _condition(spool: Spool, found: Survey, how: Conditioning, writer: Writer) -
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What some readings give: totals, rows for a table of contacts, fields if they are wanted."""
+    """What some readings give.
+
+    Attributes
+    ----------
+    totals : Totals
+    load : (T,) array, N
+        Of all contacts of each reading.
+    rows : list
+        Of a table of contacts.
+    series : dict of arrays, optional
+        Fields, if they are wanted.
+    """
 
     totals: Totals
+    load: Floats
     rows: list[Row]
     series: Arrays | None
 
@@ -296,32 +305,26 @@ def parts(results: Results, readings: range, fields: bool) -> Iterator[Part]:
             readings=last - first,
             load=float(load.sum()),
             highest_load=float(load[best]),
-            shown=first + best,
+            peak=first + best,
             force=float(force.sum()),
             highest_force=float(force.max()),
             contacts=sum(map(len, estimate.contacts)),
             seconds=time.perf_counter() - begun,
             silent=np.flatnonzero(~estimate.valid.any(axis=0)).tolist(),
         )
-        yield Part(totals, rows, series)
+        yield Part(totals, load, rows, series)
         first = last
 
 
 # ---- jobs of workers
 
 
-def intake_job(recording: str, options: Mapping[str, Any], part: str, fields: bool) -> list[int]:
+def intake_job(recording: str, plan: Plan, part: str, fields: bool) -> list[int]:
     """Read and condition a recording into a folder of results; its readings and skipped lines."""
     place = Pending(Path(part), Path(part))
     place.discard()  # of a run that was ended
     try:
-        skipped = take_in(
-            recording,
-            options,
-            place.part.parent,
-            lambda config, source: ResultsWriter(place, config, source),
-            quiet=True,
-        )
+        skipped = take_in(recording, plan, place, quiet=True)
         results = read_results(place.part, computed=True)
         if fields:
             create_fields(place.part, results.config.grid, len(results))
@@ -353,24 +356,11 @@ def _prepared(part: str, token: str) -> Results:
 # ---- Dask
 
 
-def settings_of(options: Mapping[str, Any]) -> dict[str, Any]:
-    """What results depend on, beside the recordings: options, layout and calibration."""
-    patch = patch_of(skin_from_text(options["layout"]), options["patch"])
-    how = conditioning_of(patch, CountSettings(**{name: options[name] for name in OF_CONDITIONING}))
-    return {
-        **{name: options[name] for name in (*OF_CONDITIONING, *OF_MODEL, "store_fields")},
-        "layout": options["layout"],
-        "patch": patch.name,
-        "layout_checksum": checksum(plain_from_value("patch", patch)),
-        "calibration_checksum": checksum(plain_from_value("calibration", how.calibration)),
-    }
-
-
 Watch = Callable[[str, str, int], None]  # "intake" or "window", name, readings
 
 
 def run_jobs(
-    manifest: Manifest, options: Mapping[str, Any], client: Any, watch: Watch
+    manifest: Manifest, plan: Plan, fields: bool, client: Any, watch: Watch
 ) -> dict[str, str]:
     """Do what a manifest lacks, on the workers of a Dask client.
 
@@ -378,8 +368,9 @@ def run_jobs(
     ----------
     manifest : Manifest
         Kept up to date.
-    options : mapping
-        Of the command.
+    plan : Plan
+    fields : bool
+        Whether fields are stored, too.
     client : distributed.Client
         Its workers see the files under the same names.
     watch : function of kind, name and readings
@@ -392,7 +383,7 @@ def run_jobs(
     """
     from distributed import as_completed
 
-    fields, token = bool(options["store_fields"]), secrets.token_hex(8)
+    token = secrets.token_hex(8)
     jobs: dict[str, tuple[str, int | None]] = {}
     failures: dict[str, str] = {}
     queue: Any = as_completed()  # type: ignore[no-untyped-call]
@@ -411,7 +402,7 @@ def run_jobs(
         entry = manifest.entries[name]
         if entry.readings < 0:
             part = str(manifest.part(name).resolve())
-            submit(name, None, intake_job, entry.path, options, part, fields)
+            submit(name, None, intake_job, entry.path, plan, part, fields)
             continue
         watch("intake", name, entry.readings)
         for window in entry.windows.values():
@@ -453,7 +444,7 @@ def _sentence(error: BaseException) -> str:
 
 
 @contextmanager
-def dask_client(workers: int | None, scheduler: str | None) -> Iterator[Any]:
+def dask_client(workers: int, scheduler: str | None) -> Iterator[Any]:
     """A client of a scheduler that runs elsewhere, or of as many local processes as are wanted.
 
     Raises
@@ -483,18 +474,10 @@ def dask_client(workers: int | None, scheduler: str | None) -> Iterator[Any]:
             yield client
         return
     local = dask.LocalCluster(
-        n_workers=workers or cores(),
+        n_workers=workers,
         threads_per_worker=1,
         dashboard_address="127.0.0.1:0",
         silence_logs=logging.CRITICAL,
     )
     with local, dask.Client(local) as client:
         yield client
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1

@@ -5,16 +5,29 @@ import threading
 import time
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from rich.console import Console
-from rich.table import Table
 
 from skinfield.cli.options import OUTPUT, Force, Json
-from skinfield.cli.report import check_new, console, plural, print_json, progress, say
+from skinfield.cli.report import (
+    Column,
+    check_output,
+    console,
+    note,
+    plural,
+    print_json,
+    progress,
+    say,
+    table_of,
+)
 from skinfield.errors import InputError, check_positive
 
 MOST_EVENTS = 12
+PATCH = (
+    Column("patch", "name"), Column("taxels", "taxels", decimals=0),
+    Column("readings", "readings", decimals=0), Column("per second", "rate", decimals=1),
+)  # fmt: skip
 
 
 def record(
@@ -23,9 +36,6 @@ def record(
     *,
     output: Annotated[str, OUTPUT],
     duration: float | None = None,
-    compression: Literal["zstd", "lz4", "none"] = "zstd",
-    ros: bool = False,
-    foxglove: bool = False,
     view_rate_hz: float = 20.0,
     force: Force = False,
     as_json: Json = False,
@@ -54,52 +64,36 @@ def record(
         File to write (.mcap).
     duration : float, s, optional
         Seconds; default until Ctrl-C, or the skin stops.
-    compression : str
-        Of the file's chunks; noisy 16-bit counts hardly shrink.
-    ros : bool
-        Also channels that ROS 2 reads: taxels, forces.
-    foxglove : bool
-        Also channels that Foxglove draws.
     view_rate_hz : float, 1/s
-        Of pressure fields and of these channels, messages a second.
+        Of what all taxels read and the pressure, messages a second.
     as_json : bool
         One JSON object at the end.
     """
-    from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RosViews
+    from skinfield.files.mcap import RecordingSettings
     from skinfield.record.recorder import Recorder, RecorderSettings, RecorderState, forget_state
 
-    if ros and foxglove:
-        raise InputError(
-            "--ros and --foxglove are both given, expected one: readers of ROS 2 bags refuse files "
-            "with Foxglove's channels, and Foxglove shows those of ROS too"
-        )
-    if not output.lower().endswith(".mcap"):
-        raise InputError(f"--output is {output!r}, expected a name that ends in .mcap")
-    check_new("--output", output, force)
+    check_output("--output", output, force, ".mcap")
     if duration is not None:
         check_positive("--duration", duration, "seconds")
     settings = RecorderSettings(
         name=name,
         path=Path(output),
         since_ns=time.time_ns(),
-        views=(*([RosViews] if ros else []), *([FoxgloveViews] if foxglove else [])),
         view_rate=view_rate_hz,
-        file=RecordingSettings(compression, overwrite=force),
+        file=RecordingSettings(overwrite=force),
     )
-    shown = Console(stderr=True)
+    out = Console(stderr=True)
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     before: list[RecorderState] = []
 
     def on_state(state: RecorderState) -> None:
-        if shown.is_terminal:
-            shown.print(_line(state, before[-1] if before else None), end="\r", highlight=False)
+        if out.is_terminal:
+            out.print(_line(state, before[-1] if before else None), end="\r", highlight=False)
         before[:] = [state]
 
-    recorder = Recorder(
-        settings, lambda text: shown.print(f"{text:<100}", style="yellow"), first=True
-    )
+    recorder = Recorder(settings, lambda text: note(f"{text:<100}", "yellow", out), first=True)
     try:
         state = recorder.run(stop, duration, on_state)
     finally:
@@ -116,7 +110,7 @@ def record(
                 "finished": state.finished,
             }
         )
-    _finish(state, shown)
+    _finish(state)
 
 
 def _line(state: Any, before: Any) -> str:
@@ -131,20 +125,17 @@ def _line(state: Any, before: Any) -> str:
     )
 
 
-def _finish(state: Any, shown: Console) -> None:
+def _finish(state: Any) -> None:
     """What came of it; an exit code that tells whether all is in the file."""
-    shown.print(
+    note(
         f"{state.path}: {state.seconds:.1f} s, {state.cycles:,} cycles, "
         f"{state.bytes_written / 1e6:.1f} MB; {state.ended}",
-        highlight=False,
+        "",
     )
-    if state.overrun_cycles or state.dropped_cycles or state.lost:
-        shown.print(
-            f"lost: {state.lost:,} bytes of readings and "
-            f"{state.overrun_cycles + state.dropped_cycles:,} cycles; the file says where",
-            style="yellow",
-            highlight=False,
-        )
+    cycles = state.overrun_cycles + state.dropped_cycles
+    if cycles or state.lost:
+        text = f"lost: {state.lost:,} bytes of readings and {cycles:,} cycles; the file says where"
+        note(text, "yellow")
     if not state.finished:
         raise InputError(
             f"{state.path} has no end, as it could not be written ({state.failure}); make room, "
@@ -179,40 +170,34 @@ def recover(
     """
     from skinfield.record.recover import recover as save
 
-    check_new("--output", output, force)
-    with progress() as bar:
-        task = bar.add_task("recovering", total=None)
-        found = save(
-            Path(bad),
-            Path(output),
-            overwrite=force,
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
-        )
+    check_output("--output", output, force)
+    with progress("recovering") as step:
+        result = save(Path(bad), Path(output), overwrite=force, progress=step)
     if as_json:
         print_json(
             {
                 "file": output,
-                "was_whole": found.was_whole,
-                "messages": dict(found.messages),
-                "dropped_bytes": found.dropped_bytes,
-                "damage": [{"byte": each.byte, "why": each.why} for each in found.damage],
+                "was_whole": result.was_whole,
+                "messages": dict(result.messages),
+                "dropped_bytes": result.dropped_bytes,
+                "damage": [{"byte": each.byte, "why": each.why} for each in result.damage],
             }
         )
         return
-    if found.was_whole:
+    if result.was_whole:
         say(f"{bad} is whole: nothing was wrong with it; {output} is a copy")
-    counts = ", ".join(f"{count} on {topic}" for topic, count in sorted(found.messages.items()))
-    seconds = (found.last_ns - found.first_ns) * 1e-9
+    counts = ", ".join(f"{count} on {topic}" for topic, count in sorted(result.messages.items()))
+    seconds = (result.last_ns - result.first_ns) * 1e-9
     say(
-        f"saved {plural(found.messages.total(), 'message')} of {seconds:.3f} s"
+        f"saved {plural(result.messages.total(), 'message')} of {seconds:.3f} s"
         + (f": {counts}" if counts else "")
     )
-    if not found.was_whole and not found.dropped_bytes and not found.damage:
+    if not result.was_whole and not result.dropped_bytes and not result.damage:
         say(f"{bad} had no end; nothing had to be left out")
-    if found.dropped_bytes:
-        what = ", the beginning of a chunk that was never finished" if found.chunk_was_cut else ""
-        say(f"dropped {found.dropped_bytes} of {found.size} bytes at the end{what}")
-    for damage in found.damage:
+    if result.dropped_bytes:
+        what = ", the beginning of a chunk that was never finished" if result.chunk_was_cut else ""
+        say(f"dropped {result.dropped_bytes} of {result.size} bytes at the end{what}")
+    for damage in result.damage:
         say(f"byte {damage.byte}: {damage.why}")
 
 
@@ -236,78 +221,60 @@ def info(file: str, /, *, as_json: Json = False) -> None:
     from skinfield.files.mcap.live import LiveRecording
     from skinfield.files.mcap.summary import summary_of
 
-    with progress() as bar:
-        task = bar.add_task("reading", total=None)
-        found = summary_of(
-            LiveRecording.open(Path(file)),
-            lambda done, total: bar.update(task, completed=done, total=total),
-        )
+    with progress("reading") as step:
+        summary = summary_of(LiveRecording.open(Path(file)), step)
     if as_json:
-        print_json(found)
+        print_json(summary)
     else:
-        _show(found)
+        _show(summary)
 
 
-def _show(found: dict[str, Any]) -> None:
-    out = console()
-    table = Table.grid(padding=(0, 2))
-    for name, text in _lines(found):
-        table.add_row(name, text)
-    out.print(table, highlight=False, markup=False)
-    if found["patches"]:
-        out.print(_patches(found["patches"]))
-    for event in found["last_events"][-MOST_EVENTS:]:
-        when = (event.get("wall_ns", 0) - (found["began_ns"] or 0)) * 1e-9
-        out.print(f"{when:10.3f} s  {event.get('text')}", highlight=False, markup=False)
-    for damage in found["damage"][:MOST_EVENTS]:
-        out.print(f"byte {damage['byte']}: {damage['why']}", style="yellow", markup=False)
+def _show(summary: dict[str, Any]) -> None:
+    for name, text in _lines(summary):
+        say(f"{name:<16}{text}")
+    if summary["patches"]:
+        console().print(table_of(None, summary["patches"], PATCH))
+    for event in summary["last_events"][-MOST_EVENTS:]:
+        when = (event.get("wall_ns", 0) - (summary["began_ns"] or 0)) * 1e-9
+        say(f"{when:10.3f} s  {event.get('text')}")
+    for damage in summary["damage"][:MOST_EVENTS]:
+        say(f"byte {damage['byte']}: {damage['why']}")
 
 
-def _lines(found: dict[str, Any]) -> list[tuple[str, str]]:
-    began = found["began_ns"]
+def _lines(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    began = summary["began_ns"]
     when = (
         datetime.fromtimestamp(began * 1e-9, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
         if began
         else "never"
     )
-    chunks, lost, contacts = (found[each] for each in ("chunks", "lost", "contacts"))
-    fields, fit = found["fields"], found["fit"]
-    ratio = chunks["unpacked_bytes"] / max(chunks["packed_bytes"], 1)
-    whole = "" if found["finished"] else "; not finished: skinfield recover makes a whole file"
-    enclosed = ", ".join(f"{name} ({size:,} bytes)" for name, size in found["attachments"].items())
+    lost, contacts = summary["lost"], summary["contacts"]
+    fields, fit = summary["fields"], summary["fit"]
+    whole = "" if summary["finished"] else "; not finished: skinfield recover makes a whole file"
+    enclosed = ", ".join(
+        f"{name} ({size:,} bytes)" for name, size in summary["attachments"].items()
+    )
     return [
-        ("file", f"{found['path']}, {found['bytes'] / 1e6:.1f} MB{whole}"),
-        ("recorded", f"{when}, {found['seconds']:.3f} s"),
-        ("skin", f"{found['skin'] or 'layout not enclosed'}, {found['taxels'] or '?'} taxels"),
-        ("readings", f"{found['readings']['bytes'] / 1e6:.1f} MB of blocks, "
-                     f"{found['readings']['missing_bytes']:,} bytes missing in between"),
-        ("cycles", f"{found['cycles']:,} ({_number(found['cycle_rate'])}/s), "
-                   f"{found['cycles_missing']:,} missing, {found['late']:,} late, "
-                   f"{found['restarts']} restarts"),
-        ("woke late by", _quantiles(found["wake_us"])),
-        ("answered after", _quantiles(found["ready_us"])),
+        ("file", f"{summary['path']}, {summary['bytes'] / 1e6:.1f} MB{whole}"),
+        ("recorded", f"{when}, {summary['seconds']:.3f} s"),
+        ("skin", f"{summary['skin'] or 'layout not enclosed'}, {summary['taxels'] or '?'} taxels"),
+        ("readings", f"{summary['readings']['bytes'] / 1e6:.1f} MB of blocks, "
+                     f"{summary['readings']['missing_bytes']:,} bytes missing in between"),
+        ("cycles", f"{summary['cycles']:,} ({_rate(summary['cycle_rate'])}/s), "
+                   f"{summary['cycles_missing']:,} missing, {summary['late']:,} late, "
+                   f"{summary['restarts']} restarts"),
+        ("woke late by", _quantiles(summary["wake_us"])),
+        ("answered after", _quantiles(summary["ready_us"])),
         ("contacts", f"{contacts['tracks']:,} tracks in {contacts['cycles']:,} cycles, at most "
                      f"{contacts['most_at_once']} at once"),
         ("fields", f"{fields['messages']:,}, {fields['bytes'] / 1e6:.2f} MB"),
         ("contact fit", f"{fit['answers']:,} answers, {fit['bytes'] / 1e6:.2f} MB"),
-        ("settings", f"{len(found['settings'])} times told"),
+        ("settings", f"{len(summary['settings'])} times told"),
         ("lost", f"{lost['messages']:,} messages before the host; in the ring "
                  f"{lost['overrun_bytes']:,} bytes, {lost['overrun_cycles']:,} cycles; for the "
                  f"disk {lost['dropped_bytes']:,} bytes, {lost['dropped_cycles']:,} cycles"),
-        ("chunks", f"{chunks['count']:,}, {chunks['compression'] or 'none'}, {ratio:.2f} to 1"),
         ("enclosed", enclosed or "nothing"),
     ]  # fmt: skip
-
-
-def _patches(patches: list[dict[str, Any]]) -> Table:
-    table = Table("patch")
-    for title in ("taxels", "readings", "per second"):
-        table.add_column(title, justify="right")
-    for each in patches:
-        table.add_row(
-            each["name"], f"{each['taxels']:,}", f"{each['readings']:,}", _number(each["rate"])
-        )
-    return table
 
 
 def _quantiles(micros: dict[str, float] | None) -> str:
@@ -316,5 +283,5 @@ def _quantiles(micros: dict[str, float] | None) -> str:
     return ", ".join(f"{name} {value:,.0f} µs" for name, value in micros.items())
 
 
-def _number(value: float | None) -> str:
+def _rate(value: float | None) -> str:
     return "?" if value is None else f"{value:,.1f}"

@@ -2,15 +2,15 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace as with_other
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from rich.console import Console
 
-from skinfield.cli.options import Json, part
-from skinfield.cli.report import print_json, print_text, show_address, signals_end
+from skinfield.cli.options import Json, Page
+from skinfield.cli.report import note, print_json, say, show_address, signals_end
 from skinfield.errors import check_positive
 from skinfield.settings import PageSettings
 
@@ -23,12 +23,11 @@ def replay(
     /,
     *,
     speed: float | None = None,
-    paused: bool = False,
     headless: bool = False,
     as_json: Json = False,
     name: str | None = None,
     duration: float | None = None,
-    page: Annotated[PageSettings, part("Page")] = PageSettings(),
+    page: Page = PageSettings(),
 ) -> None:
     """Show what FILE holds, as it was: readings, contacts and fields of a live skin.
 
@@ -51,8 +50,6 @@ def replay(
         Recording (.mcap).
     speed : float, optional
         Times its own pace, on the page 0.1 to 10. Default 1; headless as fast as can be.
-    paused : bool
-        Do not play at once.
     headless : bool
         Neither page nor table: for scripts.
     as_json : bool
@@ -62,82 +59,88 @@ def replay(
     duration : float, s, optional
         Seconds; default until Ctrl-C or the end.
     """
-    for what, value, why in (
-        ("--speed", speed, "1 is as fast as it was"),
-        ("--duration", duration, "s"),
-    ):
-        if value is not None:
-            check_positive(what, value, why)
+    if speed is not None:
+        check_positive("--speed", speed, "1 is as fast as it was")
+    if duration is not None:
+        check_positive("--duration", duration, "s")
     console = Console(stderr=True)
     if headless or as_json or name:
         _headless(file, speed, name, duration, as_json, console)
     else:
-        _on_page(file, speed, not paused, duration, page, console)
+        show_page(opened(file, console, speed), page, duration, console, look=True)
 
 
-def _on_page(
-    file: str,
-    speed: float | None,
-    playing: bool,
-    duration: float | None,
+def show_page(
+    shown: AbstractContextManager[tuple[Any, Any]],
     page: PageSettings,
+    duration: float | None,
     console: Console,
+    *,
+    look: bool = False,
 ) -> None:
-    """Play on the page and, where somebody looks, in the terminal."""
-    from skinfield.cli.status_table import shown
+    """Serve a page until the time is over, Ctrl-C, or the page fails.
+
+    Parameters
+    ----------
+    shown : context of sources and controller
+    page : PageSettings
+    duration : float, s, optional
+    console : Console
+        On stderr.
+    look : bool
+        Show a replay as a table, too, where somebody looks at the terminal.
+    """
+    from rich.live import Live
+
+    from skinfield.cli.status_table import status_table
     from skinfield.page import serve_page
 
-    end = None if duration is None else time.monotonic() + duration
+    end = float("inf") if duration is None else time.monotonic() + duration
+    screen = Live(console=console, auto_refresh=False, vertical_overflow="crop")
     try:
         with (
             signals_end(),
-            opened(file, playing, console) as (sources, controller),
+            shown as (sources, controller),
             serve_page(page, sources, controller) as served,
-            _screen(console) as screen,
         ):
             show_address(served.address, console, browser=page.browser)
-            if speed is not None:
-                controller.shared.set_speed(speed)
-            while end is None or time.monotonic() < end:
+            if look and console.is_terminal:
+                screen.start()
+            while time.monotonic() < end:
                 served.check()
-                if screen is not None:
-                    size = console.size
-                    found = with_other(controller.shared.look(), state="running")
-                    screen.update(shown(found, size.width, size.height), refresh=True)
-                time.sleep(REFRESH if end is None else max(min(REFRESH, end - time.monotonic()), 0))
+                if screen.is_started:
+                    status = with_other(controller.shared.look(), state="running")
+                    rows = status_table(status, console.width, console.height)
+                    screen.update(rows, refresh=True)
+                time.sleep(max(min(REFRESH, end - time.monotonic()), 0.0))
     except KeyboardInterrupt:
-        console.print("stopping", style="dim")
-
-
-def _screen(console: Console) -> AbstractContextManager[Any]:
-    """A table that is drawn over itself; nothing where nobody looks."""
-    from rich.live import Live
-
-    if not console.is_terminal:
-        return nullcontext()
-    return Live(console=console, auto_refresh=False, vertical_overflow="crop")
+        note("stopping", where=console)
+    finally:
+        screen.stop()
 
 
 @contextmanager
-def opened(file: str, playing: bool, console: Console) -> Iterator[tuple[Any, Any]]:
+def opened(file: str, console: Console, speed: float | None = None) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of a recording, for the page."""
     from skinfield.page.replay import ReplayController, ReplaySource
 
     with console.status(f"looking through {file}"):
-        source = ReplaySource(Path(file), playing=playing)
+        source = ReplaySource(Path(file), playing=True)
     for begin, end in source.gaps:
-        console.print(f"from {begin:.2f} s to {end:.2f} s cycles are missing", style="yellow")
+        note(f"from {begin:.2f} s to {end:.2f} s cycles are missing", "yellow", console)
     _report_damage(source.replay.recording, console)
+    controller = ReplayController(source)
+    if speed is not None:
+        controller.shared.set_speed(speed)
     try:
-        yield (lambda: (source,)), ReplayController(source)
+        yield (lambda: (source,)), controller
     finally:
         source.close()
 
 
 def _report_damage(recording: Any, console: Console) -> None:
     for each in recording.damage[:DAMAGE]:
-        text = f"damaged at byte {each.byte}: {each.why}"
-        console.print(text, style="yellow", markup=False, highlight=False)
+        note(f"damaged at byte {each.byte}: {each.why}", "yellow", console)
 
 
 def _headless(
@@ -153,7 +156,7 @@ def _headless(
 
     source = Replay(Path(file))
     speed = 1.0 if speed is None and name else speed
-    end = None if duration is None else time.monotonic() + duration
+    end = float("inf") if duration is None else time.monotonic() + duration
     publish = None if name is None else Published(name, source)
     patches, tracks, count, fresh = [each.name for each in source.model_config.skin], set(), 0, 0
     try:
@@ -165,17 +168,17 @@ def _headless(
                     publish.put(each)
                 if as_json and each.fresh:
                     print_json(_line(each.cycle, source.index.first_ns, patches))
-                if end is not None and time.monotonic() >= end:
+                if time.monotonic() >= end:
                     break
     except KeyboardInterrupt:
-        console.print("stopped", style="dim")
+        note("stopped", where=console)
     finally:
         if publish is not None:
             publish.close()
     _report_damage(source.recording, console)
     if not as_json:
         gaps = f", {len(source.index.gaps)} gaps" if source.index.gaps else ""
-        print_text(f"{count:,} cycles, {fresh:,} with new readings, {len(tracks):,} contacts{gaps}")
+        say(f"{count:,} cycles, {fresh:,} with new readings, {len(tracks):,} contacts{gaps}")
 
 
 def _line(cycle: Any, first_ns: int, patches: list[str]) -> dict[str, Any]:

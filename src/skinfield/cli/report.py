@@ -1,58 +1,101 @@
-"""The terminal: tables, notes, progress, files to write, and signals that end a command."""
+"""Output of commands: tables, notes, progress, JSON, files to write, signals that end one."""
 
 import json
 import os
 import signal
 import sys
 import webbrowser
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from skinfield.errors import InputError
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from skinfield.estimate import Contact
 
 MOST_CONTACTS = 12
+NONE = "–"  # in a cell whose number does not exist
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 FLAT = 5e-5  # m: heights below read 0.0 mm
+Step = Callable[..., None]  # see `progress`
 
 
 def console() -> Console:
     """Where tables go: stdout, at least wide enough for a row of numbers."""
-    found = Console()
-    return Console(width=max(found.width, 100)) if not found.is_terminal else found
+    out = Console()
+    return Console(width=max(out.width, 100)) if not out.is_terminal else out
 
 
-def progress() -> Progress:
-    """Bar on stderr that goes away when it is done."""
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
+@contextmanager
+def progress(what: str, total: float | None = None, *, quiet: bool = False) -> Iterator[Step]:
+    """Bar on stderr that goes away when it is done.
 
+    Parameters
+    ----------
+    what : str
+        Stands before the bar.
+    total : float, optional
+        Steps in all, where that is known.
+    quiet : bool
+        Show nothing.
 
-def say_notes(notes: Iterable[str]) -> None:
-    """Notes to stderr, so that they do not mix with results."""
-    shown = Console(stderr=True)
-    for note in notes:
-        shown.print(f"note: {note}", style="yellow", highlight=False, markup=False)
+    Yields
+    ------
+    function of done, total and what, each optional
+        Moves the bar to where it is, or one step on.
+    """
+    from rich import progress as rich
 
-
-def say_profile(sentence: str) -> None:
-    """Whose skin it is taken for, to stderr."""
+    columns = (rich.TextColumn("{task.description}"), rich.BarColumn(), rich.MofNCompleteColumn(),
+               rich.TimeRemainingColumn())  # fmt: skip
     out = Console(stderr=True)
-    out.print(sentence, style="dim", highlight=False, markup=False, soft_wrap=True)
+    with rich.Progress(*columns, console=out, transient=True, disable=quiet) as bar:
+        task = bar.add_task(what, total=total)
+
+        def step(
+            done: float | None = None, total: float | None = None, what: str | None = None
+        ) -> None:
+            advance = 1.0 if done is None else None
+            bar.update(task, total=total, completed=done, advance=advance, description=what)
+
+        yield step
+
+
+def table(title: str | None, words: Sequence[str], numbers: Sequence[str], **look: Any) -> "Table":
+    """Table with columns of words at the left and of numbers, with their units, at the right."""
+    from rich.table import Table
+
+    made = Table(title=title, title_justify="left", **look)
+    for name in words:
+        made.add_column(name, overflow="fold")
+    for name in numbers:
+        made.add_column(name, justify="right")
+    return made
+
+
+def fixed(value: float | None, decimals: int) -> str:
+    """Number with so many decimals, without a minus before nothing; a dash for none."""
+    if value is None or not abs(value) < float("inf"):
+        return NONE
+    return f"{round(float(value), decimals) + 0.0:.{decimals}f}"
+
+
+def note(text: str, style: str = "dim", where: Console | None = None) -> None:
+    """Line on stderr, as it is, so that it does not mix with results."""
+    out = where or Console(stderr=True)
+    out.print(text, style=style, highlight=False, markup=False, soft_wrap=True)
+
+
+def say_notes(notes: Iterable[str], where: Console | None = None) -> None:
+    """Notes on stderr, marked as such."""
+    for text in notes:
+        note(f"note: {text}", "yellow", where)
 
 
 def plural(count: int, noun: str) -> str:
@@ -60,43 +103,88 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
-def table_of_contacts(contacts: Sequence["Contact"], title: str) -> Table:
-    """Contacts with force and place and how sure they are, shape, size and peak.
+class Column(NamedTuple):
+    """Column of a table of rows.
 
-    The height stands there where one is not 0: on a flat patch it says nothing.
+    Attributes
+    ----------
+    head : str
+        With the unit.
+    key : str
+        Of a row's value.
+    factor : float
+        From SI to that unit.
+    decimals : int or None
+        None for words, which stand at the left.
     """
-    shown = contacts[:MOST_CONTACTS]
-    curved = any(abs(contact.position[2]) > FLAT for contact in shown)
-    table = Table(title=title, title_justify="left")
-    places = ("x mm", "y mm", "z mm") if curved else ("x mm", "y mm")
-    for column in ("#", "force N", "± N", *places, "± mm", "shape"):
-        table.add_column(column, justify="left" if column == "shape" else "right")
-    for column in ("radius mm", "area mm²", "peak kPa"):
-        table.add_column(column, justify="right")
-    for index, contact in enumerate(shown, start=1):
-        table.add_row(
-            str(index),
-            f"{contact.normal_force:.2f}",
-            f"{contact.force_std:.2f}",
-            *(f"{value * 1e3:.1f}" for value in contact.position[: len(places)]),
-            f"{contact.place_std * 1e3:.2f}",
-            contact.shape,
-            f"{contact.radius * 1e3:.1f}",
-            f"{contact.area * 1e6:.0f}",
-            f"{contact.peak_pressure / 1e3:.1f}",
-        )
+
+    head: str
+    key: str
+    factor: float = 1.0
+    decimals: int | None = None
+
+    def cell(self, row: Mapping[str, Any]) -> str:
+        """Text of a row's value; a dash where it has none."""
+        value = row.get(self.key)
+        if self.decimals is None or value is None:
+            return NONE if value is None else str(value)
+        return fixed(value * self.factor, self.decimals)
+
+
+def table_of(
+    title: str | None, rows: Iterable[Mapping[str, Any]], columns: Sequence[Column], **look: Any
+) -> "Table":
+    """Table of rows in SI units, as JSON has them, too."""
+    made = table(title, (), (), **look)
+    for column in columns:
+        words = column.decimals is None
+        made.add_column(column.head, justify="left" if words else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(column.cell(row) for column in columns))
+    return made
+
+
+CONTACT = (
+    Column("#", "contact", decimals=0), Column("force N", "force_N", decimals=2),
+    Column("± N", "force_std_N", decimals=2), Column("x mm", "x_m", 1e3, 1),
+    Column("y mm", "y_m", 1e3, 1), Column("z mm", "z_m", 1e3, 1),
+    Column("± mm", "place_std_m", 1e3, 2), Column("shape", "shape"),
+    Column("radius mm", "radius_m", 1e3, 1), Column("area mm²", "area_m2", 1e6, 0),
+    Column("peak kPa", "peak_pressure_Pa", 1e-3, 1),
+)  # fmt: skip
+
+
+def plain_contacts(contacts: Sequence["Contact"]) -> list[dict[str, Any]]:
+    """Contacts as JSON has them: force and place and how sure they are, shape, size and peak."""
+    return [
+        {
+            "contact": index,
+            "force_N": contact.normal_force,
+            "force_std_N": contact.force_std,
+            **dict(zip(("x_m", "y_m", "z_m"), map(float, contact.position), strict=True)),
+            "place_std_m": contact.place_std,
+            "shape": contact.shape,
+            "radius_m": contact.radius,
+            "area_m2": contact.area,
+            "peak_pressure_Pa": contact.peak_pressure,
+        }
+        for index, contact in enumerate(contacts, start=1)
+    ]
+
+
+def table_of_contacts(contacts: Sequence["Contact"], title: str) -> "Table":
+    """Contacts; their height stands there where one is not 0: on a flat patch it says nothing."""
+    first = plain_contacts(contacts[:MOST_CONTACTS])
+    curved = any(abs(row["z_m"]) > FLAT for row in first)
+    columns = [column for column in CONTACT if curved or column.key != "z_m"]
+    made = table_of(title, first, columns)
     if len(contacts) > MOST_CONTACTS:
-        table.caption = f"and {len(contacts) - MOST_CONTACTS} weaker ones"
-    return table
+        made.caption = f"and {len(contacts) - MOST_CONTACTS} weaker ones"
+    return made
 
 
-def say(words: str) -> None:
-    """Print a line as it is."""
-    console().print(words, highlight=False, markup=False, soft_wrap=True)
-
-
-def print_text(text: str) -> None:
-    """Text on stdout, as it is: for programs that read it, and for people."""
+def say(text: str) -> None:
+    """Line on stdout, as it is: for programs that read it, and for people."""
     sys.stdout.write(f"{text}\n")
 
 
@@ -104,45 +192,65 @@ def print_json(value: Any) -> None:
     """One JSON object on stdout; NaN and infinities become null."""
     from skinfield.files.summary import plain_json
 
-    print_text(json.dumps(plain_json(value, "result"), allow_nan=False))
+    say(json.dumps(plain_json(value, "result"), allow_nan=False))
 
 
-def check_new(flag: str, name: str | Path | None, force: bool) -> None:
-    """Raise InputError if a file of this name is there, unless it is to be written over."""
-    if name is not None and not force and Path(name).exists():
-        raise InputError(
-            f"{flag} is {str(name)!r}, which is there already, expected a new file, or --force to "
-            "write over it"
-        )
+def finish(as_json: bool, value: Any, files: Iterable[str | None] = ()) -> None:
+    """End of a command: its result as JSON, or which files it wrote."""
+    if as_json:
+        print_json(value)
+        return
+    for name in files:
+        if name:
+            say(f"wrote {name}")
 
 
-def free_name(name: str) -> str:
-    """A file name that is free: the one given, or with a number, as press-2.png."""
-    path, number = Path(name), 2
-    while path.exists():
-        path, number = Path(name).with_stem(f"{Path(name).stem}-{number}"), number + 1
-    return str(path)
-
-
-def check_output(flag: str, name: str | None, ending: str) -> None:
-    """Raise InputError unless `name`, where there is one, has the ending and can be written.
+def check_output(flag: str, name: str | Path | None, force: bool, *endings: str) -> None:
+    """Raise InputError unless a file can be written under a name, where there is one.
 
     Parameters
     ----------
     flag : str
-        As the user gave it, such as "--csv".
+        As the user wrote it, such as "--csv".
     name : str or None
         Of the file.
-    ending : str
-        Such as ".csv".
+    force : bool
+        Whether one that is there may be written over.
+    *endings : str
+        Such as ".csv"; none where whoever writes it checks them.
     """
     from skinfield.files.pending import pending
 
     if name is None:
         return
-    if not name.lower().endswith(ending):
-        raise InputError(f"{flag} is {name!r}, expected a name that ends in {ending}")
-    pending(name)  # makes nothing: it says what is wrong with the folder
+    if not force and Path(name).exists():
+        raise InputError(
+            f"{flag} is {str(name)!r}, which is there already, expected a new file, or --force to "
+            "write over it"
+        )
+    if endings and not str(name).lower().endswith(endings):
+        raise InputError(
+            f"{flag} is {str(name)!r}, expected a name that ends in {' or '.join(endings)}"
+        )
+    if endings:
+        pending(name)  # makes nothing: it says what is wrong with the folder
+
+
+def check_picture(flag: str, name: str | None, force: bool) -> None:
+    """Raise InputError unless a figure can be saved under a name, where there is one."""
+    if name is not None:
+        from skinfield.plot import check_name
+
+        check_name(name)
+        check_output(flag, name, force)
+
+
+def free_name(name: str) -> str:
+    """A file name that is free: this one, or with a number, as press-2.png."""
+    path, number = Path(name), 2
+    while path.exists():
+        path, number = Path(name).with_stem(f"{Path(name).stem}-{number}"), number + 1
+    return str(path)
 
 
 @contextmanager
@@ -172,23 +280,18 @@ def _interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 
 
-def show_address(address: str, console: Console, *, browser: bool, as_json: bool = False) -> None:
+def show_address(address: str, where: Console, *, browser: bool, as_json: bool = False) -> None:
     """Print the page's address, and open it where somebody may be looking."""
     if as_json:  # standard output is for the object at the end
-        console.print(f"page: {address}", highlight=False, soft_wrap=True)
+        note(f"page: {address}", "", where)
     else:
-        print_text(f"page: {address}")
+        say(f"page: {address}")
         sys.stdout.flush()
-    if not browser or not _has_screen():
+    # on a robot it would be one in the terminal
+    screen = sys.platform != "linux" or bool({"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ))
+    if not browser or not screen:
         return
     try:
         webbrowser.open(address)
     except (OSError, webbrowser.Error) as error:
-        console.print(f"no browser could be started ({error}): open the page by hand")
-
-
-def _has_screen() -> bool:
-    """Whether a browser would be seen: on a robot it would be one in the terminal."""
-    if sys.platform != "linux":
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+        where.print(f"no browser could be started ({error}): open the page by hand")

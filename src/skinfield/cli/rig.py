@@ -1,26 +1,47 @@
 """`skinfield rig`: the paper's set-up in software, as many runs as a scenario asks for."""
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rich.table import Table
+from skinfield.cli.options import OUTPUT, Force, Json, processes
+from skinfield.cli.report import (
+    Column,
+    check_output,
+    console,
+    finish,
+    plural,
+    print_json,
+    progress,
+    say,
+    say_notes,
+    table_of,
+)
+from skinfield.errors import InputError
 
-from skinfield.cli.options import OUTPUT, Json
-from skinfield.cli.report import console, plural, print_json, progress, say, say_notes
-from skinfield.errors import FileError, InputError, check_count
-from skinfield.lab.runner import Outcome, Task, run, stored
-from skinfield.lab.scenarios import load_scenario, rig_tasks, template
+if TYPE_CHECKING:
+    from skinfield.lab.runner import Outcome, Task
+
+PLANNED = (
+    Column("run", "run"), Column("indenter", "indenter"), Column("presses", "presses", decimals=0),
+    Column("seconds", "seconds", decimals=1), Column("state", "state"),
+)  # fmt: skip
+MADE = (
+    Column("run", "run"), Column("presses", "presses", decimals=0),
+    Column("readings", "readings", decimals=0), Column("N", "highest_force_N", decimals=2),
+    Column("depth mm", "deepest_mm", decimals=3), Column("area mm²", "widest_area_mm2", decimals=1),
+    Column("ΔC/C₀", "highest_change", decimals=3), Column("cell full", "saturated", decimals=0),
+    Column("took s", "seconds", decimals=1),
+)  # fmt: skip
 
 
 def rig(
     *scenario: str,
     output: Annotated[str, OUTPUT] = "rig",
     workers: int | None = None,
-    resume: bool = True,
     dry_run: bool = False,
     new: str | None = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     r"""Press a simulated skin with a simulated rig; write recordings with their truth.
@@ -33,11 +54,12 @@ def rig(
 
       recording.npz     counts, as from a real skin         layout.toml       where its taxels are
       load_cell.csv     as from a real force sensor         calibration.toml  the true one
-      truth.npz         force, depth, area, pressure, ...   scenario.toml     makes this run again
-      run.png           picture                             task.json         summary
+      truth.npz         force, depth, area, pressure, ...   run.png           picture
+      task.json         summary
 
-    A run that is there already, of the very same settings, is not made again: a campaign that was
-    stopped goes on where it was. What was made can be used like a real rig's:
+    The scenario itself is copied beside them. A run that is there already, of the very same
+    settings, is not made again: a campaign that was stopped goes on where it was. What was made can
+    be used like a real rig's:
 
       skinfield rig --new press.toml
       skinfield rig press.toml -o rig --dry-run
@@ -54,8 +76,6 @@ def rig(
         DIR of the runs.
     workers : int, optional
         Processes at once. Default one for each core.
-    resume : bool
-        Keep runs that are there, or make them again.
     dry_run : bool
         List the runs, make none.
     new : str, optional
@@ -63,28 +83,37 @@ def rig(
     as_json : bool
         What came of each run, as a list of objects.
     """
-    if workers is not None:
-        check_count("--workers", workers, 1, 1 << 12, "processes at once")
-    out = console()
+    from skinfield.files.pending import write_bytes
+
+    number = processes(workers)
     if new is not None:
-        _write_template(Path(new))
-        say(f"wrote {new}")
+        from skinfield.lab.scenarios import template
+
+        check_output("--new", new, force)
+        write_bytes(new, template().encode())
+        if not (as_json and scenario):  # one object is printed
+            finish(as_json, {"scenario": new}, [new])
     if not scenario:
         if new is None:
             raise InputError("SCENARIO is missing, expected a file: --new FILE writes one")
         return
     tasks = _tasks(scenario)
     if dry_run:
-        out.print(_plan(tasks, Path(output)))
+        _show_plan(tasks, Path(output), as_json)
         return
-    outcomes = _run(tasks, Path(output), workers or os.cpu_count() or 1, not resume)
-    if as_json:
-        print_json([{"run": one.name, "seconds": one.seconds, **(one.result or {}),
-                     "failure": one.failure or None} for one in outcomes])  # fmt: skip
-    else:
-        out.print(_table(outcomes))
+    outcomes = _run(tasks, Path(output), number)
+    for path in scenario:
+        write_bytes(Path(output) / Path(path).name, Path(path).read_bytes())
     failed = [outcome for outcome in outcomes if outcome.failure]
-    if not as_json:
+    rows = [
+        {"run": one.name, "seconds": one.seconds, "failure": one.failure or None}
+        | (one.result or {})
+        for one in outcomes
+    ]
+    if as_json:
+        print_json(rows)
+    else:
+        console().print(table_of("Runs", rows, MADE))
         say(
             f"{plural(len(outcomes) - len(failed), 'run')} in {output}, "
             f"{sum(outcome.reused for outcome in outcomes)} of them from before"
@@ -93,17 +122,9 @@ def rig(
         _fail(failed, len(outcomes), Path(output))
 
 
-def _write_template(path: Path) -> None:
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(template())
-    except FileExistsError as error:
-        raise FileError(f"{path} is there, expected a new name: nothing was written") from error
-    except (OSError, ValueError) as error:
-        raise FileError(f"{path} cannot be written: {error}") from error
+def _tasks(scenarios: Sequence[str]) -> "list[Task]":
+    from skinfield.lab.scenarios import load_scenario, rig_tasks
 
-
-def _tasks(scenarios: Sequence[str]) -> list[Task]:
     tasks: dict[str, tuple[str, Task]] = {}
     for path in scenarios:
         for task in rig_tasks(load_scenario(path)):
@@ -116,62 +137,41 @@ def _tasks(scenarios: Sequence[str]) -> list[Task]:
     return [task for _, task in tasks.values()]
 
 
-def _plan(tasks: Sequence[Task], folder: Path) -> Table:
-    table = Table(title=f"{plural(len(tasks), 'run')}", title_justify="left")
-    for column in ("run", "indenter", "presses", "seconds", "state"):
-        table.add_column(column, justify="right" if column in ("presses", "seconds") else "left")
+def _show_plan(tasks: "Sequence[Task]", folder: Path, as_json: bool) -> None:
+    from skinfield.lab.runner import stored
+
+    rows = []
     for task in tasks:
         (scenario,) = task.arguments
-        presses = scenario.presses
-        table.add_row(
-            task.name,
-            scenario.tools[0].indenter.kind,
-            str(presses),
-            f"{scenario.profile.duration(presses):.1f}",
-            "there" if stored(task, folder) else "to do",
+        rows.append(
+            {
+                "run": task.name,
+                "indenter": scenario.tools[0].indenter.kind,
+                "presses": scenario.presses,
+                "seconds": scenario.profile.duration(scenario.presses),
+                "state": "there" if stored(task, folder) else "to do",
+            }
         )
-    return table
+    if as_json:
+        print_json(rows)
+    else:
+        console().print(table_of(plural(len(tasks), "run"), rows, PLANNED))
 
 
-def _run(tasks: Sequence[Task], folder: Path, workers: int, fresh: bool) -> list[Outcome]:
+def _run(tasks: "Sequence[Task]", folder: Path, workers: int) -> "list[Outcome]":
+    from skinfield.lab.runner import run
+
     outcomes: dict[str, Outcome] = {}
-    with progress() as bar:
-        task = bar.add_task("rig", total=len(tasks))
-        for outcome in run(tasks, folder, workers=workers, fresh=fresh):
+    with progress("rig", len(tasks)) as step:
+        for outcome in run(tasks, folder, workers=workers):
             outcomes[outcome.name] = outcome
             failures = sum(bool(one.failure) for one in outcomes.values())
             words = outcome.name + (f", {failures} failed" if failures else "")
-            bar.update(task, completed=len(outcomes), description=words)
+            step(len(outcomes), what=words)
     return [outcomes[task.name] for task in tasks]
 
 
-def _table(outcomes: Sequence[Outcome]) -> Table:
-    table = Table(title="Runs", title_justify="left")
-    table.add_column("run", overflow="fold")
-    for column in (
-        "presses", "readings", "N", "depth mm", "area mm²", "ΔC/C₀", "cell full", "took s",
-    ):  # fmt: skip
-        table.add_column(column, justify="right")
-    for outcome in outcomes:
-        if outcome.failure:
-            table.add_row(outcome.name, *["–"] * 7, f"{outcome.seconds:.1f}")
-            continue
-        found = outcome.result
-        table.add_row(
-            outcome.name,
-            str(found["presses"]),
-            str(found["readings"]),
-            f"{found['highest_force_N']:.2f}",
-            f"{found['deepest_mm']:.3f}",
-            f"{found['widest_area_mm2']:.1f}",
-            f"{found['highest_change']:.3f}",
-            str(found["saturated"]),
-            f"{outcome.seconds:.1f}",
-        )
-    return table
-
-
-def _fail(failed: Sequence[Outcome], total: int, folder: Path) -> None:
+def _fail(failed: "Sequence[Outcome]", total: int, folder: Path) -> None:
     """Say what went wrong with each failed run, and end with an error."""
     say_notes(f"{one.name}: {one.failure.strip().splitlines()[-1]}" for one in failed)
     raise InputError(

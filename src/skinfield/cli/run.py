@@ -1,11 +1,11 @@
 """`skinfield run`: a robot's skin, alive."""
 
 import errno
-import os
 import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +16,7 @@ from skinfield.cli.options import (
     USUAL_NO_LOAD,
     Force,
     Json,
+    filled,
     layer_of,
     mechanics_of,
     nodes_for,
@@ -25,7 +26,14 @@ from skinfield.cli.options import (
     skin_from_text,
     solver_of,
 )
-from skinfield.cli.report import check_new, end_undisturbed, print_json, show_address, signals_end
+from skinfield.cli.report import (
+    check_output,
+    end_undisturbed,
+    note,
+    print_json,
+    show_address,
+    signals_end,
+)
 from skinfield.errors import InputError, SkinfieldError, check_positive
 from skinfield.settings import (
     BridgeSettings,
@@ -51,7 +59,6 @@ RUNGS = (10, 20, 40, 80)
 USUAL_SHIFT = 2  # bits that an iCub's boards drop
 LIVE_FINEST = 40  # nodes on a side of the finest grid, unless given
 LIVE_SOLVERS = [name for name in SOLVERS if name != "contact"]
-NOT_HERE = (errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT)
 # The virtual skin has a tenth of the noise of a robot's boards, 0.002 in ΔC/C₀, and its boards
 # drop one bit, not two: the noise then outweighs the rounding, and averages go on getting better.
 VIRTUAL_NOISE, VIRTUAL_SHIFT = 0.1, 1
@@ -111,46 +118,39 @@ def run(
     save : str, optional
         Write the settings to this file (.toml), and run nothing.
     """
-    given = Settings(
+    wanted = Settings(
         skin=skin, source=source, model=model, loop=loop, page=page, bridges=bridges, record=record
     )
     if save is not None:
-        save_settings(given, save, force)
+        save_settings(wanted, save, force)
         return
     if duration is not None:
         check_positive("--duration", duration, "seconds")
     console = Console(stderr=True)
-    check_settings(given)
+    check_settings(wanted)
     with signals_end(), ExitStack() as parts:
         try:
-            session = Session(given, duration, headless, as_json, console)
-            summary = session.run(parts)
+            running = start_all(wanted, parts, console)
+            browser = page.browser and not headless
+            show_address(running.page.address, console, browser=browser, as_json=as_json)
+            screen = None if headless else _screen(console)
+            summary = watch(running, duration, screen, console)
         finally:
             end_undisturbed()
     if as_json:
         print_json(summary)
 
 
-def save_settings(given: Settings, path: str, force: bool) -> None:
-    """Write settings to a file.
-
-    Raises
-    ------
-    InputError
-        If it is there already and not to be written over.
-    FileError
-        If it cannot be written.
-    """
+def save_settings(wanted: Settings, path: str, force: bool) -> None:
+    """Write settings to a file; raises InputError and FileError if it cannot be written."""
     from skinfield.files.pending import write_bytes
 
-    if not path.endswith(".toml"):
-        raise InputError(f"--save is {path!r}, expected a name that ends in .toml")
-    check_new("--save", path, force)
-    write_bytes(path, toml_from_settings(given).encode())
-    Console(stderr=True).print(f"wrote {path}", highlight=False, soft_wrap=True)
+    check_output("--save", path, force, ".toml")
+    write_bytes(path, toml_from_settings(wanted).encode())
+    note(f"wrote {path}")
 
 
-def check_settings(given: Settings) -> None:
+def check_settings(wanted: Settings) -> None:
     """Refuse, before anything starts, what can be seen without a skin.
 
     Raises
@@ -160,28 +160,18 @@ def check_settings(given: Settings) -> None:
     """
     from skinfield.bridges.launch import bridge_settings
 
-    check_record(given.record.into)
-    check_name(given.loop.name)
-    check_port(given.page.port, given.page.host)
-    bridge_settings(given.bridges)
-    if given.model.solver == "contact":
+    check_output("--record", wanted.record.into, False, ".mcap")
+    check_name(wanted.loop.name)
+    check_port(wanted.page.port, wanted.page.host)
+    bridge_settings(wanted.bridges)
+    if wanted.model.solver == "contact":
         raise SettingError(
             "solver",
             f"is contact, expected one of {', '.join(LIVE_SOLVERS)}: contacts are fitted beside "
             "it (fit)",
         )
-    if given.source.hardware is None:
-        check_scene(given.source.scene)
-
-
-def check_record(path: str | None) -> None:
-    """Refuse to write over a recording, or where nothing can be written."""
-    if path is None:
-        return
-    check_new("--record", path, False)
-    folder = Path(path).parent
-    if not folder.is_dir() or not os.access(folder, os.W_OK):
-        raise InputError(f"--record is {path}, expected a folder that is there and can be written")
+    if wanted.source.hardware is None:
+        check_scene(wanted.source.scene)
 
 
 def check_name(name: str) -> None:
@@ -200,49 +190,23 @@ def check_name(name: str) -> None:
 
 def check_port(port: int | None, host: str) -> None:
     """Refuse a port or an address that the page cannot be served on; None is any port."""
-    errors = [
-        _cannot_bind(family, (address[0], port or 0, *address[2:]))
-        for family, address in _addresses(host)
-    ]
-    for error in errors:
-        if error is not None and error.errno not in NOT_HERE:
-            raise InputError(
-                f"--port {port} of {host} cannot be served: {error.strerror}, expected one that "
-                "is free"
-            ) from error
-    if None not in errors:  # one may be missing, where IPv6 is switched off
-        raise InputError(_no_host(host, errors[0])) from errors[0]
-
-
-def _cannot_bind(family: int, address: tuple[Any, ...]) -> OSError | None:
-    """Why nothing can be served at an address; None if it can."""
-    try:
-        with socket.socket(family, socket.SOCK_STREAM) as trial:
-            trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            if family == socket.AF_INET6:  # as the page's server does: IPv4 has its own socket
-                trial.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
-            trial.bind(address)
-    except OSError as error:
-        return error
-    return None
-
-
-def _no_host(host: str, error: Exception | None) -> str:
-    why = getattr(error, "strerror", None) or error
-    return (
-        f"--host is {host!r}, expected an address of this machine, such as 127.0.0.1, or 0.0.0.0 "
-        f"for all of them: {why}"
-    )
-
-
-def _addresses(host: str) -> list[tuple[int, tuple[Any, ...]]]:
-    """Families and addresses of a host of this machine."""
     plain = host.strip("[]") or None  # an empty one is all of the machine's
     try:
-        found = socket.getaddrinfo(plain, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        known = socket.getaddrinfo(
+            plain, port or 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )
+        family, address = known[0][0], known[0][4]
+        socket.create_server(address, family=family).close()
     except (OSError, UnicodeError) as error:
-        raise InputError(_no_host(host, error)) from error
-    return [(family, address) for family, _, _, _, address in found]
+        why = getattr(error, "strerror", None) or error
+        if getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES):
+            raise InputError(
+                f"--port {port} of {host} cannot be served: {why}, expected one that is free"
+            ) from error
+        raise InputError(
+            f"--host is {host!r}, expected an address of this machine, such as 127.0.0.1, or "
+            f"0.0.0.0 for all of them: {why}"
+        ) from error
 
 
 def check_scene(scene: str) -> None:
@@ -263,26 +227,25 @@ class NotYet:
         raise InputError("the source is not known yet")
 
 
-def live_settings(
-    given: Settings, profile: Profile, skin: Any, source: Any, hardware: str | None = None
-) -> Any:
+def live_settings(wanted: Settings, profile: Profile, skin: Any, source: Any) -> Any:
     """`LiveSettings` of the settings; the source is one of the live sources."""
     from skinfield.loop.realtime import RealTime
     from skinfield.loop.settings import LiveSettings
 
-    model, loop = given.model, given.loop
+    model, loop, counts = filled(wanted.model, profile), wanted.loop, filled(wanted.skin, profile)
     late, deadline = loop.late_after_ms, loop.deadline_us
+    grid = model.grid or max(nodes_for(patch, LIVE_FINEST) for patch in skin)
     return LiveSettings(
         skin=skin,
         sources=(source,),
         name=loop.name,
-        layer=layer_of(given.skin, profile),
+        layer=layer_of(wanted.skin, profile),
         mechanics=mechanics_of(model.mechanics or profile.mechanics),
         quantity=quantity_of(model.quantity or "capacitance"),
         solver=live_solver(model.solver or "nonnegative"),
-        rungs=rungs_to(model.grid or max(nodes_for(patch, LIVE_FINEST) for patch in skin)),
-        board=board_of(hardware, given.skin.no_load, profile, shift_of(given.source)),
-        gain=profile.gain if given.skin.gain is None else given.skin.gain,
+        rungs=(*(nodes for nodes in RUNGS if nodes < grid), grid),
+        board=board_of(wanted.source, wanted.skin.no_load, profile),
+        gain=counts.gain,
         rate=None if loop.events else loop.rate_hz,
         budget=None if deadline is None else deadline * 1e-6,
         deadline=None if late is None else late * 1e-3,
@@ -293,11 +256,6 @@ def live_settings(
     )
 
 
-def rungs_to(grid: int) -> tuple[int, ...]:
-    """Resolutions from coarse to this one."""
-    return (*(nodes for nodes in RUNGS if nodes < grid), grid)
-
-
 def live_solver(name: str) -> Any:
     """As elsewhere, but for the gap to which a search goes."""
     from skinfield.loop.settings import LIVE_TOLERANCE
@@ -306,58 +264,47 @@ def live_solver(name: str) -> Any:
     return NonNegative(tolerance=LIVE_TOLERANCE) if name == "nonnegative" else solver_of(name)
 
 
-def shift_of(source: SourceSettings) -> int:
-    """Bits that an iCub's boards drop, as the option ``shift`` says."""
-    text = source.named_options.get("shift", str(USUAL_SHIFT))
-    if not text.isdecimal():
-        raise InputError(f"--set shift is {text!r}, expected a whole number, 2 on most robots")
-    return int(text)
-
-
-def board_of(
-    hardware: str | None, no_load: int | None, profile: Profile, shift: int = USUAL_SHIFT
-) -> Any:
+def board_of(source: SourceSettings, no_load: int | None, profile: Profile) -> Any:
     """What a count of this hardware means; None to go by the range of the counts."""
     from skinfield.signal import CySkinCount, ICubByte
 
-    if hardware in (None, "icub", "yarp"):
-        rest = no_load or profile.no_load or USUAL_NO_LOAD
-        return ICubByte(shift=shift, no_load=rest)
+    if source.hardware in (None, "icub", "yarp"):
+        shift = source.named_options.get("shift", str(USUAL_SHIFT))  # bits that the boards drop
+        if not shift.isdecimal():
+            raise InputError(f"--set shift is {shift!r}, expected a whole number, 2 on most robots")
+        return ICubByte(shift=int(shift), no_load=no_load or profile.no_load or USUAL_NO_LOAD)
     if no_load is not None:
         raise InputError(f"--no-load is {no_load}, expected it with iCub boards only")
-    return CySkinCount() if hardware in ("cyskin", "shm") else None
+    return CySkinCount() if source.hardware in ("cyskin", "shm") else None
 
 
-def with_virtual_boards(source: SourceSettings) -> SourceSettings:
-    """Settings of a source that reads the virtual skin: what its boards are told."""
-    from dataclasses import replace
-
-    period = max(round(1e3 / source.virtual_rate_hz), 1)
-    extra = (f"period_ms={period}", f"shift={VIRTUAL_SHIFT}")
-    return replace(source, options=(*extra, *source.options))
-
-
-@contextmanager
-def virtual_skin(given: Settings, profile: Profile) -> Iterator[Any]:
-    """The virtual skin that is there when no hardware is."""
+def virtual_skin(wanted: Settings, profile: Profile) -> Any:
+    """The virtual skin that is there when no hardware is; a context."""
     from skinfield.emulator.process import start
     from skinfield.emulator.settings import VirtualSettings
 
-    source = given.source
+    source = wanted.source
     settings = VirtualSettings(
         hardware="icub",
-        skin=given.skin.layout,
+        skin=wanted.skin.layout,
         bus=source.bus or "udp",
         channels=source.channel,
         rate=source.virtual_rate_hz,
-        layer=layer_of(given.skin, profile),
+        layer=layer_of(wanted.skin, profile),
         noise=VIRTUAL_NOISE,
         scene="idle",  # until the engine has its baseline
         lead_in=0.0,
         seed=source.seed,
     )
-    with start(settings) as handle:
-        yield handle
+    return start(settings)
+
+
+def on_virtual_boards(source: SourceSettings, channels: Sequence[str]) -> SourceSettings:
+    """Settings of a source that reads the virtual skin, with what its boards are sent."""
+    period = max(round(1e3 / source.virtual_rate_hz), 1)
+    options = (f"period_ms={period}", f"shift={VIRTUAL_SHIFT}", *source.options)
+    bus = source.bus or "udp"
+    return replace(source, hardware="icub", bus=bus, channel=tuple(channels), options=options)
 
 
 class LocalSource:
@@ -391,7 +338,7 @@ class LocalSource:
 
 
 @contextmanager
-def served_page(given: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
+def served_page(wanted: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]:
     """Serve the page of the skin that runs here, with its `controller`."""
     from skinfield.loop.fit_ring import FitReader
     from skinfield.page import serve_page
@@ -400,8 +347,8 @@ def served_page(given: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]
     from skinfield.page.replay import ReplaySource
     from skinfield.record.launch import ReadyRecorders
 
-    name = given.loop.name
-    local, chosen = LocalSource(name), [given.model.solver or "nonnegative"]
+    name = wanted.loop.name
+    local, chosen = LocalSource(name), [wanted.model.solver or "nonnegative"]
     recorders = ReadyRecorders(name, lambda text: controller.say("warn", text))
 
     def choose(solver: Any) -> None:
@@ -413,116 +360,121 @@ def served_page(given: Settings, supervisor: Any, virtual: Any) -> Iterator[Any]
         virtual=virtual,
         recordings=Recordings(name, recorders, ReplaySource, Path()),
         solvers=Solvers(tuple(LIVE_SOLVERS), lambda: chosen[0], choose),
-        fit=FitReader(name) if given.loop.fit else None,
-        tare_seconds=given.loop.tare_s,
+        fit=FitReader(name) if wanted.loop.fit else None,
+        tare_seconds=wanted.loop.tare_s,
     )
     try:
-        with serve_page(given.page, local.sources, controller) as page:
+        with serve_page(wanted.page, local.sources, controller) as page:
             yield page
     finally:
         controller.close()
 
 
-class Session:
-    """A skin alive, from its start until its time is over, or Ctrl-C."""
+def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running":
+    """Start the virtual skin, if there is no hardware, the engine, the page and what is beside it.
 
-    def __init__(
-        self,
-        given: Settings,
-        duration: float | None,
-        headless: bool,
-        as_json: bool,
-        console: Console,
-    ) -> None:
-        self.given, self.duration, self.console = given, duration, console
-        self.headless, self.as_json = headless, as_json
+    Parameters
+    ----------
+    wanted : Settings
+    parts : ExitStack
+        Ends them all, the last one first.
+    console : Console
+        On stderr.
+    """
+    from skinfield.bridges.launch import bridges
+    from skinfield.loop.client import Live
+    from skinfield.loop.process_supervisor import start_fit
+    from skinfield.loop.supervisor import Supervisor
+    from skinfield.record.launch import recorder
+    from skinfield.ring import State
+    from skinfield.wire.sources.factory import skin_for, source_from_options
 
-    def run(self, parts: ExitStack) -> dict[str, Any]:
-        """Start everything, show it until the end, and sum it up."""
-        from skinfield.bridges.launch import bridges
-        from skinfield.loop.client import Live
-        from skinfield.loop.process_supervisor import start_fit
-        from skinfield.loop.supervisor import Supervisor
-        from skinfield.record.launch import recorder
-        from skinfield.ring import State
-        from skinfield.wire.sources.factory import skin_for, source_from_options
+    skin, source, virtual = skin_from_text(wanted.skin.layout), wanted.source, None
+    with console.status(STARTING):
+        profile = profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
+        live_settings(wanted, profile, skin, NotYet())  # refuses what it must
+        if source.hardware is None:
+            virtual = parts.enter_context(virtual_skin(wanted, profile))
+            source = on_virtual_boards(source, virtual.channels)
+            wanted = replace(wanted, source=source)
+        hardware = source.hardware or ""
+        skin, extra = skin_for(hardware, skin), source.named_options
+        if wanted.skin.no_load is not None:  # the boards are sent it as well
+            extra.setdefault("no_load", str(wanted.skin.no_load))
+        stream = source_from_options(hardware, source.bus or "", source.channel, skin, extra)
+        settings = live_settings(wanted, profile, skin, stream)
+        supervisor = parts.enter_context(Supervisor(settings))
+        fit = parts.enter_context(start_fit(settings.name, wanted.loop.fit))
+        supervisor.wait(STARTS, State.STARTING).close()
+        into = wanted.record.into
+        parts.enter_context(recorder(settings.name, None if into is None else Path(into)))
+        live = parts.enter_context(Live(settings.name))
+        page = parts.enter_context(served_page(wanted, supervisor, virtual))
+        bridged = parts.enter_context(bridges(wanted.bridges, settings.name))
 
-        given, console = self.given, self.console
-        skin, source = skin_from_text(given.skin.layout), given.source
-        hardware, bus, channels, handle = source.hardware, source.bus, source.channel, None
-        with console.status(STARTING):
-            profile = profile_in_use(given.skin, hardware, given.skin.layout)
-            live_settings(given, profile, skin, NotYet(), hardware)  # refuses what it must
-            if hardware is None:
-                handle = parts.enter_context(virtual_skin(given, profile))
-                hardware, bus, channels = "icub", bus or "udp", tuple(handle.channels)
-                source = with_virtual_boards(source)
-                given = Settings(**{**vars(given), "source": source})
-            skin, extra = skin_for(hardware, skin), source.named_options
-            if given.skin.no_load is not None:  # the boards are sent it as well
-                extra.setdefault("no_load", str(given.skin.no_load))
-            stream = source_from_options(hardware, bus or "", channels, skin, extra)
-            settings = live_settings(given, profile, skin, stream, hardware)
-            supervisor = parts.enter_context(Supervisor(settings))
-            fit = parts.enter_context(start_fit(settings.name, given.loop.fit))
-            supervisor.wait(STARTS, State.STARTING).close()
-            into = given.record.into
-            parts.enter_context(recorder(settings.name, None if into is None else Path(into)))
-            live = parts.enter_context(Live(settings.name))
-            page = parts.enter_context(served_page(given, supervisor, handle))
-            bridged = parts.enter_context(bridges(given.bridges, settings.name))
-        browser = given.page.browser and not self.headless
-        show_address(page.address, console, browser=browser, as_json=self.as_json)
-        begin = (lambda: page.controller.begin(source.scene)) if handle is not None else None
+    def check() -> None:
+        page.check()
+        for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
+            page.controller.say("warn", text)
+            note(text, "yellow", console)
 
-        def check() -> None:
-            page.check()
-            for text in (*(fit.notices() if fit is not None else ()), *bridged.notices()):
-                page.controller.say("warn", text)
-                console.print(text, style="yellow")
+    scene = None if virtual is None else source.scene
+    return Running(supervisor, live, page, scene, check)
 
-        return self._watch(supervisor, live, begin, check)
 
-    def _watch(
-        self,
-        supervisor: Any,
-        live: Any,
-        begin: Callable[[], None] | None,
-        check: Callable[[], None],
-    ) -> dict[str, Any]:
-        """Show the skin until its time is over, or Ctrl-C.
+@dataclass(frozen=True)
+class Running:
+    """A skin alive, and what is around it.
 
-        `begin` is called when it answers; `check` again and again: it raises what ends it, and
-        tells what failed.
-        """
-        from skinfield.loop.contact_summary import ContactSummaries
-        from skinfield.loop.status import Observer
+    Attributes
+    ----------
+    supervisor : Supervisor
+    live : Live
+    page : Page
+    scene : str or None
+        What presses a virtual skin once it answers.
+    check : function
+        Raises what ends the skin, and says what failed.
+    """
 
-        watch = ContactSummaries([patch.name for patch in live.skin])
-        observer = Observer(live.reader, window=RECENT)
-        screen = None if self.headless else _screen(self.console)
-        try:
-            began = _wait_running(supervisor, observer, screen, self.console)
-            if begin is not None:
-                begin()
-            end = None if self.duration is None else began + self.duration
-            drawn = began
-            while end is None or time.monotonic() < end:
-                left = REFRESH if end is None else min(REFRESH, max(end - time.monotonic(), 0.0))
-                newest = live.next(left)
-                now = time.monotonic()
-                check()
-                if newest is not None:
-                    watch.take(newest.contacts, now - began)
-                if screen is not None and now - drawn > REFRESH:
-                    drawn = now
-                    _draw(screen, observer)
-        except KeyboardInterrupt:
-            self.console.print("stopping", style="dim")
-        finally:
-            if screen is not None:
-                screen.stop()
-        return summary_of(observer.look(), supervisor, watch.contacts)
+    supervisor: Any
+    live: Any
+    page: Any
+    scene: str | None
+    check: Callable[[], None]
+
+
+def watch(
+    running: Running, duration: float | None, screen: Any, console: Console
+) -> dict[str, Any]:
+    """Show the skin until its time is over, or Ctrl-C, and sum it up."""
+    from skinfield.loop.contact_summary import ContactSummaries
+    from skinfield.loop.status import Observer
+
+    live = running.live
+    contacts = ContactSummaries([patch.name for patch in live.skin])
+    observer = Observer(live.reader, window=RECENT)
+    try:
+        began = _wait_running(running.supervisor, observer, screen, console)
+        if running.scene is not None:
+            running.page.controller.begin(running.scene)
+        end = float("inf") if duration is None else began + duration
+        drawn = began
+        while time.monotonic() < end:
+            newest = live.next(min(REFRESH, max(end - time.monotonic(), 0.0)))
+            now = time.monotonic()
+            running.check()
+            if newest is not None:
+                contacts.take(newest.contacts, now - began)
+            if screen is not None and now - drawn > REFRESH:
+                drawn = now
+                _draw(screen, observer)
+    except KeyboardInterrupt:
+        note("stopping", where=console)
+    finally:
+        if screen is not None:
+            screen.stop()
+    return summary_of(observer.look(), running.supervisor, contacts.contacts)
 
 
 def _screen(console: Console) -> Any:
@@ -534,17 +486,17 @@ def _screen(console: Console) -> Any:
 
 
 def _draw(screen: Any, observer: Any) -> None:
-    from skinfield.cli.status_table import shown
+    from skinfield.cli.status_table import status_table
 
     size = screen.console.size
-    screen.update(shown(observer.look(), size.width, size.height))
+    screen.update(status_table(observer.look(), size.width, size.height))
 
 
 def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console) -> float:
     """Wait until the engine answers, showing what it does meanwhile; the time then."""
     from skinfield.loop.supervisor import EngineFailed
 
-    began = moved = said = time.monotonic()
+    began = moved = spoke = time.monotonic()
     before, silent = "", False
     while True:
         now = time.monotonic()
@@ -567,9 +519,9 @@ def _wait_running(supervisor: Any, observer: Any, screen: Any, console: Console)
                 ) from error
         if screen is not None:
             _draw(screen, observer)
-        elif doing != before and now > said + SAYS:
-            said = now
-            console.print(f"{now - began:.0f} s: {doing}", style="dim", highlight=False)
+        elif doing != before and now > spoke + SAYS:
+            spoke = now
+            note(f"{now - began:.0f} s: {doing}", where=console)
         before = doing
 
 
@@ -577,31 +529,18 @@ def _report_silent(sources: dict[str, dict[str, int]], console: Console) -> None
     """Say which sources nothing has come from: they may be plugged in late, or misspelt."""
     silent = [name for name, counts in sources.items() if not counts["received"]]
     if silent:
-        console.print(
+        text = (
             f"nothing has come from {', '.join(silent)} yet, waiting: is it connected and on, and "
-            "is --channel right?",
-            style="yellow",
+            "is --channel right?"
         )
+        note(text, "yellow", console)
 
 
 def summary_of(status: Any, supervisor: Any, contacts: list[dict[str, Any]]) -> dict[str, Any]:
     """What `--json` prints; times in µs since the engine's start."""
-    since = status.since
-
-    def micros(found: Any) -> dict[str, float] | None:
-        if found is None:
-            return None
-        return {key: value for key, value in found.as_micros().items() if key != "count"}
-
     return {
-        "cycles": since.cycles,
-        "late": since.late,
-        "overrun": since.overrun,
-        "skipped": since.skipped,
+        **status.since.as_dict(),
         "lost": status.lost,
-        "latency_us": micros(since.latency),
-        "wake_us": micros(since.wake),
-        "ready_us": micros(since.ready),
         "contacts": contacts,
         "sources": status.sources,
         "restarts": supervisor.restarts,

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from skinfield.cli.report import say
+from skinfield.cli.report import Column, fixed, table
 from skinfield.errors import InputError
 
 SHOWN = {  # measure, and how the table calls it
@@ -19,15 +19,25 @@ SHOWN = {  # measure, and how the table calls it
     "deformation_error": "deformation, relative L2",
     "area_error": "contact area",
 }
+AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and decimals
+    ("force_error", 100.0, "force\n%", 0),
+    ("place_error_mm", 1.0, "place\nmm", 2),
+    ("contact_force_error", 100.0, "contact\nforce %", 0),
+    ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
+    ("deformation_error", 100.0, "deform.\n%", 0),
+    ("missed", 100.0, "missed\n%", 0),
+    ("false_per_reading", 1.0, "false per\nreading", 2),
+    ("cold_ms", 1.0, "cold\nms", 1),
+    ("warm_ms", 1.0, "warm\nms", 2),
+)
 RATES = {"missed": "contacts missed", "false_share": "readings with a false contact"}
-PER_CASE = {
-    "force_error": "force",
-    "place_error_mm": "place mm",
-    "blurred_pressure_error": "pressure, blurred",
-    "deformation_error": "deformation",
-    "missed": "missed",
-    "false": "false",
-}
+PER_CASE = (
+    Column("case", "case"), Column("true N", "true_force_N", decimals=2),
+    Column("force", "force_error", decimals=2), Column("place mm", "place_error_mm", decimals=2),
+    Column("pressure, blurred", "blurred_pressure_error", decimals=2),
+    Column("deformation", "deformation_error", decimals=2),
+    Column("missed", "missed", decimals=2), Column("false", "false", decimals=2),
+)  # fmt: skip
 
 
 def limits_from_texts(texts: Sequence[str]) -> dict[str, float]:
@@ -64,44 +74,36 @@ def exceeds(limits: dict[str, float], columns: dict[str, Any]) -> bool:
 
 def table_of_summary(summary: dict[str, Any], title: str) -> Any:
     """Medians with their intervals, 90th percentiles and rates."""
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    table.add_column("error of")
-    for column in ("median", "95 % interval", "90th percentile"):
-        table.add_column(column, justify="right")
+    made = table(title, ("error of",), ("median", "95 % interval", "90th percentile"))
     for key, label in SHOWN.items():
         median, low, high, p90 = (
-            number(summary[f"{key}_{end}"]) for end in ("median", "low", "high", "p90")
+            fixed(summary[f"{key}_{end}"], 3) for end in ("median", "low", "high", "p90")
         )
-        table.add_row(label, median, f"{low} to {high}", p90)
+        made.add_row(label, median, f"{low} to {high}", p90)
     for key, label in RATES.items():
-        rate, low, high = (number(summary[name]) for name in (key, f"{key}_low", f"{key}_high"))
-        table.add_row(label, rate, f"{low} to {high}", "")
-    return table
+        rate, low, high = (fixed(summary[name], 3) for name in (key, f"{key}_low", f"{key}_high"))
+        made.add_row(label, rate, f"{low} to {high}", "")
+    return made
 
 
-def number(value: float, decimals: int = 3) -> str:
-    """Fixed decimals; a dash for what does not exist, such as the place of what was missed."""
-    return f"{value:.{decimals}f}" if math.isfinite(value) else "–"
+def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
+    """Medians and 90th percentiles, noise by noise and solver by solver."""
+    from rich import box
+
+    labels = [label for _, _, label, _ in AT_NOISES]
+    title += "; median/90th percentile"
+    made = table(title, ("noise", "solver"), labels, box=box.SIMPLE_HEAD)
+    for index, row in enumerate(rows):
+        new = index == 0 or row["noise"] != rows[index - 1]["noise"]
+        last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
+        cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
+        for key, factor, _, digits in AT_NOISES:
+            ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
+            cells.append("/".join(_cut(row[end] * factor, digits) for end in ends))
+        made.add_row(*cells, end_section=last)
+    return made
 
 
-def table_of_cases(rows: Sequence[dict[str, Any]]) -> Any:
-    """A line per case."""
-    from rich.table import Table
-
-    table = Table(title="Medians over each case's readings", title_justify="left")
-    table.add_column("case", overflow="fold")
-    table.add_column("true N", justify="right")
-    for label in PER_CASE.values():
-        table.add_column(label, justify="right")
-    for row in rows:
-        numbers = [number(row[key], 2) for key in PER_CASE]
-        table.add_row(str(row["case"]), f"{row['true_force_N']:.2f}", *numbers)
-    return table
-
-
-def say_written(options: dict[str, Any]) -> None:
-    """Name the files that were written."""
-    for name in options["output"]:
-        say(f"wrote {name}")
+def _cut(value: float, digits: int) -> str:
+    """A number; an exponent would hide how large it is, so what is huge is cut."""
+    return fixed(value, digits) if not 1e4 <= abs(value) < math.inf else ">9999"

@@ -1,4 +1,4 @@
-"""`skinfield status` and `skinfield tune`: what a running skin does, and changes to it."""
+"""`skinfield status`, `tune` and `tare`: what a running skin does, and changes to it."""
 
 import time
 from typing import Any, Literal
@@ -6,13 +6,8 @@ from typing import Any, Literal
 from rich.console import Console
 
 from skinfield.cli.options import Json
-from skinfield.cli.report import print_json
-from skinfield.cli.status_table import shown
+from skinfield.cli.report import finish, print_json, say
 from skinfield.errors import InputError, SkinfieldError, check_positive
-from skinfield.loop.client import Live, chosen
-from skinfield.loop.realtime import RealTimeStatus
-from skinfield.loop.runtime_parameters import Focus
-from skinfield.loop.status import Observer
 
 MICRO, MILLI = 1e-6, 1e-3
 
@@ -47,6 +42,10 @@ def status(
     as_json : bool
         As one JSON object, times in µs.
     """
+    from skinfield.cli.status_table import status_table
+    from skinfield.loop.client import Live, chosen
+    from skinfield.loop.status import Observer
+
     check_positive("--duration", duration, "seconds to watch")
     console = Console()
     with Live(chosen(name)) as live:
@@ -59,22 +58,25 @@ def status(
     if as_json:
         print_json(newest.as_dict())
         return
-    console.print(shown(newest, console.width))
-    for sentence in notes_of(newest.notes):
+    console.print(status_table(newest, console.width))
+    sentences = notes_of(newest.notes)
+    for time_ns, what, text in (newest.sidecars.get("supervisor") or {}).get("events", []):
+        stamp = time.strftime("%H:%M:%S", time.localtime(time_ns * 1e-9))
+        sentences.append(f"{stamp} {what}: {text}")
+    for sentence in sentences:
         console.print(f" {sentence}", style="dim", highlight=False)
-    for event in (newest.sidecars.get("supervisor") or {}).get("events", []):
-        stamp = time.strftime("%H:%M:%S", time.localtime(event[0] * 1e-9))
-        console.print(f" {stamp} {event[1]}: {event[2]}", style="dim", highlight=False)
 
 
-def _watch(console: Console, observer: Observer, seconds: float) -> None:
+def _watch(console: Console, observer: Any, seconds: float) -> None:
     from rich.live import Live as Screen
+
+    from skinfield.cli.status_table import status_table
 
     try:
         with Screen(console=console, refresh_per_second=4, vertical_overflow="crop") as screen:
             while True:
                 time.sleep(max(seconds, 0.1))
-                screen.update(shown(observer.look(), console.width, console.height))
+                screen.update(status_table(observer.look(), console.width, console.height))
     except KeyboardInterrupt:
         return
     except SkinfieldError as error:
@@ -83,15 +85,40 @@ def _watch(console: Console, observer: Observer, seconds: float) -> None:
 
 def notes_of(notes: dict[str, object]) -> list[str]:
     """What an engine says in words, as sentences."""
-    said: list[str] = []
+    from skinfield.loop.realtime import RealTimeStatus
+
     granted = notes.get("granted")
+    sentences: list[str] = []
     if isinstance(granted, dict):
-        said += RealTimeStatus.from_dict(granted).sentences()
+        sentences += RealTimeStatus.from_dict(granted).sentences()
     for name in ("tare", "sources"):
-        told = notes.get(name)
-        if isinstance(told, list):
-            said += [str(each) for each in told]
-    return said
+        texts = notes.get(name)
+        sentences += map(str, texts) if isinstance(texts, list) else []
+    return sentences
+
+
+def tare(name: str | None = None, /, *, as_json: Json = False) -> None:
+    """Take the baseline of a running skin anew: nothing may touch it meanwhile.
+
+    NAME is the one that `skinfield run --name` was given; without it the only one that runs.
+
+      skinfield tare
+      skinfield tare left_arm
+
+    Parameters
+    ----------
+    name : str, optional
+        Of the running skin.
+    as_json : bool
+        Which skin it was, as one JSON object.
+    """
+    from skinfield.loop.client import Live, chosen
+
+    with Live(chosen(name)) as live:
+        live.tare()
+        if not as_json:
+            say(f"{live.name} takes its baseline anew: leave the skin untouched")
+        finish(as_json, {"name": live.name})
 
 
 def tune(
@@ -99,7 +126,7 @@ def tune(
     /,
     *,
     deadline_us: float | None = None,
-    resolution: str | None = None,
+    resolution: int | Literal["auto"] | None = None,
     threshold_n: float | None = None,
     smoothing_ms: float | None = None,
     focus: str | None = None,
@@ -126,7 +153,7 @@ def tune(
         Of the running skin.
     deadline_us : float, µs, optional
         Time for the reconstruction in each cycle, µs.
-    resolution : str, optional
+    resolution : int or "auto", optional
         Nodes on a side of the finest grid that is used, or auto.
     threshold_n : float, N, optional
         Contacts of a smaller force are not published, N.
@@ -137,16 +164,15 @@ def tune(
     as_json : bool
         What is in force, as one JSON object in SI.
     """
-    numbers = (
-        ("deadline", deadline_us, MICRO),
-        ("threshold", threshold_n, 1.0),
-        ("smoothing", smoothing_ms, MILLI),
-    )
-    changes: dict[str, Any] = {
-        key: value * unit for key, value, unit in numbers if value is not None
+    from skinfield.loop.client import Live, chosen
+
+    wanted = {
+        "deadline": None if deadline_us is None else deadline_us * MICRO,
+        "threshold": threshold_n,
+        "smoothing": None if smoothing_ms is None else smoothing_ms * MILLI,
+        "resolution": resolution,
     }
-    if resolution is not None:
-        changes["resolution"] = resolution_from_text(resolution)
+    changes: dict[str, Any] = {key: value for key, value in wanted.items() if value is not None}
     with Live(chosen(name)) as live:
         if focus is not None:
             changes["focus"] = focus_from_text(focus, [patch.name for patch in live.skin])
@@ -156,22 +182,14 @@ def tune(
     if as_json:
         print_json(plain)
         return
-    console = Console()
     for line in lines_of(plain):
-        console.print(line, highlight=False)
-
-
-def resolution_from_text(text: str) -> int | Literal["auto"]:
-    """Of the command's text."""
-    if text == "auto":
-        return "auto"
-    if text.isdecimal():
-        return int(text)
-    raise InputError(f"--resolution is {text!r}, expected auto or nodes on a side, such as 20")
+        say(line)
 
 
 def focus_from_text(text: str, patches: list[str]) -> Any:
     """`Focus` of the command's text, or None; of a skin of one patch its name may be left out."""
+    from skinfield.loop.runtime_parameters import Focus
+
     if text == "none":
         return None
     patch, _, corners = text.rpartition(":")

@@ -60,7 +60,7 @@ PATCHES = (
 )
 
 
-def shown(status: Status, width: int = NARROW, height: int | None = None) -> Group:
+def status_table(status: Status, width: int = NARROW, height: int | None = None) -> Group:
     """Everything, in so many columns and, if given, lines of the screen.
 
     Parameters

@@ -1,34 +1,23 @@
 """`skinfield view`: the page of a recording, or of skins elsewhere."""
 
-import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 from rich.console import Console
 
-from skinfield.bridges.launch import zenoh_sources
-from skinfield.bridges.zenoh.source import ZenohSource
-from skinfield.cli.options import part
-from skinfield.cli.replay import opened
-from skinfield.cli.report import show_address, signals_end
+from skinfield.cli.options import Page, part
+from skinfield.cli.replay import opened, show_page
 from skinfield.errors import InputError, check_positive
-from skinfield.page import serve_page
-from skinfield.page.controller import Controller
-from skinfield.page.source import DataSource, EngineView, plain_view
 from skinfield.settings import PageSettings, ZenohAddresses
-
-POLL = 0.25  # s between looks whether the page is still served
-NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machine reaches it?"
 
 
 def view(
     file: str | None = None,
     /,
     *,
-    paused: bool = False,
     duration: float | None = None,
-    page: Annotated[PageSettings, part("Page")] = PageSettings(),
+    page: Page = PageSettings(),
     zenoh: Annotated[ZenohAddresses, part("Skins elsewhere")] = ZenohAddresses(),
 ) -> None:
     """Show a recording, or skins that run elsewhere, in the browser.
@@ -51,24 +40,13 @@ def view(
     ----------
     file : str, optional
         Recording (.mcap).
-    paused : bool
-        Do not play FILE at once.
     duration : float, s, optional
         Seconds; default until Ctrl-C.
     """
     _check(file, zenoh, duration)
     console = Console(stderr=True)
-    shown = _elsewhere(zenoh) if file is None else opened(file, not paused, console)
-    try:
-        with (
-            signals_end(),
-            shown as (sources, controller),
-            serve_page(page, sources, controller) as served,
-        ):
-            show_address(served.address, console, browser=page.browser)
-            _wait(served, duration)
-    except KeyboardInterrupt:
-        console.print("stopping", style="dim")
+    shown = _elsewhere(zenoh) if file is None else opened(file, console)
+    show_page(shown, page, duration, console)
 
 
 def _check(file: str | None, zenoh: ZenohAddresses, duration: float | None) -> None:
@@ -88,67 +66,8 @@ def _check(file: str | None, zenoh: ZenohAddresses, duration: float | None) -> N
 @contextmanager
 def _elsewhere(zenoh: ZenohAddresses) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of skins that are reached over zenoh."""
-    with zenoh_sources(zenoh) as found:
-        yield found.sources, RemoteController(found)
+    from skinfield.bridges.launch import zenoh_sources
+    from skinfield.cli.remote import RemoteController
 
-
-def _wait(page: Any, duration: float | None) -> None:
-    """Until the time is over, Ctrl-C, or the page fails."""
-    end = None if duration is None else time.monotonic() + duration
-    while end is None or time.monotonic() < end:
-        page.check()
-        time.sleep(POLL if end is None else max(min(POLL, end - time.monotonic()), 0.0))
-
-
-class RemoteSources(Protocol):
-    """What was found elsewhere; see `ZenohSources`."""
-
-    @property
-    def notes(self) -> Mapping[str, str]:
-        """Why an engine that can be seen is not shown, by its name."""
-
-    def sources(self) -> Sequence[DataSource]:
-        """Engines that are shown."""
-
-
-class RemoteController(Controller):
-    """See `Controller`.
-
-    Parameters
-    ----------
-    found : ZenohSources
-    """
-
-    def __init__(self, found: RemoteSources) -> None:
-        super().__init__()
-        self._found = found
-        self._noted: dict[str, str] = {}
-
-    def notices(self) -> list[tuple[str, str]]:
-        """See `Controller`; and why an engine that can be seen is not shown, once."""
-        notes = dict(self._found.notes)
-        for name, why in notes.items():
-            if self._noted.get(name) != why:
-                self.say("warn", f"{name} is not shown: {why}")
-        self._noted = notes
-        return super().notices()
-
-    def controls(self) -> dict[str, Any]:
-        """See `Controller`; why nothing is shown is told as long as that is so."""
-        fields = super().controls()
-        if not self._found.sources():
-            notes = dict(self._found.notes)
-            whys = [f"{name} is not shown: {why}" for name, why in notes.items()]
-            fields["busy"] = "; ".join(whys) or NOBODY
-        return fields
-
-    def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
-        """See `Controller`."""
-        return [_view(source) for source in sources]
-
-
-def _view(source: DataSource) -> EngineView:
-    snapshot = source.latest()
-    if snapshot is None or not isinstance(source, ZenohSource):
-        return plain_view(snapshot)
-    return EngineView(snapshot, *source.best(snapshot), old=source.gone)
+    with zenoh_sources(zenoh) as elsewhere:
+        yield elsewhere.sources, RemoteController(elsewhere)

@@ -203,6 +203,11 @@ class DetectableForce:
         """Where a touch of the stated force is not found at the stated rates, (P,)."""
         return np.asarray(self.unknown_place > self.touch.force)
 
+    @property
+    def independent(self) -> float:
+        """How many places that do not know of each other have the same false alarms together."""
+        return self.searched.independent(self.false_alarm_rate)
+
 
 def detectable_force(
     design: SkinDesign,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -140,6 +141,55 @@ class Judgement:
             f"{pair}; {blind}."
         )
 
+    def as_csv(self) -> str:
+        """One row per place: the plane's coordinates and every map, in mm and N.
+
+        The two touches, judged at fewer places, have those of the nearest place.
+        """
+        from scipy.spatial import cKDTree
+
+        places = self.blind.places
+        columns = {"x_mm": places.plane[:, 0] * 1e3, "y_mm": places.plane[:, 1] * 1e3}
+        columns["response_share"] = self.blind.response
+        for name, unit, where, values in self.maps():
+            near = slice(None) if where is places else cKDTree(where.plane).query(places.plane)[1]
+            columns[f"{name.replace(', ', '_').replace(' ', '_')}_{unit}"] = values[near]
+        rows = zip(*columns.values(), strict=True)
+        lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
+        return "\n".join([",".join(columns), *lines]) + "\n"
+
+    def as_mapping(self) -> dict[str, Any]:
+        """Every map at its own places, with terms, numbers and verdict."""
+        design, blind = self.design, self.blind
+        return {
+            "patch": design.patch.name,
+            "taxels": len(design.patch),
+            "thickness_mm": design.layer.thickness * 1e3,
+            "modulus_kpa": design.layer.young_modulus / 1e3,
+            "poisson": design.layer.poisson_ratio,
+            "quantity": design.quantity.symbol,
+            "noise": design.noise,
+            "force_n": self.touch.force,
+            "radius_mm": self.touch.radius * 1e3,
+            "terms": vars(self.terms),
+            "verdict": self.verdict(),
+            "blind_share": blind.blind_share,
+            "missed_share": self.missed_share,
+            "independent_places": self.detectable.independent,
+            "numbers": [vars(row) for row in self.rows()],
+            "response_share": blind.response,
+            "holes": [
+                {"area_mm2": hole.area * 1e6, "middle_mm": hole.middle * 1e3,
+                 "response": hole.deepest}
+                for hole in blind.holes
+            ],
+            "maps": [
+                {"name": name, "unit": unit, "x_mm": at.plane[:, 0] * 1e3,
+                 "y_mm": at.plane[:, 1] * 1e3, "values": values}
+                for name, unit, at, values in self.maps()
+            ],
+        }  # fmt: skip
+
     @property
     def _guess(self) -> float:
         """Deviation m of a place that is anywhere on the patch, from its middle."""
@@ -220,38 +270,6 @@ def judge(
 FEW = 120  # places of the two touches, per thickness
 
 
-@dataclass(frozen=True, eq=False)
-class ThicknessComparison:
-    """Judgements of one layout and touch, by thickness.
-
-    Attributes
-    ----------
-    thickness : (T,) array, m
-    judgements : tuple of T Judgement
-    """
-
-    thickness: Floats
-    judgements: tuple[Judgement, ...]
-
-    def rows(self, name: str) -> tuple[Row, ...]:
-        """One map in numbers, by thickness.
-
-        Raises
-        ------
-        InputError
-            When no map has that name; the message lists them.
-        """
-        names = [row.name for row in self.judgements[0].rows()]
-        if name not in names:
-            raise InputError(f"name is {name!r}, expected one of {', '.join(names)}")
-        at = names.index(name)
-        return tuple(judgement.rows()[at] for judgement in self.judgements)
-
-    def best(self, name: str) -> float:
-        """Thickness in m whose median of a map is smallest."""
-        return float(self.thickness[np.argmin([row.median for row in self.rows(name)])])
-
-
 def compare_thickness(
     design: SkinDesign,
     touch: Touch,
@@ -259,8 +277,8 @@ def compare_thickness(
     *,
     terms: Terms | None = None,
     on_thickness: Callable[[float], None] | None = None,
-) -> ThicknessComparison:
-    """Judge a layout under several thicknesses; the touch stays as it is.
+) -> tuple[Judgement, ...]:
+    """Judge a layout under several thicknesses, the thinnest first; the touch stays as it is.
 
     Parameters
     ----------
@@ -286,4 +304,4 @@ def compare_thickness(
             on_thickness(float(value))
         thick = replace(design, layer=replace(design.layer, thickness=float(value)))
         judgements.append(judge(thick, touch, two_point_places=few, terms=terms))
-    return ThicknessComparison(values, tuple(judgements))
+    return tuple(judgements)

@@ -1,4 +1,4 @@
-"""Files: recordings, layouts, results, tables, both ways; a file has its name once it is whole."""
+"""Files: recordings, layouts, results, shapes and tables; a file has its name once it is whole."""
 
 from skinfield.files.archive_writer import save_recording as save_recording
 from skinfield.files.contacts import ContactWriter as ContactWriter
@@ -8,7 +8,6 @@ from skinfield.files.fields import FieldWriter as FieldWriter
 from skinfield.files.fields import open_fields as open_fields
 from skinfield.files.fields import write_fields as write_fields
 from skinfield.files.mcap.live import LiveRecording as LiveRecording
-from skinfield.files.pending import Sink as Sink
 from skinfield.files.recordings.matching import readings_for as readings_for
 from skinfield.files.recordings.open import open_recording as open_recording
 from skinfield.files.recordings.open import stream_recording as stream_recording

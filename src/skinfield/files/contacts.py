@@ -1,33 +1,18 @@
 """Contacts of every reading, to CSV or Parquet."""
 
-import os
-from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Protocol
+from typing import Any
 
 import numpy as np
 
-from skinfield.errors import InputError
 from skinfield.estimate import Estimate
-from skinfield.estimate.contact_table import (
-    COLUMNS,
-    Row,
-    Value,
-    arrow_schema,
-    arrow_table,
-    load_pyarrow,
-    rows_from_estimate,
-)
-from skinfield.files.pending import Closing, Pending, explained, pending
+from skinfield.estimate.contact_table import COLUMNS, WHOLE, WORDS, Row, rows_from_estimate
+from skinfield.files.pending import Closing
+from skinfield.files.tables import Table
 
 CHUNK = 16384  # rows held before they are written: some megabytes
-
-
-class _Table(Protocol):
-    def append(self, rows: Sequence[Row]) -> None: ...
-    def finish(self) -> None: ...
 
 
 @dataclass
@@ -37,9 +22,7 @@ class ContactWriter(Closing):
     Memory is bounded: rows are written in chunks. The file has its name once `close` was called.
     """
 
-    place: Pending
-    file: IO[bytes]
-    table: _Table
+    table: Table
     readings: int = 0
     start_ns: int | None = None
     rows: list[Row] = field(default_factory=list)
@@ -69,32 +52,21 @@ class ContactWriter(Closing):
 
     def close(self) -> None:
         """Write what is left and give the file its name."""
-        if self.file.closed:
-            return
         try:
             self._flush()
-            with explained(self.place.target):
-                self.table.finish()
-                self.file.flush()
-                os.fsync(self.file.fileno())
-                self.file.close()
-            self.place.commit()
+            self.table.close()
         except BaseException:
             self.discard()
             raise
 
     def discard(self) -> None:
         """Give up: the unfinished file is removed."""
-        with suppress(OSError, ValueError):  # a full disk refuses the rest: it goes anyway
-            self.table.finish()
-        with suppress(OSError):
-            self.file.close()
-        self.place.discard()
+        self.table.discard()
 
     def _flush(self) -> None:
         rows, self.rows = self.rows, []
-        with explained(self.place.target):
-            self.table.append(rows)
+        if rows:
+            self.table.add(list(zip(*rows, strict=True)), len(rows))
 
 
 def open_contacts(path: str | Path) -> ContactWriter:
@@ -122,16 +94,11 @@ def open_contacts(path: str | Path) -> ContactWriter:
     SkinfieldError
         If pyarrow is not installed and the table is to be Parquet.
     """
-    kind = Path(path).suffix.lower()
-    if kind not in (".csv", ".parquet"):
-        raise InputError(f"path is {str(path)!r}, expected a name that ends in .csv or .parquet")
-    make = _Parquet if kind == ".parquet" else _Csv
-    if kind == ".parquet":
-        load_pyarrow()  # before a file is made
-    place = pending(path)
-    with explained(place.target):
-        file = place.part.open("xb")
-    return ContactWriter(place, file, make(file))
+    return ContactWriter(Table(path, [(name, _dtype_of(name)) for name in COLUMNS]))
+
+
+def _dtype_of(name: str) -> np.dtype[Any]:
+    return np.dtype("i8" if name in WHOLE else "U" if name in WORDS else "f8")
 
 
 def write_contacts(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> None:
@@ -139,34 +106,3 @@ def write_contacts(path: str | Path, estimates: Estimate | Iterable[Estimate]) -
     with open_contacts(path) as writer:
         for estimate in [estimates] if isinstance(estimates, Estimate) else estimates:
             writer.write(estimate)
-
-
-class _Csv:
-    def __init__(self, file: IO[bytes]) -> None:
-        self.file = file
-        self.header = ",".join(COLUMNS) + "\n"
-
-    def append(self, rows: Sequence[Row]) -> None:
-        lines = (",".join(map(_text, row)) + "\n" for row in rows)
-        self.file.write((self.header + "".join(lines)).encode())
-        self.header = ""
-
-    def finish(self) -> None:
-        pass  # the last chunk was written by `append`
-
-
-def _text(value: Value) -> str:
-    if value is None:
-        return ""
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
-class _Parquet:
-    def __init__(self, file: IO[bytes]) -> None:
-        self.writer = load_pyarrow().parquet.ParquetWriter(file, arrow_schema())
-
-    def append(self, rows: Sequence[Row]) -> None:
-        self.writer.write_table(arrow_table(rows))
-
-    def finish(self) -> None:
-        self.writer.close()

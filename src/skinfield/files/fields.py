@@ -1,13 +1,12 @@
-"""Files of fields: NPZ and Zarr, the fields of every reading with their units."""
+"""Fields of every reading with their units: NPZ files, and arrays of Zarr in results."""
 
 import json
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryFile
-from typing import IO, Any, Protocol
+from typing import IO, Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
@@ -29,6 +28,7 @@ FIXED = {  # arrays that all readings share
     "position": ("f8", ("row", "column", "axis"), "m", "of the nodes, in the patch's frame"),
 }
 CHUNK_BYTES, MOST = 4 << 20, 512  # of all fields together; readings of a chunk
+COPIED = 1 << 20  # bytes at once, into an archive
 FORMAT = "skinfield fields 1"
 
 
@@ -66,22 +66,17 @@ def attributes_of(grid: Grid) -> dict[str, Any]:
     }
 
 
-class _Store(Protocol):
-    def begin(self, grid: Grid) -> None: ...
-    def append(self, series: Arrays) -> None: ...
-    def finish(self) -> None: ...
-    def discard(self) -> None: ...
-
-
-@dataclass
 class FieldWriter(Closing):
-    """Writes the fields of estimates as they come; made by `open_fields`."""
+    """Writes the fields of estimates as they come; made by `open_fields`.
 
-    store: _Store
-    grid: Grid | None = None
-    held: list[Arrays] = field(default_factory=list)
-    readings_held: int = 0
-    is_open: bool = True
+    Arrays grow in files of their own; an NPZ file, which cannot grow, is made of them at the end.
+    """
+
+    def __init__(self, place: Pending) -> None:
+        self.place = place
+        self.grid: Grid | None = None
+        self._readings, self._open = 0, True
+        self._files: dict[str, IO[bytes]] = {}
 
     def write(self, estimate: Estimate) -> None:
         """Add the fields of an estimate of one reading or of many.
@@ -97,58 +92,72 @@ class FieldWriter(Closing):
 
     def write_series(self, grid: Grid, series: Arrays) -> None:
         """Add what `series_of` makes of an estimate, perhaps in another process."""
-        count, start = len(series["stamp_ns"]), 0
-        if not count:
+        if not len(series["stamp_ns"]):
             return
-        if self.grid is None:
-            self.store.begin(grid)
-            self.grid = grid
-        _check_grid(self.grid, grid)
-        chunk = readings_per_chunk(grid)
-        while start < count:  # whole chunks, so that none is written twice
-            take = min(count - start, chunk - self.readings_held)
-            self.held.append({key: a[start : start + take] for key, a in series.items()})
-            self.readings_held += take
-            start += take
-            if self.readings_held == chunk:
-                self._flush()
+        folder = self.place.target.parent
+        with explained(self.place.target):
+            if self.grid is None:
+                self.grid = grid
+                self._files = {name: TemporaryFile(dir=folder) for name in SERIES}  # noqa: SIM115
+            _check_grid(self.grid, grid)
+            self._readings += len(series["stamp_ns"])
+            for name, file in self._files.items():
+                file.write(np.ascontiguousarray(series[name], SERIES[name][0]).data)
 
     def close(self) -> None:
         """Write what is left and give the file its name."""
-        if not self.is_open:
+        if not self._open:
             return
         try:
             if self.grid is None:
                 raise InputError("no estimate was written, expected one or more: no grid is known")
-            self._flush()
-            self.store.finish()
-            self.is_open = False
+            with explained(self.place.target):
+                self._pack(self.grid)
+            self.place.commit()
         except BaseException:
             self.discard()
             raise
+        self._close()
 
     def discard(self) -> None:
         """Give up: what was written is removed."""
-        self.is_open = False
-        self.store.discard()
+        self._close()
+        self.place.discard()
 
-    def _flush(self) -> None:
-        held, self.held, self.readings_held = self.held, [], 0
-        if held:
-            self.store.append({key: np.concatenate([part[key] for part in held]) for key in SERIES})
+    def _pack(self, grid: Grid) -> None:
+        units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
+        said = json.dumps({**attributes_of(grid), "units": units})
+        with ZipFile(self.place.part, "x", ZIP_DEFLATED) as archive:
+            for name, file in self._files.items():
+                kind, axes, _, _ = SERIES[name]
+                shape = (self._readings, *_shape(axes, grid))
+                head = {"descr": np.dtype(kind).str, "fortran_order": False, "shape": shape}
+                file.seek(0)
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, head)
+                    copyfileobj(file, member, COPIED)
+            for name, values in (*fixed_of(grid).items(), ("attributes", np.array(said))):
+                with archive.open(f"{name}.npy", "w") as member:
+                    np.lib.format.write_array(member, values, allow_pickle=False)
+
+    def _close(self) -> None:
+        self._open = False
+        for file in self._files.values():
+            with suppress(OSError):  # a full disk refuses what is left: it goes anyway
+                file.close()
+        self._files.clear()
 
 
 def open_fields(path: str | Path) -> FieldWriter:
-    """Start a file of fields, NPZ or Zarr by the extension.
+    """Start a file of fields.
 
     Parameters
     ----------
     path : str or Path
-        Ends in `.npz` or `.zarr`. Either is written as the estimates come, so memory stays bounded;
-        NPZ is compressed at the end, out of files beside it. Both hold `stamp_ns` (T,), `pressure`
-        (T, rows, columns) Pa and its `pressure_std`, `displacement` (T, rows, columns, 3) m and
-        `position` (rows, columns, 3) m, the fields in single precision. Units are attributes in
-        Zarr, and in NPZ a JSON text under the key `attributes`.
+        Ends in `.npz`. It is compressed at the end, out of files beside it, so memory stays
+        bounded. It holds `stamp_ns` (T,), `pressure` (T, rows, columns) Pa and its `pressure_std`,
+        `displacement` (T, rows, columns, 3) m and `position` (rows, columns, 3) m, the fields in
+        single precision; and under the key `attributes` the units, as a JSON text.
 
     Returns
     -------
@@ -161,15 +170,13 @@ def open_fields(path: str | Path) -> FieldWriter:
         For another extension.
     FileError
         If the file cannot be made.
-    SkinfieldError
-        If zarr is not installed and the file is to be Zarr.
     """
-    kind = Path(path).suffix.lower()
-    if kind == ".npz":
-        return FieldWriter(NpzStore(pending(path)))
-    if kind == ".zarr":
-        return FieldWriter(ZarrStore(pending(path), load_zarr()))
-    raise InputError(f"path is {str(path)!r}, expected a name that ends in .npz or .zarr")
+    if Path(path).suffix.lower() != ".npz":
+        raise InputError(
+            f"path is {str(path)!r}, expected a name that ends in .npz; a folder of results "
+            "(.skinfield) holds the fields of long runs"
+        )
+    return FieldWriter(pending(path))
 
 
 def write_fields(path: str | Path, estimates: Estimate | Iterable[Estimate]) -> None:
@@ -192,98 +199,7 @@ def _check_grid(first: Grid, other: Grid) -> None:
         )
 
 
-@dataclass
-class NpzStore:
-    """Arrays that grow in files of their own; an NPZ file, which cannot grow, is made of them."""
-
-    place: Pending
-    grid: Grid | None = None
-    readings: int = 0
-    files: dict[str, IO[bytes]] = field(default_factory=dict)
-
-    def begin(self, grid: Grid) -> None:
-        """Open the files."""
-        self.grid = grid
-        with explained(self.place.target):
-            for name in SERIES:
-                self.files[name] = TemporaryFile(dir=self.place.target.parent)  # noqa: SIM115
-
-    def append(self, series: Arrays) -> None:
-        """Add readings."""
-        self.readings += len(series["stamp_ns"])
-        with explained(self.place.target):
-            for name, file in self.files.items():
-                file.write(np.ascontiguousarray(series[name], SERIES[name][0]).data)
-
-    def finish(self) -> None:
-        """Give the result its name."""
-        assert self.grid is not None
-        units = {name: spec[2] for name, spec in {**SERIES, **FIXED}.items()}
-        said = json.dumps({**attributes_of(self.grid), "units": units})
-        with explained(self.place.target):
-            with ZipFile(self.place.part, "x", ZIP_DEFLATED) as archive:
-                for name, file in self.files.items():
-                    self._copy(archive, name, file)
-                for name, values in (*fixed_of(self.grid).items(), ("attributes", np.array(said))):
-                    with archive.open(f"{name}.npy", "w") as member:
-                        np.lib.format.write_array(member, values, allow_pickle=False)
-            self.place.commit()
-        self._close()
-
-    def _copy(self, archive: ZipFile, name: str, file: IO[bytes]) -> None:
-        assert self.grid is not None
-        kind, axes, _, _ = SERIES[name]
-        shape = (self.readings, *_shape(axes, self.grid))
-        head = {"descr": np.dtype(kind).str, "fortran_order": False, "shape": shape}
-        file.seek(0)
-        with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-            np.lib.format.write_array_header_1_0(member, head)
-            copyfileobj(file, member, 1 << 20)
-
-    def discard(self) -> None:
-        """Remove what was written."""
-        self._close()
-        self.place.discard()
-
-    def _close(self) -> None:
-        for file in self.files.values():
-            with suppress(OSError):  # a full disk refuses what is left: it goes anyway
-                file.close()
-        self.files.clear()
-
-
-@dataclass
-class ZarrStore:
-    """A Zarr group that grows chunk by chunk."""
-
-    place: Pending
-    zarr: Any
-    group: Any = None
-
-    def begin(self, grid: Grid) -> None:
-        """Write what all readings share."""
-        with explained(self.place.target):
-            self.group = self.zarr.create_group(self.place.part, attributes=attributes_of(grid))
-            for name in SERIES:
-                create_series(self.group, name, grid)
-            create_fixed(self.group, grid)
-
-    def append(self, series: Arrays) -> None:
-        """Add readings."""
-        with explained(self.place.target):
-            for name, values in series.items():
-                self.group[name].append(values)
-
-    def finish(self) -> None:
-        """Give the result its name."""
-        self.place.commit()
-
-    def discard(self) -> None:
-        """Remove what was written."""
-        self.place.discard()
-
-
-def create_series(group: Any, name: str, grid: Grid, readings: int = 0) -> None:
+def create_series(group: Any, name: str, grid: Grid, readings: int) -> None:
     """Make an array of `SERIES` for so many readings, in a Zarr group."""
     kind, axes, unit, meaning = SERIES[name]
     shape = _shape(axes, grid)
@@ -337,6 +253,6 @@ def load_zarr() -> Any:
         import zarr
     except ImportError as error:
         raise SkinfieldError(
-            "Zarr needs zarr, which is not installed: pip install 'skinfield[zarr]', or write .npz"
+            "results need zarr, which is not installed: pip install 'skinfield[batch]'"
         ) from error
     return zarr

@@ -28,7 +28,7 @@ class Totals:
     readings : int
     load, highest_load : float, N
         Sum of the contacts' forces: summed over the readings, and of the highest one.
-    shown : int
+    peak : int
         The reading of the highest load.
     force, highest_force : float, N
         The same of the pressure's sum.
@@ -42,7 +42,7 @@ class Totals:
     readings: int = 0
     load: float = 0.0
     highest_load: float = -np.inf
-    shown: int = -1
+    peak: int = -1
     force: float = 0.0
     highest_force: float = -np.inf
     contacts: int = 0
@@ -57,7 +57,7 @@ class Totals:
         self.contacts += other.contacts
         self.seconds += other.seconds
         if other.highest_load > self.highest_load:
-            self.highest_load, self.shown = other.highest_load, other.shown
+            self.highest_load, self.peak = other.highest_load, other.peak
         self.highest_force = max(self.highest_force, other.highest_force)
         self.silent = (
             other.silent

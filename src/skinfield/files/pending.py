@@ -1,4 +1,4 @@
-"""Atomic results: written under another name and renamed at the end, so whole or not at all."""
+"""Atomic writing of results: under another name and renamed at the end, so whole or not at all."""
 
 import os
 import secrets
@@ -9,22 +9,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Self
 
 from skinfield.errors import FileError
-from skinfield.estimate import Estimate
-
-
-class Sink(Protocol):
-    """Anything that takes estimates, one or many at a time, until it is closed."""
-
-    def write(self, estimate: Estimate, /) -> None:
-        """Take the estimate of one reading or of a run of readings."""
-        ...
-
-    def close(self) -> None:
-        """Finish; the result has its name only now."""
-        ...
 
 
 class Closing(ABC):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from skinfield.errors import FileError, Floats, SkinfieldError, check_count
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import Row, arrow_table, load_pyarrow, rows_from_estimate
+from skinfield.files.fields import load_zarr
 from skinfield.reconstruct import Reconstructor
 from skinfield.reconstruct.bulk import OUTPUTS, RUN, BulkFields
 from skinfield.reconstruct.serialisation import (
@@ -384,7 +385,7 @@ class StoredReadings:
 
 def _opened(path: str | Path) -> tuple[Any, dict[str, Any]]:
     """Attributes and arrays of a folder."""
-    zarr = _zarr()
+    zarr = load_zarr()
     try:
         folder = Path(path).absolute() / ARRAYS
         if not (folder / "zarr.json").is_file():
@@ -421,22 +422,12 @@ def _chunks(count: int, size: int) -> tuple[int, ...]:
     return tuple(min(size, count - first) for first in range(0, count, size))
 
 
-def _zarr() -> Any:
-    try:
-        import zarr
-    except ImportError as error:
-        raise SkinfieldError(_needed("zarr")) from error
-    return zarr
-
-
 def _lazy_packages() -> tuple[Any, Any]:
     try:
         import dask.array
         import xarray
     except ImportError as error:
-        raise SkinfieldError(_needed(str(error.name))) from error
+        raise SkinfieldError(
+            f"results need {error.name}, which is not installed: pip install 'skinfield[batch]'"
+        ) from error
     return dask.array, xarray
-
-
-def _needed(package: str) -> str:
-    return f"results need {package}, which is not installed: pip install 'skinfield[batch]'"

@@ -1,4 +1,4 @@
-"""What a virtual rig leaves, as files that the rest of the program takes for a real one's."""
+"""Files of a virtual rig, which the rest of the program takes for a real one's."""
 
 import io
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A summary of a run, as JSON."""
+"""Summary of a run, as JSON."""
 
 import json
 import math

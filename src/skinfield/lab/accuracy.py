@@ -11,13 +11,23 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.design import SkinDesign, Touch
+from skinfield.design.design import respond
 from skinfield.elastic import Layer
-from skinfield.errors import InputError, SkinfieldError, check_choice, check_positive
-from skinfield.lab.bound import contact_family, errors_at_bound
+from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
+from skinfield.errors import Floats, InputError, SkinfieldError, check_choice, check_positive
 from skinfield.lab.case_sets import AROUND, CELL, INSET, SILICONE, random_press
-from skinfield.lab.cases import Case, Pose, Truth, posed, truth_of_press
-from skinfield.lab.report import SIZES, Part, tasks_of
-from skinfield.lab.runner import run
+from skinfield.lab.cases import (
+    Case,
+    Pose,
+    TrueContact,
+    Truth,
+    posed,
+    quantity_by_name,
+    truth_of_press,
+)
+from skinfield.lab.report import SIZES, program
+from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, matched, quantiles, rate_row, summarise, where
 from skinfield.lab.validation import Entrant, Level, known_entrants, noise_seed, once, rows_of_case
 from skinfield.simulate import Sphere, press
@@ -29,9 +39,15 @@ NOISES = {  # standard deviations of one reading, Pa and ΔC/C₀; 0 is exact
     "capacitance": (0.0, 0.002, 0.005, 0.02),
 }
 KNOWN, UNKNOWN = "bound, size known", "bound, size unknown"
-PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln radius where it is not known
+PRIORS = {KNOWN: None, UNKNOWN: 0.6}  # standard deviation of ln radius, if it is not known
 DRAWS = 64  # of errors at the bound, per press
 RADIUS, FORCE = 3e-3, 1.0  # m, N: of each of two balls that are told apart
+
+
+NOTHING = Truth(
+    cell=1e-3, plane=np.empty((0, 2)), pressure=np.empty(0), displacement=np.empty((0, 3)),
+    contacts=(),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,30 +203,68 @@ def bound_rows(
     rng: np.random.Generator,
     draws: int = DRAWS,
 ) -> list[Row]:
-    """Errors at the bound of a press by balls, for each noise above 0, sizes known and unknown.
+    """Errors at the Cramér-Rao bound of a press by balls, for each noise above 0.
 
-    Several balls are taken to act each by itself: they are 10 mm or more apart, five thicknesses.
+    They are Gaussian with the bound's covariance, with the balls' sizes known and unknown: what an
+    unbiased and efficient estimator of place and force would score. Several balls are taken to act
+    each by itself: they are 10 mm or more apart, five thicknesses. None for touches that are beyond
+    what a design can be asked.
     """
-    patch, rows = plan.patch, []
+    rows: list[Row] = []
     forces = np.array([contact.force for contact in truth.contacts])
-    white = rng.standard_normal((draws, 3 * len(forces)))
-    for quantity in plan.quantities:
-        each = []
-        for body, contact in zip(balls, truth.contacts, strict=True):
-            ball = Sphere(radius=body.radius, force=contact.force)
-            family = contact_family(
-                plan.layer, ball, quantity, patch.pad_diameter,
-                extent=AROUND, cell=plan.cell, size="radius",
-            )  # fmt: skip
-            each.append(family.jacobian(patch.plane - contact.position))
-        for level in plan.levels:
-            if level.quantity != quantity or level.noise == 0.0:
-                continue
-            for name, prior in PRIORS.items():
-                head = {"quantity": quantity, "noise": level.noise, "method": name}
-                errors = errors_at_bound(each, forces, level.noise, prior, white)
-                rows += [head | row for row in errors]
+    white = rng.standard_normal((draws, len(forces), 3))
+    for level in (level for level in plan.levels if level.noise > 0):
+        quantity = quantity_by_name(level.quantity)
+        design = SkinDesign(
+            patch=plan.patch, layer=plan.layer, quantity=quantity, noise_std=level.noise
+        )
+        try:
+            grams = [
+                _information(design, ball.radius, contact)
+                for ball, contact in zip(balls, truth.contacts, strict=True)
+            ]
+        except InputError:
+            continue
+        for name, prior in PRIORS.items():
+            roots = [_root_of_bound(gram, prior) for gram in grams]
+            drawn = np.einsum("cij,dcj->dci", np.array(roots), white)
+            place = 1e3 * np.hypot(drawn[..., 0], drawn[..., 1]).mean(axis=1)
+            total = np.abs(drawn[..., 2] @ forces) / forces.sum()
+            single = np.abs(drawn[..., 2]).mean(axis=1)
+            head = {"quantity": level.quantity, "noise": level.noise, "method": name}
+            keys = ("place_error_mm", "force_error", "contact_force_error")
+            rows += [
+                head | dict(zip(keys, map(float, each), strict=True))
+                for each in zip(place, total, single, strict=True)
+            ]
     return rows
+
+
+def _information(design: SkinDesign, radius: float, contact: TrueContact) -> Floats:
+    """Fisher information (4, 4) of x m, y m, ln force and ln radius of a ball.
+
+    Its contact's radius is a function of the force times the ball's radius alone, as that of every
+    paraboloid on a linear layer is.
+    """
+    body, parts = Paraboloid(radius=radius), (0.95, 1.0, 1.05)
+    light, touch, heavy = (
+        indent_by_force(design.layer, body, contact.force * part).contact_radius for part in parts
+    )
+    change = np.eye(4, 5, 1)
+    change[3, 4] = 0.0
+    change[2:, 4] = np.log(heavy / light) / np.log(parts[2] / parts[0])
+    at = np.array([contact.position])
+    gram = respond(design, Touch(contact.force, touch), at).gram[0]
+    return np.asarray(change @ gram @ change.T)
+
+
+def _root_of_bound(gram: Floats, prior: float | None) -> Floats:
+    """Root (3, 3) of the least covariance of x m, y m and ln force, from the information (4, 4)."""
+    known = np.diag([0.0, 0.0, 0.0, 0.0 if prior is None else prior**-2])
+    information = gram[:3, :3] if prior is None else gram + known
+    scale = 1 / np.sqrt(np.diag(information))
+    covariance = np.linalg.inv(information * np.outer(scale, scale)) * np.outer(scale, scale)
+    return np.asarray(np.linalg.cholesky(covariance[:3, :3]))
 
 
 def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
@@ -223,17 +277,11 @@ def idle_rows(plan: AccuracyPlan, level: Level) -> dict[str, list[Row]]:
         quantity=level.quantity,
         readings=np.zeros(len(patch)),
         noise_std=np.full(len(patch), level.stated),
-        truth=Truth(
-            cell=plan.cell,
-            plane=np.empty((0, 2)),
-            pressure=np.empty(0),
-            displacement=np.empty((0, 3)),
-            contacts=(),
-        ),
+        truth=NOTHING,
     )
     rows = []
     for entrant in plan.entrants:
-        seen = once(entrant).false_contacts(quiet, plan.idle, plan.seed)
+        seen = entrant.false_contacts(quiet, plan.idle, plan.seed)
         rows.append(
             {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
             | {"idle": len(seen), "seen": sum(count > 0 for count in seen), "false": sum(seen)}
@@ -298,21 +346,27 @@ def _as_two(entrant: Entrant, case: Case, gate: float) -> bool:
     return len(matches) == 2 and not missed and not false
 
 
-def parts_of(plan: AccuracyPlan) -> list[Part]:
-    """Independent shares of the work."""
-    firsts = range(0, plan.presses, plan.share)
-    return [
-        *(
-            Part(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + plan.share, plan.presses)))
-            for k in firsts
-        ),
-        *(
-            Part(f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
-            for level in plan.levels
-            if level.noise > 0
-        ),
-        *(Part(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances),
+def parts_of(plan: AccuracyPlan) -> list[Task]:
+    """Independent shares of the work; void once the program is another."""
+    shares: list[tuple[str, Callable[..., Any], tuple[Any, ...]]] = [
+        (f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + plan.share, plan.presses)))
+        for k in range(0, plan.presses, plan.share)
     ]
+    shares += [
+        (f"idle-{level}".replace(" ", "-"), idle_rows, (plan, level))
+        for level in plan.levels
+        if level.noise > 0
+    ]
+    shares += [(f"two-{1e3 * each:g}mm", two_point_rows, (plan, each)) for each in plan.distances]
+    return [
+        Task(f"accuracy.{name}", share_of, (rows, *arguments), program())
+        for name, rows, arguments in shares
+    ]
+
+
+def share_of(folder: Path, rows: Callable[..., Any], *arguments: Any) -> Any:
+    """A share of the work as a task; it leaves no files."""
+    return rows(*arguments)
 
 
 def computed(
@@ -328,7 +382,7 @@ def computed(
     SkinfieldError
         Where a part fails: with its last line, and the file that has the rest.
     """
-    tasks, results = tasks_of(parts_of(plan), "accuracy"), {}
+    tasks, results = parts_of(plan), {}
     progress(0, len(tasks))
     for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):
         if outcome.failure:

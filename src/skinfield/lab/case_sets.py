@@ -2,25 +2,23 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.elastic import BondedLayer, Layer
-from skinfield.errors import Floats, InputError, as_floats, check_choice
+from skinfield.errors import Floats, InputError, check_choice
 from skinfield.lab.cases import (
     QUANTITIES,
     Case,
     Pose,
     Truth,
     posed,
-    quantity_by_name,
     truth_of_press,
 )
 from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
-from skinfield.simulate.pressing.press import readings_anywhere
 from skinfield.skin import Patch
 
 SILICONE = Layer(2e-3, 100e3, 0.5)
@@ -114,28 +112,21 @@ def standard_cases(
     """
     check_choice("quantity", quantity, QUANTITIES, "what taxels read")
     low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
-    solved = {}
     for index in range(count):
         kind = KINDS[index % len(KINDS)]
-        if index < len(KINDS) or kind.name not in solved:
-            solved[kind.name] = press(
-                kind.layer,
-                list(kind.bodies),
-                extent=2 * AROUND,
-                cell=cell,
-                mechanics=BondedLayer(inextensible_cover=kind.cover),
-            )
         rng = np.random.default_rng([seed, index])
-        x, y = (low + high) / 2 + rng.uniform(-INSET / 2, INSET / 2, 2) * (high - low)
-        case = Case.from_press(
-            f"{index:03d}_{kind.name}",
-            solved[kind.name],
-            patch,
-            quantity,
-            (float(x), float(y), float(rng.uniform(0.0, 2 * np.pi))),
-            noise_std,
-        )
+        x, y = ((low + high) / 2 + rng.uniform(-INSET / 2, INSET / 2, 2) * (high - low)).tolist()
+        pose = (x, y, float(rng.uniform(0.0, 2 * np.pi)))
+        name, solved = f"{index:03d}_{kind.name}", _solved(kind, cell)
+        case = Case.from_press(name, solved, patch, quantity, pose, noise_std)
         yield case.with_noise(seed * 1_000_003 + index, draws) if draws else case
+
+
+@lru_cache(maxsize=len(KINDS))
+def _solved(kind: Kind, cell: float) -> Press:
+    """A kind of press at the origin, once."""
+    cover = BondedLayer(inextensible_cover=kind.cover)
+    return press(kind.layer, list(kind.bodies), extent=2 * AROUND, cell=cell, mechanics=cover)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,17 +162,8 @@ class RandomPress:
         noise_std : float or (L,) array, in the quantity's unit, optional
             Which a solver may be told. Default the quantity's `typical_noise`.
         """
-        anywhere = readings_anywhere(self.press, patch.pad_diameter, quantity)
-        typical = quantity_by_name(quantity).typical_noise
-        return Case(
-            name=self.name,
-            patch=patch,
-            layer=self.press.layer,
-            quantity=quantity,
-            readings=anywhere(self.pose.back(patch.plane)),
-            noise_std=as_floats("noise_std", typical if noise_std is None else noise_std),
-            truth=self.truth,
-        )
+        pose = (self.pose.x, self.pose.y, self.pose.angle)
+        return Case.from_press(self.name, self.press, patch, quantity, pose, noise_std)
 
 
 def random_press(

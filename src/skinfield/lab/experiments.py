@@ -20,7 +20,6 @@ from skinfield.lab.report import (
     Verdict,
     program,
     read_section,
-    tasks_of,
     write_report,
     write_section,
 )
@@ -28,14 +27,12 @@ from skinfield.lab.runner import Outcome, Task, stored
 from skinfield.lab.runner import run as run_tasks
 from skinfield.lab.sections.accuracy import accuracy, accuracy_parts
 from skinfield.lab.sections.agreement import agreement
-from skinfield.lab.sections.coverage import coverage, coverage_parts
 from skinfield.lab.sections.detection import detection
 from skinfield.lab.sections.foot import foot
 from skinfield.lab.sections.imposed import imposed
 from skinfield.lab.sections.light_touch import light_touch
 from skinfield.lab.sections.resolutions import resolutions
 from skinfield.lab.sections.timing import timing
-from skinfield.lab.sections.tracks import tracks, tracks_parts
 
 EXPERIMENTS = (
     Experiment("imposed", ("fig3", "fig4", "fig5"), imposed),
@@ -44,8 +41,6 @@ EXPERIMENTS = (
     Experiment("resolutions", ("fig8",), resolutions),
     Experiment("timing", ("fig9",), timing, alone=True),
     Experiment("accuracy", ("table", "contacts"), accuracy, parts=accuracy_parts),
-    Experiment("coverage", ("intervals",), coverage, parts=coverage_parts),
-    Experiment("tracks", ("time",), tracks, parts=tracks_parts),
     Experiment("agreement", ("fem", "model"), agreement),
     Experiment("real-foot", ("real-data",), foot),
 )
@@ -109,9 +104,7 @@ def run(
         If the folder cannot be written.
     """
     start = time.perf_counter()
-    parts = {
-        each.name: tasks_of(each.parts(settings), each.name) for each in experiments if each.parts
-    }
+    parts = {each.name: each.parts(settings) for each in experiments if each.parts}
     shares = [task for tasks in parts.values() for task in tasks]
     total, ended = len(shares) + len(experiments), 0
     progress("", ended, total)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's palette without its yellow, which is faint on white.
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#1b1b1f")
 MARKS = ("o", "s", "^", "D", "v", "P", "X")
-LINE, LIMIT, STEPS, DOTS, BROAD = "line", "limit", "steps", "dots", "broad"
+LINE, LIMIT, STEPS, DOTS = "line", "limit", "steps", "dots"
 LIMIT_DASHES = ((0, (6, 2)), ":")
 WIDTH, PANEL, HEAD = 9.6, 2.4, 0.72  # inches
 LEFT, ROOM, FOOT = 0.7, 0.45, 0.55  # inches: of the first axis' numbers, of the others', below
@@ -39,9 +39,7 @@ class Curve:
     low, high : (N,) arrays, optional
         Ends of the interval of y.
     look : str
-        LINE; LIMIT, what cannot be surpassed, dashed in ink; STEPS; DOTS; BROAD, faint and wide.
-    tag : str
-        Written where it begins, in place of its name in the legend.
+        LINE; LIMIT, what cannot be surpassed, dashed in ink; STEPS; DOTS.
     """
 
     name: str
@@ -50,7 +48,6 @@ class Curve:
     low: Floats | None = None
     high: Floats | None = None
     look: str = LINE
-    tag: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +62,6 @@ class Scale:
     y_limits: tuple[float | None, float | None] | None = None
     x_ticks: tuple[float, ...] | None = None
     marks: bool = False
-    equal: bool = False  # both axes are lengths, to the same scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +130,7 @@ def draw_panels(
     """
     columns = _columns(rows)
     curves = [curve for row in rows for panel in row for curve in panel.curves]
-    names = list(dict.fromkeys(curve.name for curve in curves if not curve.tag))
+    names = list(dict.fromkeys(curve.name for curve in curves))
     per_line = min(2 if max(map(len, names)) > 30 else 3, len(names))
     lines = -(-len(names) // per_line) + bool(foot)
     height = len(rows) * (panel_height + HEAD) + FOOT + LEGEND_LINE * lines
@@ -173,7 +169,7 @@ def draw_panels(
 def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
     """Colour, dashes and mark of each name."""
     limits = list(dict.fromkeys(each.name for each in curves if each.look == LIMIT))
-    others = dict.fromkeys(each.name for each in curves if each.look not in (LIMIT, BROAD, DOTS))
+    others = dict.fromkeys(each.name for each in curves if each.look not in (LIMIT, DOTS))
     looks: dict[str, dict[str, Any]] = {
         name: {"color": INK, "ls": LIMIT_DASHES[turn % 2], "lw": 1.2}
         for turn, name in enumerate(limits)
@@ -183,9 +179,7 @@ def _looks(curves: Sequence[Curve]) -> dict[str, dict[str, Any]]:
         colour, mark = COLOURS[turn % len(COLOURS)], MARKS[turn % len(MARKS)]
         looks[name] = {"color": colour, "ls": dash, "lw": 1.5, "marker": mark}
     for each in curves:
-        if each.look == BROAD:
-            looks[each.name] = {"color": FAINT, "lw": 5.0, "solid_capstyle": "round", "zorder": 1}
-        elif each.look == DOTS:
+        if each.look == DOTS:
             looks[each.name] = {"color": QUIET, "ls": "", "marker": ".", "ms": 3.5, "mew": 0}
     return looks
 
@@ -207,19 +201,7 @@ def _draw_panel(
         if curve.look == STEPS:
             look["drawstyle"] = "steps-post"
         (handle,) = axes.plot(curve.x, curve.y, **look)
-        if not curve.tag:
-            handles.setdefault(curve.name, handle)
-        else:
-            axes.annotate(
-                curve.tag,
-                (curve.x[0], curve.y[0]),
-                xytext=(-6, 6),
-                textcoords="offset points",
-                color=look["color"],
-                fontsize=9,
-                fontweight="bold",
-                ha="right",
-            )
+        handles.setdefault(curve.name, handle)
     _divide(axes, scale)
 
 
@@ -232,9 +214,6 @@ def _divide(axes: "Axes", scale: Scale) -> None:
         axes.set_xlim(scale.x_limits)
     if scale.y_limits is not None:
         axes.set_ylim(*scale.y_limits)
-    if scale.equal:
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.margins(0.08)
     if scale.x_ticks is not None:
         axes.set_xticks(scale.x_ticks, [f"{tick:g}" for tick in scale.x_ticks])
         axes.xaxis.minorticks_off()

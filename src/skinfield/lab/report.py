@@ -1,28 +1,25 @@
 """Report of the experiments: settings, sections, and one page that needs nothing else."""
 
+import base64
+import csv
 import hashlib
+import platform
+import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinfield.elastic import Layer
-from skinfield.errors import InputError, check_choice
+from skinfield.errors import FileError, InputError, SkinfieldError, check_choice
 from skinfield.lab.runner import Task
 from skinfield.plot.style import METADATA, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-import base64
-import csv
-import json
-import platform
-import re
-from importlib.metadata import PackageNotFoundError, version
-
-from skinfield.errors import FileError, SkinfieldError
 
 SIZES = ("smoke", "short", "full")
 PAPER_LAYER = Layer(thickness=2e-3, young_modulus=100e3, poisson_ratio=0.5)
@@ -213,24 +210,6 @@ class Missing:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A share of an experiment that can run beside others and be kept.
-
-    Parameters
-    ----------
-    name : str
-        Letters, digits and ``._+=,-``.
-    function : function of `arguments`
-        Of the module level; returns what JSON can hold, NaN apart, which becomes None.
-    arguments : tuple
-    """
-
-    name: str
-    function: Callable[..., Any]
-    arguments: tuple[Any, ...]
-
-
-@dataclass(frozen=True)
 class Experiment:
     """A section yet to be made.
 
@@ -243,8 +222,8 @@ class Experiment:
     make : function of Settings
         The section, or why there is none. Of the module level: it is sent to other processes.
     parts : function of Settings, optional
-        Shares to be computed before; their results, in this order, are the last argument of
-        `make`, with None for one that failed.
+        Tasks to be run before; their results, in this order, are the last argument of `make`, with
+        None for one that failed.
     alone : bool
         Whether nothing else may run beside it: it measures time.
     """
@@ -252,53 +231,8 @@ class Experiment:
     name: str
     figures: tuple[str, ...]
     make: Callable[..., Section | Missing]
-    parts: Callable[[Settings], Sequence[Part]] | None = None
+    parts: Callable[[Settings], Sequence[Task]] | None = None
     alone: bool = False
-
-
-def section_as_json(section: Section) -> dict[str, Any]:
-    """The section without its pictures' bytes, as JSON has it."""
-    entry = asdict(section)
-    for picture in entry["pictures"]:
-        del picture["png"]
-    return entry
-
-
-def section_from_json(entry: dict[str, Any], png: Callable[[str], bytes]) -> Section:
-    """Section of `section_as_json`; `png` finds a picture's bytes by its name."""
-    tables = [
-        table
-        | {"columns": tuple(table["columns"]), "rows": tuple(tuple(row) for row in table["rows"])}
-        for table in entry["tables"]
-    ]
-    parts = {
-        "sentences": tuple(entry["sentences"]),
-        "pictures": tuple(Picture(**one, png=png(one["name"])) for one in entry["pictures"]),
-        "tables": tuple(Table(**table) for table in tables),
-        "verdicts": tuple(Verdict(**one) for one in entry["verdicts"]),
-    }
-    return Section(**(entry | parts))
-
-
-def plain(value: Any) -> Any:
-    """The value as JSON has it: NaN is null, tuples are lists."""
-    if isinstance(value, dict):
-        return {key: plain(entry) for key, entry in value.items()}
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [plain(entry) for entry in value]
-    if isinstance(value, float) and value - value != 0:
-        return None
-    return value
-
-
-def tasks_of(parts: Sequence[Part], prefix: str) -> list[Task]:
-    """One task each, named after the experiment and the part; void once the program is another."""
-    return [Task(f"{prefix}.{part.name}", make_part, (part,), version=program()) for part in parts]
-
-
-def make_part(folder: Path, part: Part) -> Any:
-    """Run one part; what is not a number is None, as in JSON."""
-    return plain(part.function(*part.arguments))
 
 
 @lru_cache(maxsize=1)
@@ -321,6 +255,11 @@ def spread_in_words(values: Sequence[float], unit: str, scale: float = 1.0) -> s
     """Such as "0.12 to 0.19 mm": the ends of some numbers."""
     low, high = (number(end * scale, 2) for end in (min(values), max(values)))
     return f"{low if low == high else f'{low} to {high}'} {unit}"
+
+
+def verdict_of(whole: bool, part: bool = False, no: str = "does not hold") -> str:
+    """Whether a claim holds, holds in part, or does not."""
+    return "holds" if whole else "holds only in part" if part else no
 
 
 def listed(words: Sequence[str]) -> str:
@@ -361,7 +300,7 @@ def write_section(section: Section, own: Path) -> None:
         with (own / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerows([table.columns, *table.rows])
-    _write_json(own / SECTION, section_as_json(section))
+    (own / SECTION).write_bytes(_json_of(section))
 
 
 def read_section(own: Path) -> Section:
@@ -370,12 +309,13 @@ def read_section(own: Path) -> Section:
     Raises
     ------
     FileError
-        If files are missing or are something else.
+        If its file is missing or is something else.
     """
+    import msgspec
+
     try:
-        entry = json.loads((own / SECTION).read_text(encoding="utf-8"))
-        return section_from_json(entry, lambda picture: (own / f"{picture}.png").read_bytes())
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        return msgspec.json.decode((own / SECTION).read_bytes(), type=Section)
+    except (OSError, msgspec.MsgspecError, RecursionError) as error:
         raise FileError(
             f"{own / SECTION} is no section of a report ({error}), expected one that this program "
             "wrote: remove its folder, and it is made again"
@@ -394,16 +334,12 @@ def write_report(run: Run, folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         page.write_text(page_of(run), encoding="utf-8")
-        _write_json(
-            folder / RESULTS,
-            {
-                "settings": asdict(run.settings),
-                "versions": versions(),
-                "seconds": run.seconds,
-                "missing": list(run.missing),
-                "sections": [section_as_json(section) for section in run.sections],
-            },
-        )
+        sections = [
+            replace(each, pictures=tuple(replace(p, png=b"") for p in each.pictures))
+            for each in run.sections
+        ]
+        results = {"versions": versions()} | vars(run) | {"sections": sections}
+        (folder / RESULTS).write_bytes(_json_of(results))
     except OSError as error:
         raise FileError(f"{page} cannot be written: {error.strerror or error}") from error
     return page
@@ -428,8 +364,8 @@ def page_of(run: Run) -> str:
     )
     environment.filters |= {
         "cell": cell_in_words,
-        "embedded": embedded,
-        "is_number": is_number,
+        "embedded": lambda png: "data:image/png;base64," + base64.b64encode(png).decode("ascii"),
+        "is_number": lambda cell: not isinstance(cell, str),
         "kind": kind_of_verdict,
         "time": time_in_words,
         "tied": tied,
@@ -442,21 +378,11 @@ def page_of(run: Run) -> str:
     )
 
 
-def embedded(png: bytes) -> str:
-    """A picture as an address that holds it."""
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
-
-
 def tied(words: str) -> str:
     """Words whose numbers stay on the line of their unit."""
     return re.sub(
         r"(?<=\d) (?=(?:%|N|mm|cm|kPa|ms|s|×)(?![A-Za-z]))|(?<=×) (?=\d)", "\u00a0", words
     )
-
-
-def is_number(cell: Cell) -> bool:
-    """Whether a cell stands to the right of its column."""
-    return not isinstance(cell, str)
 
 
 def cell_in_words(cell: Cell) -> str:
@@ -514,6 +440,8 @@ def versions() -> dict[str, str]:
     return found
 
 
-def _write_json(path: Path, entry: dict[str, Any]) -> None:
-    text = json.dumps(plain(entry), indent=1, ensure_ascii=False, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
+def _json_of(value: Any) -> bytes:
+    """Dataclasses, lists, texts and numbers as JSON; NaN is null."""
+    import msgspec
+
+    return msgspec.json.format(msgspec.json.encode(value, enc_hook=float), indent=1) + b"\n"

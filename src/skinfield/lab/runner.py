@@ -25,7 +25,6 @@ there is without running anything. One call of `run` at a time may write to a fo
 
 import hashlib
 import json
-import math
 import os
 import re
 import shutil
@@ -66,7 +65,8 @@ class Task:
     name : str
         Of its folder: letters, digits and ``._+=,-``.
     function : callable
-        ``function(folder, *arguments)`` of the module level; returns what JSON can hold, or None.
+        ``function(folder, *arguments)`` of the module level; returns what JSON can hold, or None;
+        NaN becomes None.
     arguments : tuple
         Of what `fingerprint` knows.
     version : str
@@ -110,59 +110,42 @@ def fingerprint(value: Any) -> str:
     InputError
         For anything else: what it holds cannot be seen.
     """
-    digest = hashlib.blake2b(digest_size=16)
-    for part in _parts(value):
-        digest.update(len(part).to_bytes(8, "little") + part)
-    return digest.hexdigest()
+    text = _canonical(value).encode("utf-8", "surrogatepass")
+    return hashlib.blake2b(text, digest_size=16).hexdigest()
 
 
 def _qualified(function: Callable[..., Any]) -> str:
     return f"{function.__module__}.{function.__qualname__}"
 
 
-def _parts(value: Any) -> Iterator[bytes]:
-    """The value's types and contents, such that two values differ where their parts do."""
+def _canonical(value: Any) -> str:
+    """The value's types and contents, such that two values differ where their texts do."""
     if isinstance(value, np.generic):
         value = value.item()
-    yield type(value).__qualname__.encode()
-    if value is None or isinstance(value, bool | int | complex):
-        yield repr(value).encode()
-    elif isinstance(value, float):
-        yield (value.hex() if math.isfinite(value) else repr(value)).encode()
-    elif isinstance(value, str):
-        yield value.encode("utf-8", "surrogatepass")
-    elif isinstance(value, bytes):
-        yield value
-    elif isinstance(value, Enum | PurePath):
-        yield str(value).encode("utf-8", "surrogatepass")
-    elif isinstance(value, np.ndarray) and value.dtype != object:
-        yield f"{value.dtype.str}{value.shape}".encode()
-        yield np.ascontiguousarray(value).tobytes()
-    elif is_dataclass(value) and not isinstance(value, type):
-        for field in fields(value):
-            if field.compare:  # the others are no part of the value
-                yield field.name.encode()
-                yield from _parts(getattr(value, field.name))
-    else:
-        yield from _parts_of_many(value)
-
-
-def _parts_of_many(value: Any) -> Iterator[bytes]:
-    if isinstance(value, tuple | list):
-        yield str(len(value)).encode()
-        for item in value:
-            yield from _parts(item)
+    kind = type(value).__qualname__
+    if isinstance(value, np.ndarray) and value.dtype != object:
+        content = hashlib.blake2b(np.ascontiguousarray(value).tobytes()).hexdigest()
+        return f"{kind}({value.dtype.str}{value.shape}{content})"
+    parts: list[str]
+    if value is None or isinstance(value, int | float | complex | str | bytes | Enum | PurePath):
+        parts = [repr(value)]
+    elif is_dataclass(value) and not isinstance(value, type):  # other fields are no part of it
+        named = [each.name for each in fields(value) if each.compare]
+        parts = [f"{name}={_canonical(getattr(value, name))}" for name in named]
+    elif isinstance(value, tuple | list):
+        parts = [_canonical(item) for item in value]
     elif isinstance(value, Mapping):
-        yield from sorted(f"{fingerprint(k)}{fingerprint(value[k])}".encode() for k in value)
+        parts = sorted(f"{_canonical(key)}:{_canonical(item)}" for key, item in value.items())
     elif isinstance(value, set | frozenset):
-        yield from sorted(fingerprint(item).encode() for item in value)
+        parts = sorted(_canonical(item) for item in value)
     elif callable(value) and hasattr(value, "__qualname__"):
-        yield _qualified(value).encode()
+        parts = [_qualified(value)]
     else:
         raise InputError(
-            f"an argument is {value!r} of {type(value).__name__}, expected numbers, texts, arrays, "
-            "dataclasses, or collections of them: what else it holds cannot be hashed"
+            f"an argument is {value!r} of {kind}, expected numbers, texts, arrays, dataclasses, or "
+            "collections of them: what else it holds cannot be hashed"
         )
+    return f"{kind}({', '.join(parts)})"
 
 
 @dataclass(frozen=True)
@@ -222,6 +205,8 @@ def _clear(path: Path) -> None:
 
 def _seal(task: Task, folder: Path, seconds: float, result: Any) -> None:
     """Write the record and give the task's folder its name; an older one is replaced."""
+    import msgspec
+
     part, place = _part_of(task, folder), folder / task.name
     record = {
         "name": task.name,
@@ -232,13 +217,13 @@ def _seal(task: Task, folder: Path, seconds: float, result: Any) -> None:
         "result": result,
     }
     try:
-        text = json.dumps(record, indent=1, allow_nan=False)
+        text = msgspec.json.format(msgspec.json.encode(record, enc_hook=float), indent=1)
     except (TypeError, ValueError) as error:
         raise InputError(
             f"{task.name} returned {result!r}, expected None or what JSON can hold ({error}): "
             "write arrays to files in the folder"
         ) from error
-    (part / RECORD).write_text(text + "\n", encoding="utf-8")
+    (part / RECORD).write_bytes(text + b"\n")
     _clear(place)
     part.replace(place)
 

@@ -80,67 +80,35 @@ class Lattice:
             total += np.bincount(corner + shift, weight * force, rows * columns)
         return total.reshape(rows, columns)
 
+    def of_grid(self, grid: Grid, pressure: Floats, blur: bool = False) -> Floats:
+        """Pressure (K,) Pa of a grid's cells as `deposit` has it, by two matrices."""
+        x, y = (float(value) for value in grid.origin)
+        along_y = _along(y, grid.shape[0], grid.pitch, self, 1, blur)
+        along_x = _along(x, grid.shape[1], grid.pitch, self, 0, blur)
+        return np.asarray(along_y @ pressure.reshape(grid.shape) @ along_x.T)
+
     def blurred(self, values: Floats) -> Floats:
         """Values (..., rows, columns) after a Gaussian of standard deviation `BLUR`."""
         rows, columns = self.shape
         return np.asarray(_gaussian(rows, self.step) @ values @ _gaussian(columns, self.step))
 
 
-@dataclass(frozen=True)
-class Spread:
-    """The pressure of a grid's cells on a lattice, as `Lattice.deposit` has it, by two matrices."""
-
-    lattice: Lattice
-    shape: tuple[int, int]
-    pitch: float
-    origin: tuple[float, float]
-
-    @classmethod
-    def of(cls, grid: Grid, lattice: Lattice) -> "Spread":
-        """Of a grid of an estimate."""
-        x, y = (float(value) for value in grid.origin)
-        return _shared_spread(cls(lattice, grid.shape, grid.pitch, (x, y)))
-
-    @cached_property
-    def sides(self) -> tuple[Floats, Floats]:
-        """Matrices along y (rows, grid rows) and x (columns, grid columns)."""
-        lattice = self.lattice
-        return (
-            _along(self.origin[1], self.shape[0], self.pitch, lattice, 1),
-            _along(self.origin[0], self.shape[1], self.pitch, lattice, 0),
-        )
-
-    @cached_property
-    def blurred_sides(self) -> tuple[Floats, Floats]:
-        """The same, with the blur in them."""
-        step = self.lattice.step
-        along_y, along_x = self.sides
-        return _gaussian(len(along_y), step) @ along_y, _gaussian(len(along_x), step) @ along_x
-
-    def __call__(self, pressure: Floats, blur: bool = False) -> Floats:
-        """Pressure (K,) Pa of the grid's cells on the lattice, (rows, columns) Pa."""
-        along_y, along_x = self.blurred_sides if blur else self.sides
-        return np.asarray(along_y @ pressure.reshape(self.shape) @ along_x.T)
-
-
-@lru_cache(maxsize=64)
-def _shared_spread(spread: Spread) -> Spread:
-    """One object for equal spreads: its matrices are made once."""
-    return spread
-
-
 def _parts(cell: float, step: float) -> int:
     return max(int(np.ceil(FINE * cell / step - 1e-9)), 1)
 
 
-def _along(origin: float, count: int, pitch: float, lattice: Lattice, axis: int) -> Floats:
+@lru_cache(maxsize=128)
+def _along(
+    origin: float, count: int, pitch: float, lattice: Lattice, axis: int, blur: bool
+) -> Floats:
     """Shares (lattice points, cells) of each cell's pressure along one axis."""
     parts = _parts(pitch, lattice.step)
     offsets = (np.arange(parts) - (parts - 1) / 2) * (pitch / parts)
     place = (origin + np.arange(count)[:, None] * pitch + offsets) / lattice.step
     points = np.arange(lattice.shape[1 - axis]) + lattice.first[axis]
     near = np.maximum(1 - np.abs(points[:, None, None] - place[None]), 0.0)
-    return np.asarray(near.sum(axis=2) * (pitch / lattice.step / parts))
+    shares = near.sum(axis=2) * (pitch / lattice.step / parts)
+    return np.asarray(_gaussian(len(points), lattice.step) @ shares if blur else shares)
 
 
 @lru_cache(maxsize=64)
@@ -463,20 +431,20 @@ class Judge:
             )
 
     @cached_property
-    def spread(self) -> Spread:
-        """From the grid to a lattice over grid and truth."""
+    def lattice(self) -> Lattice:
+        """Over grid and truth."""
         truth, half = self.case.truth, self.grid.pitch / 2
         low, high = self.grid.plane.min(axis=0) - half, self.grid.plane.max(axis=0) + half
         loaded = truth.plane[truth.pressure != 0]
         if len(loaded):
             low = np.minimum(low, loaded.min(axis=0) - truth.cell / 2)
             high = np.maximum(high, loaded.max(axis=0) + truth.cell / 2)
-        return Spread.of(self.grid, Lattice.around(low, high))
+        return Lattice.around(low, high)
 
     @cached_property
     def pressure(self) -> tuple[Floats, Floats]:
         """True pressure on the lattice, Pa: as it is, and blurred."""
-        truth, lattice = self.case.truth, self.spread.lattice
+        truth, lattice = self.case.truth, self.lattice
         loaded = truth.pressure != 0
         raw = lattice.deposit(truth.plane[loaded], truth.pressure[loaded], truth.cell)
         return raw, lattice.blurred(raw)
@@ -493,7 +461,8 @@ class Judge:
         found = estimate.contacts if contacts is None else contacts
         truth = self.case.truth
         matches, missed, false = matched(self.case.patch, truth.contacts, found, self.gate)
-        sharp = self.spread(estimate.pressure)
+        sharp = self.lattice.of_grid(self.grid, estimate.pressure)
+        soft = self.lattice.of_grid(self.grid, estimate.pressure, blur=True)
         exact, exact_blurred = self.pressure
         known = len(truth.plane) > 0
         return Score(
@@ -507,7 +476,7 @@ class Judge:
             false=false,
             peak_error=_relative(float(sharp.max()), float(exact.max())) if known else NAN,
             pressure_error=_distance(sharp, exact),
-            blurred_pressure_error=_distance(self.spread(estimate.pressure, True), exact_blurred),
+            blurred_pressure_error=_distance(soft, exact_blurred),
             deformation_error=self._deformation_error(estimate.indentation),
             area_error=_relative(float(sum(c.area for c in found)), truth.contact_area),
         )

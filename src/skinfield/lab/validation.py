@@ -46,26 +46,6 @@ class Level:
         return f"{self.quantity} {self.noise:g}"
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """What a solver made of one reading, and how long that took.
-
-    Attributes
-    ----------
-    score : Score
-    cold, warm : float, s
-        For a reading after nothing; and for another one of the same press right after it.
-    place_held, force_held : int
-        Matched contacts whose stated 90 % region holds the true place, and force.
-    """
-
-    score: Score
-    cold: float
-    warm: float
-    place_held: int
-    force_held: int
-
-
 @dataclass(frozen=True, kw_only=True)
 class Entrant:
     """A solver with what it assumes, ready for any case.
@@ -104,8 +84,12 @@ class Entrant:
         judge = Judge(case, reconstruct.grid, self.gate)
         return [judge(estimate) for estimate in reconstruct(case.draws)]
 
-    def attempt(self, case: Case) -> Attempt:
+    def attempt(self, case: Case) -> Row:
         """Take up the first two readings of a case, one by one; the first is scored.
+
+        Beside the score's row there are ``cold_ms`` and ``warm_ms``, of a reading after nothing
+        and of another one right after it, and ``place_held`` and ``force_held``: the matched
+        contacts whose stated 90 % region holds the true place, and force.
 
         Raises
         ------
@@ -124,12 +108,14 @@ class Entrant:
         reconstruct(case.draws[1])
         end = time.perf_counter()
         score = Judge(case, reconstruct.grid, self.gate)(estimate)
-        held = [
-            _held(estimate.contacts[match.estimated], case, match.true) for match in score.matches
-        ]
-        return Attempt(
-            score, between - start, end - between, sum(p for p, _ in held), sum(f for _, f in held)
-        )
+        held = [_held(estimate.contacts[m.estimated], case, m.true) for m in score.matches]
+        place, force = np.array(held, dtype=np.int64).reshape(-1, 2).sum(axis=0).tolist()
+        return score.row() | {
+            "cold_ms": 1e3 * (between - start),
+            "warm_ms": 1e3 * (end - between),
+            "place_held": place,
+            "force_held": force,
+        }
 
     def false_contacts(self, case: Case, draws: int, seed: int) -> list[int]:
         """Contacts found in each of some readings of the case's skin at rest, with its noise."""
@@ -218,18 +204,8 @@ def rows_of_case(
     for level in levels:
         drawn = at_level(case, level, seed)
         for entrant in entrants:
-            attempt = once(entrant).attempt(drawn)
             head = {"quantity": level.quantity, "noise": level.noise, "method": entrant.name}
-            yield (
-                head
-                | attempt.score.row()
-                | {
-                    "cold_ms": 1e3 * attempt.cold,
-                    "warm_ms": 1e3 * attempt.warm,
-                    "place_held": attempt.place_held,
-                    "force_held": attempt.force_held,
-                }
-            )
+            yield head | once(entrant).attempt(drawn)
 
 
 def row_of_case(case: Case, scores: Sequence[Score]) -> Row:

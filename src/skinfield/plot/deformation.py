@@ -9,78 +9,15 @@ from skinfield.errors import Floats
 from skinfield.estimate import Estimate
 from skinfield.plot.maps import MM, axis_names, extent_of
 from skinfield.plot.style import QUIET, signed_colours
-from skinfield.skin import Grid
+from skinfield.skin import Grid, Patch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-TICK, NUMBER, NAME = 3.0, 12.0, 27.0  # points from the edge: ends of ticks, middles of words
-
-
-def project(axes: Any, points: Floats) -> Floats:
-    """Points (N, 3) of 3D axes in their picture plane (N, 2)."""
-    seen = np.column_stack([points, np.ones(len(points))]) @ axes.get_proj().T
-    return np.asarray(seen[:, :2] / seen[:, 3:])
-
-
-def draw_ruler(axes: Any, start: Floats, end: Floats, inside: Floats, name: str, n: int) -> None:
-    """Draw an edge with about `n` numbers and its name, on the side away from `inside`.
-
-    `start` and `end` (3,) differ in one coordinate, which the numbers tell.
-    """
-    from matplotlib.lines import Line2D
-    from matplotlib.ticker import MaxNLocator
-
-    along = int(np.abs(end - start).argmax())
-    values = MaxNLocator(n).tick_values(start[along], end[along])
-    values = values[(values >= start[along]) & (values <= end[along])]
-    share = (values - start[along]) / (end[along] - start[along])
-    places = project(axes, start + share[:, None] * (end - start))
-    first, last, middle = project(axes, np.array([start, end, inside]))
-    way = last - first
-    outward = np.array([-way[1], way[0]]) / np.hypot(*way)
-    outward *= np.sign(outward @ (first - middle))
-    edge = np.array([first, last])
-    axes.add_line(Line2D(*edge.T, color=QUIET, lw=0.8, clip_on=False))
-    for place, value in zip(places, values, strict=True):
-        _tick(axes, place, TICK * outward)
-        _write(axes, place, NUMBER * outward, f"{value:g}".replace("-", "−"), 7.5, 0.0)
-    turn = (
-        np.degrees(np.arctan2(way[1], way[0])) + 89.0
-    ) % 180.0 - 89.0  # read from the right if upright
-    _write(axes, (first + last) / 2, NAME * outward, name, 9.0, turn)
-
-
-def _tick(axes: Any, place: Floats, shift: Floats) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.transforms import ScaledTranslation
-
-    inches = axes.figure.dpi_scale_trans + ScaledTranslation(place[0], place[1], axes.transData)
-    ends = np.array([[0.0, 0.0], shift / 72.0])
-    axes.add_line(Line2D(*ends.T, transform=inches, color=QUIET, lw=0.8, clip_on=False))
-
-
-def _write(axes: Any, place: Floats, shift: Floats, words: str, size: float, turn: float) -> None:
-    from matplotlib.transforms import ScaledTranslation
-
-    x, y = shift / 72.0
-    moved = axes.transData + ScaledTranslation(x, y, axes.figure.dpi_scale_trans)
-    axes.text2D(
-        *place,
-        words,
-        transform=moved,
-        fontsize=size,
-        rotation=turn,
-        ha="center",
-        va="center",
-        rotation_mode="anchor",
-    )
-
-
 FACES = 90  # along one side: more are finer than the page, and a burden in a PDF
 LEVELS = (1, 2, 5)
-ROOM = 0.84  # part of the panel for the surface; the rest is for the numbers around it
+ZOOM = 1.0  # of the surface in the panel: there is room for the numbers around it
 
 
 def draw_deformation(figure: "Figure", axes: Any, estimate: Estimate) -> float:
@@ -102,8 +39,7 @@ def draw_deformation(figure: "Figure", axes: Any, estimate: Estimate) -> float:
         position = grid.patch.surface.position_from_plane(plane.reshape(-1, 2))
         moved = position - factor * depth.reshape(-1, 1) * grid.normals[nodes.ravel()]
         place = moved.reshape(*nodes.shape, 3) * MM
-    _scale(axes, place, factor if flat else 1.0, flat)
-    _measure(axes, grid)
+    _scale(axes, place, factor if flat else 1.0, grid.patch)
     _draw_sheet(figure, axes, grid, place, nodes, np.asarray(estimate.indentation) * MM)
     return factor
 
@@ -172,8 +108,11 @@ def _draw_sheet(
     bar.outline.set_linewidth(0.5)
 
 
-def _scale(axes: Any, place: Floats, factor: float, flat: bool) -> None:
-    """Scale the axes alike, the depth of a flat patch by `factor`, to fill the panel."""
+def _scale(axes: Any, place: Floats, factor: float, patch: Patch) -> None:
+    """Scale the axes alike, the depth of a flat patch by `factor`, and number them in mm."""
+    from matplotlib.ticker import MaxNLocator
+
+    flat = patch.surface.is_flat
     low, high = place.reshape(-1, 3).min(axis=0), place.reshape(-1, 3).max(axis=0)
     if flat:  # a flat sheet at rest still needs a box of some height
         thin = 0.02 * float((high - low)[:2].max()) / factor
@@ -183,29 +122,17 @@ def _scale(axes: Any, place: Floats, factor: float, flat: bool) -> None:
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_proj_type("ortho")
     axes.view_init(elev=46, azim=-62)
-    axes.set_box_aspect(size, zoom=_zoom(axes, size, place))
-
-
-def _measure(axes: Any, grid: Grid) -> None:
-    """Draw rulers in mm along the near edges, with fewer numbers on the shorter ones."""
-    flat = grid.patch.surface.is_flat
-    low, high = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()]).T
-    if flat:  # rulers lie in the sheet at rest; its depth is read from the colour
-        low[2] = high[2] = 0.0
-    corners = [low, [high[0], low[1], low[2]], [high[0], high[1], low[2]], high]
-    names = axis_names(grid.patch) if flat else ("x", "y", "z")
-    size = axes.get_box_aspect()
-    axes.set_axis_off()
-    for index, name in enumerate(names):
-        start, end = np.array(corners[index]), np.array(corners[index + 1])
-        count = max(round(5 * size[index] / size.max()), 2)
-        draw_ruler(axes, start, end, (low + high) / 2, f"{name} (mm)", count)
-
-
-def _zoom(axes: Any, size: Floats, place: Floats) -> float:
-    """Zoom at which points (..., 3) fill the panel, with room for the numbers around it."""
-    axes.set_box_aspect(size)
-    panel = axes.get_position(original=True).transformed(axes.figure.transSubfigure)
-    axes.apply_aspect()
-    pixels = axes.transData.transform(project(axes, place.reshape(-1, 3)))
-    return float((ROOM * np.array([panel.width, panel.height]) / np.ptp(pixels, axis=0)).min())
+    axes.set_box_aspect(size, zoom=ZOOM)
+    names = (*axis_names(patch), "") if flat else ("x", "y", "z")
+    for axis, name, share in zip((axes.xaxis, axes.yaxis, axes.zaxis), names, size, strict=True):
+        axis.pane.set_visible(False)
+        axis.line.set(color=QUIET, linewidth=0.8)
+        axis.set_tick_params(labelsize=7.5, pad=-2.0)
+        if name:
+            axis.labelpad = 14.0 if size[1] < 0.4 * size[0] else 8.0  # a wide sheet lies flatter
+            axis.set_label_text(f"{name} (mm)")
+            axis.set_major_locator(MaxNLocator(max(round(5 * share / size.max()), 1)))
+        else:  # the depth of a flat patch is read from the colour
+            axis.set_ticks([])
+            axis.line.set_visible(False)
+    axes.grid(False)

@@ -5,17 +5,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.design import Judgement, Places, ThicknessComparison
+from skinfield.design import Judgement, Places
 from skinfield.design.judgement import part_of
 from skinfield.errors import Floats
 from skinfield.plot.maps import MM, draw_cells, frame_axes, outline_pads
 from skinfield.plot.style import (
     ABOVE,
-    BLUE,
-    FAINT,
     INK,
-    ORANGE,
-    QUIET,
     TITLE,
     add_title,
     new_figure,
@@ -100,61 +96,6 @@ def draw_place_map(
         _draw_places(axes, places, values, label, _extent(places), falling=False)
         add_title(axes, "", title, note)
     return figure
-
-
-def draw_thickness(comparison: ThicknessComparison) -> "Figure":
-    """Figure of medians and 95th percentiles of the maps against the thickness.
-
-    Parameters
-    ----------
-    comparison : ThicknessComparison
-    """
-    touch = comparison.judgements[0].touch
-    first, radius = comparison.judgements[0], f"{touch.radius * MM:g}"
-    panels = (
-        ("smallest force found, place unknown", "force (N)", "Smallest force found",
-         f"{first.terms.false_alarm_rate:g} false alarms, {first.terms.detection_rate:.0%} found"),
-        ("place deviation, size unknown", "standard deviation (mm)",
-         f"Place of {touch.force:g} N", "at best, from one reading"),
-        ("force deviation, size unknown", "standard deviation (N)",
-         f"Force of {touch.force:g} N", "at best, from one reading"),
-        ("two touches told, typical direction", "distance (mm)", "Two touches told apart",
-         f"{touch.force:g} N each, {first.terms.error_rate:.0%} errors"),
-    )  # fmt: skip
-    patch = first.design.patch
-    head = f"{patch.name} by thickness: {_reads(first)}, contact radius {radius} mm"
-    with style():
-        figure = new_figure(10.4, 3.5)
-        figure.text(0.015, 0.92, head, **TITLE)
-        for index, (name, label, heading, note) in enumerate(panels):
-            axes = figure.add_axes((0.055 + 0.245 * index, 0.15, 0.19, 0.53))
-            if not _draw_curves(axes, comparison, name, label):
-                note += "; none: never"
-            add_title(axes, "abcd"[index], heading, note)
-        lines = figure.axes[0].get_lines()
-        figure.legend(lines, [str(line.get_label()) for line in lines], frameon=False, fontsize=8,
-                      loc="upper right", bbox_to_anchor=(0.995, 0.995))  # fmt: skip
-    return figure
-
-
-def _draw_curves(axes: "Axes", comparison: ThicknessComparison, name: str, label: str) -> bool:
-    """Draw one panel's curves; whether all of their points are finite."""
-    rows = comparison.rows(name)
-    thickness = comparison.thickness * MM
-    for values, colour, word in (
-        ([row.p95 for row in rows], ORANGE, "95th percentile"),
-        ([row.median for row in rows], BLUE, "median"),
-    ):
-        shown = np.array(values, dtype=np.float64)
-        shown[~np.isfinite(shown)] = np.nan  # the line stops where there is nothing to draw
-        axes.plot(thickness, shown, color=colour, marker="o", ms=3.5, label=f"{word} of places")
-    axes.set(xlabel="thickness (mm)", ylabel=label, xlim=(0, float(thickness[-1]) * 1.06))
-    finite = [v for row in rows for v in (row.median, row.p95) if np.isfinite(v)]
-    axes.set_ylim(0, 1.1 * max(finite, default=1.0))
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(color=QUIET)
-    axes.grid(axis="y", color=FAINT, lw=0.4)
-    return len(finite) == 2 * len(rows)
 
 
 def _page(extent: Floats) -> tuple["Figure", list[tuple[float, float, float, float]]]:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Floats
 from skinfield.plot.maps import MM, circles, draw_modules, frame_axes
 from skinfield.plot.style import (
     FAINT,
@@ -80,27 +80,13 @@ def _note(patch: Patch) -> str:
     return f"{plural(len(patch), 'taxel')}, {modules}{pitch}, {pads}{on}"
 
 
-def _hues(patch: Patch) -> Ints:
-    """Hue of each module, (modules,), so that neighbours differ where seven hues allow it."""
-    modules, row = np.unique(patch.module, return_inverse=True)
-    centres = np.stack([patch.positions[row == i].mean(axis=0) for i in range(len(modules))])
-    distance = np.linalg.norm(centres[:, None] - centres[None], axis=2)
-    hue = np.zeros(len(modules), np.int64)
-    for module in range(1, len(modules)):
-        nearest = np.argsort(distance[module, :module])[: len(HUES) - 1]
-        free = ~np.isin(np.arange(len(HUES)), hue[nearest])
-        after = (np.arange(len(HUES)) - hue[module - 1] - 1) % len(HUES)  # so that all are used
-        hue[module] = np.argmin(np.where(free, after, len(HUES)))
-    return hue
-
-
 def _fill(patch: Patch) -> Floats:
-    """Colour of each pad, (L, 3)."""
+    """Colour of each pad (L, 3): that of its module, in turn."""
     from matplotlib.colors import to_rgb
 
     hues = np.array([to_rgb(hue) for hue in HUES]) * 0.75 + 0.25
     row = np.unique(patch.module, return_inverse=True)[1]
-    return np.asarray(hues[_hues(patch)[row]])
+    return np.asarray(hues[row % len(HUES)])
 
 
 def _draw_flat(axes: "Axes", patch: Patch) -> None:

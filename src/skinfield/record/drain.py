@@ -1,13 +1,13 @@
-"""Drain of a ring into a recorder's queue: readings, cycles, fields, settings, events, views."""
+"""Drain of a ring into a recorder's queue: readings, cycles, fields, settings, events."""
 
 import contextlib
 import io
 import json
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ from skinfield.files.mcap.schema import (
     FitRecord,
     FitSizes,
 )
-from skinfield.files.mcap.views import PatchView, ViewMessage, Views, in_link, turned_to_link
 from skinfield.loop.fit_ring import FORM, LAYOUT, PATCH, FitReader, FitSlot, Fitted
 from skinfield.loop.model_config import FIELD as SOLVER
 from skinfield.loop.model_config import ModelConfig, configuration_of
@@ -38,7 +37,7 @@ from skinfield.reconstruct.serialisation import plain_from_value
 from skinfield.record.queue import Item, Queue, event_item
 from skinfield.ring import RingReader, State
 from skinfield.signal import Calibration
-from skinfield.signal.block import HEADER, WORD, Kind
+from skinfield.signal.block import HEADER, WORD, Kind, block_bytes
 from skinfield.skin import Skin
 
 SILENT = 1.0  # s without a sign of life of the engine until it is told
@@ -46,35 +45,34 @@ JSON, NPZ = "application/json", "application/x-npz"
 Array = NDArray[Any]
 
 
-def layout_of(reader: RingReader) -> CycleLayout:
-    """Rows of the ring's cycles; raises FileError if it is no live skin's."""
-    said = reader.description
-    if "contact_row" not in said or "patch_row" not in said:
-        raise FileError(f"{reader.path} is no ring of a live skin, expected that of an engine")
-    metadata = {"contact": said["contact_row"], "patch": said["patch_row"]}
-    return CycleLayout.from_metadata({key: json.dumps(row) for key, row in metadata.items()})
-
-
-def enclosed_of(reader: RingReader) -> tuple[Enclosed, ...]:
-    """Everything that makes the recording self-contained."""
-    said = dict(reader.description)
-    text = said.pop("model_config", None)
-    skin = skin_of(reader)
-    made: list[Enclosed] = []
-    if isinstance(text, str):
-        made.append(Enclosed(CONFIGURATION, JSON, text.encode()))
-    status = reader.status
-    calibrations = {}
-    if skin is not None and int(status["tares"][0]) > 0:
-        calibrations = calibrations_of(skin, status["calibration"])
-        made.append(tare_of(status))
-    return (*enclosures(skin, calibrations, None, said), *made)
-
-
-def skin_of(reader: RingReader) -> Skin | None:
-    """The skin that a ring says it is of; None where it does not say."""
+def model_config_of(reader: RingReader) -> ModelConfig:
+    """What a ring's estimates follow from; raises FileError if it is no live skin's."""
     text = reader.description.get("model_config")
-    return ModelConfig.from_json(text).skin if isinstance(text, str) else None
+    if not isinstance(text, str):
+        raise FileError(f"{reader.path} is no ring of a live skin, expected that of an engine")
+    return ModelConfig.from_json(text)
+
+
+def layout_of(reader: RingReader) -> CycleLayout:
+    """Rows of the ring's cycles; raises InputError if it does not state them."""
+    rows = {
+        kind: json.dumps(reader.description.get(f"{kind}_row")) for kind in ("contact", "patch")
+    }
+    return CycleLayout.from_metadata(rows)
+
+
+def enclosed_of(reader: RingReader, skin: Skin) -> tuple[Enclosed, ...]:
+    """Everything that makes the recording self-contained."""
+    description, status = dict(reader.description), reader.status
+    configuration = Enclosed(CONFIGURATION, JSON, description.pop("model_config").encode())
+    calibrated = calibration_of(skin, status) if int(status["tares"][0]) > 0 else ()
+    return (*enclosures(skin, description=description), configuration, *calibrated)
+
+
+def calibration_of(skin: Skin, status: dict[str, Array]) -> Iterator[Enclosed]:
+    """The engine's calibration, patch by patch and as it is in the ring's status."""
+    yield from enclosures(calibrations=calibrations_of(skin, status["calibration"]))
+    yield tare_of(status)
 
 
 def tare_of(status: dict[str, Array]) -> Enclosed:
@@ -105,45 +103,35 @@ class StatusWatch:
     ----------
     reader : RingReader
     queue : Queue
+    skin : Skin
     tares : int
         Calibrations so far that are enclosed already.
     """
 
-    def __init__(self, reader: RingReader, queue: Queue, tares: int = 0) -> None:
-        self._reader, self._queue, self._skin = reader, queue, skin_of(reader)
+    def __init__(self, reader: RingReader, queue: Queue, skin: Skin, tares: int) -> None:
+        self._reader, self._queue, self._skin, self._tares = reader, queue, skin, tares
         status = reader.status
         self._before = (status["times"], status["totals"])
         Timing.of(*self._before, self._before)  # loads what it needs: later the ring would not wait
-        self._tares = tares
         self._state: State | None = reader.state
         self._silent = False
 
     def look(self) -> None:
         """Tell the last second's timing, and what has changed."""
-        now = time.time_ns()
-        status = self._reader.status
-        told: dict[str, object] = dict(
-            Timing.of(status["times"], status["totals"], self._before).as_dict()
-        )
+        now, status = time.time_ns(), self._reader.status
+        timing = Timing.of(status["times"], status["totals"], self._before).as_dict()
         self._before = (status["times"], status["totals"])
         names = self._reader.description.get("source_counters", [])
-        told["counters"] = [
-            dict(zip(names, row, strict=False)) for row in status["sources"].tolist()
-        ]
-        self._queue.tell(Item(now, 0, lambda writer: writer.timing(now, told)))
+        counters = [dict(zip(names, row, strict=False)) for row in status["sources"].tolist()]
+        values = {**timing, "counters": counters}
+        self._queue.tell(Item(now, 0, lambda writer: writer.timing(now, values)))
         if int(status["tares"][0]) != self._tares:
             self._tares = int(status["tares"][0])
-            for each in self._calibrated(status):
+            for each in calibration_of(self._skin, status):
                 enclose = partial(RecordingWriter.enclose, time_ns=now, enclosed=each)
                 self._queue.tell(Item(now, 0, enclose))
-            self._tell("calibrated", "the baseline was taken anew", tares=self._tares)
+            self._queue.event("calibrated", "the baseline was taken anew", tares=self._tares)
         self._engine()
-
-    def _calibrated(self, status: dict[str, Array]) -> Iterator[Enclosed]:
-        """What was enclosed of the calibration before stands for what was read until then."""
-        if self._skin is not None:
-            yield from enclosures(calibrations=calibrations_of(self._skin, status["calibration"]))
-        yield tare_of(status)
 
     def _engine(self) -> None:
         try:
@@ -151,80 +139,23 @@ class StatusWatch:
         except SkinfieldError:
             state = None
         if state != self._state and state is not None:
-            self._tell("engine_state", f"the engine is {state.name.lower()}", state=state.name)
+            text = f"the engine is {state.name.lower()}"
+            self._queue.event("engine_state", text, state=state.name)
         self._state = state
         age = (time.monotonic_ns() - self._reader.heartbeat_ns) * 1e-9
         silent = age > SILENT and state in (State.RUNNING, State.CALIBRATING)
         if silent and not self._silent:
-            self._tell(
-                "engine_silent", f"no sign of life of the engine for {age:.1f} s", seconds=age
-            )
+            text = f"no sign of life of the engine for {age:.1f} s"
+            self._queue.event("engine_silent", text, seconds=age)
         elif self._silent and not silent:
-            self._tell("engine_back", "the engine gives signs of life again")
+            self._queue.event("engine_back", "the engine gives signs of life again")
         self._silent = silent
-
-    def _tell(self, kind: str, text: str, **values: object) -> None:
-        self._queue.tell(event_item(time.time_ns(), kind, text, values))
-
-
-class SkinViews:
-    """Messages of a cycle for other programs.
-
-    Parameters
-    ----------
-    skin : Skin or None
-        None where there are no views.
-    views : sequence of Views
-    """
-
-    def __init__(self, skin: Skin | None, views: Sequence[Views]) -> None:
-        self._skin, self.views = skin, views
-        self._starts = np.cumsum([0, *map(len, skin or ())])
-
-    @classmethod
-    def of(cls, reader: RingReader, kinds: Sequence[Callable[[Skin], Views]]) -> Self:
-        """Of these kinds, of a ring's skin.
-
-        Raises
-        ------
-        FileError
-            If the ring does not say which skin it is of.
-        """
-        if not kinds:
-            return cls(None, ())
-        skin = ModelConfig.from_json(str(reader.description.get("model_config"))).skin
-        return cls(skin, [make(skin) for make in kinds])
-
-    def messages(self, time_ns: int, slot: Slot) -> Iterator[ViewMessage]:
-        """All messages of one cycle."""
-        patches = list(self._patches(slot))
-        for views in self.views:
-            yield from views.messages(time_ns, patches)
-
-    def _patches(self, slot: Slot) -> Iterator[PatchView]:
-        contacts = slot.used_contacts()
-        for place, patch in enumerate(self._skin or ()):
-            its = contacts[contacts["patch"] == place]
-            part = slice(self._starts[place], self._starts[place + 1])
-            # contacts press inwards, against the outward normal
-            forces = -its["normal_force"][:, None] * its["normal"]
-            yield PatchView(
-                patch,
-                slot.values[part].copy(),
-                slot.valid[part] > 0,
-                in_link(patch, its["position"]),
-                turned_to_link(patch, forces),
-                its["area"].copy(),
-                its["track"].copy(),
-            )
 
 
 PIECE = 1 << 20  # bytes of the log in one message, about
 SPARE = 4  # a fourth of the slots, which the engine may write while the others are taken
 OLDEST_NS = 10_000_000_000  # of an answer of a fit that is taken: its own stamp is wrong beyond
 NOTHING = np.zeros(0, np.uint32)
-# Bits per channel of a block.
-BITS: dict[int, int] = {Kind.BYTES: 8, Kind.SHORTS: 16, Kind.FLOATS: 32, Kind.STATUS: 1}
 
 
 class Place(NamedTuple):
@@ -280,12 +211,11 @@ def source_blocks(data: bytes) -> Iterator[tuple[int, int, int, int]]:
     while at + HEADER // WORD < len(words):
         second = words[at + 1]
         kind, count = second >> 48 & 0xFF, second >> 32 & 0xFFFF
-        if kind in BITS:
-            at += HEADER // WORD - (-BITS[Kind(kind)] * count // 64)
-        elif kind in (Kind.SOURCE, Kind.LOST):
+        if kind in (Kind.SOURCE, Kind.LOST):
             yield words[at], second & 0xFFFFFFFF, kind, words[at + 2]
-            at += HEADER // WORD + 1
-        else:
+        try:
+            at += block_bytes(kind, count) // WORD
+        except InputError:  # what follows is damaged
             return
 
 
@@ -297,16 +227,10 @@ class Drain:
     reader : RingReader
     queue : Queue
     layout : CycleLayout
-    views : SkinViews
+    model_config : ModelConfig
     view_rate : float, 1/s
-        Of pressure fields and views.
+        Of pressure fields.
     begin : Place
-
-    Attributes
-    ----------
-    bytes_read, cycles : int
-    overrun_bytes, overrun_cycles : int
-        That the ring had overwritten.
     """
 
     def __init__(
@@ -314,11 +238,11 @@ class Drain:
         reader: RingReader,
         queue: Queue,
         layout: CycleLayout,
-        views: SkinViews,
+        model_config: ModelConfig,
         view_rate: float,
         begin: Place,
     ) -> None:
-        self._reader, self._queue, self._layout, self._views = reader, queue, layout, views
+        self._reader, self._queue, self._layout = reader, queue, layout
         self._sources = [str(each) for each in reader.description.get("sources", [])]
         self._every, self._shown = int(1e9 / view_rate), 0
         self._number = begin.number
@@ -326,11 +250,12 @@ class Drain:
         self._slot = reader.slot()
         self._cycle = Slot.of(self._slot.arrays)
         self.generation = reader.generation
-        self.bytes_read = self.cycles = self.overrun_bytes = self.overrun_cycles = 0
+        self._state = queue.state
         self._put_blocks(time.time_ns(), self._log.position, b"")
         self._first = self._log.position
         self._settings = b""
-        self.fit = fit_drain_of(reader, queue)
+        names = tuple(patch.name for patch in model_config.skin)
+        self.fit = FitDrain(reader.name, queue, names, max(model_config.rungs) ** 2)
         self._lost: Counter[int] = Counter()
 
     def take(self) -> None:
@@ -349,7 +274,7 @@ class Drain:
                 data = self._layout.encode(cycle)
                 write = partial(RecordingWriter.write_cycle, time_ns=cycle.wall_ns, record=data)
                 self._queue.put(Item(cycle.wall_ns, len(data), write, cycle=True))
-                self.cycles += 1
+                self._state.cycles += 1
                 due = not 0 <= cycle.wall_ns - self._shown < self._every
                 if due and self._cycle.head[Head.FRESH]:
                     self._show(number, cycle.wall_ns)
@@ -365,16 +290,13 @@ class Drain:
         self.fit.close()
 
     def _show(self, number: int, time_ns: int) -> None:
-        """Offer what the cycle read, its pressure, and its views."""
+        """Offer what the cycle read, and its pressure."""
         self._shown, slot = time_ns, self._cycle
         taxels = slot.counts.copy(), slot.values.copy(), slot.valid.copy()
         sides = np.maximum(slot.patches["rung"], 0)
         data = FieldRecord.of(number, time_ns, sides, slot.pressure, taxels).encode()
         write = partial(RecordingWriter.write_field, time_ns=time_ns, record=data)
         self._queue.offer(Item(time_ns, len(data), write))
-        for message in self._views.messages(time_ns, slot):
-            show = partial(RecordingWriter.show, message=message)
-            self._queue.offer(Item(time_ns, len(message.data), show))
 
     def _take_settings(self, number: int) -> None:
         """Tell which settings are in force, where they are others than before."""
@@ -396,7 +318,7 @@ class Drain:
             values["solver"] = plain_from_value("solver", configuration.solver)
             values["generation"] = configuration.generation
         text = f"settings that are in force from cycle {number + 1} on"
-        self._queue.tell(event_item(time.time_ns(), "settings", text, values))
+        self._queue.event("settings", text, **values)
 
     def _put_blocks(self, time_ns: int, position: int, data: bytes) -> None:
         write = partial(RecordingWriter.write_blocks, time_ns=time_ns, position=position, data=data)
@@ -407,25 +329,20 @@ class Drain:
             data, lost = self._log.read(PIECE)
             now = time.time_ns()
             if lost:
-                self.overrun_bytes += lost
+                self._state.overrun_bytes += lost
                 text = f"the ring came round: {lost} bytes of readings were overwritten unread"
-                values: dict[str, object] = {"bytes": lost, "position": self._log.position}
-                self._queue.tell(event_item(now, "log_overrun", text, values))
+                self._queue.event("log_overrun", text, bytes=lost, position=self._log.position)
             if not data:
                 return
             self._put_blocks(now, self._log.position - len(data), data)
-            self.bytes_read += len(data)
+            self._state.bytes_read += len(data)
             self._tell_sources(data)
 
     def _tell_missing(self, missing: list[int]) -> None:
-        self.overrun_cycles += len(missing)
+        self._state.overrun_cycles += len(missing)
         text = f"the ring came round: {len(missing)} cycles were overwritten unread"
-        values: dict[str, object] = {
-            "cycles": len(missing),
-            "first": missing[0],
-            "last": missing[-1],
-        }
-        self._queue.tell(event_item(time.time_ns(), "cycle_overrun", text, values))
+        first, last = missing[0], missing[-1]
+        self._queue.event("cycle_overrun", text, cycles=len(missing), first=first, last=last)
 
     def _tell_sources(self, data: bytes) -> None:
         for stamp, source, kind, number in source_blocks(data):
@@ -441,8 +358,7 @@ class Drain:
         self.fit.tell_missed()
         for source, number in self._lost.items():
             text = f"{self._name(source)}: {number} messages were lost"
-            values: dict[str, object] = {"source": source, "messages": number}
-            self._queue.tell(event_item(time.time_ns(), "messages_lost", text, values))
+            self._queue.event("messages_lost", text, source=source, messages=number)
         self._lost.clear()
 
     def _name(self, source: int) -> str:
@@ -450,23 +366,15 @@ class Drain:
 
     def _restarted(self) -> None:
         before, self.generation = self.generation, self._reader.generation
-        text = f"the engine was started again: process {self._reader.pid} goes on with the ring"
-        values: dict[str, object] = {
-            "generation": self.generation,
-            "before": before,
-            "pid": self._reader.pid,
-        }
-        self._queue.tell(event_item(time.time_ns(), "engine_restarted", text, values))
-
-
-def fit_drain_of(reader: RingReader, queue: Queue) -> "FitDrain":
-    """Of the fit beside the engine of a ring."""
-    text = reader.description.get("model_config")
-    if not isinstance(text, str):  # nobody can tell of which skin it is
-        return FitDrain(reader.name, queue, (), 0)
-    model_config = ModelConfig.from_json(text)
-    names = tuple(patch.name for patch in model_config.skin)
-    return FitDrain(reader.name, queue, names, max(model_config.rungs) ** 2)
+        pid = self._reader.pid
+        text = f"the engine was started again: process {pid} goes on with the ring"
+        self._queue.event(
+            "engine_restarted",
+            text,
+            generation=self.generation,
+            before=before,
+            pid=pid,
+        )
 
 
 class FitDrain:
@@ -549,7 +457,7 @@ class FitDrain:
         missed, self._told_missed = self.missed - self._told_missed, self.missed
         if missed:
             text = f"{missed} answers of the contact fit could not be recorded"
-            self._queue.tell(event_item(time.time_ns(), "fit_missed", text, {"answers": missed}))
+            self._queue.event("fit_missed", text, answers=missed)
 
     def close(self) -> None:
         """Let go of the fit's ring."""

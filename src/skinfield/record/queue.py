@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from skinfield.errors import FileError
 from skinfield.files.mcap import RecordingWriter
+from skinfield.record.state import RecorderState
 
 RETRY = 0.2  # s between attempts to write to a disk that refuses
 LAST_CHANCE = 1.0  # s that a full disk gets at the end
@@ -68,23 +69,17 @@ class Queue:
     Parameters
     ----------
     most : int, bytes
-
-    Attributes
-    ----------
-    dropped : Dropped
-        Since `take_dropped`.
-    dropped_bytes, dropped_cycles : int
-        In all.
+    state : RecorderState
+        Counts what is dropped.
     """
 
-    def __init__(self, most: int) -> None:
-        self._most = most
+    def __init__(self, most: int, state: RecorderState) -> None:
+        self._most, self.state = most, state
         self._items: deque[Item] = deque()
         self._bytes = 0
         self._ready = threading.Condition()
         self._ended = False
-        self.dropped = Dropped()
-        self.dropped_bytes = self.dropped_cycles = 0
+        self._dropped = Dropped()
 
     @property
     def waiting(self) -> int:
@@ -104,13 +99,13 @@ class Queue:
         long gaps can be told and understood, thousands of short ones cannot.
         """
         with self._ready:
-            room = self._most // 2 if self.dropped.since_ns else self._most
+            room = self._most // 2 if self._dropped.since_ns else self._most
             if self._bytes + item.size > room:
-                self.dropped.add(item)
-                self.dropped_bytes += 0 if item.cycle else item.size
-                self.dropped_cycles += item.cycle
+                self._dropped.add(item)
+                self.state.dropped_bytes += 0 if item.cycle else item.size
+                self.state.dropped_cycles += item.cycle
                 return False
-            if self.dropped.since_ns:
+            if self._dropped.since_ns:
                 self._tell_dropped()
             self._items.append(item)
             self._bytes += item.size
@@ -123,10 +118,14 @@ class Queue:
             self._items.append(item)
             self._ready.notify()
 
+    def event(self, kind: str, text: str, /, **values: object) -> None:
+        """Append something that happens now."""
+        self.tell(event_item(time.time_ns(), kind, text, values))
+
     def offer(self, item: Item) -> bool:
         """Append something that comes after all readings, if there is room enough for those."""
         with self._ready:
-            if self.dropped.since_ns or self._bytes + item.size > self._most // 2:
+            if self._dropped.since_ns or self._bytes + item.size > self._most // 2:
                 return False
             self._items.append(item)
             self._bytes += item.size
@@ -145,7 +144,7 @@ class Queue:
     def end(self) -> None:
         """Say that nothing more comes."""
         with self._ready:
-            if self.dropped.since_ns:
+            if self._dropped.since_ns:
                 self._tell_dropped()
             self._ended = True
             self._ready.notify()
@@ -157,45 +156,13 @@ class Queue:
 
     def _tell_dropped(self) -> None:
         """Leave a word where the gap is."""
-        lost, self.dropped = self.dropped, Dropped()
+        lost, self._dropped = self._dropped, Dropped()
         text = (
             f"the disk did not keep up: {lost.bytes} bytes of readings and {lost.cycles} cycles "
             "were dropped"
         )
         values: dict[str, object] = dict(vars(lost))
         self._items.append(event_item(lost.until_ns, "dropped", text, values))
-
-
-@dataclass
-class DiskState:
-    """What others may know of it.
-
-    Attributes
-    ----------
-    failing_since : float, s
-        Monotonic time; 0 while writing works.
-    failure : str
-        What the system said last.
-    failures : int
-        Times that it began to fail.
-    last_flush, last_sync : float, s
-        Monotonic time.
-    longest : float, s
-        That one write or sync took.
-    lost : int
-        Messages that were given up at the end.
-    finished : bool
-        Whether the file has its end.
-    """
-
-    failing_since: float = 0.0
-    failure: str = ""
-    failures: int = 0
-    last_flush: float = 0.0
-    last_sync: float = 0.0
-    longest: float = 0.0
-    lost: int = 0
-    finished: bool = False
 
 
 class Disk(threading.Thread):
@@ -209,14 +176,18 @@ class Disk(threading.Thread):
 
     Attributes
     ----------
-    state : DiskState
+    failing_since : float, s
+        Monotonic time; 0 while writing works.
+    last_flush, last_sync : float, s
+        Monotonic time.
     """
 
     def __init__(self, writer: RecordingWriter, queue: Queue, flush: float, sync: float) -> None:
         super().__init__(name="disk", daemon=True)
         self._writer, self._queue, self._flush_every, self._sync_every = writer, queue, flush, sync
         now = time.monotonic()
-        self.state = DiskState(last_flush=now, last_sync=now)
+        self._state, self.failing_since = queue.state, 0.0
+        self.last_flush = self.last_sync = now
         self._slow_told = 0.0
         self._crash: BaseException | None = None
 
@@ -243,15 +214,14 @@ class Disk(threading.Thread):
 
     def _round(self) -> None:
         """Write what came, unless the disk refuses: then what comes waits in the queue."""
-        state = self.state
-        if state.failing_since:
+        if self.failing_since:
             time.sleep(RETRY)
         else:
-            due = state.last_flush + self._flush_every - time.monotonic()
+            due = self.last_flush + self._flush_every - time.monotonic()
             self._put_all(max(due, 0.0))
-        if state.failing_since or time.monotonic() - state.last_flush >= self._flush_every:
+        if self.failing_since or time.monotonic() - self.last_flush >= self._flush_every:
             self._flush()
-        if not state.failing_since and time.monotonic() - state.last_sync >= self._sync_every:
+        if not self.failing_since and time.monotonic() - self.last_sync >= self._sync_every:
             self._sync()
 
     def _put_all(self, timeout: float) -> None:
@@ -264,55 +234,50 @@ class Disk(threading.Thread):
         except FileError as error:  # it waits in the writer
             self._failed(error)
 
-    def _flush(self) -> None:
+    def _event(self, kind: str, text: str, **values: object) -> None:
+        self._put(event_item(time.time_ns(), kind, text, values))
+
+    def _hand_over(self, what: str, write: Callable[[], None]) -> bool:
+        """Flush or sync; False if the disk refuses."""
         began = time.monotonic()
         try:
-            self._writer.flush()
+            write()
         except FileError as error:
             self._failed(error)
-            return
-        self._took(began, "write")
-        if self.state.failing_since:
-            self._works_again()
-        self.state.last_flush = time.monotonic()
-
-    def _sync(self) -> None:
-        began = time.monotonic()
-        try:
-            self._writer.sync()
-        except FileError as error:
-            self._failed(error)
-            return
-        self._took(began, "sync")
-        self.state.last_sync = time.monotonic()
-
-    def _failed(self, error: FileError) -> None:
-        state = self.state
-        state.failure = str(error)
-        if not state.failing_since:
-            state.failing_since = time.monotonic()
-            state.failures += 1
-
-    def _works_again(self) -> None:
-        state = self.state
-        seconds = time.monotonic() - state.failing_since
-        state.failing_since = 0.0
-        text = f"nothing could be written for {seconds:.1f} s ({state.failure}); now it works again"
-        self._put(event_item(time.time_ns(), "disk_failed", text, {"seconds": round(seconds, 3)}))
-
-    def _took(self, began: float, what: str) -> None:
+            return False
         took = time.monotonic() - began
-        self.state.longest = max(self.state.longest, took)
+        self._state.longest = max(self._state.longest, took)
         if took > SLOW and began - self._slow_told > 1.0:
             self._slow_told = began
             text = f"a {what} took {took:.1f} s: the disk is slow"
-            self._put(event_item(time.time_ns(), "disk_slow", text, {"seconds": round(took, 3)}))
+            self._event("disk_slow", text, seconds=round(took, 3))
+        return True
+
+    def _flush(self) -> None:
+        if not self._hand_over("write", self._writer.flush):
+            return
+        now = time.monotonic()
+        if self.failing_since:
+            seconds, self.failing_since = now - self.failing_since, 0.0
+            why = f"for {seconds:.1f} s ({self._state.failure})"
+            text = f"nothing could be written {why}; now it works again"
+            self._event("disk_failed", text, seconds=round(seconds, 3))
+        self.last_flush = now
+
+    def _sync(self) -> None:
+        if self._hand_over("sync", self._writer.sync):
+            self.last_sync = time.monotonic()
+
+    def _failed(self, error: FileError) -> None:
+        self._state.failure = str(error)
+        self.failing_since = self.failing_since or time.monotonic()
 
     def _give_up(self) -> None:
         """Let go of what cannot be written; a word about it may still fit."""
-        self.state.lost = sum(self._writer.container.give_up_waiting().values())
-        text = f"{self.state.lost} messages could not be written at the end: {self.state.failure}"
-        self._put(event_item(time.time_ns(), "given_up", text, {"messages": self.state.lost}))
+        state = self._state
+        state.given_up = self._writer.container.give_up_waiting().total()
+        text = f"{state.given_up} messages could not be written at the end: {state.failure}"
+        self._event("given_up", text, messages=state.given_up)
         try:
             self._writer.flush()
         except FileError:
@@ -323,13 +288,13 @@ class Disk(threading.Thread):
         end = time.monotonic() + LAST_CHANCE
         self._put_all(0.0)
         self._flush()
-        while self.state.failing_since and time.monotonic() < end:
+        while self.failing_since and time.monotonic() < end:
             time.sleep(RETRY)
             self._flush()
-        if self.state.failing_since:
+        if self.failing_since:
             self._give_up()
         try:
             self._writer.close()
-            self.state.finished = True
+            self._state.finished = True
         except FileError as error:
             self._failed(error)

@@ -15,153 +15,42 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from skinfield.errors import FileError, InputError, SkinfieldError, check_count, check_range
-from skinfield.files.mcap import FoxgloveViews, RecordingSettings, RecordingWriter, RosViews
-from skinfield.files.mcap.container import Output
+from skinfield.errors import InputError, SkinfieldError, check_count, check_range
+from skinfield.files.mcap import RecordingSettings, RecordingWriter
+from skinfield.files.mcap.container import FileOutput
 from skinfield.loop.fit_ring import LAYOUT as FIT
 from skinfield.loop.parent_watchdog import end_with
 from skinfield.record.drain import (
     Drain,
-    SkinViews,
     StatusWatch,
     enclosed_of,
     layout_of,
+    model_config_of,
     place_now,
     place_since,
 )
-from skinfield.record.queue import Disk, Queue, event_item
+from skinfield.record.queue import Disk, Queue
+from skinfield.record.state import RecorderState as RecorderState
+from skinfield.record.state import forget_state as forget_state
+from skinfield.record.state import read_state as read_state
 from skinfield.ring import RingReader
-from skinfield.ring.files import sidecar
-
-
-@dataclass
-class RecorderState:
-    """How a recording is going.
-
-    Attributes
-    ----------
-    pid : int
-    path : str
-        Of the file.
-    began_ns, told_ns : int, ns
-        When it began, and when this was written; since the epoch.
-    seconds : float, s
-        It has been going on.
-    bytes_written : int
-        Of the file.
-    bytes_read, cycles : int
-        Of the ring's log, and of its slots.
-    overrun_bytes, overrun_cycles : int
-        Overwritten in the ring before they could be read.
-    dropped_bytes, dropped_cycles : int
-        That the disk was too slow for.
-    given_up : int
-        Messages that could not be written at the end.
-    queue_bytes : int
-        That wait for the disk.
-    lag : float, s
-        Age of the oldest reading that waits.
-    since_flush, since_sync : float, s
-    longest : float, s
-        That one write or sync took.
-    failing : bool
-        Whether nothing can be written now.
-    failure : str
-        Why, or why it could not last time.
-    finished : bool
-        Whether the file has its end.
-    ended : str
-        Why the recording ended; empty while it goes on.
-    """
-
-    pid: int = 0
-    path: str = ""
-    began_ns: int = 0
-    told_ns: int = 0
-    seconds: float = 0.0
-    bytes_written: int = 0
-    bytes_read: int = 0
-    cycles: int = 0
-    overrun_bytes: int = 0
-    overrun_cycles: int = 0
-    dropped_bytes: int = 0
-    dropped_cycles: int = 0
-    given_up: int = 0
-    queue_bytes: int = 0
-    lag: float = 0.0
-    since_flush: float = 0.0
-    since_sync: float = 0.0
-    longest: float = 0.0
-    failing: bool = False
-    failure: str = ""
-    finished: bool = False
-    ended: str = ""
-
-    @property
-    def lost(self) -> int:
-        """Bytes of readings that are not in the file, for whatever reason."""
-        return self.overrun_bytes + self.dropped_bytes
-
-    def write(self, name: str) -> None:
-        """Tell others, in one step; quietly not where the folder is full."""
-        path = state_path(name)
-        new = path.with_name(f"{path.name}.{os.getpid()}")
-        try:
-            new.write_text(json.dumps(asdict(self)))
-            new.replace(path)
-        except OSError:
-            new.unlink(missing_ok=True)
-
-
-def state_path(name: str) -> Path:
-    """Where the recorder of the ring `name` tells of itself."""
-    return sidecar(name, "recorder")
-
-
-def read_state(name: str) -> RecorderState | None:
-    """What the recorder of the ring `name` last told; None if there is none.
-
-    Of one that was killed, `ended` says so.
-
-    Raises
-    ------
-    FileError
-        If the file is something else.
-    """
-    path = state_path(name)
-    try:
-        state = RecorderState(**json.loads(path.read_text()))
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, TypeError) as error:
-        raise FileError(f"{path} is no state of a recorder: {error}") from error
-    if not state.ended and not _lives(state.pid):
-        state.ended = f"its process {state.pid} is gone: skinfield recover mends the file"
-    return state
-
-
-def _lives(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except (OSError, OverflowError):  # another user's
-        return True
-    return True
-
-
-def forget_state(name: str) -> None:
-    """Remove what this process told."""
-    state_path(name).unlink(missing_ok=True)
-
 
 PAUSE = 0.005  # s between looks at the ring
 SECOND = 1.0  # s between looks at everything else
 LOWEST = 1  # of the real-time priorities
 NICE = -10  # where that is not granted
+TOTALS = (
+    "bytes_read",
+    "cycles",
+    "overrun_bytes",
+    "overrun_cycles",
+    "dropped_bytes",
+    "dropped_cycles",
+)
 READY = b"ready\n"  # told on the standard output by one that waits
 
 
@@ -184,10 +73,8 @@ class RecorderSettings:
         After so long it is on the disk, and survives power loss.
     queue_bytes : int
         That may wait for the disk; what comes beyond is dropped and counted.
-    views : tuple of classes
-        Channels for other programs: `RosViews`, `FoxgloveViews`.
     view_rate : float, 1/s
-        Of these, and of the fields of pressure.
+        Of the fields of pressure.
     """
 
     name: str
@@ -197,7 +84,6 @@ class RecorderSettings:
     flush: float = 0.15
     sync: float = 1.5
     queue_bytes: int = 1 << 26
-    views: tuple[type[RosViews] | type[FoxgloveViews], ...] = ()
     view_rate: float = 20.0
 
     def __post_init__(self) -> None:
@@ -216,7 +102,7 @@ class Recorder:
     settings : RecorderSettings
     say : function of a sentence
         Told what goes wrong, and when it is well again.
-    output : Output, optional
+    output : FileOutput, optional
         Instead of a file.
     first : bool
         Whether this thread and the one that writes shall come before ordinary work from now on,
@@ -241,18 +127,19 @@ class Recorder:
         self,
         settings: RecorderSettings,
         say: Callable[[str], None] = lambda text: None,
-        output: Output | None = None,
+        output: FileOutput | None = None,
         *,
         first: bool = False,
         rehearsal: bool = False,
     ) -> None:
         self.settings, self._say, self._rehearsal = settings, say, rehearsal
         self._reader = RingReader(settings.name)
-        self._began, self._began_ns = time.monotonic(), time.time_ns()
-        layout = layout_of(self._reader)
+        self._began = time.monotonic()
+        self._live = live = RecorderState(os.getpid(), str(settings.path), time.time_ns())
+        model_config = model_config_of(self._reader)
+        layout, skin = layout_of(self._reader), model_config.skin
         tares = int(self._reader.status_view["tares"][0])  # before: a new one is enclosed later
-        enclosed = enclosed_of(self._reader)
-        views = SkinViews.of(self._reader, settings.views)
+        enclosed = enclosed_of(self._reader, skin)
         self._writer = RecordingWriter(
             settings.path,
             enclosed,
@@ -260,18 +147,18 @@ class Recorder:
             fit=FIT,
             settings=settings.file,
             output=output,
-            views=views.views,
         )
-        self._queue = Queue(settings.queue_bytes)
-        self._watch = StatusWatch(self._reader, self._queue, tares)
+        self._queue = Queue(settings.queue_bytes, live)
+        self._watch = StatusWatch(self._reader, self._queue, skin, tares)
         since_ns = settings.since_ns
         begin = place_since(self._reader, since_ns) if since_ns else place_now(self._reader)
-        self._drain = Drain(self._reader, self._queue, layout, views, settings.view_rate, begin)
+        self._drain = Drain(
+            self._reader, self._queue, layout, model_config, settings.view_rate, begin
+        )
         self._disk = Disk(self._writer, self._queue, settings.flush, settings.sync)
         self._said: dict[str, str] = {}
-        self._ended = ""
         text = f"recording {settings.name} of process {self._reader.pid}"
-        self._queue.tell(event_item(self._began_ns, "recording_started", text, {}))
+        self._queue.event("recording_started", text)
         if first:  # now, as all that must be loaded is: the other thread inherits it
             come_first()
         self._disk.start()
@@ -294,15 +181,15 @@ class Recorder:
         """
         end = None if seconds is None else self._began + seconds
         known = self.state
-        while not self._ended:
+        while not self._live.ended:
             self.step()
             if self.state is not known:
                 known = self.state
                 told(known)
             if stop.wait(PAUSE):
-                self._ended = "it was told to stop"
+                self._live.ended = "it was told to stop"
             elif end is not None and time.monotonic() >= end:
-                self._ended = "its time is over"
+                self._live.ended = "its time is over"
         return self.close()
 
     def step(self) -> None:
@@ -317,89 +204,65 @@ class Recorder:
         self._write_state()
         self._say_changes()
         if self._disk.crashed:
-            self._ended = "the thread that writes has failed"
+            self._live.ended = "the thread that writes has failed"
         elif self._reader.replaced():
-            self._ended = "the ring was taken away: the skin was stopped"
+            self._live.ended = "the ring was taken away: the skin was stopped"
 
     def close(self) -> RecorderState:
         """Take what is left, finish the file, and tell how it went."""
         self._drain.take()
         self._drain.tell_lost()
         self._watch.look()
-        text = f"the recording ends: {self._ended or 'closed'}"
-        self._queue.tell(event_item(time.time_ns(), "recording_ended", text, self._totals()))
+        text = f"the recording ends: {self._live.ended or 'closed'}"
+        totals = {key: getattr(self._live, key) for key in TOTALS}
+        self._queue.event("recording_ended", text, **totals)
         try:
             self._disk.stop()
         finally:
             self._drain.close()
             self._reader.close()
-        self._ended = self._ended or "closed"
+        self._live.ended = self._live.ended or "closed"
         self.state = self._state()
         self._write_state()
         self._say_changes()
         return self.state
 
-    def _totals(self) -> dict[str, object]:
-        drain, queue = self._drain, self._queue
-        return {
-            "bytes_read": drain.bytes_read,
-            "cycles": drain.cycles,
-            "overrun_bytes": drain.overrun_bytes,
-            "overrun_cycles": drain.overrun_cycles,
-            "dropped_bytes": queue.dropped_bytes,
-            "dropped_cycles": queue.dropped_cycles,
-        }
-
     def _state(self) -> RecorderState:
-        disk, now, now_ns = self._disk.state, time.monotonic(), time.time_ns()
+        """What is counted all the time, and what is looked at now."""
+        disk, now, now_ns = self._disk, time.monotonic(), time.time_ns()
         oldest = self._queue.oldest_ns
-        return RecorderState(
-            pid=os.getpid(),
-            path=str(self.settings.path),
-            began_ns=self._began_ns,
+        return replace(
+            self._live,
             told_ns=now_ns,
             seconds=now - self._began,
             bytes_written=self._writer.bytes_written,
-            bytes_read=self._drain.bytes_read,
-            cycles=self._drain.cycles,
-            overrun_bytes=self._drain.overrun_bytes,
-            overrun_cycles=self._drain.overrun_cycles,
-            dropped_bytes=self._queue.dropped_bytes,
-            dropped_cycles=self._queue.dropped_cycles,
-            given_up=disk.lost,
             queue_bytes=self._queue.waiting,
             lag=(now_ns - oldest) * 1e-9 if oldest else 0.0,
             since_flush=now - disk.last_flush,
             since_sync=now - disk.last_sync,
-            longest=disk.longest,
             failing=bool(disk.failing_since),
-            failure=disk.failure,
-            finished=disk.finished,
-            ended=self._ended,
         )
 
     def _say_changes(self) -> None:
         """Say what is new since the last second."""
         state = self.state
-        dropped = f"{state.dropped_bytes} bytes and {state.dropped_cycles} cycles"
-        overrun = f"{state.overrun_bytes} bytes and {state.overrun_cycles} cycles"
+        dropped = state.dropped_bytes, state.dropped_cycles
+        overrun = state.overrun_bytes, state.overrun_cycles
         sentences = {
-            "dropped": f"the disk does not keep up: {dropped} dropped so far",
-            "overrun": f"the recorder does not keep up: {overrun} overwritten unread so far",
-            "failing": f"nothing can be written: {state.failure}",
-            "given_up": f"{state.given_up} messages could not be written at the end",
-        }
-        now = {
-            "dropped": bool(state.dropped_bytes or state.dropped_cycles),
-            "overrun": bool(state.overrun_bytes or state.overrun_cycles),
-            "failing": state.failing,
-            "given_up": bool(state.given_up),
+            "dropped": any(dropped)
+            and "the disk does not keep up: {} bytes and {} cycles dropped so far".format(*dropped),
+            "overrun": any(overrun)
+            and "the recorder does not keep up: {} bytes and {} cycles overwritten unread so "
+            "far".format(*overrun),
+            "failing": state.failing and f"nothing can be written: {state.failure}",
+            "given_up": state.given_up
+            and f"{state.given_up} messages could not be written at the end",
         }
         for what, text in sentences.items():
-            if now[what] and self._said.get(what) != text:
+            if text and self._said.get(what) != text:
                 self._said[what] = text
                 self._say(text)
-            elif what == "failing" and not now[what] and self._said.pop(what, ""):
+            elif what == "failing" and not text and self._said.pop(what, ""):
                 self._say("the file can be written again")
 
 
@@ -424,22 +287,6 @@ def come_first() -> str:
     return "ordinary"
 
 
-class Nowhere:
-    """An output for a recording that nobody wants."""
-
-    end = 0
-
-    def append(self, piece: bytes | bytearray | memoryview) -> None:
-        """See `Output`."""
-        self.end += len(piece)
-
-    def sync(self) -> None:
-        """See `Output`."""
-
-    def close(self) -> None:
-        """See `Output`."""
-
-
 def order_of(path: Path, since_ns: int) -> bytes:
     """What a recorder that waits is told on its standard input.
 
@@ -454,7 +301,7 @@ def order_of(path: Path, since_ns: int) -> bytes:
 
 def main() -> None:
     """Record until SIGTERM or Ctrl-C."""
-    given = _given()
+    given = _arguments()
     if given.parent is not None:
         end_with(given.parent)
     try:
@@ -473,7 +320,7 @@ def main() -> None:
     raise SystemExit(0 if good else 1)
 
 
-def _given() -> argparse.Namespace:
+def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m skinfield.record.recorder")
     parser.add_argument("name")
     parser.add_argument("path", type=Path, nargs="?")
@@ -495,7 +342,7 @@ def _given() -> argparse.Namespace:
 
 
 def rehearse(name: str) -> bool:
-    """Record a moment into nowhere: all that a recording needs is loaded afterwards.
+    """Record a moment into a file that goes: all that a recording needs is loaded afterwards.
 
     Nothing of the ring is kept, as it may be another one until a recording is wanted.
 
@@ -504,15 +351,16 @@ def rehearse(name: str) -> bool:
     bool
         False if there is no such ring now: less is loaded then.
     """
-    settings = RecorderSettings(name=name, path=Path(os.devnull), since_ns=1)
-    try:
-        recorder = Recorder(settings, output=Nowhere(), rehearsal=True)
-    except SkinfieldError:  # it is being made anew
-        return False
-    try:
-        recorder.step()
-    finally:
-        recorder.close()
+    with TemporaryDirectory() as folder:
+        settings = RecorderSettings(name=name, path=Path(folder) / "rehearsal.mcap", since_ns=1)
+        try:
+            recorder = Recorder(settings, rehearsal=True)
+        except SkinfieldError:  # it is being made anew
+            return False
+        try:
+            recorder.step()
+        finally:
+            recorder.close()
     return True
 
 

@@ -15,8 +15,8 @@ from skinfield.files.mcap.records import (
     Outline,
     Record,
     attachment_of,
-    body_of,
     entries_of,
+    header_of,
     message_of,
     open_file,
     outline_of,
@@ -93,16 +93,14 @@ def recover(
         outline = outline_of(file)
         output = FileOutput(good, overwrite=overwrite)
         try:
-            header = _header(file, outline)
-            container = Container(output, "zstd", CHUNK_BYTES, *header)
-            salvage = _Salvage(file, outline, container)
+            salvage = _Salvage(
+                file, outline, Container(output, "zstd", CHUNK_BYTES, *header_of(file))
+            )
             for record in outline.records:
                 salvage.take(record)
                 if progress is not None:
                     progress(record.end, outline.size)
-            if outline.finished and (wrong := right_end(file, outline)) is not None:
-                salvage.damage.append(wrong)
-            container.finish()
+            salvage.container.finish()
             return salvage.report()
         except OSError as error:
             raise FileError(f"{bad} to {good}: {error.strerror or error}") from error
@@ -135,13 +133,14 @@ class _Salvage:
 
     def report(self) -> Recovered:
         """What came of it."""
-        outline, summary = self.outline, self.container.summary
-        found = Recovered(outline.size, damage=list(self.damage))
-        found.was_whole = outline.finished and not self.damage
+        outline, summary, damage = self.outline, self.container.summary, self.damage
+        if outline.finished and (wrong := right_end(self.file, outline)) is not None:
+            damage.append(wrong)
+        found = Recovered(outline.size, outline.finished and not damage, damage=damage)
         if not outline.finished:
             found.dropped_bytes = outline.size - outline.end
             if outline.damage is not None:
-                found.damage.append(outline.damage)
+                damage.append(outline.damage)
                 self.file.seek(outline.damage.byte)
                 found.chunk_was_cut = self.file.read(1) == bytes([Op.CHUNK])
         found.first_ns, found.last_ns = summary.first_ns, summary.last_ns
@@ -156,29 +155,18 @@ class _Salvage:
             if message.channel in self.topics:
                 container.add_message(*message)
         elif opcode == Op.ATTACHMENT:
-            container.add_attachment(*attachment_of(body))
+            container.put(attachment_of(body))
         elif opcode == Op.SCHEMA:
             schema = parsed(Op.SCHEMA, body)
             if schema.id and schema.id not in self.schemas:
                 self.schemas.add(schema.id)
-                container.put_schema(schema)
+                container.put(schema)
         elif opcode == Op.CHANNEL:
             channel = parsed(Op.CHANNEL, body)
             if channel.id not in self.topics:
                 if channel.schema_id not in self.schemas:
                     channel.schema_id = 0  # its schema is lost; readers refuse an unknown one
                 self.topics[channel.id] = channel.topic
-                container.put_channel(channel)
+                container.put(channel)
         elif opcode == Op.METADATA:
-            container.put_metadata(parsed(Op.METADATA, body))
-
-
-def _header(file: BinaryIO, outline: Outline) -> tuple[str, str]:
-    """Profile and library; empty where the header is damaged."""
-    if outline.records and outline.records[0].opcode == Op.HEADER:
-        try:
-            header = parsed(Op.HEADER, body_of(file, outline.records[0]))
-        except Damaged:
-            return "", ""
-        return header.profile, header.library
-    return "", ""
+            container.put(parsed(Op.METADATA, body))

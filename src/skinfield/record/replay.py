@@ -140,7 +140,7 @@ class Replay:
         """Cycles from a time on, ns since the epoch; another iteration must not go on after it."""
         first = self.index.record_before(time_ns)
         for _, at, message in self.recording.messages((CYCLES,), first):
-            cycle = self.recording.cycle_of(at, message)
+            cycle = self.recording.cycle_of(at, message.data)
             if cycle is None or cycle.wall_ns < time_ns or not self._fits(at, cycle):
                 continue
             self._show_field(self._fields.before(cycle.wall_ns))
@@ -278,7 +278,7 @@ def _tares(recording: LiveRecording, taxels: int) -> Iterator[BaselineRecord]:
                 table, noise = file["calibration"], file["noise_std"]
             if table.shape != (taxels, 4) or noise.shape != (taxels,):
                 raise InputError(f"it is of {len(noise)} taxels, expected {taxels}")
-            time_ns = each.time_ns if known else 0  # the first holds from the beginning on
+            time_ns = each.log_time if known else 0  # the first holds from the beginning on
             known = True
             yield BaselineRecord(time_ns, table.astype(np.float64), noise.astype(np.float64))
         except (OSError, ValueError, KeyError, EOFError, TypeError) as error:

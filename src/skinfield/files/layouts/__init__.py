@@ -1,10 +1,9 @@
 """Layouts: files of taxel positions in the formats of others, read, repaired and written.
 
-A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)``, ``parse(path)`` and
-``write(skin, path)``; a further one is a file of its own and its name in `FORMATS`.
+A format is a module with NAME, EXTENSIONS, EXPECTED, ``sniff(data)`` and ``parse(path)``; a further
+one is a file of its own and its name in `FORMATS`. One with ``write(skin, path)`` is in `WRITTEN`.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol, cast
@@ -40,6 +39,10 @@ class Format(Protocol):
         """Contents of a file, as it states them."""
         ...
 
+
+class WrittenFormat(Format, Protocol):
+    """A format that can be written too."""
+
     def write(self, skin: Skin, path: Path) -> tuple[str, ...]:
         """Write a skin; return what the format cannot hold, in sentences."""
         ...
@@ -49,7 +52,9 @@ FORMATS = cast(
     tuple[Format, ...],
     (own_toml, own_npz, cyskin, icub_positions, skingui, pcd, skinware, fingertip),
 )
-"""All known formats; where two write the same extension, the first is the usual one."""
+"""All known formats."""
+WRITTEN = cast(tuple[WrittenFormat, ...], (own_toml, own_npz, cyskin, icub_positions))
+"""Those that are written."""
 
 
 def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
@@ -61,7 +66,7 @@ def read_layout(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
         As `load_layout`.
     """
     if path.is_dir():
-        return _read_folder(path, _is_layout, read_layout)
+        return _read_folder(path)
     return mend(format_of(path).parse(path))
 
 
@@ -87,51 +92,20 @@ def _fitting(data: bytes) -> list[Format]:
     return [form for form in FORMATS if form.sniff(data)]
 
 
-def _is_layout(path: Path) -> bool:
-    return bool(_fitting(read_bytes(path)))
-
-
-def format_by_name(name: str) -> Format:
-    """Format of that NAME.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
-    for form in FORMATS:
-        if name == form.NAME:
-            return form
-    known = ", ".join(form.NAME for form in FORMATS)
-    raise InputError(f"format is {name!r}, expected one of {known}")
-
-
-def format_by_extension(path: Path) -> Format:
-    """Usual format of files of this name; an InputError lists the extensions that are known."""
-    for form in FORMATS:
+def format_by_extension(path: Path) -> WrittenFormat:
+    """Format to write of files of this name; an InputError lists the extensions that are known."""
+    for form in WRITTEN:
         if path.suffix.lower() in form.EXTENSIONS:
             return form
-    known = "; ".join(f"{' '.join(form.EXTENSIONS)} ({form.NAME})" for form in FORMATS)
+    known = "; ".join(f"{' '.join(form.EXTENSIONS)} ({form.NAME})" for form in WRITTEN)
     raise InputError(
-        f"{path}: the extension {path.suffix!r} is of no layout format, expected one of {known}"
+        f"{path}: the extension {path.suffix!r} is of no layout format that is written, expected "
+        f"one of {known}"
     )
 
 
-Parsed = tuple[Skin, tuple[Finding, ...]]
-
-
-def _read_folder(
-    path: Path, is_layout: Callable[[Path], bool], read: Callable[[Path], Parsed]
-) -> Parsed:
+def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
     """Skin of all layout files of a folder, in the order of their names.
-
-    Parameters
-    ----------
-    path : Path
-    is_layout : function of a Path
-        Whether a file is of a known format; others are left out, which a finding tells.
-    read : function of a Path
-        Skin and findings of one file.
 
     Notes
     -----
@@ -148,13 +122,13 @@ def _read_folder(
         raise FileError(
             f"{path}: {error.strerror}, expected a folder that can be listed"
         ) from error
-    layouts = [file for file in files if is_layout(file)]
+    layouts = [file for file in files if _fitting(read_bytes(file))]
     if not layouts:
         raise FileError(
             f"{path}: none of its {many(len(files), 'file')} is a layout, expected a directory "
             "with a layout file for each part of the robot; those in it are not searched"
         )
-    found = [(file, *read(file)) for file in layouts]
+    found = [(file, *read_layout(file)) for file in layouts]
     findings = [each for _, _, its in found for each in its]
     notes = [note for _, skin, _ in found for note in skin.notes]
     others = [file.name for file in files if file not in layouts]

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import listed, many, read_bytes, write_bytes
+from skinfield.files.layouts.repair import Content, Draft, Finding, finding_of_rows
+from skinfield.files.layouts.text import read_bytes
+from skinfield.files.pending import write_bytes
 from skinfield.skin.geometry import nearest_distance
 from skinfield.skin.patch import Patch, Skin
 
@@ -51,51 +52,6 @@ def pose_from_tf(path: Path, where: str, values: list[float]) -> tuple[Floats, l
 
 
 BRIDGE = 4.0  # pitches: a longer side joins taxels that are no neighbours
-LEFT_OUT = "; faces are left out: skinfield triangulates by itself"
-
-
-def check_faces(name: str, faces: object, positions: Floats) -> list[Finding]:
-    """Faces that name no taxel, a taxel twice, or taxels that are far apart."""
-    if not faces:
-        return []
-    if not isinstance(faces, list):
-        text = f"{name}: faces are {str(faces)[:40]!r}, expected a list of [i, j, k]"
-        return [Finding("mixed-up-faces", "warning", text + LEFT_OUT)]
-    good = [index for index, face in enumerate(faces) if _is_face(face, len(positions))]
-    findings, bad = [], sorted(set(range(len(faces))) - set(good))
-    if bad:
-        text = (
-            f"{name}: {len(bad)} of {len(faces)} faces (faces {listed(bad)}) do not name three "
-            f"different taxels of {len(positions)}: they belong to another list of taxels"
-        )
-        findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
-    corners = positions[np.array([faces[index] for index in good], np.int64).reshape(-1, 3)]
-    far = np.flatnonzero(longest_sides(corners) > reach(positions))
-    if len(far):
-        text = (
-            f"{name}: {len(far)} of {len(faces)} faces (faces {listed(far.tolist())}) join taxels "
-            f"more than {BRIDGE:g} pitches apart: they bridge gaps, or are mixed up"
-        )
-        findings.append(Finding("mixed-up-faces", "warning", text + LEFT_OUT))
-    return findings
-
-
-def _is_face(face: object, taxels: int) -> bool:
-    if not isinstance(face, list) or len(face) != 3:
-        return False
-    return len(set(map(str, face))) == 3 and all(type(i) is int and 0 <= i < taxels for i in face)
-
-
-def longest_sides(corners: Floats) -> Floats:
-    """Longest side of each of (T, 3, 3) triangles, (T,) m."""
-    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1))
-
-
-def reach(positions: Floats) -> float:
-    """Distance, m, beyond which two of the taxels (N, 3) are no neighbours."""
-    return BRIDGE * float(np.median(nearest_distance(positions)))
-
-
 NAME = "cyskin"
 EXTENSIONS = (".json",)
 EXPECTED = "CySkin JSON (file_version 2) with 'skin' or 'tactile_maps'"
@@ -204,10 +160,12 @@ def _new_uids(patch: Patch) -> NDArray[np.uint64]:
 def _faces(patch: Patch) -> Ints:
     """Triangles between neighbours, wound so that their normals point as the taxels' do."""
     try:
-        faces = patch.triangles
+        faces: Ints = patch.triangles
     except InputError:  # a curved patch that cannot be laid flat
         return np.empty((0, 3), np.int64)
-    faces = faces[longest_sides(patch.positions[faces]) <= reach(patch.positions)]
+    corners = patch.positions[faces]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    faces = faces[longest <= BRIDGE * np.median(nearest_distance(patch.positions))]
     sides = patch.positions[faces[:, 1:]] - patch.positions[faces[:, :1]]
     normal = np.cross(sides[:, 0], sides[:, 1])
     wrong = np.einsum("ti,ti->t", normal, patch.normals[faces].sum(axis=1)) < 0
@@ -256,9 +214,8 @@ def _is_number(value: object) -> bool:
 def _draft(path: Path, where: str, body: dict[str, Any], name: str) -> tuple[Draft, list[Finding]]:
     uid, positions, normals, cut = _columns(path, where, body)
     pose, link, found_pose = _pose(path, where, body)
-    findings = check_faces(name, body.get("faces"), positions)
-    findings += _counts(name, body, len(uid)) + found_pose
-    rows, dropped = _kept(path, name, uid, cut)
+    findings = _counts(name, body, len(uid)) + found_pose
+    rows, dropped = _pressure_rows(path, name, uid, cut)
     numbered = not uid[rows].any()
     draft = Draft(
         positions[rows],
@@ -295,35 +252,30 @@ def _columns(
     return np.array(uid, np.uint64), np.array(x), normals if normals.any() else None, np.array(cut)
 
 
-def _kept(
+def _pressure_rows(
     path: Path, name: str, uid: NDArray[np.uint64], cut: NDArray[np.bool_]
 ) -> tuple[Ints, list[Finding]]:
     """Rows that are taxels, and what the others are."""
-    findings = []
-    nameless = (uid == 0) & ~cut
+    nameless, thermal = np.zeros((2, len(uid)), np.bool_)
     if uid.any():
-        reasons = [
-            (
-                "zero-uids", "error", nameless,
-                "with uid 0, so that no column of a recording is theirs; left out",
-            ),
-            (
-                "thermal", "info", (uid & np.uint64(15) == 0) & (uid != 0) & ~cut,
-                "that are sensor 0 of their module, a temperature; left out",
-            ),
-        ]  # fmt: skip
+        nameless = (uid == 0) & ~cut
+        thermal = (uid & np.uint64(15) == 0) & (uid != 0) & ~cut
+        findings = []
     else:
         text = f"{name}: all uids are 0; the taxels are numbered by their rows"
-        findings.append(Finding("zero-uids", "error", text, tuple(range(len(uid)))))
-        reasons = []
-    reasons.append(("cut", "info", cut, "cut off, or of another type than pressure; left out"))
-    keep = np.ones(len(uid), np.bool_)
-    for code, severity, which, text in reasons:
-        if which.any():
-            keep &= ~which
-            rows = np.flatnonzero(which).tolist()
-            message = f"{name}: {many(len(rows), 'taxel')} (rows {listed(rows)}) {text}"
-            findings.append(Finding(code, severity, message, tuple(rows)))  # type: ignore[arg-type]
+        findings = [Finding("zero-uids", "error", text, tuple(range(len(uid))))]
+    findings += finding_of_rows(
+        "zero-uids", "error", nameless, name, "taxel",
+        "with uid 0, so that no column of a recording is theirs; left out",
+    )  # fmt: skip
+    findings += finding_of_rows(
+        "thermal", "info", thermal, name, "taxel",
+        "that are sensor 0 of their module, a temperature; left out",
+    )  # fmt: skip
+    findings += finding_of_rows(
+        "cut", "info", cut, name, "taxel", "cut off, or of another type than pressure; left out"
+    )
+    keep = ~(nameless | thermal | cut)
     if not keep.any():
         raise FileError(f"{path}: {name}: no taxel is left, expected one that is a pressure sensor")
     return np.flatnonzero(keep), findings

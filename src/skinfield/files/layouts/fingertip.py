@@ -10,10 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError
+from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt, write_bytes
-from skinfield.skin.patch import Skin
+from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt
 
 NAME = "fingertip"
 EXTENSIONS = (".txt",)
@@ -65,30 +64,3 @@ def parse(path: Path) -> Content:
         name="fingertip",
     )
     return Content(path, path.stem, (draft,), (Finding("taxel-order", "info", text),))
-
-
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write the one patch of a skin; return what the format cannot hold, in sentences.
-
-    Raises
-    ------
-    InputError
-        When the skin has several patches, or its channels are not 0 to L - 1.
-    """
-    patch = skin[0]
-    if len(skin) != 1 or sorted(patch.channel.tolist()) != list(range(len(patch))):
-        raise InputError(
-            f"skin has {len(skin)} patches and {patch.name!r} {patch.n_channels} channels for "
-            f"{len(patch)} taxels, expected one patch, with channels 0 to {len(patch) - 1}: "
-            "a fingertip file numbers its taxels without gaps"
-        )
-    blocks = []
-    for row in np.argsort(-patch.channel):
-        axes = zip(patch.normals[row], patch.positions[row] / MM, strict=True)
-        lines = [f"{normal + 0.0:.9f}\t{place + 0.0:.6f}" for normal, place in axes]
-        blocks.append("\n".join([f"TAXEL {len(patch) - patch.channel[row]}", *lines, ""]))
-    write_bytes(path, "\n".join(blocks).encode())
-    return (
-        "a fingertip file holds no names, pad diameters, modules, uids or poses",
-        "positions are rounded to 1 nm",
-    )

@@ -13,16 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.files.layouts.repair import Content, Draft, Finding
+from skinfield.files.layouts.repair import Content, Draft, Finding, finding_of_rows
 from skinfield.files.layouts.text import (
     integer,
-    listed,
-    many,
     numbers,
     read_lines,
     spoilt,
-    write_bytes,
 )
+from skinfield.files.pending import write_bytes
 from skinfield.skin.patch import Skin
 
 NAME = "icub-positions"
@@ -143,21 +141,19 @@ def _taxels(name: str, table: Floats, stated: Ints | None) -> tuple[Ints, list[F
         findings.append(_other_length(name, rows, len(stated)))
     role = np.zeros(rows, np.int64)
     role[: len(stated)] = stated[:rows]
-    for code, severity, which, text in (
-        ("thermal", "info", role == THERMAL, "marked as thermal pads, no taxels; left out"),
-        (
-            "absent", "info", (role == ABSENT) & posed,
-            "with a place where taxel2Repr says that there is no taxel (-1); left out",
-        ),
-        (
-            "no-pose", "warning", (role >= 0) & ~posed & (np.arange(rows) < len(stated)),
-            "without a place (zeros) where taxel2Repr says that there is a taxel; left out",
-        ),
-    ):  # fmt: skip
-        if which.any():
-            found = np.flatnonzero(which).tolist()
-            message = f"{name}: {many(len(found), 'channel')} ({listed(found)}) {text}"
-            findings.append(Finding(code, severity, message, tuple(found)))  # type: ignore[arg-type]
+    there = (role >= 0) & ~posed & (np.arange(rows) < len(stated))
+    findings += finding_of_rows(
+        "thermal", "info", role == THERMAL, name, "channel",
+        "marked as thermal pads, no taxels; left out",
+    )  # fmt: skip
+    findings += finding_of_rows(
+        "absent", "info", (role == ABSENT) & posed, name, "channel",
+        "with a place where taxel2Repr says that there is no taxel (-1); left out",
+    )  # fmt: skip
+    findings += finding_of_rows(
+        "no-pose", "warning", there, name, "channel",
+        "without a place (zeros) where taxel2Repr says that there is a taxel; left out",
+    )  # fmt: skip
     keep = np.flatnonzero(posed & (role >= 0))
     text = f"{name}: {posed.sum()} of {rows} channels have a place, {len(keep)} of them are taxels"
     return keep, [*findings, Finding("channels", "info", text)]

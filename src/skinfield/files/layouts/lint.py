@@ -1,4 +1,4 @@
-"""What is wrong with a layout, what it means, and what reading it does about it."""
+"""Lint of layouts: what is wrong, what it means, and what reading does about it."""
 
 from pathlib import Path
 

@@ -1,13 +1,9 @@
 """Reading and writing layouts; the formats are loaded when a file is."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from skinfield.errors import FileError
 from skinfield.skin.patch import Patch, Skin
-
-if TYPE_CHECKING:
-    from skinfield.files.layouts import Format
 
 
 def load_layout(path: str | Path) -> Skin:
@@ -30,17 +26,14 @@ def load_layout(path: str | Path) -> Skin:
     return read_layout(Path(path))[0]
 
 
-def save_layout(
-    skin: Skin | Patch, path: str | Path, form: "Format | None" = None
-) -> tuple[str, ...]:
+def save_layout(skin: Skin | Patch, path: str | Path) -> tuple[str, ...]:
     """Write a skin to a file; return what the format cannot hold, in sentences.
 
     Parameters
     ----------
     skin : Skin or Patch
     path : str or Path
-    form : a module of `skinfield.files.layouts`, optional
-        By default the usual format of the file's extension.
+        Ends in .toml or .npz, skinfield's own; .json, CySkin's; or .txt, iCub's positions.
 
     Raises
     ------
@@ -54,7 +47,7 @@ def save_layout(
     path = Path(path)
     if isinstance(skin, Patch):
         skin = Skin((skin,), name=skin.name)
-    return (form or format_by_extension(path)).write(skin, path)
+    return format_by_extension(path).write(skin, path)
 
 
 def skin_from_text(text: str) -> Skin:

@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError
 from skinfield.files.layouts.repair import Content, Draft
-from skinfield.files.layouts.text import read_bytes, write_bytes
+from skinfield.files.layouts.text import read_bytes
+from skinfield.files.pending import write_bytes
 from skinfield.skin.patch import Skin
 
 NAME = "skinfield-npz"
 EXTENSIONS = (".npz",)
 EXPECTED = "an NPZ archive with skinfield_layout = 1"
 VERSION = 1
-LENGTHS = {"positions_m": 3, "normals": 3, "module": 0, "uid": 0, "channel": 0}
+KINDS = {"f": "floats", "i": "integers", "u": "unsigned integers", "U": "text"}
 
 
 def sniff(data: bytes) -> bool:
@@ -32,17 +33,19 @@ def parse(path: Path) -> Content:
     FileError
         When it is no archive, of another version, or an array is missing or of a wrong shape.
     """
-    arrays = _arrays(path)
-    version = _scalar(path, arrays, "skinfield_layout")
+    arrays = _Arrays(path)
+    version = arrays.item("skinfield_layout", "iu")
     if version != VERSION:
         raise FileError(
             f"{path}: skinfield_layout is {version!r}, expected {VERSION}: this program reads "
             "that version only"
         )
-    count = _integer(path, arrays, "patches", 1, 10_000)
-    drafts = tuple(_draft(path, arrays, f"patch{i}/") for i in range(count))
-    notes = tuple(str(note) for note in np.atleast_1d(_array(path, arrays, "notes")))
-    return Content(path, str(_scalar(path, arrays, "name")), drafts, notes=notes)
+    count = arrays.item("patches", "iu")
+    if not 1 <= count <= 10_000:
+        raise FileError(f"{path}: patches is {count}, expected 1 to 10000")
+    drafts = tuple(_draft(arrays, f"patch{i}/") for i in range(count))
+    notes = tuple(map(str, arrays.get("notes", (None,), "Uf").tolist()))
+    return Content(path, str(arrays.item("name", "U")), drafts, notes=notes)
 
 
 def write(skin: Skin, path: Path) -> tuple[str, ...]:
@@ -53,94 +56,72 @@ def write(skin: Skin, path: Path) -> tuple[str, ...]:
         "notes": np.array(skin.notes, dtype=np.str_),
         "patches": len(skin),
     }
+    names = ("name", "link", "n_channels", "link_from_patch", "normals", "module", "uid", "channel")
     for index, patch in enumerate(skin):
-        arrays |= {
-            f"patch{index}/name": patch.name,
-            f"patch{index}/link": patch.link,
-            f"patch{index}/pad_diameter_m": patch.pad_diameter,
-            f"patch{index}/n_channels": patch.n_channels,
-            f"patch{index}/link_from_patch": patch.link_from_patch,
-            f"patch{index}/positions_m": patch.positions,
-            f"patch{index}/normals": patch.normals,
-            f"patch{index}/module": patch.module,
-            f"patch{index}/uid": patch.uid,
-            f"patch{index}/channel": patch.channel,
-        }
+        arrays |= {f"patch{index}/{name}": getattr(patch, name) for name in names}
+        arrays[f"patch{index}/pad_diameter_m"] = patch.pad_diameter
+        arrays[f"patch{index}/positions_m"] = patch.positions
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **arrays)
     write_bytes(path, buffer.getvalue())
     return ()
 
 
-def _arrays(path: Path) -> dict[str, NDArray[Any]]:
-    try:
-        with np.load(io.BytesIO(read_bytes(path)), allow_pickle=False) as archive:
-            return {key: archive[key] for key in archive.files}
-    except FileError:
-        raise
-    except Exception as error:  # zip, zlib and the array headers each fail in ways of their own
-        reason = str(error)[:200] or type(error).__name__
-        raise FileError(f"{path}: no NPZ archive: {reason}, expected {EXPECTED}") from error
+class _Arrays:
+    """Arrays of an archive, each checked as it is taken; raises FileError."""
 
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        data = read_bytes(path)
+        try:
+            with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+                self._arrays = {key: archive[key] for key in archive.files}
+        except Exception as error:  # zip, zlib and the array headers each fail in ways of their own
+            reason = str(error)[:200] or type(error).__name__
+            raise FileError(f"{path}: no NPZ archive: {reason}, expected {EXPECTED}") from error
 
-def _array(path: Path, arrays: dict[str, NDArray[Any]], key: str) -> NDArray[Any]:
-    if key not in arrays:
-        raise FileError(f"{path}: no array {key!r}, expected it in {EXPECTED}")
-    return arrays[key]
-
-
-def _scalar(path: Path, arrays: dict[str, NDArray[Any]], key: str) -> Any:
-    value = _array(path, arrays, key)
-    if value.ndim != 0:
-        raise FileError(f"{path}: {key} has shape {value.shape}, expected a single value")
-    return value.item()
-
-
-def _integer(
-    path: Path, arrays: dict[str, NDArray[Any]], key: str, lowest: int, highest: int
-) -> int:
-    value = _scalar(path, arrays, key)
-    if type(value) is not int or not lowest <= value <= highest:
-        raise FileError(f"{path}: {key} is {value!r}, expected {lowest} to {highest}")
-    return value
-
-
-def _number(path: Path, arrays: dict[str, NDArray[Any]], key: str) -> float:
-    value = _scalar(path, arrays, key)
-    if not isinstance(value, int | float):
-        raise FileError(f"{path}: {key} is {value!r}, expected a number")
-    return float(value)
-
-
-def _draft(path: Path, arrays: dict[str, NDArray[Any]], start: str) -> Draft:
-    count = len(np.atleast_1d(_array(path, arrays, start + "positions_m")))
-    columns = {}
-    for key, width in LENGTHS.items():
-        value = _array(path, arrays, start + key)
-        wanted = (count, width) if width else (count,)
-        kinds = "f" if width else "u" if key == "uid" else "iu"
-        if value.shape != wanted or value.dtype.kind not in kinds:
+    def get(self, key: str, shape: tuple[int | None, ...], kinds: str) -> NDArray[Any]:
+        """Array of such a shape, None for any length, and of such kinds of numbers."""
+        if key not in self._arrays:
+            raise FileError(f"{self.path}: no array {key!r}, expected it in {EXPECTED}")
+        found: NDArray[Any] = self._arrays[key]
+        wrong = len(shape) != found.ndim or any(
+            wanted not in (None, size) for wanted, size in zip(shape, found.shape, strict=True)
+        )
+        if wrong or found.dtype.kind not in kinds:
             raise FileError(
-                f"{path}: {start}{key} has shape {value.shape} of {value.dtype}, expected "
-                f"{wanted} of {'floats' if width else 'integers'}: one row per taxel"
+                f"{self.path}: {key} has shape {found.shape} of {found.dtype}, expected {shape} of "
+                f"{' or '.join(KINDS[kind] for kind in kinds)}"
             )
-        columns[key] = value
-    pose = _array(path, arrays, start + "link_from_patch")
-    if pose.shape != (4, 4) or pose.dtype.kind != "f" or not np.isfinite(pose).all():
-        raise FileError(f"{path}: {start}link_from_patch is {pose}, expected 4 x 4 finite floats")
-    if (columns["channel"].astype(np.int64) < 0).any():
-        raise FileError(f"{path}: {start}channel holds negative numbers, expected columns from 0")
+        return found
+
+    def item(self, key: str, kinds: str) -> Any:
+        """A single value."""
+        return self.get(key, (), kinds).item()
+
+
+def _draft(arrays: _Arrays, start: str) -> Draft:
+    positions = arrays.get(start + "positions_m", (None, 3), "f")
+    count = len(positions)
+    pose = arrays.get(start + "link_from_patch", (4, 4), "f")
+    channel = arrays.get(start + "channel", (count,), "iu").astype(np.int64)
+    channels = arrays.item(start + "n_channels", "iu")
+    if not np.isfinite(pose).all() or (channel < 0).any() or not 0 <= channels < 2**31:
+        raise FileError(
+            f"{arrays.path}: {start} has {channels} channels, the first {channel[:4]}, and the "
+            f"pose {pose.tolist()}, expected columns from 0 and finite numbers"
+        )
     return Draft(
-        columns["positions_m"].astype(np.float64),
+        positions.astype(np.float64),
         np.arange(count),
-        columns["normals"].astype(np.float64),
-        module=columns["module"].astype(np.int64),
-        uid=columns["uid"].astype(np.uint64),
-        channel=columns["channel"].astype(np.int64),
-        n_channels=_integer(path, arrays, start + "n_channels", 0, 2**31),
-        pad_diameter=_number(path, arrays, start + "pad_diameter_m"),
-        name=str(_scalar(path, arrays, start + "name")),
-        link=str(_scalar(path, arrays, start + "link")),
+        arrays.get(start + "normals", (count, 3), "f").astype(np.float64),
+        module=arrays.get(start + "module", (count,), "iu").astype(np.int64),
+        uid=arrays.get(start + "uid", (count,), "u").astype(np.uint64),
+        channel=channel,
+        n_channels=channels,
+        pad_diameter=float(arrays.item(start + "pad_diameter_m", "fiu")),
+        name=arrays.item(start + "name", "U"),
+        link=arrays.item(start + "link", "U"),
         link_from_patch=pose.astype(np.float64),
         stated=True,
     )

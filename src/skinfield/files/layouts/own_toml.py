@@ -10,7 +10,8 @@ import numpy as np
 
 from skinfield.errors import FileError, Floats
 from skinfield.files.layouts.repair import Content, Draft
-from skinfield.files.layouts.text import read_bytes, write_bytes
+from skinfield.files.layouts.text import read_bytes
+from skinfield.files.pending import write_bytes
 from skinfield.skin.patch import Patch, Skin
 
 NAME = "skinfield-toml"

@@ -1,76 +1,22 @@
 """Point clouds of the Point Cloud Library, `.pcd`: one point per taxel, normals if any."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.repair import Content, Draft, Finding
-from skinfield.files.layouts.text import integer, listed, many, read_bytes, spoilt, write_bytes
-from skinfield.skin.patch import Skin
-
-
-def decompress(data: bytes, size: int) -> bytes:
-    """Unpack LZF to exactly `size` bytes.
-
-    A control byte below 32 is followed by that many + 1 literal bytes; any other holds the length
-    (3 bits, a further byte when all are set, plus 2) and the distance (13 bits, plus 1) of a copy
-    from what was unpacked before.
-
-    Raises
-    ------
-    InputError
-        When the data end early, point before their start, or unpack to another size.
-    """
-    out, at = bytearray(), 0
-    try:
-        while at < len(data) and len(out) <= size:
-            control = data[at]
-            at += 1
-            if control < 32:
-                literal = data[at : at + control + 1]
-                if len(literal) <= control:
-                    raise IndexError
-                out += literal
-                at += control + 1
-                continue
-            length = control >> 5
-            if length == 7:
-                length += data[at]
-                at += 1
-            distance = ((control & 31) << 8 | data[at]) + 1
-            at += 1
-            if distance > len(out):
-                raise IndexError
-            for _ in range(length + 2):  # byte by byte: a copy may overlap itself
-                out.append(out[-distance])
-    except IndexError:
-        raise InputError(f"LZF data are broken at byte {at} of {len(data)}") from None
-    if len(out) != size:
-        raise InputError(f"LZF data unpack to {len(out)} bytes, expected {size}")
-    return bytes(out)
-
+from skinfield.errors import FileError, Floats
+from skinfield.files.layouts.repair import Content, Draft, finding_of_rows
+from skinfield.files.layouts.text import integer, read_bytes, spoilt
 
 NAME = "pcd"
 EXTENSIONS = (".pcd",)
-EXPECTED = "a PCL point cloud: VERSION, FIELDS x y z ..., DATA ascii, binary or binary_compressed"
+EXPECTED = "a PCL point cloud: VERSION, FIELDS x y z ..., DATA ascii or binary"
+PACKINGS = "DATA ascii or binary: pcl_convert_pcd_ascii_binary in.pcd out.pcd 1 makes one of it"
 POINT = ("x", "y", "z")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 TYPES = {"F": (4, 8), "I": (1, 2, 4, 8), "U": (1, 2, 4, 8)}
 MOST = 10_000_000  # points
-
-
-@dataclass(frozen=True)
-class _Header:
-    fields: tuple[str, ...]
-    types: tuple[str, ...]  # of numpy
-    counts: tuple[int, ...]
-    points: int
-    data: str
-    line: int  # where DATA stands, from 1
-    start: int  # of the points, in bytes
+MOST_EACH = 1000  # of SIZE and COUNT
 
 
 def sniff(data: bytes) -> bool:
@@ -87,19 +33,15 @@ def parse(path: Path) -> Content:
     FileError
         When the header cannot be used or the points end early.
     """
-    data = read_bytes(path)
-    header = _header(path, data)
-    columns = _columns(path, header, data[header.start :])
+    columns = _columns(path, read_bytes(path))
     positions = np.column_stack([columns[name] for name in POINT])
     normals = None
     if all(name in columns for name in NORMAL):
         normals = np.column_stack([columns[name] for name in NORMAL])
-    good = np.isfinite(positions).all(axis=1)
-    findings = []
-    if not good.all():
-        rows = np.flatnonzero(~good).tolist()
-        text = f"{many(len(rows), 'point')} ({listed(rows)}) without a place (NaN); left out"
-        findings.append(Finding("no-pose", "warning", text, tuple(rows)))
+    good = np.asarray(np.isfinite(positions).all(axis=1))
+    findings = finding_of_rows(
+        "no-pose", "warning", ~good, path.stem, "point", "without a place (NaN); left out"
+    )
     keep = np.flatnonzero(good)
     if not len(keep):
         raise FileError(f"{path}: no point has a place, expected one or more taxels")
@@ -115,157 +57,93 @@ def parse(path: Path) -> Content:
     return Content(path, path.stem, (draft,), tuple(findings))
 
 
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write the one patch of a skin (binary, 32-bit); return what the format cannot hold.
+class _Header:
+    """Lines of a header by their first words, up to DATA."""
 
-    Raises
-    ------
-    InputError
-        When the skin has several patches.
-    """
-    if len(skin) != 1:
-        raise InputError(
-            f"skin has {len(skin)} patches, expected 1: a point cloud does not tell patches "
-            "apart; write each patch to a file of its own"
-        )
-    patch = skin[0]
-    head = [
-        "# .PCD v0.7 - Point Cloud Data file format",
-        "VERSION 0.7",
-        f"FIELDS {' '.join(POINT + NORMAL)}",
-        "SIZE 4 4 4 4 4 4",
-        "TYPE F F F F F F",
-        "COUNT 1 1 1 1 1 1",
-        f"WIDTH {len(patch)}",
-        "HEIGHT 1",
-        "VIEWPOINT 0 0 0 1 0 0 0",
-        f"POINTS {len(patch)}",
-        "DATA binary\n",
-    ]
-    points = np.hstack([patch.positions, patch.normals]).astype("<f4")
-    write_bytes(path, "\n".join(head).encode() + points.tobytes())
-    return (
-        "a point cloud holds no names, modules, uids, channels, pad diameters or poses",
-        "positions and normals are rounded to 32 bits (about 1e-7 of their size)",
-    )
+    def __init__(self, path: Path, data: bytes) -> None:
+        self.path, self.lines, self.start = path, 0, 0
+        self._entries: dict[str, tuple[int, list[str]]] = {}
+        while "DATA" not in self._entries:
+            end = data.find(b"\n", self.start)
+            if end < 0 or end - self.start > 10_000 or self.lines > 100:
+                raise spoilt(path, self.lines + 1, "no DATA line", EXPECTED)
+            words = data[self.start : end].decode("ascii", "replace").split()
+            self.lines, self.start = self.lines + 1, end + 1
+            if words and not words[0].startswith("#"):
+                self._entries[words[0]] = self.lines, words[1:]
+
+    def words(self, key: str) -> list[str]:
+        return self._entries.get(key, (1, []))[1]
+
+    def wrong(self, key: str, expected: str) -> FileError:
+        line, words = self._entries.get(key, (1, []))
+        return spoilt(self.path, line, " ".join([key, *words]), expected)
+
+    def numbers(self, key: str, count: int, highest: int = MOST) -> list[int]:
+        line, words = self._entries.get(key, (1, []))
+        expected = f"{key} and {count} numbers from 1 to {highest}"
+        if len(words) != count:
+            raise self.wrong(key, expected)
+        values = [integer(self.path, line, word, expected, 1) for word in words]
+        if max(values) > highest:
+            raise self.wrong(key, expected)
+        return values
 
 
-def _header(path: Path, data: bytes) -> _Header:
-    entries: dict[str, tuple[int, list[str]]] = {}
-    start = line = 0
-    while "DATA" not in entries:
-        end = data.find(b"\n", start)
-        if end < 0 or end - start > 10_000 or line > 100:
-            raise spoilt(path, line + 1, "no DATA line", EXPECTED)
-        line += 1
-        words = data[start:end].decode("ascii", "replace").split()
-        start = end + 1
-        if words and not words[0].startswith("#"):
-            entries[words[0]] = (line, words[1:])
-    fields = entries.get("FIELDS", (1, []))[1]
+def _columns(path: Path, data: bytes) -> dict[str, Floats]:
+    """First element of every field, by its name, (N,)."""
+    header = _Header(path, data)
+    fields, kinds = header.words("FIELDS"), header.words("TYPE")
     if not set(POINT) <= set(fields):
-        raise spoilt(path, entries.get("FIELDS", (1, []))[0], " ".join(fields), "FIELDS x y z ...")
-    sizes = _integers(path, entries, "SIZE", len(fields))
-    counts = _integers(path, entries, "COUNT", len(fields), default=1)
-    type_line, kinds = entries.get("TYPE", (1, []))
+        raise header.wrong("FIELDS", "FIELDS x y z ...")
+    sizes, counts = header.numbers("SIZE", len(fields), MOST_EACH), [1] * len(fields)
+    if header.words("COUNT"):
+        counts = header.numbers("COUNT", len(fields), MOST_EACH)
     if len(kinds) != len(fields) or not all(
         size in TYPES.get(kind, ()) for kind, size in zip(kinds, sizes, strict=False)
     ):
-        raise spoilt(path, type_line, " ".join(kinds), "TYPE F, I or U, and a SIZE, of each field")
-    types = tuple(f"<{kind.lower()}{size}" for kind, size in zip(kinds, sizes, strict=True))
-    if "POINTS" in entries:
-        points = _integers(path, entries, "POINTS", 1)[0]
+        raise header.wrong("TYPE", "TYPE F, I or U, and a SIZE, of each field")
+    if header.words("POINTS"):
+        (points,) = header.numbers("POINTS", 1)
     else:
-        width, height = (_integers(path, entries, key, 1)[0] for key in ("WIDTH", "HEIGHT"))
-        points = width * height
-    if not 0 < points <= MOST:
-        raise spoilt(path, line, f"{points} points", f"1 to {MOST}")
-    form = " ".join(entries["DATA"][1])
-    return _Header(tuple(fields), types, tuple(counts), points, form, line, start)
-
-
-def _integers(
-    path: Path,
-    entries: dict[str, tuple[int, list[str]]],
-    key: str,
-    count: int,
-    default: int | None = None,
-) -> list[int]:
-    line, words = entries.get(key, (1, []))
-    if not words and default is not None:
-        return [default] * count
-    if len(words) != count:
-        raise spoilt(path, line, " ".join([key, *words]), f"{key} and {count} numbers")
-    values = [integer(path, line, word, f"{key} of at most 1000 each", 1) for word in words]
-    if key != "POINTS" and key not in ("WIDTH", "HEIGHT") and max(values) > 1000:
-        raise spoilt(path, line, " ".join(words), f"{key} of at most 1000 each")
-    return values
-
-
-def _columns(path: Path, header: _Header, body: bytes) -> dict[str, NDArray[np.float64]]:
-    """First element of every field, by its name, (N,)."""
-    if header.data == "ascii":
-        return _ascii(path, header, body)
-    kinds = [
-        (f"f{i}", kind, (count,))
-        for i, (kind, count) in enumerate(zip(header.types, header.counts, strict=True))
-    ]
-    dtype = np.dtype(kinds)
-    size = dtype.itemsize * header.points
-    if header.data == "binary":
-        if len(body) < size:
-            raise _short(path, header, len(body), size)
-        table = np.frombuffer(body[:size], dtype)
-        values = [table[f"f{i}"][:, 0] for i in range(len(kinds))]
-    elif header.data == "binary_compressed":
-        values = _unpacked(path, header, body, size)
-    else:
-        raise spoilt(path, header.line, f"DATA {header.data}", EXPECTED)
-    with np.errstate(all="ignore"):
-        named = {n: v.astype(np.float64) for n, v in zip(header.fields, values, strict=True)}
-    return named
-
-
-def _short(path: Path, header: _Header, got: int, size: int) -> FileError:
-    return FileError(
-        f"{path}: {got} bytes after line {header.line}, expected {size} for "
-        f"{header.points} points: the file is cut short"
+        points = header.numbers("WIDTH", 1)[0] * header.numbers("HEIGHT", 1)[0]
+    if points > MOST:
+        raise header.wrong("HEIGHT", f"{MOST} points at most")
+    packing, body = " ".join(header.words("DATA")), data[header.start :]
+    if packing == "ascii":
+        table = _ascii(path, header.lines, body, points, sum(counts))
+        starts = np.cumsum([0, *counts[:-1]]).tolist()
+        return {name: table[:, start] for name, start in zip(fields, starts, strict=True)}
+    if packing != "binary":
+        raise header.wrong("DATA", PACKINGS)
+    rows = np.dtype(
+        [
+            (f"f{i}", f"<{kind.lower()}{size}", (count,))
+            for i, (kind, size, count) in enumerate(zip(kinds, sizes, counts, strict=True))
+        ]
     )
+    if len(body) < rows.itemsize * points:
+        raise FileError(
+            f"{path}: {len(body)} bytes after line {header.lines}, expected "
+            f"{rows.itemsize * points} for {points} points: the file is cut short"
+        )
+    found = np.frombuffer(body, rows, points)
+    with np.errstate(all="ignore"):
+        return {n: found[f"f{i}"][:, 0].astype(np.float64) for i, n in enumerate(fields)}
 
 
-def _unpacked(path: Path, header: _Header, body: bytes, size: int) -> list[NDArray[np.generic]]:
-    """Fields of a compressed cloud: two sizes, then LZF of one field after the other."""
-    packed, unpacked = np.frombuffer(body[:8].ljust(8, b"\0"), "<u4").tolist()
-    if unpacked != size or len(body) < 8 + packed:
-        raise _short(path, header, min(len(body) - 8, unpacked), size)
-    try:
-        flat = decompress(body[8 : 8 + packed], size)
-    except InputError as error:
-        raise FileError(f"{path}: {error}") from error
-    values, at = [], 0
-    for kind, count in zip(header.types, header.counts, strict=True):
-        width = np.dtype(kind).itemsize * count * header.points
-        column = np.frombuffer(flat[at : at + width], kind).reshape(header.points, count)
-        values.append(column[:, 0])
-        at += width
-    return values
-
-
-def _ascii(path: Path, header: _Header, body: bytes) -> dict[str, NDArray[np.float64]]:
-    width = sum(header.counts)
-    starts = np.cumsum([0, *header.counts[:-1]])
+def _ascii(path: Path, before: int, body: bytes, points: int, width: int) -> Floats:
     rows: list[list[float]] = []
-    for line, text in enumerate(body.decode("ascii", "replace").split("\n"), header.line + 1):
+    for line, text in enumerate(body.decode("ascii", "replace").split("\n"), before + 1):
         words = text.split()
         if not words:
             continue
-        if len(words) != width or len(rows) == header.points:
-            raise spoilt(path, line, text, f"{header.points} points of {width} numbers")
         try:
+            if len(words) != width or len(rows) == points:
+                raise ValueError
             rows.append([float(word) for word in words])
         except ValueError:
-            raise spoilt(path, line, text, f"{width} numbers") from None
-    if len(rows) != header.points:
-        raise FileError(f"{path}: {len(rows)} points, expected {header.points}: it is cut short")
-    table = np.array(rows)
-    return {n: table[:, i] for n, i in zip(header.fields, starts.tolist(), strict=True)}
+            raise spoilt(path, line, text, f"{points} points of {width} numbers") from None
+    if len(rows) != points:
+        raise FileError(f"{path}: {len(rows)} points, expected {points}: it is cut short")
+    return np.array(rows)

@@ -39,6 +39,15 @@ class Finding:
     rows: tuple[int, ...] = ()
 
 
+def finding_of_rows(
+    code: str, severity: Severity, which: NDArray[np.bool_], name: str, noun: str, text: str
+) -> list[Finding]:
+    """What is found of some rows (N,) of a patch `name`; nothing if it is none."""
+    rows = np.flatnonzero(which).tolist()
+    message = f"{name}: {many(len(rows), noun)} (rows {listed(rows)}) {text}"
+    return [Finding(code, severity, message, tuple(rows))] if rows else []
+
+
 @dataclass(frozen=True, eq=False)
 class Draft:
     """One patch as a file states it; what the file does not state is None.

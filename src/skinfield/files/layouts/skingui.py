@@ -1,4 +1,4 @@
-"""Drawings of iCub's skinGui, `.ini`: boards placed in a plane, read and written."""
+"""Drawings of iCub's skinGui, `.ini`: boards placed in a plane."""
 
 import re
 from dataclasses import dataclass, replace
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.errors import FileError, Floats, InputError, Ints, check_positive
+from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.layouts.repair import Content, Draft, Finding
 from skinfield.files.layouts.text import (
     integer,
@@ -15,11 +15,8 @@ from skinfield.files.layouts.text import (
     numbers,
     read_lines,
     spoilt,
-    write_bytes,
 )
 from skinfield.skin.generators import ICUB_TRIANGLE, TEN_PAD_TRIANGLE, ModuleTemplate
-from skinfield.skin.geometry import facing_from_positions
-from skinfield.skin.patch import Patch, Skin
 
 PADS = 12  # channels of a board, thermal ones included
 
@@ -99,36 +96,27 @@ def sniff(data: bytes) -> bool:
     return re.search(rb"^\s*\[SENSORS\]", data, re.IGNORECASE | re.MULTILINE) is not None
 
 
-def parse(path: Path, mm_per_unit: float | None = None) -> Content:
+def parse(path: Path) -> Content:
     """Contents of a file: one patch, or two when some boards are drawn from behind.
-
-    Parameters
-    ----------
-    path : Path
-    mm_per_unit : float, optional
-        Of the places of the boards; by default 1.0457 for ``triangle_10pad`` and 1.0 for
-        ``triangle``, as measured on built parts (see `triangles`).
 
     Raises
     ------
     FileError
         When a line cannot be read, or no triangle is left.
     """
-    if mm_per_unit is not None:
-        check_positive("mm_per_unit", mm_per_unit, "size of a drawing unit between boards")
     lines = read_lines(path)
     placed, findings = _once([_sensor(path, line, text) for line, text in _sensor_lines(lines)])
     boards = [item for item in placed if item.kind in BOARDS]
     if not boards:
         raise FileError(f"{path}: no triangle or triangle_10pad, expected one or more: {LINE}")
     findings += _others([item for item in placed if item.kind not in BOARDS])
-    findings += _remarks(boards, mm_per_unit)
+    findings += _remarks(boards)
     part = " ".join(_header(lines, "robotPart")) or path.stem
     port = BOARDS_PER_CARD * PADS * len(_header(lines, "cardid"))
     first = boards[0].mirrored
     drafts = [
         replace(
-            _draft(group, mirrored, mm_per_unit),
+            _draft(group, mirrored),
             name=part if mirrored == first else f"{part}_other_side",
             n_channels=max(port, PADS * (max(item.number for item in boards) + 1)),
         )
@@ -136,17 +124,6 @@ def parse(path: Path, mm_per_unit: float | None = None) -> Content:
         if (group := [item for item in boards if item.mirrored == mirrored])
     ]
     return Content(path, path.stem, tuple(drafts), tuple(findings))
-
-
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write a flat skin of triangular boards; return what the format cannot hold, in sentences.
-
-    Raises
-    ------
-    InputError
-        When a patch is curved, or a module is none of the triangles that skinGui knows.
-    """
-    return write_drawing(skin, path)
 
 
 def _header(lines: list[str], key: str) -> list[str]:
@@ -209,10 +186,9 @@ def _once(placed: list[_Placed]) -> tuple[list[_Placed], list[Finding]]:
     return list(first.values()), [Finding("repeated-triangle", "error", text)]
 
 
-def _remarks(boards: list[_Placed], mm_per_unit: float | None) -> list[Finding]:
+def _remarks(boards: list[_Placed]) -> list[Finding]:
     types = sorted({item.kind for item in boards})
-    scales = [BOARDS[name].lattice if mm_per_unit is None else mm_per_unit for name in types]
-    said = " and ".join(f"{s:g} mm ({n})" for n, s in zip(types, scales, strict=True))
+    said = " and ".join(f"{BOARDS[name].lattice:g} mm ({name})" for name in types)
     text = (
         f"a drawing unit is taken as {said} between boards, and the boards have the size that "
         "they are built with; a drawing is flat, whatever the part is"
@@ -231,12 +207,12 @@ def _remarks(boards: list[_Placed], mm_per_unit: float | None) -> list[Finding]:
     return findings
 
 
-def _draft(boards: list[_Placed], mirrored: bool, mm_per_unit: float | None) -> Draft:
+def _draft(boards: list[_Placed], mirrored: bool) -> Draft:
     places, channels = [], []
     for item in boards:
         board = BOARDS[item.kind]
-        scale = board.lattice if mm_per_unit is None else mm_per_unit
-        places.append(board.drawn(item.angle, mirrored) + scale * MM * np.array([item.x, item.y]))
+        centre = board.lattice * MM * np.array([item.x, item.y])
+        places.append(board.drawn(item.angle, mirrored) + centre)
         pads = PADS - 1 - board.pads if item.backwards else board.pads
         channels.append(PADS * item.number + pads)
     plane, channel = np.vstack(places), np.concatenate(channels)
@@ -249,94 +225,4 @@ def _draft(boards: list[_Placed], mirrored: bool, mm_per_unit: float | None) -> 
         uid=channel.astype(np.uint64),
         channel=channel,
         pad_diameter=BOARDS[boards[0].kind].pad_diameter,
-    )
-
-
-CHANNELS_OF_CARD = 192
-NEAR = 0.25e-3  # m, between a pad and its place on the board
-HEAD = """cardid {cards}
-robotPart {part}
-width 640
-height 640
-
-[SENSORS]
-# type number x y th gain mirror layout; x and y in drawing units, th in degrees
-"""
-
-
-def write_drawing(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write a flat skin of triangular boards; return what the format cannot hold, in sentences."""
-    lines, moved = [], 0.0
-    for patch in skin:
-        plane, mirrored = _drawing(patch)
-        numbers = patch.channel // PADS
-        for number in np.unique(numbers).tolist():
-            mine = numbers == number
-            board, centre, angle, off = _fit(
-                patch, number, plane[mine], patch.channel[mine], mirrored
-            )
-            moved = max(moved, off)
-            x, y = centre / board.lattice * 1e3
-            place = np.round([x, y, np.degrees(angle)], 4) + 0.0
-            words = " ".join(f"{value:.4f}" for value in place)
-            lines.append(f"{board.name} {number} {words} 5 {int(mirrored)} 0")
-    if len({line.split()[1] for line in lines}) < len(lines):
-        raise InputError(
-            f"skin {skin.name!r} has {len(lines)} boards on the channels of fewer, expected 12 "
-            "channels of its own for each: write each patch to a file of its own"
-        )
-    ports = -(-max(patch.n_channels for patch in skin) // CHANNELS_OF_CARD)
-    cards = " ".join(map(str, range(ports)))
-    part = "_".join(skin[0].name.split()) or "skin"
-    write_bytes(path, (HEAD.format(part=part, cards=cards) + "\n".join([*lines, ""])).encode())
-    return (
-        "a drawing is flat: the place and the pose of the patch in its link, links, uids and "
-        "modules (now channel // 12) are lost",
-        f"boards have the pads of their type: pads move by up to {moved * 1e3:.3f} mm, and their "
-        "diameter is lost",
-    )
-
-
-def _drawing(patch: Patch) -> tuple[Floats, bool]:
-    """Taxels in the drawing's plane, (L, 2) m, and whether they are seen from behind."""
-    facing = facing_from_positions(patch.positions)
-    if len(patch) > 2 and not facing.is_flat:
-        raise InputError(
-            f"patch {patch.name!r} is curved, expected a flat one: a skinGui drawing has no depth"
-        )
-    first = patch.normals[0]
-    if abs(abs(first[2]) - 1.0) < 1e-9 and np.abs(patch.normals - first).max() < 1e-9:
-        return patch.positions[:, :2], bool(first[2] < 0)  # lies like a drawing: keep its axes
-    return patch.plane, False
-
-
-def _fit(
-    patch: Patch,
-    number: int,
-    places: Floats,
-    channel: Ints,
-    mirrored: bool,
-) -> tuple[Board, Floats, float, float]:
-    """Board, centre (m) and angle (rad) that put its pads on the taxels, and how far off (m)."""
-    reasons = []
-    for board in BOARDS.values():
-        pads = board.pads.tolist()
-        if sorted(channel - PADS * number) != pads:
-            reasons.append(f"its channels are not pads {pads} of a {board.name}")
-            continue
-        order = np.argsort(channel)
-        template = board.drawn(0.0, mirrored)
-        there = places[order] - places.mean(axis=0)
-        here = template - template.mean(axis=0)
-        turned = (here[:, 0] - 1j * here[:, 1]) @ (there[:, 0] + 1j * there[:, 1])
-        angle = float(np.angle(turned))
-        made = board.drawn(angle, mirrored)
-        centre = places.mean(axis=0) - made.mean(axis=0)
-        off = float(np.linalg.norm(made + centre - places[order], axis=1).max())
-        if off <= NEAR:
-            return board, centre, angle, off
-        reasons.append(f"a pad is {off * 1e3:.2f} mm off its place on a {board.name}")
-    raise InputError(
-        f"patch {patch.name!r}, board {number}: {'; '.join(reasons)}; expected a board that "
-        "skinGui draws: this layout needs another format"
     )

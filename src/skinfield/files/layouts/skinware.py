@@ -11,8 +11,7 @@ import numpy as np
 
 from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.layouts.repair import Content, Draft
-from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt, write_bytes
-from skinfield.skin.patch import Skin
+from skinfield.files.layouts.text import integer, numbers, read_lines, spoilt
 
 NAME = "skinware"
 EXTENSIONS = (".cache",)
@@ -92,25 +91,3 @@ def _drafts(rows: Floats, links: Ints, name: str) -> tuple[Draft, ...]:
             )
         )
     return tuple(drafts)
-
-
-def write(skin: Skin, path: Path) -> tuple[str, ...]:
-    """Write a skin as one cache; return what the format cannot hold, in sentences."""
-    start, lines = 0, []
-    for link, patch in enumerate(skin):
-        beside: list[list[int]] = [[] for _ in range(len(patch))]
-        for a, b in patch.neighbours.tolist():
-            beside[a].append(start + b)
-            beside[b].append(start + a)
-        for row, near in enumerate(beside):
-            values = [*patch.positions[row], *patch.normals[row], *patch.plane[row]]
-            text = " ".join(f"{value:.9f}" for value in [*values, patch.pad_diameter / 2])
-            lines.append(f"{text} {link} {' '.join(map(str, [len(near), *near]))}")
-        start += len(patch)
-    total = sum(int(line.split()[FIELDS + 1]) for line in lines)
-    write_bytes(path, "\n".join([f"{start} {total}", *lines, ""]).encode())
-    return (
-        "a Skinware cache numbers taxels and links by their order: names, poses in the link, "
-        "modules, uids and channels are lost",
-        "positions are rounded to 1 nm",
-    )

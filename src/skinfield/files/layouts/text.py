@@ -24,21 +24,6 @@ def read_bytes(path: Path) -> bytes:
         raise FileError(f"{path}: {reason}, expected a layout file that can be read") from error
 
 
-def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file.
-
-    Raises
-    ------
-    FileError
-        When it cannot be written.
-    """
-    try:
-        path.write_bytes(data)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise FileError(f"{path}: {reason}, expected a file that can be written") from error
-
-
 def read_lines(path: Path) -> list[str]:
     """Lines of a text file, without their ends (LF or CRLF); stray bytes become U+FFFD."""
     return [line.rstrip("\r") for line in read_bytes(path).decode("utf-8", "replace").split("\n")]

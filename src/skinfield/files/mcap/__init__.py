@@ -1,8 +1,5 @@
 """MCAP: recordings of a live skin, read and written."""
 
-from skinfield.files.mcap.views import FoxgloveViews as FoxgloveViews
-from skinfield.files.mcap.views import RosViews as RosViews
-from skinfield.files.mcap.views import Views as Views
 from skinfield.files.mcap.writer import RecordingSettings as RecordingSettings
 from skinfield.files.mcap.writer import RecordingWriter as RecordingWriter
 from skinfield.files.mcap.writer import enclosures as enclosures

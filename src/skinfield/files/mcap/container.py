@@ -7,12 +7,12 @@ write that fails, and has the channels in the first chunk only; the records are 
 import os
 import zlib
 from array import array
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from struct import Struct
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -64,29 +64,13 @@ def octets(record: Any) -> bytes:
     return bytes(builder.end())  # type: ignore[no-untyped-call]
 
 
-class Output(Protocol):
-    """Where a container's pieces go."""
-
-    @property
-    def end(self) -> int:
-        """Bytes so far."""
-        ...
-
-    def append(self, piece: Bytes) -> None:
-        """Add a piece; on OSError nothing of it is there."""
-        ...
-
-    def sync(self) -> None:
-        """Have the system write everything to the disk."""
-        ...
-
-    def close(self) -> None:
-        """Let go of the file."""
-        ...
-
-
 class FileOutput:
     """A file, unbuffered: what was appended survives the end of the process.
+
+    Attributes
+    ----------
+    end : int
+        Bytes so far.
 
     Parameters
     ----------
@@ -119,7 +103,7 @@ class FileOutput:
             ) from error
 
     def append(self, piece: Bytes) -> None:
-        """See `Output`."""
+        """Add a piece; on OSError nothing of it is there."""
         left = memoryview(piece)
         try:
             while left:
@@ -130,75 +114,60 @@ class FileOutput:
         self.end += len(piece)
 
     def sync(self) -> None:
-        """See `Output`."""
+        """Have the system write everything to the disk."""
         os.fdatasync(self._file)
 
     def close(self) -> None:
-        """See `Output`."""
+        """Let go of the file."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1
 
 
+SUMMARY = (  # groups of records, in their order in the file
+    Opcode.SCHEMA,
+    Opcode.CHANNEL,
+    Opcode.STATISTICS,
+    Opcode.CHUNK_INDEX,
+    Opcode.ATTACHMENT_INDEX,
+    Opcode.METADATA_INDEX,
+)
+
+
 @dataclass
 class Summary:
-    """Index and statistics of a file that is being written, as bytes of their records.
+    """Index and statistics of a file that is being written.
 
     Attributes
     ----------
-    messages : dict of int to int
+    groups : dict of Opcode to bytearray
+        Records of each kind.
+    counts : Counter of Opcode
+        How many these are.
+    messages : Counter of int
         Of each channel.
+    first_ns, last_ns : int, ns
+        Of the messages.
     """
 
-    schemas: bytearray = field(default_factory=bytearray)
-    channels: bytearray = field(default_factory=bytearray)
-    chunks: bytearray = field(default_factory=bytearray)
-    attachments: bytearray = field(default_factory=bytearray)
-    metadata: bytearray = field(default_factory=bytearray)
-    messages: dict[int, int] = field(default_factory=lambda: defaultdict(int))
+    groups: dict[Opcode, bytearray] = field(default_factory=lambda: defaultdict(bytearray))
+    counts: Counter[Opcode] = field(default_factory=Counter)
+    messages: Counter[int] = field(default_factory=Counter)
     first_ns: int = 0
     last_ns: int = 0
-    counts: dict[str, int] = field(default_factory=lambda: defaultdict(int))
 
-    def add_schema(self, schema: Schema) -> None:
-        """A schema is in the file."""
-        self.schemas += octets(schema)
-        self.counts["schema"] += 1
-
-    def add_channel(self, channel: Channel) -> None:
-        """A channel is in the file."""
-        self.channels += octets(channel)
-        self.counts["channel"] += 1
-
-    def add_attachment(self, attachment: Attachment, start: int, length: int) -> None:
-        """An attachment is in the file, `length` bytes from byte `start`."""
-        index = AttachmentIndex(
-            start,
-            length,
-            attachment.log_time,
-            attachment.create_time,
-            len(attachment.data),
-            attachment.name,
-            attachment.media_type,
-        )
-        self.attachments += octets(index)
-        self.counts["attachment"] += 1
-
-    def add_metadata(self, metadata: Metadata, start: int, length: int) -> None:
-        """A metadata record is in the file."""
-        self.metadata += octets(MetadataIndex(start, length, metadata.name))
-        self.counts["metadata"] += 1
+    def add(self, opcode: Opcode, record: Any) -> None:
+        """Add a record of the index."""
+        self.groups[opcode] += octets(record)
+        self.counts[opcode] += 1
 
     def add_chunk(self, index: ChunkIndex, messages: dict[int, int]) -> None:
         """A chunk is in the file, with so many messages of each channel."""
-        self.chunks += octets(index)
-        first = not self.counts["chunk"]
-        self.counts["chunk"] += 1
-        for channel, count in messages.items():
-            self.messages[channel] += count
-        start, end = index.message_start_time, index.message_end_time
-        self.first_ns = start if first else min(start, self.first_ns)
-        self.last_ns = max(end, self.last_ns)
+        first = index.message_start_time
+        self.first_ns = min(first, self.first_ns) if self.counts[Opcode.CHUNK_INDEX] else first
+        self.last_ns = max(index.message_end_time, self.last_ns)
+        self.messages.update(messages)
+        self.add(Opcode.CHUNK_INDEX, index)
 
     def ending(self, start: int, crc: int) -> bytes:
         """Everything after the data, for a file whose data ends at byte `start`.
@@ -209,39 +178,29 @@ class Summary:
         crc : int
             CRC-32 of all bytes before; 0 if not known.
         """
+        statistics = Statistics(
+            attachment_count=self.counts[Opcode.ATTACHMENT_INDEX],
+            channel_count=self.counts[Opcode.CHANNEL],
+            channel_message_counts=dict(self.messages),
+            chunk_count=self.counts[Opcode.CHUNK_INDEX],
+            message_count=self.messages.total(),
+            message_end_time=self.last_ns,
+            message_start_time=self.first_ns,
+            metadata_count=self.counts[Opcode.METADATA_INDEX],
+            schema_count=self.counts[Opcode.SCHEMA],
+        )
+        groups: dict[Opcode, Bytes] = {**self.groups, Opcode.STATISTICS: octets(statistics)}
         data_end = octets(DataEnd(crc))
         base = start + len(data_end)
         body, offsets = bytearray(), bytearray()
-        for opcode, group in self._groups():
-            if group:
+        for opcode in SUMMARY:
+            if group := groups.get(opcode):
                 offsets += octets(SummaryOffset(opcode, base + len(body), len(group)))
-            body += group
+                body += group
         offset_start = base + len(body)
         body += offsets
         check = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, base, offset_start), zlib.crc32(body))
         return data_end + bytes(body) + octets(Footer(base, offset_start, check)) + MAGIC
-
-    def _groups(self) -> list[tuple[Opcode, bytes]]:
-        said = self.counts
-        statistics = Statistics(
-            attachment_count=said["attachment"],
-            channel_count=said["channel"],
-            channel_message_counts=dict(self.messages),
-            chunk_count=said["chunk"],
-            message_count=sum(self.messages.values()),
-            message_end_time=self.last_ns,
-            message_start_time=self.first_ns,
-            metadata_count=said["metadata"],
-            schema_count=said["schema"],
-        )
-        return [
-            (Opcode.SCHEMA, bytes(self.schemas)),
-            (Opcode.CHANNEL, bytes(self.channels)),
-            (Opcode.STATISTICS, octets(statistics)),
-            (Opcode.CHUNK_INDEX, bytes(self.chunks)),
-            (Opcode.ATTACHMENT_INDEX, bytes(self.attachments)),
-            (Opcode.METADATA_INDEX, bytes(self.metadata)),
-        ]
 
 
 class OpenChunk:
@@ -273,8 +232,17 @@ class OpenChunk:
         for part in parts:
             self.data += part
 
-    def sealed(self, compression: Compression) -> "SealedChunk":
-        """The chunk as bytes of the file, with its index behind it."""
+    def sealed(self, compression: Compression) -> tuple[bytes, ChunkIndex, dict[int, int]]:
+        """The chunk as bytes of the file with its index behind it.
+
+        Returns
+        -------
+        bytes
+        ChunkIndex
+            For the file's index, as if the chunk stood at byte 0.
+        dict of int to int
+            How many messages of each channel.
+        """
         name, packed = compressed(bytes(self.data), compression)
         chunk = octets(
             Chunk(
@@ -286,55 +254,27 @@ class OpenChunk:
                 uncompressed_size=len(self.data),
             )
         )
-        index = ChunkIndex(
+        piece, offsets = bytearray(chunk), {}
+        for channel, pairs in self._index.items():
+            offsets[channel] = len(piece)
+            table = pairs.tobytes()  # of this machine, which is little-endian as the file is
+            piece += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(table), channel, len(table)) + table
+        entry = ChunkIndex(
             chunk_length=len(chunk),
             chunk_start_offset=0,
             compression=name,
             compressed_size=len(packed),
             message_end_time=self._last_ns,
-            message_index_length=0,
-            message_index_offsets={},
+            message_index_length=len(piece) - len(chunk),
+            message_index_offsets=offsets,
             message_start_time=self._first_ns,
             uncompressed_size=len(self.data),
         )
-        piece = bytearray(chunk)
-        for channel, pairs in self._index.items():
-            index.message_index_offsets[channel] = len(piece)
-            table = pairs.tobytes()  # of this machine, which is little-endian as the file is
-            piece += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(table), channel, len(table)) + table
-        index.message_index_length = len(piece) - len(chunk)
-        counts = {channel: len(pairs) // 2 for channel, pairs in self._index.items()}
-        return SealedChunk(bytes(piece), index, counts)
+        return bytes(piece), entry, {key: len(pairs) // 2 for key, pairs in self._index.items()}
 
 
-class SealedChunk(NamedTuple):
-    """A chunk with its index, to be written.
-
-    Attributes
-    ----------
-    piece : bytes
-    entry : ChunkIndex
-        Of the file's index, as if the chunk stood at byte 0.
-    messages : dict of int to int
-        How many of each channel.
-    """
-
-    piece: bytes
-    entry: ChunkIndex
-    messages: dict[int, int]
-
-    def entry_at(self, start: int) -> ChunkIndex:
-        """Entry of the file's index, once the chunk stands at byte `start`."""
-        self.entry.chunk_start_offset = start
-        self.entry.message_index_offsets = {
-            channel: offset + start for channel, offset in self.entry.message_index_offsets.items()
-        }
-        return self.entry
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Bytes to be written, what to note then, and the messages in it."""
+class Piece(NamedTuple):
+    """Bytes to be written, what to note then of the byte they begin at, and the messages in it."""
 
     data: Bytes
     written: Callable[[int], None]
@@ -346,7 +286,7 @@ class Container:
 
     Parameters
     ----------
-    output : Output
+    output : FileOutput
     compression : Compression
     chunk_bytes : int
         A chunk is closed when it has as many.
@@ -361,7 +301,7 @@ class Container:
 
     def __init__(
         self,
-        output: Output,
+        output: FileOutput,
         compression: Compression,
         chunk_bytes: int,
         profile: str = "",
@@ -373,7 +313,7 @@ class Container:
         self._ready: deque[Piece] = deque()
         self._channels = 0
         self._crc = 0
-        self._append(MAGIC + octets(Header(profile, library)), lambda _: None)
+        self._ready.append(Piece(MAGIC + octets(Header(profile, library)), lambda start: None, {}))
 
     @property
     def waiting(self) -> int:
@@ -390,33 +330,20 @@ class Container:
         """Add a channel with its schema (name, encoding, text); its number."""
         self._channels += 1
         name, kind, text = schema
-        self.put_schema(Schema(self._channels, text, kind, name))
-        self.put_channel(Channel(self._channels, topic, encoding, metadata or {}, self._channels))
+        self.put(Schema(self._channels, text, kind, name))
+        self.put(Channel(self._channels, topic, encoding, metadata or {}, self._channels))
         return self._channels
-
-    def put_schema(self, schema: Schema) -> None:
-        """Add a schema whose number is known."""
-        self._seal()
-        self._append(octets(schema), lambda _: self.summary.add_schema(schema))
-
-    def put_channel(self, channel: Channel) -> None:
-        """Add a channel whose number and schema are known."""
-        self._seal()
-        self._append(octets(channel), lambda _: self.summary.add_channel(channel))
-
-    def put_metadata(self, metadata: Metadata) -> None:
-        """Add a record of metadata."""
-        piece = octets(metadata)
-        self._seal()
-        self._append(piece, lambda start: self.summary.add_metadata(metadata, start, len(piece)))
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Add a file."""
-        attachment = Attachment(time_ns, time_ns, name, media_type, data)
-        piece = octets(attachment)
+        self.put(Attachment(time_ns, time_ns, name, media_type, data))
+
+    def put(self, record: Schema | Channel | Metadata | Attachment) -> None:
+        """Add a record; schemas and channels have their numbers."""
+        piece = octets(record)
         self._seal()
-        self._append(
-            piece, lambda start: self.summary.add_attachment(attachment, start, len(piece))
+        self._ready.append(
+            Piece(piece, lambda start: self.summary.add(*_entry(record, start, len(piece))), {})
         )
 
     def add_message(self, channel: int, sequence: int, time_ns: int, *parts: Bytes) -> None:
@@ -451,13 +378,12 @@ class Container:
         """Have the system write everything to the disk; raises OSError if it cannot."""
         self._output.sync()
 
-    def give_up_waiting(self) -> dict[int, int]:
+    def give_up_waiting(self) -> Counter[int]:
         """Forget what could not be written; messages of each channel that are lost by that."""
-        lost: dict[int, int] = {}
         self._seal()
+        lost: Counter[int] = Counter()
         for piece in self._ready:
-            for channel, count in piece.messages.items():
-                lost[channel] = lost.get(channel, 0) + count
+            lost.update(piece.messages)
         self._ready.clear()
         return lost
 
@@ -467,16 +393,31 @@ class Container:
         self._output.append(self.summary.ending(self._output.end, self._crc))
         self._output.sync()
 
-    def _append(self, data: bytes, written: Callable[[int], None]) -> None:
-        self._ready.append(Piece(data, written, {}))
-
     def _seal(self) -> None:
         if not self._chunk:
             return
-        sealed = self._chunk.sealed(self._compression)
+        piece, entry, messages = self._chunk.sealed(self._compression)
         self._chunk = OpenChunk()
 
         def written(start: int) -> None:
-            self.summary.add_chunk(sealed.entry_at(start), sealed.messages)
+            entry.chunk_start_offset = start
+            offsets = entry.message_index_offsets
+            entry.message_index_offsets = {key: at + start for key, at in offsets.items()}
+            self.summary.add_chunk(entry, messages)
 
-        self._ready.append(Piece(sealed.piece, written, sealed.messages))
+        self._ready.append(Piece(piece, written, messages))
+
+
+def _entry(
+    record: Schema | Channel | Metadata | Attachment, start: int, length: int
+) -> tuple[Opcode, Any]:
+    """Kind and record of the summary, of a record of so many bytes from byte `start`."""
+    if isinstance(record, Schema):
+        return Opcode.SCHEMA, record
+    if isinstance(record, Channel):
+        return Opcode.CHANNEL, record
+    if isinstance(record, Metadata):
+        return Opcode.METADATA_INDEX, MetadataIndex(start, length, record.name)
+    times, size = (record.log_time, record.create_time), len(record.data)
+    index = AttachmentIndex(start, length, *times, size, record.name, record.media_type)
+    return Opcode.ATTACHMENT_INDEX, index

@@ -1,4 +1,4 @@
-"""From blocks to rows, one per scan of a patch, compiled."""
+"""Kernel from blocks to rows: one per scan of a patch, compiled."""
 
 import numpy as np
 from numpy.typing import NDArray

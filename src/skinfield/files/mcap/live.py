@@ -3,7 +3,7 @@
 import json
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO, Generic, NamedTuple, Self, Type
 
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.records import (
-    Attached,
     Damage,
     Damaged,
     Message,
@@ -53,9 +52,10 @@ from skinfield.signal import Calibration
 from skinfield.skin import Skin
 
 if TYPE_CHECKING:
-    from mcap.records import Channel
+    from mcap.records import Attachment, Channel
 
 T = TypeVar("T")
+L = TypeVar("L", CycleLayout, FitLayout)
 HEAD = Struct("<4xIq32xq")  # of a cycle's head: flags, number, wall_ns
 PUBLISHED = Struct("<8xq")  # of the head of a field and of a fit: when it was
 
@@ -93,7 +93,8 @@ class LiveRecording:
         Records of the file, and whether it was finished.
     channels : dict of int to Channel
         As mcap has them.
-    attached : dict of str to Attached
+    attached : dict of str to Attachment
+        By their names, likewise.
     damage : list of Damage
         Places that cannot be read, by their bytes in the file, so far.
     """
@@ -101,7 +102,7 @@ class LiveRecording:
     path: Path
     outline: Outline
     channels: dict[int, "Channel"] = field(default_factory=dict)
-    attached: dict[str, Attached] = field(default_factory=dict)
+    attached: dict[str, "Attachment"] = field(default_factory=dict)
     damage: list[Damage] = field(default_factory=list)
 
     @classmethod
@@ -142,10 +143,7 @@ class LiveRecording:
         """Layout of the skin; raises FileError if none is enclosed or it is damaged."""
         from skinfield.files.layouts import read_layout
 
-        with TemporaryDirectory() as folder:
-            copy = Path(folder) / LAYOUT
-            copy.write_bytes(self._enclosed(LAYOUT))
-            return self._explained(lambda: read_layout(copy)[0], LAYOUT)
+        return self._loaded(LAYOUT, lambda path: read_layout(path)[0])
 
     @cached_property
     def calibrations(self) -> dict[str, Calibration]:
@@ -153,15 +151,11 @@ class LiveRecording:
         from skinfield.signal import load_calibration
 
         start, end = CALIBRATION.split("{patch}")
-        found = {}
-        with TemporaryDirectory() as folder:
-            copy = Path(folder) / "calibration.npz"
-            for name, attached in self.attached.items():
-                if name.startswith(start) and name.endswith(end):
-                    copy.write_bytes(attached.data)
-                    patch = name.removeprefix(start).removesuffix(end)
-                    found[patch] = self._explained(lambda: load_calibration(copy), name)
-        return found
+        return {
+            name.removeprefix(start).removesuffix(end): self._loaded(name, load_calibration)
+            for name in self.attached
+            if name.startswith(start) and name.endswith(end)
+        }
 
     @cached_property
     def configuration(self) -> dict[str, Any]:
@@ -176,13 +170,12 @@ class LiveRecording:
     @cached_property
     def cycle_layout(self) -> CycleLayout:
         """Fields of the cycles' rows; raises FileError if the channel does not state them."""
-        for channel in self.channels.values():
-            if channel.topic == CYCLES:
-                try:
-                    return CycleLayout.from_metadata(channel.metadata)
-                except InputError as error:
-                    raise FileError(f"{self.path}: {error}") from error
-        raise FileError(f"{self.path} has no channel {CYCLES}, expected one: its head is damaged")
+        found = self._layout(CYCLES, CycleLayout)
+        if found is None:
+            raise FileError(
+                f"{self.path} has no channel {CYCLES}, expected one: its head is damaged"
+            )
+        return found
 
     @cached_property
     def fit_layout(self) -> FitLayout | None:
@@ -190,13 +183,7 @@ class LiveRecording:
 
         Raises FileError if the channel does not state them.
         """
-        for channel in self.channels.values():
-            if channel.topic == FITS:
-                try:
-                    return FitLayout.from_metadata(channel.metadata)
-                except InputError as error:
-                    raise FileError(f"{self.path}: {error}") from error
-        return None
+        return self._layout(FITS, FitLayout)
 
     def messages(
         self, topics: Collection[str] = (), first: int = 0
@@ -224,30 +211,23 @@ class LiveRecording:
 
     def cycles(self) -> Iterator[Cycle]:
         """Cycles of the engine, in order."""
-        for _, at, message in self.messages((CYCLES,)):
-            if (cycle := self.cycle_of(at, message)) is not None:
-                yield cycle
+        return self._decoded(CYCLES, self.cycle_of)
 
     def fields(self) -> Iterator[FieldRecord]:
         """What some cycles read, and their pressure, in order."""
-        for _, at, message in self.messages((FIELDS,)):
-            if (found := self.field_of(at, message.data)) is not None:
-                yield found
+        return self._decoded(FIELDS, self.field_of)
 
     def fits(self) -> Iterator[FitRecord]:
         """Answers of the fit beside the engine, in order; raises as `fit_layout`."""
-        if self.fit_layout is not None:
-            for _, at, message in self.messages((FITS,)):
-                if (found := self.fit_of(at, message.data)) is not None:
-                    yield found
+        return self._decoded(FITS, self.fit_of) if self.fit_layout is not None else iter(())
 
     def timing(self) -> Iterator[dict[str, Any]]:
         """What was measured, second by second."""
-        yield from self._objects(TIMING)
+        return self._decoded(TIMING, self._object_of)
 
     def events(self) -> Iterator[dict[str, Any]]:
         """What happened: `wall_ns`, `kind`, `text` and more, by kind."""
-        yield from self._objects(EVENTS)
+        return self._decoded(EVENTS, self._object_of)
 
     def logged_of(self, at: int, message: Message) -> Logged | None:
         """Blocks of a message at byte `at`; None, and a note, if it is too short."""
@@ -257,48 +237,39 @@ class LiveRecording:
         (position,) = POSITION.unpack_from(message.data)
         return Logged(position, message.time_ns, message.data[POSITION.size :])
 
-    def cycle_of(self, at: int, message: Message) -> Cycle | None:
+    def cycle_of(self, at: int, data: bytes) -> Cycle | None:
         """Cycle of a message at byte `at`; None, and a note, if it cannot be read."""
-        try:
-            return self.cycle_layout.decode(message.data)
-        except InputError as error:
-            self.note(at, str(error))
-            return None
+        return self._noted(at, self.cycle_layout.decode, data)
 
     def field_of(self, at: int, data: bytes) -> FieldRecord | None:
         """Field of a message at byte `at`; None, and a note, if it cannot be read."""
-        try:
-            return FieldRecord.decode(data)
-        except InputError as error:
-            self.note(at, str(error))
-            return None
+        return self._noted(at, FieldRecord.decode, data)
 
     def fit_of(self, at: int, data: bytes) -> FitRecord | None:
         """Answer of a fit of a message at byte `at`; None, and a note, if it cannot be read."""
         layout = self.fit_layout
         assert layout is not None  # else there is no such channel
+        return self._noted(at, layout.decode, data)
+
+    def _object_of(self, at: int, data: bytes) -> dict[str, Any] | None:
+        return self._noted(at, _object, data)
+
+    def _noted(self, at: int, decode: Callable[[bytes], T], data: bytes) -> T | None:
         try:
-            return layout.decode(data)
+            return decode(data)
         except InputError as error:
             self.note(at, str(error))
             return None
+
+    def _decoded(self, topic: str, decode: Callable[[int, bytes], T | None]) -> Iterator[T]:
+        for _, at, message in self.messages((topic,)):
+            if (found := decode(at, message.data)) is not None:
+                yield found
 
     @cached_property
     def index(self) -> "Index":
         """When what was; found by one pass over the file. Raises FileError if it cannot be read."""
         return Index.of(self)
-
-    def _objects(self, topic: str) -> Iterator[dict[str, Any]]:
-        for _, at, message in self.messages((topic,)):
-            try:
-                value = json.loads(message.data)
-            except (ValueError, RecursionError) as error:
-                self.note(at, f"a message of {topic} that is no JSON ({str(error)[:60]})")
-                continue
-            if isinstance(value, Mapping):
-                yield dict(value)
-            else:
-                self.note(at, f"a message of {topic} that is no object")
 
     def messages_in(self, file: BinaryIO, record: Record) -> Iterator[tuple[str, Message, int]]:
         """Topic, message, and its place in the record; what cannot be read is noted."""
@@ -342,34 +313,52 @@ class LiveRecording:
     def _has_channels(self) -> bool:
         return any(channel.topic == BLOCKS for channel in self.channels.values())
 
-    def _enclosed(self, name: str) -> bytes:
+    def _layout(self, topic: str, kind: type[L]) -> L | None:
+        for channel in self.channels.values():
+            if channel.topic == topic:
+                try:
+                    return kind.from_metadata(channel.metadata)
+                except InputError as error:
+                    raise FileError(f"{self.path}: {topic}: {error}") from error
+        return None
+
+    def _loaded(self, name: str, load: Callable[[Path], T]) -> T:
+        """An attachment as a file's reader has it."""
         if name not in self.attached:
             there = ", ".join(sorted(self.attached)[:8]) or "nothing"
             raise FileError(f"{self.path} encloses {there}, expected {name}")
-        return self.attached[name].data
+        with TemporaryDirectory() as folder:
+            copy = Path(folder) / Path(LAYOUT).name
+            copy.write_bytes(self.attached[name].data)
+            try:
+                return load(copy)
+            except InputError as error:
+                raise FileError(f"{self.path}: {name} cannot be used: {error}") from error
 
     def _json(self, name: str) -> dict[str, Any]:
         if name not in self.attached:
             return {}
         try:
-            value = json.loads(self.attached[name].data)
-        except (ValueError, RecursionError) as error:
-            raise FileError(f"{self.path}: {name} is no JSON: {error}") from error
-        if not isinstance(value, dict):
-            raise FileError(f"{self.path}: {name} is no object, expected one")
-        return value
-
-    def _explained(self, read: Callable[[], T], name: str) -> T:
-        try:
-            return read()
+            return _object(self.attached[name].data)
         except InputError as error:
-            raise FileError(f"{self.path}: {name} cannot be used: {error}") from error
+            raise FileError(f"{self.path}: {name}: {error}") from error
 
     def note(self, byte: int, why: str) -> None:
         """Keep in `damage` what cannot be read, and where."""
         damage = Damage(byte, why)
         if damage not in self.damage[-64:]:
             self.damage.append(damage)
+
+
+def _object(data: bytes) -> dict[str, Any]:
+    """An object of JSON; raises InputError."""
+    try:
+        value = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"it is no JSON: {str(error)[:60]}") from error
+    if not isinstance(value, dict):
+        raise InputError(f"it is {str(value)[:40]!r}, expected an object of JSON")
+    return value
 
 
 class Place(NamedTuple):
@@ -439,9 +428,9 @@ class Index:
             (time_ns,) = PUBLISHED.unpack_from(data)
             its.append(place._replace(time_ns=max(time_ns, its[-1].time_ns if its else time_ns)))
         elif topic == EVENTS:
-            with suppress(ValueError, RecursionError):
-                event = json.loads(data)
-                if isinstance(event, dict) and isinstance(event.get("wall_ns"), int):
+            with suppress(InputError):
+                event = _object(data)
+                if isinstance(event.get("wall_ns"), int):
                     self.events.append(event)
 
     def _add_cycle(self, record: int, flags: int, number: int, wall_ns: int) -> None:

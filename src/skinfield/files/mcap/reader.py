@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError, Ints
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.files.mcap.records import MAGIC, Damage
+from skinfield.files.mcap.records import MAGIC
 from skinfield.files.mcap.schema import BLOCKS
-from skinfield.files.recordings.columns import chosen
-from skinfield.files.recordings.head import Head
+from skinfield.files.recordings.head import Head, chosen
 from skinfield.signal.block import WORD
 from skinfield.skin import Patch
 from skinfield.skin.reading import UNITS, Recording
@@ -149,6 +148,10 @@ class LiveStream:
 
     Attributes
     ----------
+    channel : (C,) int array
+        Of each column, among all ports; -1 for one without any.
+    uid : (C,) uint64 array, optional
+    unit : str
     notes : tuple of str
         Complete once `blocks` is exhausted.
     skipped : int
@@ -158,8 +161,9 @@ class LiveStream:
     """
 
     recording: LiveRecording
-    like: Recording
     channel: Ints
+    uid: NDArray[np.uint64] | None
+    unit: str
     progress: Progress | None = None
     notes: tuple[str, ...] = ()
     skipped: int = 0
@@ -174,24 +178,21 @@ class LiveStream:
             If the file cannot be read any more, or holds no reading.
         """
         total = sum(port.channels for port in ports_of(self.recording))
-        rows, count = Scan(self.channel, total), 0
-        for _, at, message in self.recording.messages((BLOCKS,)):
-            logged = self.recording.logged_of(at, message)
-            for piece in () if logged is None else rows.feed(logged.data):
-                count += len(piece[0])
-                yield self._recording(*piece)
-            if self.progress is not None:
-                self.progress(at, self.recording.outline.size)
-        for piece in rows.finish():
-            count += len(piece[0])
-            yield self._recording(*piece)
-        if not count:
+        rows, empty = Scan(self.channel, total), True
+        for stamps, counts in self._pieces(rows):
+            empty = False
+            yield Recording(stamps, counts, self.uid, self.unit, str(self.recording.path))
+        if empty:
             raise FileError(f"{self.recording.path} holds no reading of these channels")
         self._finish(rows)
 
-    def _recording(self, stamps: Ints, counts: Floats) -> Recording:
-        like = self.like
-        return Recording(stamps, counts, like.uid, like.unit, like.source)
+    def _pieces(self, rows: Scan) -> Iterator[tuple[Ints, Floats]]:
+        for _, at, message in self.recording.messages((BLOCKS,)):
+            if (logged := self.recording.logged_of(at, message)) is not None:
+                yield from rows.feed(logged.data)
+            if self.progress is not None:
+                self.progress(at, self.recording.outline.size)
+        yield from rows.finish()
 
     def _finish(self, rows: Scan) -> None:
         damage, notes = self.recording.damage, []
@@ -203,43 +204,31 @@ class LiveStream:
         self.notes, self.skipped = tuple(notes), len(damage)
 
 
-def live_stream(
-    recording: LiveRecording, patch: Patch | None = None, progress: Progress | None = None
-) -> LiveStream:
-    """Counts of one patch, in the order of its taxels; or of the port, where there is only one.
+def live_stream(recording: LiveRecording, progress: Progress | None = None) -> LiveStream:
+    """Counts of the port where there is only one, else of all taxels, by their identities.
 
     Raises
     ------
     FileError
         If the recording does not say where its channels belong.
     InputError
-        If no patch is named and there are several ports.
+        If there are several ports, and taxels cannot be told apart.
     """
     ports = ports_of(recording)
-    source = str(recording.path)
-    if patch is not None:
-        port = port_of(patch, ports)
-        like = _like(patch.uid, len(patch), port.unit, source)
-        return LiveStream(recording, like, patch.channel + port.first, progress)
     if len(ports) == 1:
-        width = _width(recording, ports[0])
-        channel = np.arange(width)
+        channel = np.arange(_width(recording, ports[0]))
         channel[ports[0].channels :] = -1
-        return LiveStream(recording, _like(None, width, ports[0].unit, source), channel, progress)
+        return LiveStream(recording, channel, None, ports[0].unit, progress)
     patches = list(recording.skin)
     uid = np.concatenate([each.uid for each in patches])
     if len(np.unique(uid)) < len(uid) or len({port.unit for port in ports}) > 1:
         raise InputError(
-            f"{source} holds the patches {', '.join(each.name for each in patches)[:200]}, whose "
-            "taxels have no identities of their own, expected one: export it by patch "
+            f"{recording.path} holds the patches {', '.join(each.name for each in patches)[:200]}, "
+            "whose taxels have no identities of their own, expected one: export it by patch "
             "(skinfield export), or take LiveRecording"
         )
     channel = np.concatenate([each.channel + port_of(each, ports).first for each in patches])
-    return LiveStream(recording, _like(uid, len(uid), ports[0].unit, source), channel, progress)
-
-
-def _like(uid: NDArray[np.uint64] | None, width: int, unit: str, source: str) -> Recording:
-    return Recording(np.zeros(0, np.int64), np.zeros((0, width)), uid, unit, source)
+    return LiveStream(recording, channel, uid, ports[0].unit, progress)
 
 
 def _width(recording: LiveRecording, port: PortOf) -> int:
@@ -247,23 +236,9 @@ def _width(recording: LiveRecording, port: PortOf) -> int:
     try:
         widths = {patch.n_channels for patch in recording.skin}
     except FileError as error:
-        recording.damage.append(Damage(0, str(error)))
+        recording.note(0, str(error))
         return port.channels
     return widths.pop() if len(widths) == 1 else port.channels
-
-
-def collected_live(stream: LiveStream) -> Recording:
-    """All of a stream in memory."""
-    parts = list(stream.blocks())
-    return Recording(
-        np.concatenate([part.stamp_ns for part in parts]),
-        np.concatenate([part.counts for part in parts]),
-        stream.like.uid,
-        stream.like.unit,
-        stream.like.source,
-        stream.notes,
-        stream.skipped,
-    )
 
 
 def matches(head: Head) -> bool:
@@ -275,17 +250,7 @@ def stream(
     head: Head, columns: Sequence[int | str] | None, progress: Progress | None
 ) -> LiveStream:
     """Open a file whose head `matches`, to be read piece by piece."""
-    found = live_stream(LiveRecording.open(head.path), progress=progress)
-    if columns is None:
-        return found
-    keep = chosen(columns, found.like.counts.shape[1], head.path)
-    uid = found.like.uid
-    like = replace(
-        found.like, counts=found.like.counts[:, keep], uid=None if uid is None else uid[keep]
-    )
-    return replace(found, like=like, channel=found.channel[keep])
-
-
-def read(head: Head, columns: Sequence[int | str] | None, progress: Progress | None) -> Recording:
-    """Read a file whose head `matches`, as a whole."""
-    return collected_live(stream(head, columns, progress))
+    found = live_stream(LiveRecording.open(head.path), progress)
+    keep = chosen(columns, len(found.channel), head.path)
+    uid = None if found.uid is None else found.uid[keep]
+    return replace(found, channel=found.channel[keep], uid=uid)

@@ -19,7 +19,6 @@ from skinfield.errors import FileError
 MAGIC = b"\x89MCAP0\r\n"
 LARGEST = 1 << 28  # bytes of a record, or of a chunk's content: far more than is ever written
 HEAD = Struct("<BQ")
-CHUNK_HEAD = Struct("<QQQI")
 MESSAGE_HEAD = Struct("<HIQQ")
 
 
@@ -54,18 +53,11 @@ class Message(NamedTuple):
 
 def chunk_content(body: bytes) -> bytes:
     """Unpacked content of a chunk; raises Damaged."""
-    if len(body) < CHUNK_HEAD.size + 4:
-        raise Damaged(f"a chunk of {len(body)} bytes")
-    _, _, size, crc = CHUNK_HEAD.unpack_from(body)
-    name, at = text_at(body, CHUNK_HEAD.size)
-    if len(body) < at + 8:
-        raise Damaged("a chunk without content")
-    length, at = int.from_bytes(body[at : at + 8], "little"), at + 8
-    if at + length != len(body):
-        raise Damaged(f"a chunk that claims {length} bytes of {len(body) - at}")
+    chunk = parsed(Op.CHUNK, body)
+    size, crc = chunk.uncompressed_size, chunk.uncompressed_crc
     if size > LARGEST:
         raise Damaged(f"a chunk that claims {size} bytes unpacked")
-    content = _unpacked(name, body[at:], size)
+    content = _unpacked(chunk.compression, chunk.data, size)
     if len(content) != size:
         raise Damaged(f"a chunk that unpacks to {len(content)} of {size} bytes")
     if crc and zlib.crc32(content) != crc:
@@ -117,7 +109,7 @@ def message_of(body: bytes) -> Message:
 
 
 def parsed(kind: Op, body: bytes) -> Any:
-    """One of mcap's records: header, footer, schema, channel, metadata; raises Damaged."""
+    """A record as mcap has it; raises Damaged."""
     from mcap import records
     from mcap.data_stream import ReadDataStream
 
@@ -128,40 +120,12 @@ def parsed(kind: Op, body: bytes) -> Any:
         raise Damaged(f"a {name} that cannot be read ({type(error).__name__})") from error
 
 
-class Attached(NamedTuple):
-    """An attachment: name, media type, content, and when it was written, ns since the epoch."""
-
-    name: str
-    media_type: str
-    data: bytes
-    time_ns: int
-
-
-def attachment_of(body: bytes) -> Attached:
-    """Attachment of a record's body; raises Damaged."""
-    name, at = text_at(body, 16)
-    kind, at = text_at(body, at)
-    length = int.from_bytes(body[at : at + 8], "little")
-    end = at + 8 + length
-    if end + 4 != len(body):
-        raise Damaged(f"an attachment that claims {length} bytes of {len(body) - at - 12}")
-    crc = int.from_bytes(body[end:], "little")
-    if crc and zlib.crc32(body[:end]) != crc:
-        raise Damaged(f"an attachment {name[:40]!r} whose checksum is wrong")
-    return Attached(name, kind, body[at + 8 : end], int.from_bytes(body[:8], "little"))
-
-
-def text_at(body: bytes, at: int) -> tuple[str, int]:
-    """Text behind its length, and the byte behind it."""
-    if at + 4 > len(body):
-        raise Damaged("a record that ends within a text")
-    end = at + 4 + int.from_bytes(body[at : at + 4], "little")
-    if end > len(body):
-        raise Damaged("a record that ends within a text")
-    try:
-        return body[at + 4 : end].decode(), end
-    except UnicodeDecodeError as error:
-        raise Damaged("a text that is not UTF-8") from error
+def attachment_of(body: bytes) -> Any:
+    """Attachment of a record's body, as mcap has it; raises Damaged."""
+    found, crc = parsed(Op.ATTACHMENT, body), int.from_bytes(body[-4:], "little")
+    if crc and zlib.crc32(body[:-4]) != crc:
+        raise Damaged(f"an attachment {found.name[:40]!r} whose checksum is wrong")
+    return found
 
 
 class Record(NamedTuple):
@@ -277,25 +241,16 @@ def body_of(file: BinaryIO, record: Record) -> bytes:
     return file.read(record.length)
 
 
-class ChunkSize(NamedTuple):
-    """What a chunk's head says: times of its first and last message, and bytes."""
-
-    first_ns: int
-    last_ns: int
-    compression: str
-    packed: int
-    unpacked: int
-
-
-def chunk_size(file: BinaryIO, record: Record) -> ChunkSize:
-    """Read the head of a chunk alone; raises Damaged."""
-    file.seek(record.start + HEAD.size)
-    head = file.read(min(record.length, CHUNK_HEAD.size + 4 + 64))
-    if len(head) < CHUNK_HEAD.size + 4:
-        raise Damaged(f"a chunk of {record.length} bytes")
-    first, last, unpacked, _ = CHUNK_HEAD.unpack_from(head)
-    name, at = text_at(head, CHUNK_HEAD.size)
-    return ChunkSize(first, last, name, record.length - at - 8, unpacked)
+def header_of(file: BinaryIO) -> tuple[str, str]:
+    """Profile and library of a file; empty where the header is damaged."""
+    file.seek(len(MAGIC))
+    opcode, length = HEAD.unpack(file.read(HEAD.size).ljust(HEAD.size, b"\0"))
+    try:
+        known = opcode == Op.HEADER and length < LARGEST
+        header = parsed(Op.HEADER, file.read(length) if known else b"")
+    except Damaged:
+        return "", ""
+    return header.profile, header.library
 
 
 def entries_of(file: BinaryIO, record: Record) -> Iterator[tuple[int, int, bytes]]:

@@ -24,10 +24,10 @@ are left to the engine; a message without any ends what was before.
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntFlag
 from struct import Struct
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,22 +115,67 @@ class Cycle:
 
 
 @dataclass(frozen=True)
-class CycleLayout:
+class RowLayout:
+    """Fields of the rows within a record: structured dtypes of plain numbers, without gaps."""
+
+    def __post_init__(self) -> None:
+        for name, rows in vars(self).items():
+            if not is_plain(rows):
+                raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
+
+    def check(self, *rows: Rows) -> None:
+        """Raise InputError unless rows are of these fields."""
+        found, expected = [part.dtype for part in rows], list(vars(self).values())
+        if found != expected:
+            raise InputError(
+                f"rows are {found}, expected {expected}: those that the recording began with"
+            )
+
+    def check_sizes(self, sizes: tuple[int, ...]) -> None:
+        """Raise InputError unless a record's rows have as many bytes."""
+        expected = tuple(rows.itemsize for rows in vars(self).values())
+        if sizes != expected:
+            raise InputError(
+                f"rows of a record have {sizes} bytes, expected {expected} as the recording states"
+            )
+
+    def metadata(self) -> dict[str, str]:
+        """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
+        return {
+            name: json.dumps([list(field) for field in rows.descr])
+            for name, rows in vars(self).items()
+        }
+
+    @classmethod
+    def from_metadata(cls, metadata: Mapping[str, str]) -> Self:
+        """Layout that a channel states.
+
+        Raises
+        ------
+        InputError
+            If it states none that can be used.
+        """
+        names = [each.name for each in fields(cls)]
+        try:
+            return cls(*(_dtype_of(metadata[name]) for name in names))
+        except (KeyError, TypeError, ValueError, RecursionError) as error:
+            raise InputError(
+                f"the channel states {dict(metadata)!r:.200}, expected the fields of "
+                f"{', '.join(names)} as JSON: {error}"
+            ) from error
+
+
+@dataclass(frozen=True)
+class CycleLayout(RowLayout):
     """Fields of the rows within a cycle's record.
 
     Parameters
     ----------
     contact, patch : dtype
-        Structured, of plain numbers and arrays of them, without gaps.
     """
 
     contact: np.dtype[Any]
     patch: np.dtype[Any]
-
-    def __post_init__(self) -> None:
-        for name, rows in (("contact", self.contact), ("patch", self.patch)):
-            if not is_plain(rows):
-                raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
 
     def encode(self, cycle: Cycle) -> bytes:
         """Record of a cycle; `decode` gives the same back.
@@ -140,30 +185,12 @@ class CycleLayout:
         InputError
             If its rows are of other fields.
         """
-        if cycle.contacts.dtype != self.contact or cycle.patches.dtype != self.patch:
-            raise InputError(
-                f"rows are {cycle.contacts.dtype} and {cycle.patches.dtype}, expected "
-                f"{self.contact} and {self.patch}: those that the recording began with"
-            )
+        self.check(cycle.contacts, cycle.patches)
         head = CYCLE_HEAD.pack(
-            VERSION,
-            CYCLE_HEAD.size,
-            int(cycle.flags),
-            cycle.number,
-            cycle.due_ns,
-            cycle.wake_ns,
-            cycle.acquired_ns,
-            cycle.done_ns,
-            cycle.wall_ns,
-            cycle.log_position,
-            0,
-            0,
-            len(cycle.contacts),
-            self.contact.itemsize,
-            len(cycle.patches),
-            self.patch.itemsize,
-            0,
-        )
+            VERSION, CYCLE_HEAD.size, int(cycle.flags), cycle.number, cycle.due_ns, cycle.wake_ns,
+            cycle.acquired_ns, cycle.done_ns, cycle.wall_ns, cycle.log_position, 0, 0,
+            len(cycle.contacts), self.contact.itemsize, len(cycle.patches), self.patch.itemsize, 0,
+        )  # fmt: skip
         return b"".join((head, cycle.contacts.tobytes(), cycle.patches.tobytes()))
 
     def decode(self, data: bytes | memoryview) -> Cycle:
@@ -174,68 +201,26 @@ class CycleLayout:
         InputError
             If it is of another version or layout, or its length is not what its head says.
         """
-        if len(data) < CYCLE_HEAD.size:
+        size, flags, *numbers = _head_of("cycle", CYCLE_HEAD, data)
+        rows, columns, contacts, contact_bytes, patches, patch_bytes, _ = numbers[7:]
+        self.check_sizes((contact_bytes, patch_bytes))
+        size += 8 * rows * columns
+        _check_length("cycle", data, size + contacts * contact_bytes + patches * patch_bytes)
+        if max(rows, columns, contacts, patches) > MOST:
             raise InputError(
-                f"a cycle's record has {len(data)} bytes, expected {CYCLE_HEAD.size} or more"
+                f"a cycle's record has {contacts} contacts and {patches} patches, expected at most "
+                f"{MOST}: it is damaged"
             )
-        numbers: tuple[int, ...] = CYCLE_HEAD.unpack_from(data)
-        version, head, flags = numbers[:3]
-        times = numbers[3:10]
-        rows, columns, contacts, contact_bytes, patches, patch_bytes, _ = numbers[10:]
-        if version != VERSION:
-            raise InputError(
-                f"a cycle's record is of version {version}, expected {VERSION}: it is damaged, or "
-                "of a newer program"
-            )
-        if (contact_bytes, patch_bytes) != (self.contact.itemsize, self.patch.itemsize):
-            raise InputError(
-                f"rows of a cycle have {contact_bytes} and {patch_bytes} bytes, expected "
-                f"{self.contact.itemsize} and {self.patch.itemsize} as the recording states"
-            )
-        sizes = (8 * rows * columns, contacts * contact_bytes, patches * patch_bytes)
-        if max(rows, columns, contacts, patches) > MOST or head + sum(sizes) != len(data):
-            raise InputError(
-                f"a cycle's record has {len(data)} bytes, expected {head + sum(sizes)} as its head "
-                "says: it is damaged"
-            )
-        at = head + sizes[0]
-        contact_rows = np.frombuffer(data, self.contact, contacts, at)
-        patch_rows = np.frombuffer(data, self.patch, patches, at + sizes[1])
-        number, due, wake, acquired, done, wall, position = times
+        cut = _Cutter(data, size)
+        found = cut.next(self.contact, contacts), cut.next(self.patch, patches)
+        number, due, wake, acquired, done, wall, position = numbers[:7]
         return Cycle(
-            number, CycleFlag(flags), due, wake, acquired, done, wall, position,
-            contact_rows, patch_rows,
+            number, CycleFlag(flags), due, wake, acquired, done, wall, position, *found
         )  # fmt: skip
 
-    def metadata(self) -> dict[str, str]:
-        """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
-        return {"contact": fields_text(self.contact), "patch": fields_text(self.patch)}
 
-    @classmethod
-    def from_metadata(cls, metadata: Mapping[str, str]) -> "CycleLayout":
-        """Layout that a channel states.
-
-        Raises
-        ------
-        InputError
-            If it states none that can be used.
-        """
-        try:
-            return cls(*(fields_of(metadata[name]) for name in ("contact", "patch")))
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
-            raise InputError(
-                f"the channel states {dict(metadata)!r:.200}, expected the fields of contact and "
-                f"patch as JSON: {error}"
-            ) from error
-
-
-def fields_text(rows: np.dtype[Any]) -> str:
-    """Fields of rows as JSON, for a channel's metadata."""
-    return json.dumps([list(field) for field in rows.descr])
-
-
-def fields_of(text: str) -> np.dtype[Any]:
-    """What `fields_text` made; raises ValueError and TypeError for anything else."""
+def _dtype_of(text: str) -> np.dtype[Any]:
+    """Of a channel's metadata; raises ValueError and TypeError for anything but plain fields."""
     fields = []
     for name, kind, *shape in json.loads(text):
         if not isinstance(kind, str) or np.dtype(kind).kind not in "iuf" or len(shape) > 1:
@@ -254,6 +239,44 @@ def is_plain(rows: np.dtype[Any]) -> bool:
         and all(name and rows[name].base.kind in "iuf" for name in rows.names)
         and sum(rows[name].itemsize for name in rows.names) == rows.itemsize
     )
+
+
+def _head_of(what: str, head: Struct, data: bytes | memoryview) -> tuple[int, ...]:
+    """Numbers of a record's head behind its version; raises InputError."""
+    if len(data) < head.size:
+        raise InputError(f"a {what}'s record has {len(data)} bytes, expected {head.size} or more")
+    version, size, *numbers = head.unpack_from(data)
+    if version != VERSION:
+        raise InputError(
+            f"a {what}'s record is of version {version}, expected {VERSION}: it is damaged, or "
+            "of a newer program"
+        )
+    if size < head.size:
+        raise InputError(
+            f"a {what}'s record has a head of {size} bytes, expected {head.size} or more: it is "
+            "damaged"
+        )
+    return (size, *numbers)
+
+
+def _check_length(what: str, data: bytes | memoryview, size: int) -> None:
+    if len(data) != size:
+        raise InputError(
+            f"a {what}'s record has {len(data)} bytes, expected {size} as its head says: it is "
+            "damaged"
+        )
+
+
+class _Cutter:
+    """Arrays of a message, one after the other, from byte `at` on."""
+
+    def __init__(self, data: bytes | memoryview, at: int) -> None:
+        self._data, self._at = data, at
+
+    def next(self, kind: Any, count: int) -> NDArray[Any]:
+        found = np.frombuffer(self._data, kind, count, self._at)
+        self._at += found.nbytes
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -349,23 +372,8 @@ class FieldRecord:
             If it is of another version, its length is not what its head says, or its parts do not
             go together.
         """
-        if len(data) < FIELD_HEAD.size:
-            raise InputError(
-                f"a field's record has {len(data)} bytes, expected {FIELD_HEAD.size} or more"
-            )
-        numbers: tuple[int, ...] = FIELD_HEAD.unpack_from(data)
-        version, head, patches, time_ns, number, taxels, grid, nodes, _ = numbers
-        if version != VERSION:
-            raise InputError(
-                f"a field's record is of version {version}, expected {VERSION}: it is damaged, or "
-                "of a newer program"
-            )
-        size = head + 8 * patches + 8 * nodes + 9 * taxels
-        if grid > MOST_NODES or head < FIELD_HEAD.size or size != len(data):
-            raise InputError(
-                f"a field's record has {len(data)} bytes, expected {size} as its head says: it is "
-                "damaged"
-            )
+        head, patches, time_ns, number, taxels, grid, nodes, _ = _head_of("field", FIELD_HEAD, data)
+        _check_length("field", data, head + 8 * patches + 8 * nodes + 9 * taxels)
         cut = _Cutter(data, head)
         record = cls(
             time_ns, number, grid,
@@ -376,7 +384,8 @@ class FieldRecord:
         limits = record.sides.astype(np.int64) ** 2
         pressed = record.pressed.astype(np.int64)
         if (
-            pressed.sum() != nodes
+            grid > MOST_NODES
+            or pressed.sum() != nodes
             or (record.sides > MOST_SIDE).any()
             or (limits > grid).any()
             or (record.nodes >= np.repeat(limits, pressed)).any()
@@ -448,14 +457,13 @@ class FitRecord:
 
 
 @dataclass(frozen=True)
-class FitLayout:
+class FitLayout(RowLayout):
     """Fields of the rows within a fit's record.
 
     Parameters
     ----------
     patch, contact, form : dtype
-        Structured, of plain numbers and arrays of them, without gaps; `patch` with the integer
-        field `contacts`.
+        `patch` with the integer field `contacts`.
     """
 
     patch: np.dtype[Any]
@@ -463,9 +471,7 @@ class FitLayout:
     form: np.dtype[Any]
 
     def __post_init__(self) -> None:
-        for name, rows in vars(self).items():
-            if not is_plain(rows):
-                raise InputError(f"{name} is {rows}, expected a structured dtype of plain numbers")
+        super().__post_init__()
         counted = "contacts" in (self.patch.names or ()) and self.patch["contacts"].kind in "iu"
         if not counted:
             raise InputError(f"patch is {self.patch}, expected an integer field `contacts` in it")
@@ -479,28 +485,14 @@ class FitLayout:
             If its rows are of other fields, or its parts do not go together.
         """
         rows = (record.patches, record.contacts, record.forms)
-        kinds = (self.patch, self.contact, self.form)
-        if tuple(part.dtype for part in rows) != kinds:
-            raise InputError(
-                f"rows are {[part.dtype for part in rows]}, expected {list(kinds)}: those that the "
-                "recording began with"
-            )
+        self.check(*rows)
         _check(record)
+        sizes = record.sizes
         head = FIT_HEAD.pack(
-            VERSION,
-            FIT_HEAD.size,
-            record.sizes.patches,
-            record.time_ns,
-            record.number,
-            record.sizes.nodes,
-            record.sizes.rows,
-            len(record.patches),
-            self.patch.itemsize,
-            len(record.contacts),
-            self.contact.itemsize,
-            self.form.itemsize,
-            len(record.nodes),
-        )
+            VERSION, FIT_HEAD.size, sizes.patches, record.time_ns, record.number, sizes.nodes,
+            sizes.rows, len(record.patches), self.patch.itemsize, len(record.contacts),
+            self.contact.itemsize, self.form.itemsize, len(record.nodes),
+        )  # fmt: skip
         words = (np.asarray(each, "<u4") for each in (record.places, record.pressed))
         field = (np.asarray(record.nodes, "<u4"), np.asarray(record.pressure, "<f4"))
         return b"".join((head, *(each.tobytes() for each in (*words, *rows, *field))))
@@ -514,75 +506,20 @@ class FitLayout:
             If it is of another version or layout, its length is not what its head says, or its
             parts do not go together.
         """
-        if len(data) < FIT_HEAD.size:
-            raise InputError(
-                f"a fit's record has {len(data)} bytes, expected {FIT_HEAD.size} or more"
-            )
-        numbers: tuple[int, ...] = FIT_HEAD.unpack_from(data)
-        version, head, whole, time_ns, number, grid, most = numbers[:7]
-        patches, patch_bytes, contacts, contact_bytes, form_bytes, nodes = numbers[7:]
-        if version != VERSION:
-            raise InputError(
-                f"a fit's record is of version {version}, expected {VERSION}: it is damaged, or "
-                "of a newer program"
-            )
-        said = (patch_bytes, contact_bytes, form_bytes)
-        stated = (self.patch.itemsize, self.contact.itemsize, self.form.itemsize)
-        if said != stated:
-            raise InputError(
-                f"rows of a fit's record have {said} bytes, expected {stated} as the recording "
-                "states"
-            )
+        head, whole, time_ns, number, grid, most, *counts = _head_of("fit", FIT_HEAD, data)
+        patches, patch_bytes, contacts, contact_bytes, form_bytes, nodes = counts
+        self.check_sizes((patch_bytes, contact_bytes, form_bytes))
         size = head + patches * (8 + patch_bytes) + contacts * (contact_bytes + form_bytes)
-        size += 8 * nodes
-        if head < FIT_HEAD.size or size != len(data):
-            raise InputError(
-                f"a fit's record has {len(data)} bytes, expected {size} as its head says: it is "
-                "damaged"
-            )
+        _check_length("fit", data, size + 8 * nodes)
         cut = _Cutter(data, head)
-        places, pressed = cut.next("<u4", patches), cut.next("<u4", patches)
-        rows = cut.next(self.patch, patches)
-        found = cut.next(self.contact, contacts), cut.next(self.form, contacts)
         record = FitRecord(
-            time_ns, number, FitSizes(whole, grid, most), places, pressed, rows, *found,
+            time_ns, number, FitSizes(whole, grid, most),
+            cut.next("<u4", patches), cut.next("<u4", patches), cut.next(self.patch, patches),
+            cut.next(self.contact, contacts), cut.next(self.form, contacts),
             cut.next("<u4", nodes), cut.next("<f4", nodes),
         )  # fmt: skip
         _check(record)
         return record
-
-    def metadata(self) -> dict[str, str]:
-        """For the channel: fields as JSON, ``[[name, type], ...]`` or ``[name, type, shape]``."""
-        return {name: fields_text(rows) for name, rows in vars(self).items()}
-
-    @classmethod
-    def from_metadata(cls, metadata: Mapping[str, str]) -> "FitLayout":
-        """Layout that a channel states.
-
-        Raises
-        ------
-        InputError
-            If it states none that can be used.
-        """
-        try:
-            return cls(*(fields_of(metadata[name]) for name in ("patch", "contact", "form")))
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
-            raise InputError(
-                f"the channel {FITS} states {dict(metadata)!r:.200}, expected the fields of patch, "
-                f"contact and form as JSON: {error}"
-            ) from error
-
-
-class _Cutter:
-    """Arrays of a message, one after the other."""
-
-    def __init__(self, data: bytes | memoryview, at: int) -> None:
-        self._data, self._at = data, at
-
-    def next(self, kind: Any, count: int) -> NDArray[Any]:
-        found = np.frombuffer(self._data, kind, count, self._at)
-        self._at += found.nbytes
-        return found
 
 
 def _check(record: FitRecord) -> None:

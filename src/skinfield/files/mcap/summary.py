@@ -1,7 +1,8 @@
-"""What a live recording holds, in numbers: one pass over it."""
+"""Summary of a live recording, in numbers: one pass over it."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 from skinfield.errors import FileError, InputError
 from skinfield.files.mcap.live import LiveRecording
 from skinfield.files.mcap.reader import Scan, port_of, ports_of
-from skinfield.files.mcap.records import Damaged, Op, chunk_size, open_file
 from skinfield.files.mcap.schema import BLOCKS, CYCLES, FIELDS, FITS, Cycle, CycleFlag
 
 Progress = Callable[[int, int], None]
@@ -33,32 +33,32 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         If the file cannot be read any more.
     """
     blocks, cycles = _Blocks(recording), _Cycles()
-    times: list[int] = []
+    first, last = 1 << 63, 0
     sizes = {FIELDS: {"messages": 0, "bytes": 0}, FITS: {"answers": 0, "bytes": 0}}
     for topic, at, message in recording.messages():
-        times = [min(times[0], message.time_ns), max(times[1], message.time_ns)] if times else (
-            [message.time_ns] * 2
-        )  # fmt: skip
+        first, last = min(first, message.time_ns), max(last, message.time_ns)
         if topic == BLOCKS:
             blocks.add(at, message)
-        elif topic == CYCLES and (cycle := _cycle_of(recording, at, message)) is not None:
-            cycles.add(cycle)
+        elif topic == CYCLES:
+            with suppress(FileError):  # its layout is damaged, which the message about cycles says
+                if (cycle := recording.cycle_of(at, message.data)) is not None:
+                    cycles.add(cycle)
         elif topic in sizes:
             its = sizes[topic]
             its["answers" if topic == FITS else "messages"] += 1
             its["bytes"] += len(message.data)
         if progress is not None:
             progress(at, recording.outline.size)
-    seconds = (times[1] - times[0]) * 1e-9 if times else 0.0
+    seconds = max(last - first, 0) * 1e-9
     events = list(recording.events())
     return {
         "path": str(recording.path),
         "finished": recording.finished,
         "bytes": recording.outline.size,
-        "began_ns": times[0] if times else None,
+        "began_ns": first if last else None,
         "seconds": seconds,
         **_skin_of(recording),
-        "patches": blocks.patches(seconds),
+        "patches": list(blocks.patches(seconds)),
         "readings": {"bytes": blocks.bytes, "missing_bytes": blocks.missing},
         **cycles.summary(seconds),
         "fields": sizes[FIELDS],
@@ -68,16 +68,8 @@ def summary_of(recording: LiveRecording, progress: Progress | None = None) -> di
         "events": dict(Counter(str(event.get("kind")) for event in events)),
         "last_events": events[-SHOWN:],
         "attachments": {name: len(each.data) for name, each in recording.attached.items()},
-        "chunks": _chunks(recording),
         "damage": [{"byte": each.byte, "why": each.why} for each in recording.damage[:SHOWN]],
     }
-
-
-def _cycle_of(recording: LiveRecording, at: int, message: Any) -> Cycle | None:
-    try:
-        return recording.cycle_of(at, message)
-    except FileError:  # its layout is damaged, which the message about cycles says
-        return None
 
 
 def _lost(events: list[dict[str, Any]]) -> dict[str, int]:
@@ -102,25 +94,6 @@ def _skin_of(recording: LiveRecording) -> dict[str, Any]:
     except FileError:
         return {"skin": None, "taxels": None}
     return {"skin": skin.name, "taxels": sum(map(len, skin))}
-
-
-def _chunks(recording: LiveRecording) -> dict[str, Any]:
-    count, packed, unpacked, names = 0, 0, 0, set()
-    with open_file(recording.path) as file:
-        for record in recording.outline.records:
-            if record.opcode == Op.CHUNK:
-                try:
-                    size = chunk_size(file, record)
-                except Damaged:
-                    continue
-                count, packed, unpacked = count + 1, packed + size.packed, unpacked + size.unpacked
-                names.add(size.compression or "none")
-    return {
-        "count": count,
-        "compression": ", ".join(sorted(names)),
-        "packed_bytes": packed,
-        "unpacked_bytes": unpacked,
-    }
 
 
 class _Blocks:
@@ -153,22 +126,13 @@ class _Blocks:
         for name, _, scan in self._scans:
             self._rows[name] += sum(len(stamps) for stamps, _ in scan.feed(logged.data))
 
-    def patches(self, seconds: float) -> list[dict[str, Any]]:
+    def patches(self, seconds: float) -> Iterator[dict[str, Any]]:
         """Readings and rates."""
-        return list(self._patches(seconds))
-
-    def _patches(self, seconds: float) -> Iterator[dict[str, Any]]:
         for name, taxels, scan in self._scans:
             self._rows[name] += sum(len(stamps) for stamps, _ in scan.finish())
             count = self._rows[name]
             rate = count / seconds if seconds > 0 else None
             yield {"name": name, "taxels": taxels, "readings": count, "rate": rate}
-
-
-def is_answered(cycle: Cycle) -> bool:
-    """Whether the engine answered any patch by then; True where the rows do not say."""
-    named = "answered_ns" in (cycle.patches.dtype.names or ())
-    return not named or bool(cycle.patches["answered_ns"].any())
 
 
 @dataclass
@@ -191,7 +155,8 @@ class _Cycles:
             self.first = cycle.number
         self.last = cycle.number
         self.count += 1
-        if is_answered(cycle):  # an engine that starts has other times than later
+        rows = cycle.patches  # an engine that starts has other times than later
+        if "answered_ns" not in (rows.dtype.names or ()) or rows["answered_ns"].any():
             self.wake.append(cycle.wake_ns - cycle.due_ns)
             self.ready.append(cycle.done_ns - cycle.wake_ns)
         for flag in CycleFlag:

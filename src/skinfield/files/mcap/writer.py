@@ -1,9 +1,9 @@
 """Writer of recordings of a live skin: one MCAP file that holds all that a reader needs."""
 
 import json
-import math
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -17,12 +17,10 @@ from skinfield.files.mcap.container import (
     Compression,
     Container,
     FileOutput,
-    Output,
 )
 from skinfield.files.mcap.schema import (
     BLOCKS,
     CALIBRATION,
-    CONFIGURATION,
     CYCLES,
     DESCRIPTION,
     EVENTS,
@@ -37,7 +35,7 @@ from skinfield.files.mcap.schema import (
     FitLayout,
 )
 from skinfield.files.mcap.schema import __doc__ as _RECORDED
-from skinfield.files.mcap.views import ViewMessage, Views
+from skinfield.files.summary import plain_json
 from skinfield.signal import Calibration
 from skinfield.signal.block import __doc__ as _BLOCKS
 from skinfield.skin import Skin
@@ -113,47 +111,26 @@ The fields of a patch, a contact and a form are in the channel's metadata as JSO
 """
 
 
-def _object(title: str, **properties: object) -> bytes:
+def _object(title: str, **kinds: str) -> tuple[str, str, bytes]:
+    """Schema of messages that are JSON."""
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,
         "type": "object",
-        "properties": properties,
+        "properties": {name: {"type": kind} for name, kind in kinds.items()},
     }
-    return json.dumps(schema).encode()
+    return title, "jsonschema", json.dumps(schema).encode()
 
 
-_QUANTILES = {
-    "type": "object",
-    "properties": {key: {"type": "number"} for key in ("p50", "p99", "p999", "max")},
-}
 BLOCKS_SCHEMA = ("skinfield.Blocks", TEXT, f"{_RECORDED}\n{_BLOCKS}\n{_KINDS}".encode())
 CYCLE_SCHEMA = ("skinfield.Cycle", TEXT, _CYCLE.encode())
 FIELD_SCHEMA = ("skinfield.Field", TEXT, f"{_FIELD_HEAD}\n{_MORE}".encode())
 FIT_SCHEMA = ("skinfield.Fit", TEXT, f"{_FIT_HEAD}\n{_MORE}".encode())
-TIMING_SCHEMA = (
-    "skinfield.Timing",
-    "jsonschema",
-    _object(
-        "skinfield.Timing",
-        wall_ns={"type": "integer"},
-        cycles={"type": "integer"},
-        late={"type": "integer"},
-        wake_us=_QUANTILES,
-        latency_us=_QUANTILES,
-        counters={"type": "object"},
-    ),
-)
-EVENT_SCHEMA = (
-    "skinfield.Event",
-    "jsonschema",
-    _object(
-        "skinfield.Event",
-        wall_ns={"type": "integer"},
-        kind={"type": "string"},
-        text={"type": "string"},
-    ),
-)
+TIMING_SCHEMA = _object(
+    "skinfield.Timing", wall_ns="integer", cycles="integer", late="integer", wake_us="object",
+    latency_us="object", counters="array",
+)  # fmt: skip
+EVENT_SCHEMA = _object("skinfield.Event", wall_ns="integer", kind="string", text="string")
 
 
 @dataclass(frozen=True)
@@ -192,10 +169,8 @@ class RecordingWriter:
     fit : FitLayout, optional
         Of the rows of contacts that are fitted beside the engine; `write_fit` writes them.
     settings : RecordingSettings
-    output : Output, optional
+    output : FileOutput, optional
         Instead of a file of this path.
-    views : sequence of Views
-        Channels for programs that do not know skinfield; `show` writes them.
 
     Raises
     ------
@@ -217,39 +192,29 @@ class RecordingWriter:
         layout: CycleLayout,
         fit: FitLayout | None = None,
         settings: RecordingSettings | None = None,
-        output: Output | None = None,
-        views: Sequence[Views] = (),
+        output: FileOutput | None = None,
     ) -> None:
         self.path = Path(path)
-        self.layout = layout
         settings = settings or RecordingSettings()
         self._output = output or FileOutput(self.path, overwrite=settings.overwrite)
-        profile = next((each.profile for each in views if each.profile), PROFILE)
         library = f"skinfield {version('skinfield')}"
         self.container = Container(
-            self._output, settings.compression, settings.chunk_bytes, profile, library
+            self._output, settings.compression, settings.chunk_bytes, PROFILE, library
         )
-        add = self.container.add_channel
-        # Readers of ROS 2 bags refuse files with a schema whose language they do not know.
-        schema_of = _untyped if profile != PROFILE else _as_is
-        self._blocks = add(BLOCKS, "x-skinfield-blocks", schema_of(BLOCKS_SCHEMA))
-        self._cycles = add(
-            CYCLES, "x-skinfield-cycle", schema_of(CYCLE_SCHEMA), self.layout.metadata()
-        )
-        self._fields = add(FIELDS, "x-skinfield-field", schema_of(FIELD_SCHEMA))
-        self._timing = add(TIMING, "json", schema_of(TIMING_SCHEMA))
-        self._events = add(EVENTS, "json", schema_of(EVENT_SCHEMA))
-        self._fit: int | None = None
-        if fit is not None:
-            self._fit = add(FITS, "x-skinfield-fit", schema_of(FIT_SCHEMA), fit.metadata())
-        shown = [channel for each in views for channel in each.channels()]
-        self._views = {each.topic: add(*each) for each in shown}
+
+        def add(topic: str, kind: str, schema: tuple[str, str, bytes], rows: Any = None) -> int:
+            return self.container.add_channel(topic, kind, schema, rows and rows.metadata())
+
+        self._blocks = add(BLOCKS, "x-skinfield-blocks", BLOCKS_SCHEMA)
+        self._cycles = add(CYCLES, "x-skinfield-cycle", CYCLE_SCHEMA, layout)
+        self._fields = add(FIELDS, "x-skinfield-field", FIELD_SCHEMA)
+        self._timing = add(TIMING, "json", TIMING_SCHEMA)
+        self._events = add(EVENTS, "json", EVENT_SCHEMA)
+        self._fit = None if fit is None else add(FITS, "x-skinfield-fit", FIT_SCHEMA, fit)
+        self._numbers: Counter[int] = Counter()
         self.open = True
         for each in enclosed:
             self.enclose(time.time_ns(), each)
-        own = [self._blocks, self._cycles, self._fields, self._timing, self._events]
-        own += [] if self._fit is None else [self._fit]
-        self._numbers = dict.fromkeys((*own, *self._views.values()), 0)
         self.flush()
 
     @property
@@ -298,10 +263,6 @@ class RecordingWriter:
     def timing(self, time_ns: int, values: Mapping[str, Any]) -> None:
         """Add what was measured of the last second; raises as `write_blocks`."""
         self._add(self._timing, time_ns, _json({"wall_ns": time_ns, **values}))
-
-    def show(self, message: ViewMessage) -> None:
-        """Add a message of one of `views`; raises as `write_blocks`."""
-        self._add(self._views[message.topic], message.time_ns, message.data)
 
     def enclose(self, time_ns: int, enclosed: Enclosed) -> None:
         """Add a small file."""
@@ -379,41 +340,16 @@ class RecordingWriter:
         )
 
 
-def _untyped(schema: tuple[str, str, bytes]) -> tuple[str, str, bytes]:
-    name, _, text = schema
-    return name, "", text
-
-
-def _as_is(schema: tuple[str, str, bytes]) -> tuple[str, str, bytes]:
-    return schema
-
-
 def _json(value: Mapping[str, Any]) -> bytes:
-    return json.dumps(_plain(value), separators=(",", ":")).encode()
-
-
-def _plain(value: Any) -> Any:
-    """What JSON can hold; null for a number that is not finite, as JSON has none."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if hasattr(value, "tolist"):  # NumPy's
-        return _plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, str | int):
-        return value
-    raise InputError(f"{value!r} cannot be written as JSON, expected numbers and texts")
+    return json.dumps(plain_json(value, "event"), separators=(",", ":")).encode()
 
 
 def enclosures(
     skin: Skin | None = None,
     calibrations: Mapping[str, Calibration] | None = None,
-    configuration: Mapping[str, Any] | None = None,
     description: Mapping[str, Any] | None = None,
-) -> tuple[Enclosed, ...]:
-    """Layout, calibrations and configuration as the files that a recording encloses.
+) -> Iterator[Enclosed]:
+    """Layout, calibrations and the ring's description as the files that a recording encloses.
 
     Parameters
     ----------
@@ -421,20 +357,9 @@ def enclosures(
         As skinfield's own NPZ layout: nothing of it is lost.
     calibrations : mapping of str to Calibration, optional
         By patch.
-    configuration : mapping, optional
-        How the engine was run, as JSON can hold it.
     description : mapping, optional
-        Of the ring, likewise.
+        Of the ring, as JSON can hold it.
     """
-    return tuple(_enclosed(skin, calibrations or {}, configuration, description))
-
-
-def _enclosed(
-    skin: Skin | None,
-    calibrations: Mapping[str, Calibration],
-    configuration: Mapping[str, Any] | None,
-    description: Mapping[str, Any] | None,
-) -> Iterator[Enclosed]:
     from skinfield.files.layouts import own_npz
     from skinfield.signal import save_calibration
 
@@ -443,9 +368,8 @@ def _enclosed(
         if skin is not None:
             own_npz.write(skin, path)
             yield Enclosed(LAYOUT, NPZ, path.read_bytes())
-        for patch, calibration in calibrations.items():
+        for patch, calibration in (calibrations or {}).items():
             save_calibration(calibration, path)
             yield Enclosed(CALIBRATION.format(patch=patch), NPZ, path.read_bytes())
-    for name, value in ((CONFIGURATION, configuration), (DESCRIPTION, description)):
-        if value is not None:
-            yield Enclosed(name, JSON, json.dumps(value, indent=1).encode())
+    if description is not None:
+        yield Enclosed(DESCRIPTION, JSON, json.dumps(description, indent=1).encode())

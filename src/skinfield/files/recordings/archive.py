@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.files.recordings.columns import chosen
-from skinfield.files.recordings.head import Head
+from skinfield.files.recordings.head import Head, chosen
 from skinfield.files.recordings.lines import Progress
 from skinfield.files.recordings.stamp import order_notes
 from skinfield.files.recordings.stream import Missing

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats
-from skinfield.files.recordings.columns import chosen
 from skinfield.files.recordings.cyskin_text import repeats, uids_from_text
-from skinfield.files.recordings.head import Head, is_whole, usual_decimals, usual_width
+from skinfield.files.recordings.head import Head, chosen, is_whole, usual_decimals, usual_width
 from skinfield.files.recordings.lines import Block, Grammar, Tally
 from skinfield.files.recordings.stream import Check, Contents
 

@@ -11,8 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError
-from skinfield.files.recordings.columns import chosen
-from skinfield.files.recordings.head import Head, is_number, is_whole, usual_decimals, usual_width
+from skinfield.files.recordings.head import (
+    Head,
+    chosen,
+    is_number,
+    is_whole,
+    usual_decimals,
+    usual_width,
+)
 from skinfield.files.recordings.lines import Grammar
 from skinfield.files.recordings.stream import Contents
 

@@ -1,4 +1,4 @@
-"""From the columns of a recording to the taxels of a patch."""
+"""Matching of a recording's columns with the taxels of a patch."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What a file is that is no recording, so that the message can say it."""
+"""Diagnosis of files that are no recordings, for the error message."""
 
 import re
 

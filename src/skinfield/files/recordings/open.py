@@ -62,12 +62,8 @@ def open_recording(
     InputError
         If `columns` names one that is not there.
     """
-    head = read_head(_file(Path(path)))
-    if archive.matches(head):
-        return archive.read(head, columns, progress)
-    if mcap.matches(head):
-        return mcap.read(head, columns, progress)
-    return collected(RecordingStream(_contents(head, columns), progress))
+    found = stream_recording(path, columns=columns, progress=progress)
+    return found if isinstance(found, Recording) else collected(found)
 
 
 def stream_recording(

@@ -1,6 +1,5 @@
-"""Times as they are written, to whole nanoseconds."""
+"""Time stamps of text recordings, to whole nanoseconds."""
 
-from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,27 +41,22 @@ class WholeSeconds:
     """
 
     possible: bool = True
-    steps: Counter[int] = field(default_factory=Counter)
+    steps: int = 0
+    short: int = 0  # of these, below 5 s
     last: int | None = None
 
     def add(self, stamp_ns: NDArray[np.int64]) -> None:
         """Look at some more stamps."""
-        if not self.possible or (stamp_ns % SECOND).any():
-            self.possible = False
-            self.steps.clear()
-            return
+        self.possible = self.possible and not (stamp_ns % SECOND).any()
         known = stamp_ns if self.last is None else np.concatenate([[self.last], stamp_ns])
-        self.steps.update(np.diff(known).tolist())
+        steps = np.diff(known)
+        self.steps, self.short = self.steps + len(steps), self.short + int((steps < 5e9).sum())
         self.last = int(stamp_ns[-1])
 
     @property
     def are_milliseconds(self) -> bool:
         """Whether all stamps are whole seconds that mostly step by 5 or more."""
-        count, below = self.steps.total(), 0
-        if not self.possible or not count:
-            return False
-        below = sum(times for step, times in self.steps.items() if step < 5 * SECOND)
-        return 2 * below < count
+        return self.possible and self.steps > 0 and 2 * self.short < self.steps
 
 
 @dataclass

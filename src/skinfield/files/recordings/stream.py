@@ -1,9 +1,10 @@
-"""A text recording block by block: memory does not grow with the length of the file."""
+"""Stream of a text recording, block by block: memory does not grow with the length of the file."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,16 +130,28 @@ class RecordingStream:
         self.notes = tuple(said)
 
 
-def collected(stream: RecordingStream) -> Recording:
+class Stream(Protocol):
+    """Blocks of a recording; the rest is complete once they are exhausted."""
+
+    notes: tuple[str, ...]
+    skipped: int
+    divisor: int
+
+    def blocks(self) -> Iterator[Recording]:
+        """Recordings of some thousand readings each, once; one or more."""
+        ...
+
+
+def collected(stream: Stream) -> Recording:
     """All of a stream in memory."""
-    parts = [(block.stamp_ns, block.counts) for block in stream.blocks()]
-    what = stream.contents
-    stamps = np.concatenate([part[0] for part in parts])
-    counts = np.concatenate([part[1] for part in parts])
-    return Recording(
-        stamps // stream.divisor, counts, what.uid, what.unit, what.source, stream.notes,
-        stream.skipped,
-    )  # fmt: skip
+    parts = list(stream.blocks())
+    return replace(
+        parts[0],
+        stamp_ns=np.concatenate([part.stamp_ns for part in parts]) // stream.divisor,
+        counts=np.concatenate([part.counts for part in parts]),
+        notes=stream.notes,
+        skipped=stream.skipped,
+    )
 
 
 @dataclass

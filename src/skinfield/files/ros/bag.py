@@ -12,7 +12,7 @@ import numpy as np
 from skinfield.errors import FileError, Floats, Ints
 from skinfield.files.live_export import LiveExport, Rows
 from skinfield.files.pending import explained, pending
-from skinfield.files.ros.kinds import CLOUD, TIME, RosbagKinds
+from skinfield.files.ros.kinds import TIME, RosbagKinds
 from skinfield.files.ros.messages import Outgoing, SkinMessages, of_contacts
 from skinfield.files.ros.names import Topics
 from skinfield.skin import Patch, Skin
@@ -117,18 +117,9 @@ class BagExport(LiveExport):
             )
             self._put(Outgoing("/rosout", LOG, wall_ns, message))
 
-    def taxels_of(self, place: int) -> str:
-        """Topic of what a patch's taxels read."""
-        return self._make.topics.of_patch(place, "taxels")
-
-    def add_taxels(self, topic: str, stamp_ns: int, data: bytes) -> bool:
-        """Add a PointCloud2 that was recorded, unchanged; False if it is none."""
-        try:
-            self._kinds.store.deserialize_cdr(data, CLOUD)
-        except Exception:  # whatever its bytes make of it
-            return False
-        self._write(topic, CLOUD, stamp_ns, data)
-        return True
+    def add_taxels(self, place: int, stamp_ns: int, values: Floats) -> None:
+        """Add what the taxels (L,) of a patch read, in the quantity's unit; NaN where invalid."""
+        self._put(self._make.taxels(place, stamp_ns, values))
 
     def close(self) -> None:
         """Finish, and give the bag its name."""
@@ -145,10 +136,7 @@ class BagExport(LiveExport):
         shutil.rmtree(self._place.part, ignore_errors=True)
 
     def _put(self, out: Outgoing) -> None:
-        data = self._kinds.bytes_of(out.kind, out.message)
-        self._write(out.topic, out.kind, out.stamp_ns, data)
-
-    def _write(self, topic: str, kind: str, stamp_ns: int, data: bytes) -> None:
+        data, topic, kind = self._kinds.bytes_of(out.kind, out.message), out.topic, out.kind
         with explained(self._place.target):
             if topic not in self._connections:
                 self._connections[topic] = self._writer.add_connection(
@@ -157,7 +145,7 @@ class BagExport(LiveExport):
                     msgdef=self._kinds.text_of(kind),
                     rihs01=self._kinds.hash_of(kind),
                 )
-            self._writer.write(self._connections[topic], stamp_ns, data)
+            self._writer.write(self._connections[topic], out.stamp_ns, data)
 
     def _put_cycle(self, patches: Rows, contacts: Rows) -> None:
         patches = patches[list(self._patches)]

@@ -1,4 +1,4 @@
-"""The classes of messages: those of rosbags here, those of rclpy where ROS runs."""
+"""Classes of ROS 2 messages: those of rosbags here, those of rclpy where ROS runs."""
 
 from functools import cached_property
 from importlib.resources import files

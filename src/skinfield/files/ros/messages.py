@@ -1,4 +1,4 @@
-"""What a skin feels, as messages of ROS 2.
+"""Messages of ROS 2 that say what a skin feels.
 
 Forces are those on the skin: a contact's points into it, against the outward normal.
 """
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from skinfield.errors import Floats
 from skinfield.files.ros import kinds as K
@@ -109,25 +110,17 @@ class SkinMessages:
         )
         return Outgoing(self.topics.of_patch(place, what), K.CLOUD, stamp_ns, message)
 
-    def wrench(self, place: int, stamp_ns: int, positions: Floats, forces: Floats) -> Outgoing:
-        """Sum of forces (N, 3) on a patch, and their moment about the link's origin."""
-        torque = np.cross(positions, forces).sum(axis=0)
-        return self._total(place, stamp_ns, forces.sum(axis=0), torque)
-
-    def _total(self, place: int, stamp_ns: int, force: Floats, torque: Floats) -> Outgoing:
-        message = self._wrench_stamped(stamp_ns, self._frames[place], force, torque)
-        topic = self.topics.of_patch(place, "wrench")
-        return Outgoing(topic, K.WRENCH_STAMPED, stamp_ns, message)
-
     def net_wrench(self, place: int, stamp_ns: int, contacts: Sequence[Placed]) -> Outgoing:
-        """The same of the patch's contacts among some."""
+        """Sum of the forces of a patch's contacts, and their moment about the link's origin."""
         force, torque = np.zeros(3), np.zeros(3)
         for each in contacts:
             if each.patch == place:
                 its = -each.row["normal_force"] * each.normal
                 force += its
                 torque += np.cross(each.position, its)
-        return self._total(place, stamp_ns, force, torque)
+        message = self._wrench_stamped(stamp_ns, self._frames[place], force, torque)
+        topic = self.topics.of_patch(place, "wrench")
+        return Outgoing(topic, K.WRENCH_STAMPED, stamp_ns, message)
 
     def contact_wrench(self, stamp_ns: int, contact: Placed) -> Outgoing:
         """Force of one contact in its own frame, whose z is out of the skin."""
@@ -270,24 +263,6 @@ def axes_at(normal: Floats, side: Floats) -> Floats:
 
 
 def quaternion(axes: Floats) -> tuple[float, float, float, float]:
-    """Unit quaternion x, y, z, w of a rotation matrix, w not below 0.
-
-    Notes
-    -----
-    From the largest of its squared parts (Shepperd, J. Guidance and Control 1, 223, 1978): no
-    division by what may be near 0.
-    """
-    trace = float(np.trace(axes))
-    squares = np.array([*(1.0 + 2.0 * np.diag(axes) - trace), 1.0 + trace]) / 4.0
-    largest = int(np.argmax(squares))
-    m = axes
-    products = (
-        (squares[0], (m[0, 1] + m[1, 0]) / 4, (m[0, 2] + m[2, 0]) / 4, (m[2, 1] - m[1, 2]) / 4),
-        ((m[0, 1] + m[1, 0]) / 4, squares[1], (m[1, 2] + m[2, 1]) / 4, (m[0, 2] - m[2, 0]) / 4),
-        ((m[0, 2] + m[2, 0]) / 4, (m[1, 2] + m[2, 1]) / 4, squares[2], (m[1, 0] - m[0, 1]) / 4),
-        ((m[2, 1] - m[1, 2]) / 4, (m[0, 2] - m[2, 0]) / 4, (m[1, 0] - m[0, 1]) / 4, squares[3]),
-    )
-    found = np.array(products[largest])
-    found /= np.linalg.norm(found) * (1.0 if found[3] >= 0 else -1.0)
-    x, y, z, w = found.tolist()
+    """Unit quaternion x, y, z, w of a rotation matrix, w not below 0."""
+    x, y, z, w = Rotation.from_matrix(axes).as_quat(canonical=True).tolist()
     return x, y, z, w

@@ -1,4 +1,4 @@
-"""The bytes of a shape's file, of a size that can be one."""
+"""Bytes of a shape's file, of a size that can be one."""
 
 from collections.abc import Iterable
 from pathlib import Path

@@ -10,7 +10,7 @@ from skinfield.errors import FileError, Floats, InputError, check_positive
 from skinfield.files.shapes.content import read_shape
 from skinfield.simulate import HeightMap
 
-PICTURE, TABLES = ".png", (".npy", ".npz", ".csv")
+PICTURE, TABLES = ".png", (".npy", ".csv")
 MOST_SAMPLES = 4_000_000
 OPAQUE = 0.5
 
@@ -30,7 +30,7 @@ def load_height_map(
     Parameters
     ----------
     path : str or Path
-        PNG; or NPY, NPZ (one array, or the one named ``heights``) or CSV.
+        PNG; or NPY or CSV.
     pixel : float, m
         Distance between pixels or samples.
     relief : float, m
@@ -107,7 +107,8 @@ def _table(path: Path, content: bytes) -> Floats:
             if ending == ".csv":
                 found = np.loadtxt(io.BytesIO(content), delimiter=",", ndmin=2, dtype=np.float64)
             else:
-                found = _array(path, content)
+                _check_header(path, content)
+                found = np.load(io.BytesIO(content), allow_pickle=False).astype(np.float64)
     except FileError:
         raise
     except Exception as error:  # a parser of others, fed with any bytes
@@ -118,26 +119,6 @@ def _table(path: Path, content: bytes) -> Floats:
     if found.ndim != 2:
         raise FileError(f"{path} has shape {found.shape}, expected rows and columns of heights")
     return found
-
-
-def _array(path: Path, content: bytes) -> Floats:
-    if not content.startswith(b"PK"):
-        _check_header(path, content)
-        return np.asarray(np.load(io.BytesIO(content), allow_pickle=False), dtype=np.float64)
-    import zipfile
-
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        names = archive.namelist()
-        name = "heights.npy" if "heights.npy" in names else names[0] if len(names) == 1 else ""
-        if not name:
-            raise FileError(
-                f"{path} holds {', '.join(names) or 'nothing'}, expected one array, or one that "
-                "is named heights"
-            )
-        with archive.open(name) as member:  # unpacks no more than is read
-            unpacked = member.read(MOST_SAMPLES * 16 + 1024)
-    _check_header(path, unpacked)
-    return np.asarray(np.load(io.BytesIO(unpacked), allow_pickle=False), dtype=np.float64)
 
 
 def _check_header(path: Path, content: bytes) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from skinfield.errors import (
     FileError,
@@ -137,9 +138,7 @@ def _upright_from_file(down: Sequence[float]) -> Floats:
     check_finite("down", vector, "direction in the file's axes that points into the skin")
     length = float(np.linalg.norm(vector))
     check_positive("length of down", length, "a direction has one")
-    x, y, z = vector / length
-    if z > 1.0 - 1e-12:
+    if vector[2] > 0.999999 * length:
         return np.diag([1.0, -1.0, -1.0])
-    # v = down × (-z); R = 1 + [v] + [v]² / (1 + cos)
-    cross = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]])
-    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 - z))
+    rotation, _ = Rotation.align_vectors([[0.0, 0.0, -1.0]], [vector])
+    return np.asarray(rotation.as_matrix())

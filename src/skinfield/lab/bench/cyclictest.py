@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError, Ints
-from skinfield.loop.realtime import Quantiles
 
 HIGHEST = 20_000  # µs: what is later is only counted
 PATIENCE = 15.0  # s that it may take beyond its time
@@ -38,8 +37,8 @@ class Lateness:
     max: float
     mean: float
 
-    def quantiles(self) -> Quantiles:
-        """Its quantiles, each in the middle of its bin of 1 µs."""
+    def quantiles(self) -> tuple[float, float, float, float, float, int]:
+        """Median, 99 and 99.9 % in the middle of their bins of 1 µs, max and mean, s, and count."""
         below = np.cumsum(self.counts)
         count = int(below[-1])
 
@@ -47,7 +46,7 @@ class Lateness:
             place = int(np.searchsorted(below, -(-count * thousandths // 1000)))
             return min((float(self.late[place]) + 0.5) * 1e-6, self.max)
 
-        return Quantiles(middle(500), middle(990), middle(999), self.max, self.mean, count)
+        return middle(500), middle(990), middle(999), self.max, self.mean, count
 
     def later(self) -> tuple[Floats, Floats]:
         """Ends of the bins (s), and the share of all wakes that were later than each."""

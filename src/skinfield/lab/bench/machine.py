@@ -98,44 +98,30 @@ class Watch:
 
     def __init__(self) -> None:
         self._load = _load()
-        self._start = _Usage.now()
+        self._start = self._usage()
 
     def company(self) -> Company:
         """Averages since the start."""
-        start, end = self._start, _Usage.now()
-        span = max(end.clock - start.clock, 1e-9)
-        own = (end.own - start.own) / span
-        others = stolen = None
-        if start.busy is not None and end.busy is not None:
-            others = max((end.busy - start.busy) / span - own, 0.0)
-        if start.stolen is not None and end.stolen is not None:
-            stolen = (end.stolen - start.stolen) / span
-        return Company(self._load, others, stolen, own)
+        span, own, busy, stolen = (np.array(self._usage()) - self._start).tolist()
+        span = max(span, 1e-9)
+        known = np.isfinite(busy)
+        others = max((busy - own) / span, 0.0) if known else None
+        return Company(self._load, others, stolen / span if known else None, own / span)
 
+    @staticmethod
+    def _usage() -> tuple[float, float, float, float]:
+        """Seconds so far: of the clock, of this process, of all that is not idle, of the host.
 
-@dataclass(frozen=True)
-class _Usage:
-    """Seconds so far: of the clock, of this process, of all that is not idle, of the host."""
-
-    clock: float
-    own: float
-    busy: float | None
-    stolen: float | None
-
-    @classmethod
-    def now(cls) -> "_Usage":
-        return cls(time.monotonic(), time.process_time(), *_system_times())
-
-
-def _system_times() -> tuple[float | None, float | None]:
-    """Seconds that all cores were busy, and that the host took; by Linux, elsewhere unknown."""
-    try:
-        words = CPU_TIMES.read_text().splitlines()[0].split()
-        user, nice, system, _, _, irq, soft, steal = map(int, words[1:9])
-    except (OSError, ValueError, IndexError):
-        return None, None
-    tick = os.sysconf("SC_CLK_TCK")
-    return (user + nice + system + irq + soft) / tick, steal / tick
+        The last two are Linux's, for all cores; elsewhere NaN.
+        """
+        clock, own = time.monotonic(), time.process_time()
+        try:
+            words = CPU_TIMES.read_text().splitlines()[0].split()
+            user, nice, system, _, _, irq, soft, steal = map(int, words[1:9])
+        except (OSError, ValueError, IndexError):
+            return clock, own, np.nan, np.nan
+        tick = os.sysconf("SC_CLK_TCK")
+        return clock, own, (user + nice + system + irq + soft) / tick, steal / tick
 
 
 def _load() -> float | None:

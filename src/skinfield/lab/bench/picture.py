@@ -1,12 +1,11 @@
 """Figures of a benchmark: cost of a reading, and error against time, in two panels each."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.lab.bench.costs import FIELD, PAPER, PAPER_REST_MS, PREPARED, GridTime
-from skinfield.lab.bench.run import Bench, Point
+from skinfield.lab.bench.run import FIELD, PAPER, PAPER_REST_MS, Row
 from skinfield.lab.plots import DOTS, Curve, Panel, Scale, draw_panels
 
 if TYPE_CHECKING:
@@ -28,12 +27,13 @@ REST = "the paper's own, all but the inversion"
 BY_THEN = "p90"  # nine of ten answers are there by then, and as close as that
 TIME = "time from the reading to the answer (ms)"
 HIGH = 3.0  # inches: of a panel
-Value = Callable[[Point], float | None]
+Value = Callable[[Row], float | None]
+Bench = dict[str, Any]  # of `run_bench`
 
 
 def picture(bench: Bench) -> "Figure":
     """Draw Figure 9 anew, and error to the converged answer against time."""
-    nodes = tuple(float(n) for n in dict.fromkeys(row.nodes for row in bench.grids))
+    nodes = tuple(float(n) for n in dict.fromkeys(row["nodes"] for row in bench["grids"]))
     left = Panel(
         "What a reading costs",
         "median; bands: mean ± standard deviation, as in the paper's Figure 9",
@@ -45,7 +45,7 @@ def picture(bench: Bench) -> "Figure":
     )  # fmt: skip
     right = Panel(
         "How close, by when",
-        f"{bench.nodes} × {bench.nodes} nodes, two fingers move; nine of ten by then",
+        f"{bench['nodes']} × {bench['nodes']} nodes, two fingers move; nine of ten by then",
         tuple(_curves(bench, _error)),
         Scale(
             x=TIME, y=f"error to the converged one (%; {FLOOR:g}: none)", log_x=True,
@@ -60,7 +60,7 @@ def picture_of_truth(bench: Bench) -> "Figure":
     panels = [
         Panel(
             title,
-            f"two fingers move, {bench.nodes} × {bench.nodes} nodes; medians",
+            f"two fingers move, {bench['nodes']} × {bench['nodes']} nodes; medians",
             tuple(_curves(bench, value)),
             Scale(x=TIME, y=label, log_x=True, log_y=True, marks=True),
         )
@@ -86,24 +86,24 @@ def written(value: float, what: str) -> str:
 
 def machine_line(bench: Bench) -> str:
     """Processor and versions, in a line."""
-    machine = bench.machine
-    packages = ", ".join(f"{name} {machine.packages[name]}" for name in ("numpy", "numba"))
-    busy = "; other programs were running" if bench.warnings else ""
-    return f"{machine.processor}, {machine.python}, {packages}, {bench.when[:10]}{busy}"
+    machine = bench["machine"]
+    packages = ", ".join(f"{name} {machine['packages'][name]}" for name in ("numpy", "numba"))
+    busy = "; other programs were running" if bench["warnings"] else ""
+    return f"{machine['processor']}, {machine['python']}, {packages}, {bench['when'][:10]}{busy}"
 
 
 def _costs(bench: Bench) -> list[Curve]:
     curves = []
     for name, method in COSTS:
-        rows = [row for row in bench.grids if row.name == name]
-        nodes = np.array([float(row.nodes) for row in rows])
-        middle, mean, std = (
-            1e3 * np.array([row.seconds[key] for row in rows]) for key in ("p50", "mean", "std")
+        rows = [row for row in bench["grids"] if row["name"] == name]
+        nodes = np.array([float(row["nodes"]) for row in rows])
+        middle, mean, std, least = (
+            1e-3 * np.array([row["seconds_us"][key] for row in rows])
+            for key in ("p50", "mean", "std", "min")
         )
-        low = np.maximum(mean - std, [1e3 * row.seconds["min"] for row in rows])
-        ends = (np.minimum(low, middle), np.maximum(mean + std, middle))
+        ends = (np.minimum(np.maximum(mean - std, least), middle), np.maximum(mean + std, middle))
         curves.append(Curve(method, nodes, middle, *(ends if name == PAPER else ())))
-    rest = [n for n in PAPER_REST_MS if any(row.nodes == n for row in bench.grids)]
+    rest = [n for n in PAPER_REST_MS if any(row["nodes"] == n for row in bench["grids"])]
     times = np.array([PAPER_REST_MS[n] for n in rest])
     return [*curves, Curve(REST, np.array(rest, dtype=float), times, look=DOTS)]
 
@@ -111,34 +111,28 @@ def _costs(bench: Bench) -> list[Curve]:
 def _curves(bench: Bench, value: Value) -> list[Curve]:
     """A curve per solver and start; a deadline at which there is no value has no mark."""
     curves = []
-    for name in dict.fromkeys(point.solver for point in bench.points):
-        for start, words in (("warm", ""), ("cold", ", cold")):
-            points = [p for p in bench.points if (p.solver, p.start) == (name, start)]
-            pairs = [
-                (1e3 * point.usual_seconds[BY_THEN], y)
-                for point in points
-                if point.usual_seconds is not None and (y := value(point)) is not None
-            ]
-            if pairs:
-                x, y = np.array(pairs).T
-                method = METHODS.get(name, name) + ("" if name == PAPER else words)
-                curves.append(Curve(method, x, y))
+    for name, start in dict.fromkeys((row["solver"], row["start"]) for row in bench["points"]):
+        pairs = [
+            (1e-3 * point["usual_seconds_us"][BY_THEN], y)
+            for point in bench["points"]
+            if (point["solver"], point["start"]) == (name, start)
+            and (y := value(point)) is not None
+        ]
+        if pairs:
+            x, y = np.array(pairs).T
+            words = ", cold" if start == "cold" and name != PAPER else ""
+            curves.append(Curve(METHODS.get(name, name) + words, x, y))
     return curves
 
 
-def _error(point: Point) -> float | None:
-    return None if point.usual_errors is None else max(100 * point.usual_errors[BY_THEN], FLOOR)
+def _error(point: Row) -> float | None:
+    return max(100 * point["usual_errors"][BY_THEN], FLOOR) if point["usual_errors"] else None
 
 
-def _place(point: Point) -> float | None:
-    return None if point.place_median is None else 1e3 * point.place_median
+def _place(point: Row) -> float | None:
+    place: float | None = point["place_median_mm"]
+    return place
 
 
-def _force(point: Point) -> float | None:
-    return None if point.force is None else 100 * point.force["p50"]
-
-
-def prepared_gain(grids: tuple[GridTime, ...], nodes: int) -> float:
-    """How many times the paper's algorithm takes the prepared operator's time, by medians."""
-    times = {row.name: row.seconds["p50"] for row in grids if row.nodes == nodes}
-    return times[PAPER] / times[PREPARED]
+def _force(point: Row) -> float | None:
+    return 100 * point["force"]["p50"] if point["force"] else None

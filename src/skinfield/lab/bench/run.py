@@ -1,54 +1,225 @@
-"""Benchmark run: error against time at a ladder of deadlines, costs, and their JSON."""
+"""Benchmark run: cost of a reading on several grids, error against time, and whole calls."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from itertools import cycle
 from typing import Any
 
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.estimate import Contact
-from skinfield.lab.bench.costs import (
-    CONVERGED,
-    LONG,
-    PAPER,
-    Call,
+from skinfield.lab.bench.contenders import (
+    Called,
     Chain,
     Contender,
-    GridTime,
-    Show,
     contact_fit,
     gaussian,
-    grid_times,
     model_of,
     non_negative,
     paper_prepared,
+    reconstructor,
     run_chain,
-    whole_calls,
 )
-from skinfield.lab.bench.machine import (
-    Company,
-    Machine,
-    Spread,
-    Watch,
-    settled,
-    spread,
-    this_machine,
-    undisturbed,
+from skinfield.lab.bench.machine import Watch, laps, settled, spread, this_machine, undisturbed
+from skinfield.lab.bench.scene import (
+    FIT_DEADLINES,
+    GAPS,
+    LEAD,
+    BenchSettings,
+    BenchSize,
+    Scene,
+    make_scene,
 )
-from skinfield.lab.bench.scene import LEAD, BenchSettings, Scene, make_scene
 from skinfield.lab.cases import TrueContact
+from skinfield.lab.paper import reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched
-from skinfield.skin import Patch
+from skinfield.skin import Grid, Patch
+from skinfield.solve import ContactFit, GaussianField, NonNegative, Solver
+
+CONVERGED = NonNegative(tolerance=1e-9, precision=np.float64)  # what others are compared with
+LONG = NonNegative(tolerance=1e-5)  # goes on while there is time
+PAPER, INVERSION = "paper", "paper, inversion alone"
+PREPARED, FIELD = "paper's inverse, prepared", "GaussianField, prepared"
+PAPER_REST_MS = {20: 0.4, 40: 1.4}  # as the paper states: all of it but the inversion
+STARTS = ("warm", "cold")
+SOLVERS: dict[str, Solver] = {
+    "GaussianField": GaussianField(),
+    "NonNegative": NonNegative(),
+    "ContactFit": ContactFit(),
+}
+US, MM = 1e6, 1e3  # per s, per m
+FORMAT = 1
+Row = dict[str, Any]  # with the unit in each key's name, as JSON has it
+Show = Callable[[str, int, int], None]
+Lap = Callable[[int], tuple[Floats, list[float]]]  # of a round: seconds, gaps
+Method = tuple[str, Lap, float | None]  # name, laps, and the gap that is certified, if any
 
 
-@dataclass(frozen=True)
-class Miss:
-    """Errors of the contacts of one reading.
+def quietly(what: str, ended: int, of: int) -> None:
+    """Show nothing of the progress."""
 
-    Attributes
+
+def grid_rows(
+    size: BenchSize, methods_on: Callable[[int], Iterable[Method]], show: Show = quietly
+) -> list[Row]:
+    """Time of every method on every grid, in turns."""
+    methods: list[tuple[Row, Lap, float | None]] = []
+    for ended, nodes in enumerate(size.grids):
+        show(f"preparing {nodes} x {nodes}", ended, len(size.grids))
+        methods += [
+            ({"nodes": nodes, "name": name}, lap, target) for name, lap, target in methods_on(nodes)
+        ]
+    for _, lap, _ in methods:
+        show("warming up", 0, 1)
+        lap(-1)
+    rounds: list[list[tuple[Floats, list[float]]]] = [[] for _ in methods]
+    for turn in range(size.rounds):
+        for (head, lap, _), taken in zip(methods, rounds, strict=True):
+            show(f"{head['name']}, {head['nodes']} x {head['nodes']}", turn, size.rounds)
+            with undisturbed():
+                taken.append(lap(turn))
+    rows = []
+    for (head, _, target), taken in zip(methods, rounds, strict=True):
+        gaps = [gap for _, each in taken for gap in each]
+        share = None if target is None else float(np.mean(np.array(gaps) <= target))
+        seconds = spread(np.concatenate([each for each, _ in taken]), US)
+        rows.append(head | {"seconds_us": seconds, "certified": share})
+    return rows
+
+
+def _methods(settings: BenchSettings, scene: Scene, nodes: int) -> Iterator[Method]:
+    size = settings.size
+    yield from methods_of_paper(settings, scene.readings, nodes)
+    made = gaussian(FIELD, settings, nodes)
+    yield FIELD, _counted(lambda: made.answer(scene.readings[LEAD], None), size.laps), None
+    model = model_of(settings, nodes)
+    for gap in GAPS:
+        name = f"NonNegative to {gap:.0e}".replace("e-0", "e-")
+        found = non_negative(name, model, NonNegative(tolerance=gap))
+        for start in STARTS:
+            yield f"{name}, {start}", _chained(found, scene, size.steps, None, start), gap
+    fit = contact_fit(model)
+    for deadline in (*FIT_DEADLINES, None):
+        within = "" if deadline is None else f" within {1e3 * deadline:g} ms"
+        yield fit.name + within, _chained(fit, scene, size.steps, deadline, "warm"), None
+
+
+def methods_of_paper(settings: BenchSettings, readings: Floats, nodes: int) -> Iterator[Method]:
+    """The paper's algorithm for every reading (T, L), its inversion alone, and prepared once."""
+    patch, layer, size = settings.patch, settings.layer, settings.size
+    grid = Grid.square(patch, nodes=nodes)
+    plane, area = grid.plane, grid.cell_area
+    matrix = stress_matrix(plane[:, None] - plane[None], layer.thickness)
+    count = -(-size.paper_laps // size.rounds)
+    turns, made = cycle(readings), paper_prepared(PREPARED, settings, nodes)
+
+    def whole() -> object:
+        return reconstruct_as_paper(next(turns), patch.plane, plane, layer, area)
+
+    yield PAPER, _counted(whole, count), None
+    yield INVERSION, _counted(lambda: np.linalg.inv(matrix), count), None
+    yield PREPARED, _counted(lambda: made.answer(readings[-1], None), size.laps), None
+
+
+def _counted(work: Callable[[], object], count: int) -> Lap:
+    """Laps of what has no gap; one alone to warm up."""
+    return lambda turn: (laps(work, 1 if turn < 0 else count), [])
+
+
+def _chained(made: Contender, scene: Scene, steps: int, deadline: float | None, start: str) -> Lap:
+    """Readings in order, others in each round."""
+
+    def lap(turn: int) -> tuple[Floats, list[float]]:
+        chain = run_chain(made, scene.part(turn, steps), deadline, cold=start == "cold")
+        return chain.seconds, [answer.gap for answer in chain.answers]
+
+    return lap
+
+
+@dataclass(eq=False)
+class Track:
+    """A contender at one deadline, with the chains so far.
+
+    Parameters
     ----------
+    contender : Contender
+    start : str
+        "warm" from the reading before, "cold" from nothing.
+    deadline : float, s, or None
+    reference : (T, K) array, Pa
+        What the solver converges to.
+    """
+
+    contender: Contender
+    start: str
+    deadline: float | None
+    reference: Floats | None = None
+    chains: list[Chain] = field(default_factory=list)
+
+    def run(self, readings: Floats) -> None:
+        """Answer readings in order."""
+        cold = self.start == "cold"
+        with undisturbed():
+            chain = run_chain(self.contender, readings, self.deadline, cold=cold)
+        self.chains.append(chain)
+
+    def times(self) -> Row:
+        """Of the calls; `late` is by how much they ended after the deadline, 0 where before."""
+        seconds = np.array([chain.seconds for chain in self.chains])  # (rounds, T)
+        late = None if self.deadline is None else np.maximum(seconds - self.deadline, 0.0)
+        return {
+            "solver": self.contender.name,
+            "start": self.start,
+            "deadline_us": None if self.deadline is None else float(f"{self.deadline * US:.6g}"),
+            "seconds_us": spread(seconds, US),
+            "usual_seconds_us": spread(np.median(seconds, axis=0), US),
+            "late_us": None if late is None else spread(late, US),
+            "met": None if late is None else float(np.mean(late == 0.0)),
+            "gap": spread(self._each("gap")),
+            "reported": _mean(self._each("met")),
+        }
+
+    def point(self, scene: Scene, patch: Patch) -> Row:
+        """Times, and errors to the converged pressure and to the truth, of the first chain."""
+        assert self.reference is not None, "errors need what the solver converges to"
+        found = np.array([[a.pressure for a in chain.answers] for chain in self.chains])
+        off = np.linalg.norm(found - self.reference, axis=2)  # (rounds, T)
+        norm = np.linalg.norm(self.reference, axis=1)
+        misses = [
+            miss(patch, scene.places[index], scene.forces[index], answer.contacts())
+            for index, answer in enumerate(self.chains[0].answers, start=LEAD)
+        ]
+        force, places, missed, extra = zip(*misses, strict=True)
+        distances = [distance for each in places for distance in each]
+        return self.times() | {
+            "error": float(np.sqrt(np.square(off).sum() / (len(off) * np.square(norm).sum()))),
+            "errors": spread(off / norm),
+            "usual_errors": spread(np.median(off / norm, axis=0)),
+            "iterations": spread(self._each("iterations")),
+            "force": spread(force),
+            "place_mm": spread(distances, MM),
+            "place_median_mm": median_of_all(distances, sum(missed), MM),
+            "missed": float(np.mean(missed)),
+            "extra": float(np.mean(extra)),
+        }
+
+    def _each(self, name: str) -> list[float]:
+        values = [getattr(answer, name) for chain in self.chains for answer in chain.answers]
+        return [float(value) for value in values if value is not None]
+
+
+def _mean(values: Sequence[float]) -> float | None:
+    return float(np.mean(values)) if values else None
+
+
+def miss(
+    patch: Patch, places: Floats, forces: Floats, contacts: Sequence[Any]
+) -> tuple[float, tuple[float, ...], int, int]:
+    """Errors of contacts of fingers at places (F, 2) m with forces (F,) N.
+
+    Returns
+    -------
     force : float
         Of the sum over all contacts, without sign, part of the true one.
     place : tuple of float, m
@@ -56,318 +227,125 @@ class Miss:
     missed, extra : int
         Fingers that were not found, contacts that are none.
     """
-
-    force: float
-    place: tuple[float, ...]
-    missed: int
-    extra: int
-
-
-def miss(patch: Patch, places: Floats, forces: Floats, contacts: Sequence[Contact]) -> Miss:
-    """Compare contacts with fingers at places (F, 2) m with forces (F,) N."""
     true = [
         TrueContact((float(x), float(y)), float(force))
         for (x, y), force in zip(places, forces, strict=True)
     ]
     matches, missed, extra = matched(patch, true, contacts)
     total, found = float(forces.sum()), sum(contact.normal_force for contact in contacts)
-    return Miss(abs(found / total - 1), tuple(m.distance for m in matches), missed, extra)
+    return abs(found / total - 1), tuple(m.distance for m in matches), missed, extra
 
 
-STARTS = ("warm", "cold")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Point:
-    """A contender at one deadline.
-
-    Attributes
-    ----------
-    solver : str
-    start : str
-        "warm" from the reading before, "cold" from nothing.
-    deadline : float or None, s
-    seconds, late : Spread
-        Of the calls; and by how much they ended after the deadline, 0 where before.
-    usual_seconds : Spread
-        Of the readings, each with its median over the rounds: less of what else the machine did.
-    met : float or None
-        Share of the calls that ended before the deadline.
-    reported : float or None
-        Share of which the solver itself says that the deadline did not cut it short.
-    error : float
-        Root of the sum of squares, over all readings and nodes, of the pressure less the
-        converged one, part of that of the converged one.
-    errors, usual_errors, gap : Spread or None
-        The same call by call; reading by reading, by its median; the certified relative gap.
-    iterations : Spread or None
-    force, place : Spread or None
-        Error of the sum of all contacts' forces, part of the true one; distance to the fingers
-        that were found, m.
-    place_median : float or None, m
-        Of all fingers, where one that was not found is infinitely far; None if most were not.
-    missed, extra : float
-        Fingers not found and contacts that are none, per reading.
-    """
-
-    solver: str
-    start: str
-    deadline: float | None
-    seconds: Spread | None
-    usual_seconds: Spread | None
-    late: Spread | None
-    met: float | None
-    reported: float | None
-    error: float
-    errors: Spread | None
-    usual_errors: Spread | None
-    gap: Spread | None
-    iterations: Spread | None
-    force: Spread | None
-    place: Spread | None
-    place_median: float | None
-    missed: float
-    extra: float
-
-
-@dataclass(eq=False)
-class _Track:
-    """A contender at one deadline, with what came so far."""
-
-    contender: Contender
-    start: str
-    deadline: float | None
-    reference: Floats  # (T, K) converged pressure
-    seconds: list[Floats] = field(default_factory=list)
-    off: list[Floats] = field(default_factory=list)  # (T,) norms of the difference
-    gaps: list[float] = field(default_factory=list)
-    reported: list[bool] = field(default_factory=list)
-    iterations: list[int] = field(default_factory=list)
-    misses: list[Miss] = field(default_factory=list)
-
-    def take(self, chain: Chain, scene: Scene, settings: BenchSettings) -> None:
-        """Add a chain; contacts are judged in the first alone."""
-        answers = chain.answers
-        self.seconds.append(chain.seconds)
-        pressure = np.array([answer.pressure for answer in answers])
-        self.off.append(np.linalg.norm(pressure - self.reference, axis=1))
-        self.gaps += [answer.gap for answer in answers]
-        self.reported += [answer.met for answer in answers if answer.met is not None]
-        self.iterations += [a.iterations for a in answers if a.iterations is not None]
-        if self.misses:
-            return
-        for index, answer in enumerate(answers, start=LEAD):
-            found = answer.contacts
-            found = self.contender.contacts(answer.pressure) if found is None else found
-            places, forces = scene.places[index], scene.forces[index]
-            self.misses.append(miss(settings.patch, places, forces, found))
-
-    def point(self) -> Point:
-        """What all chains come to."""
-        seconds, off = np.array(self.seconds), np.array(self.off)  # (rounds, T)
-        norm = np.linalg.norm(self.reference, axis=1)
-        late = None if self.deadline is None else np.maximum(seconds - self.deadline, 0.0)
-        distances = [distance for each in self.misses for distance in each.place]
-        return Point(
-            solver=self.contender.name,
-            start=self.start,
-            deadline=self.deadline,
-            seconds=spread(seconds),
-            usual_seconds=spread(np.median(seconds, axis=0)),
-            late=None if late is None else spread(late),
-            met=None if late is None else float(np.mean(late == 0.0)),
-            reported=float(np.mean(self.reported)) if self.reported else None,
-            error=float(np.sqrt(np.square(off).sum() / (len(off) * np.square(norm).sum()))),
-            errors=spread(off / norm),
-            usual_errors=spread(np.median(off / norm, axis=0)),
-            gap=spread(self.gaps),
-            iterations=spread(self.iterations),
-            force=spread([each.force for each in self.misses]),
-            place=spread(distances),
-            place_median=median_of_all(distances, sum(each.missed for each in self.misses)),
-            missed=float(np.mean([each.missed for each in self.misses])),
-            extra=float(np.mean([each.extra for each in self.misses])),
-        )
-
-
-def median_of_all(found: list[float], missed: int) -> float | None:
+def median_of_all(found: Sequence[float], missed: int, scale: float = 1.0) -> float | None:
     """Median of numbers and of so many that are infinite; None if it is infinite."""
     middle = float(np.median([*found, *[np.inf] * missed]))
-    return middle if np.isfinite(middle) else None
+    return scale * middle if np.isfinite(middle) else None
 
 
-def anytime(settings: BenchSettings, scene: Scene, show: Show) -> list[Point]:
-    """Run all contenders at all deadlines, in turns, in another order each round."""
-    tracks = _tracks(settings, scene, show)
+def in_turns(
+    tracks: Sequence[Track], settings: BenchSettings, what: str, part: Callable[[int], Floats],
+    show: Show,
+) -> None:  # fmt: skip
+    """Run all in turns, in another order each round, on the readings of `part(round)`."""
     rng, rounds = np.random.default_rng(settings.seed), settings.size.rounds
     for turn in range(rounds):
-        for done, which in enumerate(rng.permutation(len(tracks))):
-            track = tracks[which]
-            show(f"any-time, round {turn + 1} of {rounds}", done, len(tracks))
-            with undisturbed():
-                cold = track.start == "cold"
-                chain = run_chain(track.contender, scene.readings, track.deadline, cold=cold)
-            track.take(chain, scene, settings)
-    return [track.point() for track in tracks]
+        for ended, which in enumerate(rng.permutation(len(tracks))):
+            show(f"{what}, round {turn + 1} of {rounds}", ended, len(tracks))
+            tracks[which].run(part(turn))
 
 
-def _tracks(settings: BenchSettings, scene: Scene, show: Show) -> list[_Track]:
-    """Prepare all contenders and what they converge to."""
+def anytime(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
+    """Every solver at every deadline, beside what it converges to."""
     nodes, ladder = settings.size.nodes, (*settings.size.deadlines, None)
     model = model_of(settings, nodes)
+
+    def converged(contender: Contender, start: str) -> Floats:
+        chain = run_chain(contender, scene.readings, None, cold=start == "cold")
+        return np.array([answer.pressure for answer in chain.answers])
+
     show("preparing", 0, 3)
-    linear = [
-        gaussian("GaussianField", settings, nodes),
-        paper_prepared("paper", settings, nodes),
-    ]
-    tracks = [_Track(each, "warm", None, _converged(each, scene, "cold")) for each in linear]
+    linear = gaussian("GaussianField", settings, nodes), paper_prepared(PAPER, settings, nodes)
+    tracks = [Track(each, "warm", None, converged(each, "cold")) for each in linear]
     show("preparing", 1, 3)
+    exact = converged(non_negative("converged", model, CONVERGED), "cold")
     field_solver = non_negative("NonNegative", model, LONG)
-    exact = _converged(non_negative("converged", model, CONVERGED), scene, "cold")
-    tracks += _laddered(field_solver, ladder, dict.fromkeys(STARTS, exact))
+    tracks += [Track(field_solver, s, deadline, exact) for s in STARTS for deadline in ladder]
     show("preparing", 2, 3)
-    fit = contact_fit("ContactFit", model)
-    own = {start: _converged(fit, scene, start) for start in STARTS}
-    return tracks + _laddered(fit, ladder, own)
+    fit = contact_fit(model)
+    own = {start: converged(fit, start) for start in STARTS}
+    tracks += [Track(fit, s, deadline, own[s]) for s in STARTS for deadline in ladder]
+    in_turns(tracks, settings, "any-time", lambda turn: scene.readings, show)
+    return [track.point(scene, settings.patch) for track in tracks]
 
 
-def _laddered(
-    contender: Contender, ladder: Sequence[float | None], reference: dict[str, Floats]
-) -> list[_Track]:
+def whole_calls(settings: BenchSettings, scene: Scene, show: Show) -> list[Row]:
+    """Whole calls of every solver at every deadline, warm."""
+    tracks = []
+    for ended, (name, solver) in enumerate(SOLVERS.items()):
+        show("preparing reconstructors", ended, len(SOLVERS))
+        rec = reconstructor(settings, settings.size.nodes, solver)
+        ladder = () if isinstance(solver, GaussianField) else settings.size.deadlines
+        tracks += [Track(Called(name, rec), "warm", deadline) for deadline in (*ladder, None)]
+    steps = settings.size.steps
+    in_turns(tracks, settings, "calls", lambda turn: scene.part(turn, steps), show)
     return [
-        _Track(contender, start, deadline, reference[start])
-        for start in STARTS
-        for deadline in ladder
+        track.times() | {"latency_us": spread(track.contender.latency, US)}
+        for track in tracks
+        if isinstance(track.contender, Called)
     ]
 
 
-def _converged(contender: Contender, scene: Scene, start: str) -> Floats:
-    """Pressure (T, K) without a deadline."""
-    chain = run_chain(contender, scene.readings, None, cold=start == "cold")
-    return np.array([answer.pressure for answer in chain.answers])
-
-
-def say_nothing(what: str, done: int, of: int) -> None:
-    """Progress that nobody wants to see."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Bench:
-    """All that was measured.
-
-    Attributes
-    ----------
-    size : str
-    seed : int
-    when : str
-        UTC, when it began.
-    machine : Machine
-    company : Company
-        Who else used the processor while times were taken.
-    warnings : tuple of str
-    nodes : int
-        On a side, of the any-time curves and the calls.
-    readings : int
-        Of the moving press.
-    grids : tuple of GridTime
-    points : tuple of Point
-    calls : tuple of Call
-    """
-
-    size: str
-    seed: int
-    when: str
-    machine: Machine
-    company: Company
-    warnings: tuple[str, ...]
-    nodes: int
-    readings: int
-    grids: tuple[GridTime, ...]
-    points: tuple[Point, ...]
-    calls: tuple[Call, ...]
-
-
-def run_bench(settings: BenchSettings, show: Show = say_nothing) -> Bench:
+def run_bench(settings: BenchSettings, show: Show = quietly) -> dict[str, Any]:
     """Press, prepare and time everything; nothing else should run meanwhile.
 
     Parameters
     ----------
     settings : BenchSettings
-    show : function of (what, done, of)
+    show : function of (what, ended, of)
         Called as it goes on.
+
+    Returns
+    -------
+    dict
+        Numbers, texts, lists and objects alone; times in µs and places in mm, as their keys say.
     """
     when = datetime.now(UTC).isoformat(timespec="seconds")
     machine = this_machine()
-    scene = make_scene(settings, lambda done, of: show("pressing two fingers", done, of))
+    scene = make_scene(settings, lambda ended, of: show("pressing two fingers", ended, of))
     with settled():
         watch = Watch()
-        grids = grid_times(settings, scene, show)
+        grids = grid_rows(settings.size, lambda nodes: _methods(settings, scene, nodes), show)
         points = anytime(settings, scene, show)
         calls = whole_calls(settings, scene, show)
         company = watch.company()
-    return Bench(
-        size=settings.size.name,
-        seed=settings.seed,
-        when=when,
-        machine=machine,
-        company=company,
-        warnings=company.warnings(machine.cores),
-        nodes=settings.size.nodes,
-        readings=len(scene),
-        grids=tuple(grids),
-        points=tuple(as_printed(points, grids, settings.size.nodes)),
-        calls=tuple(calls),
-    )
+    return {
+        "format": FORMAT,
+        "size": settings.size.name,
+        "seed": settings.seed,
+        "when": when,
+        "machine": asdict(machine),
+        "company": asdict(company),
+        "warnings": list(company.warnings(machine.cores)),
+        "nodes": settings.size.nodes,
+        "readings": len(scene),
+        "grids": grids,
+        "points": as_printed(points, grids, settings.size.nodes),
+        "calls": calls,
+    }
 
 
-def as_printed(points: list[Point], grids: list[GridTime], nodes: int) -> list[Point]:
+def as_printed(points: list[Row], grids: list[Row], nodes: int) -> list[Row]:
     """Points where the paper's has the time of its algorithm, all of it for every reading.
 
     Its answers are those of the same inverse prepared once, but for taxels on one circle, between
     which there are two Delaunay triangulations.
     """
-    times = {each.nodes: each.seconds for each in grids if each.name == PAPER}
-    return [
-        replace(point, seconds=times[nodes], usual_seconds=times[nodes], start="cold")
-        if point.solver == PAPER
-        else point
-        for point in points
-    ]
+    times = {each["nodes"]: each["seconds_us"] for each in grids if each["name"] == PAPER}
+    whole = {"start": "cold", **dict.fromkeys(("seconds_us", "usual_seconds_us"), times[nodes])}
+    return [point | whole if point["solver"] == PAPER else point for point in points]
 
 
-FORMAT = 1
-UNITS = {
-    **dict.fromkeys(("seconds", "usual_seconds", "late", "latency", "deadline"), "us"),
-    **dict.fromkeys(("place", "place_median"), "mm"),
-}
-FACTORS = {"us": 1e6, "mm": 1e3}
-
-
-def bench_as_json(bench: Bench) -> dict[str, Any]:
-    """Numbers, texts, lists and objects alone; times in µs and places in mm, as their keys say."""
-    return {"format": FORMAT, **_converted(asdict(bench))}
-
-
-def _converted(value: Any) -> Any:
-    if isinstance(value, dict):
-        return dict(_converted_item(key, each) for key, each in value.items())
-    if isinstance(value, list | tuple):
-        return [_converted(each) for each in value]
-    return value
-
-
-def _converted_item(key: str, value: Any) -> tuple[str, Any]:
-    """A key with its unit, and what it holds in that unit."""
-    unit = UNITS.get(key)
-    if unit is None:
-        return key, _converted(value)
-    return f"{key}_{unit}", _scaled(value, FACTORS[unit])
-
-
-def _scaled(value: Any, factor: float) -> Any:
-    """Six digits: more is noise."""
-    if isinstance(value, dict):  # a spread
-        return {
-            name: each if name == "count" else _scaled(each, factor) for name, each in value.items()
-        }
-    return None if value is None else float(f"{value * factor:.6g}")
+def prepared_gain(grids: Sequence[Row], nodes: int) -> float:
+    """How many times the paper's algorithm takes the prepared operator's time, by medians."""
+    times = {row["name"]: row["seconds_us"]["p50"] for row in grids if row["nodes"] == nodes}
+    return float(times[PAPER] / times[PREPARED])

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_positive
 from skinfield.lab.fem.mesh import Trace, graded, scikit_fem, towards
-from skinfield.lab.fem.small_strain import disc_mean
 
 BEYOND = 6.0  # thicknesses; there the field is that of the plates
 
@@ -100,3 +99,15 @@ def _charge(
     trace = Trace(r[base])
     density = trace.density((stiffness @ potential)[base]) - 1.0
     return lambda radius: trace.at(density, radius)
+
+
+def disc_mean(function: Callable[[Floats], Floats], distance: Floats, diameter: float) -> Floats:
+    """Mean of a function of the radius over discs whose centres are at distances (N,) m."""
+    points, weights = np.polynomial.legendre.leggauss(24)
+    radius = diameter / 4 * (points + 1)
+    angle = (np.arange(48) + 0.5) * np.pi / 48
+    weight = (weights * radius)[:, None] * np.ones(48)
+    along = distance[:, None, None] + radius[:, None] * np.cos(angle)
+    across = radius[:, None] * np.sin(angle)
+    values = function(np.hypot(along, across))
+    return np.asarray((values * weight).sum(axis=(1, 2)) / weight.sum())

@@ -11,9 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_positive
-from skinfield.lab.fem.elasticity import LinearSection, law_of
-from skinfield.lab.fem.mesh import Section, Trace, graded, mesh_section, towards
-from skinfield.lab.fem.profiles import Profile, Shape
+from skinfield.lab.fem.elasticity import Section
+from skinfield.lab.fem.mesh import Trace, graded, towards
+
+Profile = Callable[[Floats], Floats]
+REACH = 20.0  # thicknesses; bodies may be wider, contacts not
+SAMPLES = 4001
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +40,6 @@ class AxisymmetricSolution:
         From the reactions of the base.
     contact : (n,) array of bool
         Nodes that touch.
-    large : bool
-        Whether surface and pressure belong to the deformed places of the nodes.
     """
 
     layer: Layer
@@ -49,13 +50,6 @@ class AxisymmetricSolution:
     nodal_force: Floats
     nodal_base_stress: Floats
     contact: NDArray[np.bool_]
-    large: bool = False
-
-    @property
-    def deformed(self) -> Trace:
-        """Radii of the surface's nodes during the press; those before it at small strain."""
-        moved = self.nodal_displacement[:, 0] if self.large else 0.0
-        return Trace(self.surface.nodes + moved)
 
     @property
     def contact_radius(self) -> float:
@@ -63,14 +57,16 @@ class AxisymmetricSolution:
         touching = np.flatnonzero(self.contact)
         if not len(touching):
             return 0.0
-        nodes, last = self.deformed.nodes, touching[-1]
+        nodes, last = self.surface.nodes, touching[-1]
         return float((nodes[last] + nodes[last + 1]) / 2)
 
     def pressure(self, radius: ArrayLike) -> Floats:
-        """Contact pressure (N,) Pa at radii (N,) m of the deformed surface; zero outside."""
-        at, nodes = as_floats("radius", radius), self.deformed
-        touched = self._span(at)
-        return np.where(touched, nodes.at(self._nodal_pressure(), at), 0.0)
+        """Contact pressure (N,) Pa at radii (N,) m; zero outside."""
+        at, corners = as_floats("radius", radius), self.surface.nodes[::2]
+        touched = self.contact[:-2:2] | self.contact[1::2] | self.contact[2::2]
+        element = np.clip(np.searchsorted(corners, at, "right") - 1, 0, len(touched) - 1)
+        pressure = self.surface.at(self.surface.density(self.nodal_force), at)
+        return np.where(touched[element], pressure, 0.0)
 
     def displacement(self, radius: ArrayLike) -> Floats:
         """Displacement (N, 2) m, outwards and upwards, of points first at radii (N,) m."""
@@ -79,39 +75,64 @@ class AxisymmetricSolution:
         return np.stack(parts, axis=-1)
 
     def indentation(self, radius: ArrayLike) -> Floats:
-        """Depth (N,) m of the deformed surface at the radii (N,) m."""
-        return -self.deformed.at(self.nodal_displacement[:, 1], as_floats("radius", radius))
+        """Depth (N,) m of the surface at radii (N,) m."""
+        return -self.surface.at(self.nodal_displacement[:, 1], as_floats("radius", radius))
 
     def base_stress(self, radius: ArrayLike) -> Floats:
         """Normal stress (N,) Pa on the base at radii (N,) m."""
         return self.surface.at(self.nodal_base_stress, as_floats("radius", radius))
 
-    def pad_stress(self, distance: ArrayLike, pad_diameter: float) -> Floats:
-        """Mean normal stress (N,) Pa below round pads at distances (N,) m from the axis."""
-        check_positive("pad_diameter", pad_diameter, "of the electrode, in metres")
-        return disc_mean(self.base_stress, as_floats("distance", distance), pad_diameter)
 
-    def _nodal_pressure(self) -> Floats:
-        return self.deformed.density(self.nodal_force)
+@dataclass(frozen=True)
+class Shape:
+    """A body over the radius, both in thicknesses.
 
-    def _span(self, at: Floats) -> NDArray[np.bool_]:
-        """Whether a radius lies in an element that touches at one end or in the middle."""
-        touched = self.contact[:-2:2] | self.contact[1::2] | self.contact[2::2]
-        corners = self.deformed.nodes[::2]
-        element = np.clip(np.searchsorted(corners, at, "right") - 1, 0, len(touched) - 1)
-        return touched[element]
+    Parameters
+    ----------
+    profile : callable
+        Heights in m at radii in m.
+    thickness : float, m
+    """
 
+    profile: Profile
+    thickness: float
 
-def disc_mean(function: Callable[[Floats], Floats], distance: Floats, diameter: float) -> Floats:
-    """Mean of a function of the radius over discs whose centres are at distances (N,) m."""
-    points, weights = np.polynomial.legendre.leggauss(24)
-    radius = diameter / 4 * (points + 1)
-    angle = (np.arange(48) + 0.5) * np.pi / 48
-    weight = (weights * radius)[:, None] * np.ones(48)
-    along = distance[:, None, None] + radius[:, None] * np.cos(angle)
-    across = radius[:, None] * np.sin(angle)
-    values = function(np.hypot(along, across))
-    return np.asarray((values * weight).sum(axis=(1, 2)) / weight.sum())
+    def heights(self, radius: Floats) -> Floats:
+        """Above the lowest point, infinite where the body is not."""
+        found = np.asarray(self.profile(radius * self.thickness), dtype=float) / self.thickness
+        if found.shape != radius.shape or np.isnan(found).any() or (found < 0).any():
+            raise InputError(
+                f"profile gives {found!r} for {radius.shape} radii, expected as many heights of "
+                "0 or more: metres above the lowest point, infinite where the body is not"
+            )
+        return found
+
+    def outermost(self) -> float:
+        """Where the body may touch at most: it is there, and no higher than the layer."""
+        radius = np.linspace(0.0, REACH, SAMPLES)
+        below = np.flatnonzero(self.heights(radius) < 1.0)
+        if not len(below):
+            raise InputError(
+                f"profile is nowhere below {self.thickness:g} m within a radius of "
+                f"{REACH * self.thickness:g} m, expected heights above the body's lowest point, 0"
+            )
+        return float(radius[min(below[-1] + 1, SAMPLES - 1)])
+
+    def edges(self) -> list[float]:
+        """Radii within the body at which it ends."""
+        radius = np.linspace(0.0, REACH, SAMPLES)
+        there = np.isfinite(self.heights(radius))
+        found = []
+        for index in np.flatnonzero(there[1:] != there[:-1]):
+            inside, outside = radius[index : index + 2][:: 1 if there[index] else -1]
+            for _ in range(60):
+                middle = (inside + outside) / 2
+                if np.isfinite(self.heights(np.array([middle])))[0]:
+                    inside = middle
+                else:
+                    outside = middle
+            found.append(float(inside))
+        return found
 
 
 def push_to_depth(flexibility: Floats, heights: Floats, depth: float) -> Floats:
@@ -198,15 +219,15 @@ def indent(
     InputError
         If not exactly one load is given, the body reaches the base, or scikit-fem is missing.
     """
-    check_load(layer, force, depth)
+    _check_load(layer, force, depth)
     check_positive("finest", finest, "length of the smallest elements, in thicknesses")
     shape = Shape(profile, layer.thickness)
     edges, reach = shape.edges(), shape.outermost()
-    mesh = mesh_around(edges, reach, 0.05, reach / 30)
-    found = contact_edges(_solve(layer, shape, reach, mesh, force, depth))
+    section = section_around(layer, edges, reach, 0.05, reach / 30)
+    found = _contact_edges(_solve(layer, shape, reach, section, force, depth))
     reach = min(reach, max(found) + 0.5)
-    mesh = mesh_around([*found, *edges], reach, finest, reach / 15)
-    return _solve(layer, shape, reach, mesh, force, depth)
+    section = section_around(layer, [*found, *edges], reach, finest, reach / 15)
+    return _solve(layer, shape, reach, section, force, depth)
 
 
 def apply_pressure(
@@ -231,15 +252,16 @@ def apply_pressure(
     """
     check_positive("radius", radius, "of the loaded circle, in metres")
     h = layer.thickness
-    mesh = mesh_around([radius / h], radius / h, finest, COARSEST)
-    places = mesh.trace.gauss_radii
+    section = section_around(layer, [radius / h], radius / h, finest, COARSEST)
+    places = section.trace.gauss_radii
     loaded = np.where(places < radius / h, pressure(places.ravel() * h).reshape(places.shape), 0.0)
-    linear = LinearSection.prepare(law_of(layer, mesh))
-    found = linear_solution(layer, linear, mesh.trace.loads(loaded / layer.young_modulus), 0.0)
+    found = _solution(layer, section, section.trace.loads(loaded / layer.young_modulus), 0.0)
     return replace(found, depth=float(found.indentation(np.zeros(1))[0]))
 
 
-def mesh_around(edges: Sequence[float], reach: float, finest: float, coarsest: float) -> Section:
+def section_around(
+    layer: Layer, edges: Sequence[float], reach: float, finest: float, coarsest: float
+) -> Section:
     """Elements that shrink towards some radii and the surface, all in thicknesses."""
     near = towards(edges or [0.0], finest, 0.3, min(coarsest, COARSEST))
 
@@ -248,17 +270,17 @@ def mesh_around(edges: Sequence[float], reach: float, finest: float, coarsest: f
 
     stops = sorted({0.0, reach + MARGIN, *(edge for edge in edges if edge > 0)})
     depths = graded([0.0, 1.0], towards([0.0], min(2 * finest, 0.1), 0.4, 0.2))
-    return mesh_section(graded(stops, along), 1.0 - depths[::-1])
+    return Section.of(layer, graded(stops, along), 1.0 - depths[::-1])
 
 
-def contact_edges(found: AxisymmetricSolution) -> list[float]:
+def _contact_edges(found: AxisymmetricSolution) -> list[float]:
     """Radii between nodes that touch and nodes that do not, in thicknesses."""
     touching, nodes = found.contact, found.surface.nodes / found.layer.thickness
     change = np.flatnonzero(touching[1:] != touching[:-1])
     return [float((nodes[i] + nodes[i + 1]) / 2) for i in change]
 
 
-def check_load(layer: Layer, force: float | None, depth: float | None) -> None:
+def _check_load(layer: Layer, force: float | None, depth: float | None) -> None:
     """Raise InputError unless exactly one is given and can be."""
     if (force is None) == (depth is None):
         raise InputError(f"force is {force!r} and depth is {depth!r}, expected exactly one of them")
@@ -276,18 +298,17 @@ def _solve(
     layer: Layer,
     shape: Shape,
     reach: float,
-    mesh: Section,
+    section: Section,
     force: float | None,
     depth: float | None,
 ) -> AxisymmetricSolution:
     """Find the forces of the nodes on one mesh."""
     h, newton = layer.thickness, layer.young_modulus * layer.thickness**2
-    nodes = mesh.trace.nodes
+    nodes = section.trace.nodes
     heights = shape.heights(nodes)
     near = np.flatnonzero(np.isfinite(heights) & (nodes <= reach))
     near = near[near > 0]  # the axis has no area: a pressure near it gives its node no force
-    linear = LinearSection.prepare(law_of(layer, mesh))
-    flexibility = linear.flexibility(near)
+    flexibility = section.flexibility(near)
     if depth is None:
         sunk, pushes = push_with_force(flexibility, heights[near], (force or 0.0) / newton)
     else:
@@ -299,25 +320,22 @@ def _solve(
         )
     forces = np.zeros(len(nodes))
     forces[near] = pushes
-    return linear_solution(layer, linear, forces, sunk)
+    return _solution(layer, section, forces, sunk)
 
 
-def linear_solution(
-    layer: Layer, linear: LinearSection, forces: Floats, sunk: float
-) -> AxisymmetricSolution:
+def _solution(layer: Layer, section: Section, forces: Floats, sunk: float) -> AxisymmetricSolution:
     """The layer under given forces of its surface's nodes, in metres and newtons."""
-    mesh, h = linear.section, layer.thickness
-    state = linear.respond(forces)
-    reactions = (linear.stiffness @ state)[mesh.base_z]
+    h, state = layer.thickness, section.respond(forces)
+    reactions = (section.stiffness @ state)[section.base_z]
     contact = forces > 0
     contact[0] = contact[1]
     return AxisymmetricSolution(
         layer=layer,
         force=float(forces.sum()) * layer.young_modulus * h**2,
         depth=sunk * h,
-        surface=Trace(mesh.trace.nodes * h),
-        nodal_displacement=np.stack([state[mesh.top_r], state[mesh.top_z]], axis=-1) * h,
+        surface=Trace(section.trace.nodes * h),
+        nodal_displacement=np.stack([state[section.top_r], state[section.top_z]], axis=-1) * h,
         nodal_force=forces * layer.young_modulus * h**2,
-        nodal_base_stress=mesh.trace.density(reactions) * layer.young_modulus,
+        nodal_base_stress=section.trace.density(reactions) * layer.young_modulus,
         contact=contact,
     )

@@ -6,4 +6,3 @@ from skinfield.lab.scenarios.scenario import make_run as make_run
 from skinfield.lab.scenarios.scenario import rig_tasks as rig_tasks
 from skinfield.lab.scenarios.scenario import scenario_from_toml as scenario_from_toml
 from skinfield.lab.scenarios.scenario import template as template
-from skinfield.lab.scenarios.scenario import toml_from_scenario as toml_from_scenario

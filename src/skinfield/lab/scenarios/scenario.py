@@ -1,9 +1,7 @@
-"""Scenarios of the virtual rig as TOML files, both ways, and their recordings as tasks."""
+"""Scenarios of the virtual rig as TOML files, and their recordings as tasks."""
 
-import shutil
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from decimal import Decimal
 from importlib.resources import files
 from pathlib import Path
@@ -14,11 +12,10 @@ import numpy as np
 from skinfield.elastic import Layer, PronySeries, StandardLinearSolid, Viscoelastic
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts.load import load_layout
-from skinfield.files.pending import write_bytes
-from skinfield.files.rig import LAYOUT, save_rig_run
+from skinfield.files.rig import save_rig_run
 from skinfield.lab.runner import Task
-from skinfield.lab.scenarios.indenters import COMMON, FACTORS, SHAPES, indenter_from_mapping
-from skinfield.lab.scenarios.table import Table, before_factor, number_from_si
+from skinfield.lab.scenarios.indenters import indenter_from_mapping
+from skinfield.lab.scenarios.table import Table, ending_of
 from skinfield.plot import save
 from skinfield.plot.rig import draw_rig_run
 from skinfield.settings.text import text_of_file
@@ -59,97 +56,51 @@ BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
 LOADS = "no load here: those of all indenters are in [loads]"
 SHEAR = "no shear here: the rig's actuator only goes up and down"
 NOT_HERE = {"force_n": LOADS, "depth_mm": LOADS, "shear_x_n": SHEAR, "shear_y_n": SHEAR}
-PAIRS = {"x": ("position", 0), "y": ("position", 1), "tilt_x": ("tilt", 0), "tilt_y": ("tilt", 1)}
-SCENARIO, PICTURE = "scenario.toml", "run.png"
-TASK_VERSION = "1"  # raise it when the same scenario makes other files
+PICTURE = "run.png"
+TASK_VERSION = "2"  # raise it when the same scenario makes other files
 
 Keys = Mapping[str, str]  # of the file, to the field
-LAYER: Keys = {
-    "thickness_mm": "thickness",
-    "young_modulus_kpa": "young_modulus",
-    "poisson_ratio": "poisson_ratio",
-    "relative_permittivity": "relative_permittivity",
-}
-SOLID: Keys = {"relaxed_fraction": "relaxed_fraction", "time_constant_s": "time_constant"}
-PROFILE: Keys = {
-    "rest_s": "rest",
-    "approach_s": "approach",
-    "ramp_s": "ramp",
-    "hold_s": "hold",
-    "release_s": "release",
-    "pause_s": "pause",
-    "smooth": "smooth",
-    "clearance_mm": "clearance",
-}
-LOAD_CELL: Keys = {
-    "full_scale_n": "full_scale",
-    "rate_hz": "rate",
-    "noise_mn": "noise",
-    "offset_mn": "offset",
-    "gain_error": "gain_error",
-    "resolution_mn": "resolution",
-    "delay_ms": "delay",
-}
-TEMPERATURE: Keys = {"start_c": "start", "end_c": "end"}
-SOLVING: Keys = {"extent_mm": "extent", "cell_mm": "cell", "rungs": "rungs"}
-ELECTRONICS: Keys = {
-    "quantised": "quantised",
-    "gain_spread": "gain_spread",
-    "converter_gain_spread": "converter_gain_spread",
-    "baseline_spread_counts": "baseline_spread",
-}
+
+
+def _keys(words: str, **others: str) -> Keys:
+    """Keys whose fields are called so without the unit, and others."""
+    return {key: key.removesuffix(ending_of(key)) for key in words.split()} | others
+
+
+LAYER = _keys("thickness_mm young_modulus_kpa poisson_ratio relative_permittivity")
+SOLID = _keys("relaxed_fraction time_constant_s")
+PROFILE = _keys("rest_s approach_s ramp_s hold_s release_s pause_s smooth clearance_mm")
+LOAD_CELL = _keys("full_scale_n rate_hz noise_mn offset_mn gain_error resolution_mn delay_ms")
+TEMPERATURE = _keys("start_c end_c")
+SOLVING = _keys("extent_mm cell_mm rungs")
+ELECTRONICS = _keys("quantised gain_spread converter_gain_spread baseline_spread_counts")
 PARTS: Mapping[str, Keys] = {  # of the electronics
-    "cross_talk": {"neighbours": "neighbours"},
-    "drift": {
-        "mean_counts_per_k": "per_kelvin",
-        "converter_spread_counts_per_k": "converter_spread",
-        "taxel_spread_counts_per_k": "taxel_spread",
-        "time_constant_s": "time_constant",
-        "reference_c": "reference",
-    },
-    "noise": {
-        "white_counts": "white",
-        "spread": "spread",
-        "common_counts": "common",
-        "flicker_counts": "flicker",
-        "walk_counts_per_sqrt_s": "walk",
-    },
-    "defects": {
-        "absent": "absent",
-        "dead": "dead",
-        "stuck": "stuck",
-        "flickering": "flickering",
-        "saturated": "saturated",
-        "stuck_within_s": "stuck_within",
-        "open_time_s": "open_time",
-        "closed_time_s": "closed_time",
-    },
-    "delivery": {
-        "rate_hz": "rate",
-        "conversion_time_ms": "conversion_time",
-        "free_running": "free_running",
-        "delay_ms": "delay",
-        "jitter_ms": "jitter",
-        "lost_readings": "lost_readings",
-        "lost_messages": "lost_messages",
-        "holds": "holds",
-        "logged_at_hz": "logged_at",
-    },
-}
-CYSKIN: Keys = {"gain_counts": "gain"}
-ICUB: Keys = {"rest_capacitance_pf": "rest_capacitance", "step_ff": "farads_per_count"}
-ICUB_BYTE: Keys = {"no_load": "no_load", "shift": "shift"}
-PLACES: Mapping[str, tuple[Callable[..., Places], Keys]] = {
-    "over_taxel": (OverTaxels, {"taxels": "taxels", "angle_deg": "angle"}),
-    "between_two": (BetweenTwo, {"pairs": "pairs", "angle_deg": "angle"}),
-    "between_three": (BetweenThree, {"triples": "triples", "angle_deg": "angle"}),
-    "at": (At, {"positions_mm": "positions", "angle_deg": "angle"}),
-    "random": (Random, {"count": "count", "within_mm": "within", "turned": "turned"}),
-    "raster": (
-        Raster,
-        {"rows": "rows", "columns": "columns", "step_mm": "step", "angle_deg": "angle"},
+    "cross_talk": _keys("neighbours"),
+    "drift": _keys(
+        "converter_spread_counts_per_k taxel_spread_counts_per_k time_constant_s reference_c",
+        mean_counts_per_k="per_kelvin",
+    ),
+    "noise": _keys("white_counts spread common_counts flicker_counts walk_counts_per_sqrt_s"),
+    "defects": _keys(
+        "absent dead stuck flickering saturated stuck_within_s open_time_s closed_time_s"
+    ),
+    "delivery": _keys(
+        "rate_hz conversion_time_ms free_running delay_ms jitter_ms lost_readings lost_messages "
+        "holds logged_at_hz"
     ),
 }
+CYSKIN = _keys("gain_counts")
+ICUB = _keys("rest_capacitance_pf", step_ff="farads_per_count")
+ICUB_BYTE = _keys("no_load shift")
+PLACES: Mapping[str, tuple[Callable[..., Places], Keys]] = {
+    "over_taxel": (OverTaxels, _keys("taxels angle_deg")),
+    "between_two": (BetweenTwo, _keys("pairs angle_deg")),
+    "between_three": (BetweenThree, _keys("triples angle_deg")),
+    "at": (At, _keys("positions_mm angle_deg")),
+    "random": (Random, _keys("count within_mm turned")),
+    "raster": (Raster, _keys("rows columns step_mm angle_deg")),
+}
+HEAD = ("name", "seed", "repeats", "first_repeat")
 ROWS = {"pairs": 2, "triples": 3, "positions_mm": 2}
 
 
@@ -186,16 +137,11 @@ def scenario_from_toml(text: str, folder: Path = Path(), path: str = "scenario")
     except (tomllib.TOMLDecodeError, RecursionError, ValueError, ArithmeticError) as error:
         raise FileError(f"{path} is not TOML: {error}") from error
     table = Table(content, "", path, text)
-    version = table.integer("skinfield_rig", 0)
+    version = table.value("skinfield_rig", 0)
     if version != VERSION:
         raise table.wrong("skinfield_rig", f"{VERSION}: the first line of a rig's scenario")
     usual = Scenario()
-    values: dict[str, Any] = {
-        "name": table.word("name", usual.name),
-        "seed": table.integer("seed", usual.seed),
-        "repeats": table.integer("repeats", usual.repeats),
-        "first_repeat": table.integer("first_repeat", usual.first_repeat),
-    }
+    values = {key: table.value(key, getattr(usual, key)) for key in HEAD}
     values |= _patch(table.table("patch"), folder)
     values["layer"], values["cover"] = _layer(table.table("layer"))
     values["elastomer"] = _elastomer(table.table("elastomer"))
@@ -218,7 +164,7 @@ def _simple(table: Table, keys: Keys, make: Any) -> Any:
 
 
 def _patch(table: Table, folder: Path) -> dict[str, Any]:
-    layout, name = table.word("layout", Scenario().layout), table.word("name", "")
+    layout, name = table.value("layout", Scenario().layout), table.value("name", "")
     table.finish()
     try:
         patch, found = _patch_from(layout, name, folder)
@@ -242,12 +188,12 @@ def _patch_from(layout: str, name: str, folder: Path) -> tuple[Patch, str]:
 
 
 def _layer(table: Table) -> tuple[Layer, bool]:
-    cover = table.flag("inextensible_cover", False)
+    cover = table.value("inextensible_cover", False)
     return _simple(table, LAYER, Layer), cover
 
 
 def _elastomer(table: Table) -> Viscoelastic:
-    terms = table.rows("prony_terms", 2)
+    terms = table.items("prony_terms", 0.0, 2)
     if terms:
         return table.made(PronySeries, terms=terms)
     solid: Viscoelastic = _simple(table, SOLID, StandardLinearSolid)
@@ -266,11 +212,7 @@ def _tool(table: Table, row: int, folder: Path) -> Tool:
         raise
     except (InputError, ArithmeticError, OSError, ValueError) as error:
         raise FileError(f"{table.place(None)}: {error}") from error
-    words: tuple[tuple[str, object], ...] = ()
-    if "file" in settings:
-        settings["file"] = str((folder / settings["file"]).resolve())
-        words = tuple((k, tuple(v) if isinstance(v, list) else v) for k, v in settings.items())
-    return table.made(Tool, name=name, indenter=indenter, words=words)
+    return table.made(Tool, name=name, indenter=indenter)
 
 
 def _places(table: Table) -> Places:
@@ -280,7 +222,8 @@ def _places(table: Table) -> Places:
 
 
 def _loads(table: Table) -> Loads:
-    return table.made(Loads, forces=table.numbers("forces_n"), depths=table.numbers("depths_mm"))
+    forces, depths = table.items("forces_n", 0.0), table.items("depths_mm", 0.0)
+    return table.made(Loads, forces=forces, depths=depths)
 
 
 def _electronics(table: Table) -> Electronics:
@@ -314,152 +257,9 @@ def _values_of(table: Table, keys: Keys, default: object) -> dict[str, Any]:
 
 
 def _value(table: Table, key: str, default: Any) -> Any:
-    if isinstance(default, bool):
-        return table.flag(key, default)
-    if isinstance(default, int):
-        return table.integer(key, default)
     if isinstance(default, tuple):
-        if key.endswith("_mm"):
-            return table.rows(key, ROWS[key])
-        return table.integers(key, ROWS.get(key, 0))
-    return table.number(key, float(default))
-
-
-def _plain_of(keys: Keys, source: object) -> dict[str, Any]:
-    """Values of an object's fields by their keys, in the keys' units."""
-    return {key: _plain(key, getattr(source, name)) for key, name in keys.items()}
-
-
-def _plain(key: str, value: Any) -> Any:
-    if isinstance(value, bool | str):
-        return value
-    if isinstance(value, tuple | list):
-        return [_plain(key, item) for item in value]
-    return int(value) if isinstance(value, int | np.integer) else number_from_si(key, value)
-
-
-def toml_from_scenario(scenario: Scenario) -> str:
-    """Text that `scenario_from_toml` makes the same scenario of.
-
-    Raises
-    ------
-    InputError
-        For what a file cannot hold: a patch without a layout's name, a matrix of cross-talk,
-        thermal pads, or classes of one's own.
-    """
-    import tomli_w
-
-    if not scenario.layout:
-        raise InputError(
-            f"layout of scenario {scenario.name!r} is '', expected where its patch is from: save "
-            "it with save_layout and give the file's name"
-        )
-    loads = scenario.loads
-    forces = {"forces_n": _plain("forces_n", loads.forces)}
-    depths = {"depths_mm": _plain("depths_mm", loads.depths)}
-    return tomli_w.dumps(
-        {
-            "skinfield_rig": VERSION,
-            "name": scenario.name,
-            "seed": int(scenario.seed),
-            "repeats": int(scenario.repeats),
-            "first_repeat": int(scenario.first_repeat),
-            "patch": {"layout": scenario.layout, "name": scenario.patch_name},
-            "layer": {
-                **_plain_of(LAYER, scenario.layer),
-                "inextensible_cover": bool(scenario.cover),
-            },
-            "elastomer": _plain_elastomer(scenario.elastomer),
-            "indenter": [_plain_tool(tool) for tool in scenario.tools],
-            "places": [_plain_places(places) for places in scenario.places],
-            "loads": forces if loads.forces else depths,
-            "profile": _plain_of(PROFILE, scenario.profile),
-            "load_cell": _plain_of(LOAD_CELL, scenario.load_cell),
-            "temperature": _plain_of(TEMPERATURE, scenario.temperature),
-            "solving": _plain_of(SOLVING, scenario.solving),
-            "electronics": _plain_electronics(scenario.electronics),
-        }
-    )
-
-
-def _plain_elastomer(elastomer: Viscoelastic) -> dict[str, Any]:
-    if isinstance(elastomer, StandardLinearSolid):
-        return _plain_of(SOLID, elastomer)
-    if isinstance(elastomer, PronySeries):
-        return {"prony_terms": _plain("", elastomer.terms)}
-    raise _cannot("elastomer", elastomer)
-
-
-def _plain_tool(tool: Tool) -> dict[str, Any]:
-    if tool.words:  # as they were given, numbers in the unit that they were given in
-        words = {key: list(v) if isinstance(v, tuple) else v for key, v in tool.words}
-        return {"name": tool.name, **words}
-    body: Any = tool.indenter
-    shape = next((name for name, shape in SHAPES.items() if shape.make is type(body)), None)
-    if shape is None:
-        raise _cannot(f"indenter {tool.name!r}", body)
-    plain: dict[str, Any] = {"name": tool.name, "shape": shape}
-    keys = [*SHAPES[shape].required, *SHAPES[shape].optional, *COMMON]
-    for key in (key for key in keys if key not in NOT_HERE):
-        ending = next(end for end in FACTORS if key.endswith(end))
-        pair, part = PAIRS.get(key.removesuffix(ending), (key.removesuffix(ending), None))
-        value = getattr(body, pair) if part is None else getattr(body, pair)[part]
-        plain[key] = before_factor(float(value), FACTORS[ending])
-    return plain
-
-
-def _plain_places(places: Any) -> dict[str, Any]:
-    for kind, (made, keys) in PLACES.items():
-        if made is type(places):
-            return {"kind": kind, **_plain_of(keys, places)}
-    raise _cannot("places", places)
-
-
-def _plain_electronics(electronics: Electronics) -> dict[str, Any]:
-    if electronics.thermal_pads is not None or electronics.cross_talk.matrix is not None:
-        raise _cannot("electronics with thermal pads or a matrix of cross-talk", electronics)
-    board: Any = electronics.board
-    kind = next((kind for kind, made in BOARDS.items() if made is type(board)), None)
-    if kind is None:
-        raise _cannot("board", board)
-    values: dict[str, Any] = {"kind": kind}
-    if isinstance(board, ICubBoard):
-        values |= _plain_of(ICUB, board) | _plain_of(ICUB_BYTE, board.convention)
-    elif isinstance(board, CySkinBoard):
-        values |= _plain_of(CYSKIN, board)
-    return {
-        **_plain_of(ELECTRONICS, electronics),
-        "board": values,
-        **{name: _plain_of(keys, getattr(electronics, name)) for name, keys in PARTS.items()},
-    }
-
-
-def _cannot(what: str, value: object) -> InputError:
-    return InputError(
-        f"{what} is {value!r:.120}, expected one that a scenario's file can hold: see "
-        "'skinfield rig --new'"
-    )
-
-
-def in_folder(scenario: Scenario, layout: str) -> tuple[Scenario, list[tuple[Path, str]]]:
-    """Scenario whose files lie beside it under plain names, and (source, name) of what to copy.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    layout : str
-        Name of its layout's file there.
-    """
-    copies, tools = [], []
-    for row, tool in enumerate(scenario.tools):
-        words = dict(tool.words)
-        if "file" in words:
-            source = Path(str(words["file"]))
-            name = f"shape-{row + 1}{source.suffix}"
-            words["file"] = name
-            copies.append((source, name))
-        tools.append(replace(tool, words=tuple(words.items())))
-    return replace(scenario, layout=layout, patch_name="", tools=tuple(tools)), copies
+        return table.items(key, 0.0 if ending_of(key) else 0, ROWS.get(key, 0))
+    return table.value(key, default)
 
 
 def template() -> str:
@@ -478,18 +278,11 @@ def make_run(folder: Path, scenario: Scenario) -> dict[str, Any]:
     Raises
     ------
     FileError
-        If a file cannot be written, or the shape's file has gone.
+        If a file cannot be written.
     """
     done = run_rig(scenario)
     save_rig_run(done, folder)
     save(draw_rig_run(done), folder / PICTURE)
-    beside, copies = in_folder(scenario, LAYOUT)
-    for source, name in copies:
-        try:
-            shutil.copyfile(source, folder / name)
-        except OSError as error:
-            raise FileError(f"{source} cannot be copied: {error.strerror or error}") from error
-    write_bytes(folder / SCENARIO, toml_from_scenario(beside).encode())
     truth = done.truth
     return {
         "indenter": scenario.tools[0].name,

@@ -12,28 +12,25 @@ from skinfield.settings.text import line_of, nearest
 T = TypeVar("T")
 DEGREE = math.pi / 180.0
 CELSIUS = Decimal("273.15")
-UNITS = {  # endings of keys, with the power of ten to SI
-    "_mm": -3, "_ms": -3, "_s": 0, "_kpa": 3, "_n": 0, "_mn": -3, "_hz": 0, "_deg": 0, "_c": 0,
-    "_counts": 0, "_pf": -12, "_ff": -15, "_counts_per_k": 0, "_counts_per_sqrt_s": 0, "_k": 0,
-}  # fmt: skip
-WORDS = {
-    "_mm": "millimetres", "_ms": "milliseconds", "_s": "seconds", "_kpa": "kilopascals",
-    "_n": "newtons", "_mn": "millinewtons", "_hz": "per second", "_deg": "degrees",
-    "_c": "degrees Celsius", "_counts": "counts", "_pf": "picofarads", "_ff": "femtofarads",
-    "_counts_per_k": "counts per kelvin", "_counts_per_sqrt_s": "counts per root second",
-    "_k": "kelvin",
+UNITS = {  # endings of keys, with the power of ten to SI, and in words
+    "_mm": (-3, "millimetres"), "_ms": (-3, "milliseconds"), "_s": (0, "seconds"),
+    "_kpa": (3, "kilopascals"), "_n": (0, "newtons"), "_mn": (-3, "millinewtons"),
+    "_hz": (0, "per second"), "_deg": (0, "degrees"), "_c": (0, "degrees Celsius"),
+    "_counts": (0, "counts"), "_pf": (-12, "picofarads"), "_ff": (-15, "femtofarads"),
+    "_counts_per_k": (0, "counts per kelvin"),
+    "_counts_per_sqrt_s": (0, "counts per root second"), "_k": (0, "kelvin"),
+    "": (0, "no unit"),
 }  # fmt: skip
 
 
 def ending_of(key: str) -> str:
     """Unit at the end of a key, the longest that fits; "" for a plain number."""
-    fitting = [ending for ending in UNITS if key.endswith(ending)]
-    return max(fitting, key=len, default="")
+    return max((ending for ending in UNITS if key.endswith(ending)), key=len)
 
 
 def unit_of(key: str) -> str:
     """In words."""
-    return WORDS.get(ending_of(key), "no unit")
+    return UNITS[ending_of(key)][1]
 
 
 def si_from_number(key: str, number: int | float | Decimal) -> float:
@@ -45,29 +42,7 @@ def si_from_number(key: str, number: int | float | Decimal) -> float:
         context.prec = 60
         if ending_of(key) == "_c":
             return float(exact + CELSIUS)
-        return float(exact.scaleb(UNITS.get(ending_of(key), 0)))
-
-
-def number_from_si(key: str, value: float) -> Decimal:
-    """Number that `si_from_number` turns into this very value."""
-    if ending_of(key) == "_deg":
-        return Decimal(repr(before_factor(float(value), DEGREE)))
-    exact = Decimal(repr(float(value)))
-    with localcontext() as context:
-        context.prec = 60
-        if ending_of(key) == "_c":
-            exact -= CELSIUS
-        else:
-            exact = exact.scaleb(-UNITS.get(ending_of(key), 0))
-    return Decimal(format(exact, "f"))  # without an exponent
-
-
-def before_factor(value: float, factor: float) -> float:
-    """Number that times `factor` is `value`; where none is, one that is off by the last digit."""
-    guess = value / factor
-    near = [guess, math.nextafter(guess, math.inf), math.nextafter(guess, -math.inf)]
-    exact = [number for number in near if number * factor == value]
-    return min(exact, key=lambda number: len(repr(number)), default=guess)
+        return float(exact.scaleb(UNITS[ending_of(key)][0]))
 
 
 @dataclass
@@ -95,78 +70,36 @@ class Table:
 
     def wrong(self, key: str, expected: str) -> FileError:
         """Error about a value."""
-        shown = _shown(self.content[key]) if key in self.content else "missing"
+        shown = _excerpt(self.content[key]) if key in self.content else "missing"
         return FileError(f"{self.place(key)}: {key} is {shown}, expected {expected}")
 
-    def number(self, key: str, default: float | None = None) -> float:
-        """Value in SI units of a key that ends in its unit."""
+    def value(self, key: str, default: Any = None) -> Any:
+        """Text, switch, whole number, or number in SI units: what the default is.
+
+        Without a default it is a text that has to be there.
+        """
         value = self._take(key)
-        if value is None:
-            if default is None:
-                raise self.wrong(key, f"a number in {unit_of(key)}")
+        if value is None and default is not None:
             return default
-        return self._si(key, value)
+        return self._of_kind(key, value, "" if default is None else default)
 
-    def numbers(self, key: str) -> tuple[float, ...]:
-        """Values in SI units of a list; empty where there is none."""
-        value = self._take(key)
-        if value is None:
-            return ()
-        if not isinstance(value, list):
-            raise self.wrong(key, f"a list of numbers in {unit_of(key)}, such as [0.5, 1]")
-        return tuple(self._si(key, item) for item in value)
-
-    def rows(self, key: str, width: int) -> tuple[tuple[float, ...], ...]:
-        """Rows of `width` values in SI units; empty where there is none."""
-        value = self._take(key)
-        if value is None:
-            return ()
-        if not isinstance(value, list) or any(
-            not isinstance(row, list) or len(row) != width for row in value
-        ):
-            raise self.wrong(key, f"rows of {width} numbers in {unit_of(key)}")
-        return tuple(tuple(self._si(key, item) for item in row) for row in value)
-
-    def integer(self, key: str, default: int) -> int:
-        """Whole number."""
-        value = self._take(key)
-        return default if value is None else self._whole(key, value)
-
-    def integers(self, key: str, width: int = 0) -> tuple[Any, ...]:
-        """Whole numbers, or rows of `width` of them."""
+    def items(self, key: str, kind: float, width: int = 0) -> tuple[Any, ...]:
+        """Numbers in SI units, or whole ones, as `kind` is; of a list, or of rows of `width`."""
         value = self._take(key)
         if value is None:
             return ()
         rows = f"rows of {width} " if width else ""
-        if not isinstance(value, list):
-            raise self.wrong(key, f"a list of {rows}whole numbers")
+        what = f"numbers in {unit_of(key)}" if isinstance(kind, float) else "whole numbers"
+        listed = isinstance(value, list)
+        if not listed or (width and any(not isinstance(r, list) or len(r) != width for r in value)):
+            raise self.wrong(key, f"a list of {rows}{what}, such as [0.5, 1]")
         if not width:
-            return tuple(self._whole(key, item) for item in value)
-        if any(not isinstance(row, list) or len(row) != width for row in value):
-            raise self.wrong(key, f"a list of {rows}whole numbers")
-        return tuple(tuple(self._whole(key, item) for item in row) for row in value)
-
-    def flag(self, key: str, default: bool) -> bool:
-        """True or false."""
-        value = self._take(key)
-        if value is None:
-            return default
-        if not isinstance(value, bool):
-            raise self.wrong(key, "true or false")
-        return value
-
-    def word(self, key: str, default: str | None = None) -> str:
-        """Text."""
-        value = self._take(key)
-        if value is None and default is not None:
-            return default
-        if not isinstance(value, str):
-            raise self.wrong(key, "a text in quotes")
-        return value
+            return tuple(self._of_kind(key, item, kind) for item in value)
+        return tuple(tuple(self._of_kind(key, item, kind) for item in row) for row in value)
 
     def choice(self, key: str, choices: Mapping[str, T], default: str | None = None) -> T:
         """One of some words."""
-        word = self.word(key, default)
+        word = self.value(key, default)
         if word not in choices:
             raise self.wrong(key, f"one of {', '.join(choices)}{nearest(word, choices)}")
         return choices[word]
@@ -198,7 +131,7 @@ class Table:
             units = {name: f"{name} ({unit_of(name)})" for name in self.known if ending_of(name)}
             listed = ", ".join(units.get(name, name) for name in sorted(self.known))
             raise FileError(
-                f"{self.place(key)}: {_shown(key)} is not known, expected one of {listed}"
+                f"{self.place(key)}: {_excerpt(key)} is not known, expected one of {listed}"
                 f"{nearest(key, self.known)}"
             )
 
@@ -225,21 +158,27 @@ class Table:
         self.taken.add(key)
         return self.content.get(key)
 
-    def _si(self, key: str, value: Any) -> float:
+    def _of_kind(self, key: str, value: Any, kind: Any) -> Any:
+        """The value, in SI units, if it is of a kind."""
+        if isinstance(kind, bool | str):
+            if not isinstance(value, type(kind)):
+                raise self.wrong(
+                    key, "true or false" if isinstance(kind, bool) else "a text in quotes"
+                )
+            return value
+        if isinstance(kind, int):
+            if isinstance(value, bool) or not isinstance(value, int) or abs(value) >= 2**63:
+                raise self.wrong(key, "whole numbers of at most 63 bits")
+            return value
         if isinstance(value, bool) or not isinstance(value, int | Decimal):
             raise self.wrong(key, f"a number in {unit_of(key)}")
         try:
             found = si_from_number(key, value)
         except (ArithmeticError, ValueError):
             raise self.wrong(key, f"a number in {unit_of(key)} of a usual size") from None
-        if not abs(found) < float("inf"):
+        if not math.isfinite(found):
             raise self.wrong(key, f"a finite number in {unit_of(key)}")
         return found
-
-    def _whole(self, key: str, value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or abs(value) >= 2**63:
-            raise self.wrong(key, "whole numbers of at most 63 bits")
-        return value
 
     def place(self, key: str | None) -> str:
         """File, line where it can be found, and table."""
@@ -254,7 +193,7 @@ def _plain(value: Any) -> Any:
     return [_plain(item) for item in value] if isinstance(value, list) else value
 
 
-def _shown(value: object) -> str:
+def _excerpt(value: object) -> str:
     if isinstance(value, Decimal):
         return str(value)[:40]
     try:

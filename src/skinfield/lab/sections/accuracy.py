@@ -17,7 +17,17 @@ from skinfield.lab.accuracy import (
     parts_of,
 )
 from skinfield.lab.plots import LIMIT, STEPS, Curve, Panel, Scale, distribution, draw_panels
-from skinfield.lab.report import Cell, Missing, Part, Picture, Section, Settings, Table, Verdict
+from skinfield.lab.report import (
+    Cell,
+    Missing,
+    Picture,
+    Section,
+    Settings,
+    Table,
+    Verdict,
+    verdict_of,
+)
+from skinfield.lab.runner import Task
 from skinfield.lab.score import Row, column, where, wilson
 from skinfield.lab.validation import CONTACT, GAUSSIAN, PAPER, Entrant, Level
 from skinfield.plot.style import number
@@ -46,7 +56,7 @@ ERRORS = (  # column, label, factor, ends of the axis
 )
 
 
-def accuracy_parts(settings: Settings) -> list[Part]:
+def accuracy_parts(settings: Settings) -> list[Task]:
     """Shares of the campaign."""
     return parts_of(accuracy_plan(settings.size.name, settings.seed))
 
@@ -152,11 +162,7 @@ def _verdicts(plan: AccuracyPlan, table: Sequence[Row]) -> list[Verdict]:
                 f"force distributions are reconstructed ({quantity})",
                 f"pressure off by {words}, relative L2, median; readings "
                 f"{noise_in_words(quantity, noise)}",
-                "holds"
-                if lowest < 20
-                else "holds only in part"
-                if lowest < 50
-                else "does not hold",
+                verdict_of(lowest < 20, lowest < 50),
             )
         )
     return out

@@ -6,7 +6,7 @@ that what is off is the model alone.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -16,7 +16,7 @@ from skinfield.elastic.axisymmetric import Ball, Indentation, indent_by_force, p
 from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.errors import Floats, InputError
 from skinfield.lab.fem.electrostatics import pad_capacitance
-from skinfield.lab.fem.small_strain import AxisymmetricSolution, indent
+from skinfield.lab.fem.small_strain import indent
 from skinfield.lab.paper import LOADS, TIPS
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
 from skinfield.lab.report import (
@@ -29,6 +29,7 @@ from skinfield.lab.report import (
     Verdict,
     spread_in_words,
 )
+from skinfield.lab.score import Row, column, where
 from skinfield.simulate import Cylinder, Press, Sphere, press
 
 Round = Sphere | Cylinder
@@ -40,75 +41,24 @@ SPAN = 30e-3  # m: side of the square over which the half-space is compared; fie
 HALF_SPACE = HalfSpace(point_forces=False)  # of uniform cells: no error but the model's
 LINEAR = 0.5  # of the thickness: deeper, linear elasticity itself is off by several per cent
 RADII = np.linspace(0.0, 12e-3, 241)  # m; where fields are compared, weighted by area
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """One method beside the finite elements.
-
-    Parameters
-    ----------
-    depth : float, m
-    base_error, surface_error : float
-        Relative L2 of base stress and of the surface's depth.
-    peak_error : float
-        Of the base stress on the axis, relative.
-    """
-
-    depth: float
-    base_error: float
-    surface_error: float
-    peak_error: float
-
-
-@dataclass(frozen=True)
-class ModelError:
-    """Relative L2 errors of the half-space, given the true pressure of the layer.
-
-    Parameters
-    ----------
-    stress, point_stress, displacement : float
-        Of the base stress' mean below a pad, of that at a point, and of the surface's normal
-        displacement.
-    """
-
-    stress: float
-    point_stress: float
-    displacement: float
-
-
-@dataclass(frozen=True)
-class Agreement:
-    """One body with one load.
-
-    Parameters
-    ----------
-    name : str
-    force : float, N
-    depth, contact_radius : float, m
-        By finite elements, as are the next two.
-    base_peak : float, Pa
-        Base stress on the axis.
-    reading : float
-        ΔC/C₀ of the centred pad, by Laplace's equation.
-    lattice, exact : Deviation
-        `simulate.press`, and the integral equation for bodies of revolution.
-    field, series : float
-        ΔC/C₀ of the centred pad below the lattice's surface: of the field, and to third order.
-    half_space : ModelError
-    """
-
-    name: str
-    force: float
-    depth: float
-    contact_radius: float
-    base_peak: float
-    reading: float
-    lattice: Deviation
-    exact: Deviation
-    field: float
-    series: float
-    half_space: ModelError
+COLUMNS = {
+    "indenter": "indenter",
+    "force": "force (N)",
+    "depth": "depth, elements (mm)",
+    "lattice_depth": "depth, lattice (mm)",
+    "exact_depth": "depth, exact (mm)",
+    "lattice_base": "base stress, lattice (relative L2)",
+    "exact_base": "base stress, exact (relative L2)",
+    "lattice_surface": "surface, lattice (relative L2)",
+    "exact_surface": "surface, exact (relative L2)",
+    "lattice_peak": "base peak, lattice (relative error)",
+    "reading": "ΔC/C₀, elements",
+    "field": "ΔC/C₀, lattice",
+    "series": "ΔC/C₀, series",
+    "stress": "base stress below pads, half-space (relative L2)",
+    "point_stress": "base stress at a point, half-space (relative L2)",
+    "displacement": "surface, half-space (relative L2)",
+}
 
 
 def agree(
@@ -118,8 +68,8 @@ def agree(
     force: float,
     cell: float = 0.25e-3,
     finest: float = FINEST,
-) -> Agreement:
-    """Press a body at the origin three ways and compare.
+) -> Row:
+    """Press a body at the origin three ways and compare; a row with the keys of `COLUMNS`.
 
     Parameters
     ----------
@@ -137,31 +87,50 @@ def agree(
         raise InputError(f"position of {name} is {body.position}, expected the origin")
     cells = press(layer, [replace(body, force=force)], extent=body.radius * 2 + 4e-3, cell=cell)
     judge = indent(layer, lambda r: body.height(r, np.zeros_like(r)), force=force, finest=finest)
+    exact: Indentation
     if isinstance(body, Sphere):
         exact = indent_by_force(layer, Ball(radius=body.radius), force)
     else:
         exact = punch(layer, body.radius, force=force)
-    edges = [judge.contact_radius]
+    edges, pad = [judge.contact_radius], np.zeros((1, 2))
     charge = pad_capacitance(layer.thickness, judge.indentation, [0.0], PAD, edges=edges)
-    return Agreement(
-        name=name,
-        force=force,
-        depth=judge.depth,
-        contact_radius=judge.contact_radius,
-        base_peak=float(judge.base_stress([0.0])[0]),
-        reading=float(charge[0]),
-        lattice=_of_lattice(judge, cells),
-        exact=_of_exact(judge, exact),
-        field=float(cells.capacitance(np.zeros((1, 2)), PAD)[0]),
-        series=float(cells.capacitance(np.zeros((1, 2)), PAD, order=3)[0]),
-        half_space=half_space_error(cells),
+    line = np.column_stack([RADII, np.zeros_like(RADII)])
+    base, weight = judge.base_stress(RADII), np.sqrt(RADII)
+    lattice_base = cells.base_stress(line, 0.0)
+    surface = judge.indentation(np.linalg.norm(cells.grid.plane, axis=1))
+    exact_base, exact_surface = (
+        np.asarray(values(RADII), dtype=float) for values in (exact.base_stress, exact.indentation)
     )
+    return {
+        "indenter": name,
+        "force": force,
+        "depth": 1e3 * judge.depth,
+        "lattice_depth": 1e3 * float(cells.approach[0]),
+        "exact_depth": 1e3 * exact.depth,
+        "lattice_base": _relative(lattice_base, base, weight),
+        "exact_base": _relative(exact_base, base, weight),
+        "lattice_surface": _relative(-cells.displacement[:, 2], surface),
+        "exact_surface": _relative(exact_surface, judge.indentation(RADII), weight),
+        "lattice_peak": float(lattice_base[0] / base[0] - 1),
+        "reading": float(charge[0]),
+        "field": float(cells.capacitance(pad, PAD)[0]),
+        "series": float(cells.capacitance(pad, PAD, order=3)[0]),
+    } | half_space_error(cells)
 
 
-def half_space_error(cells: Press) -> ModelError:
-    """Compare the half-space with the layer under the true pressure, on its own cells."""
+def _relative(values: Floats, judge: Floats, weight: Floats | float = 1.0) -> float:
+    """Relative L2; over the plane, where the weight is the root of the radius."""
+    return float(np.linalg.norm(weight * (values - judge)) / np.linalg.norm(weight * judge))
+
+
+def half_space_error(cells: Press) -> Row:
+    """Compare the half-space with the layer under the true pressure, on its own cells.
+
+    Relative L2 errors of the base stress' mean below a pad, of that at a point, and of the
+    surface's normal displacement.
+    """
     rows, columns = cells.grid.shape
-    cell = cells.grid.pitch
+    cell, layer = cells.grid.pitch, cells.layer
     margin = max(round((SPAN / cell - rows) / 2), 0)
     pressure = np.pad(cells.pressure.reshape(rows, columns), margin)
     half = len(pressure) - 1
@@ -172,13 +141,13 @@ def half_space_error(cells: Press) -> ModelError:
             LatticeConvolution(mirrored(quadrant(model).reshape(half + 1, half + 1)))(pressure)
             for model in (cells.mechanics, HALF_SPACE)
         )
-        return float(np.linalg.norm(wrong - exact) / np.linalg.norm(exact))
+        return _relative(wrong, exact)
 
-    return ModelError(
-        stress=error(lambda model: model.base_stress(cells.layer, offsets, cell, PAD)),
-        point_stress=error(lambda model: model.base_stress(cells.layer, offsets, cell, 0.0)),
-        displacement=error(lambda model: model.indentation(cells.layer, offsets, cell)),
-    )
+    return {
+        "stress": error(lambda model: model.base_stress(layer, offsets, cell, PAD)),
+        "point_stress": error(lambda model: model.base_stress(layer, offsets, cell, 0.0)),
+        "displacement": error(lambda model: model.indentation(layer, offsets, cell)),
+    }
 
 
 def agreements(
@@ -186,7 +155,7 @@ def agreements(
     bodies: Sequence[tuple[str, Round]] = BODIES,
     loads: Sequence[float] = LOADS,
     finest: float = FINEST,
-) -> list[Agreement]:
+) -> list[Row]:
     """The paper's indenters and loads, as far as Hooke's law keeps them off the base."""
     rows = []
     for name, body in bodies:
@@ -197,71 +166,6 @@ def agreements(
                 if "sinks" not in str(error):
                     raise
     return rows
-
-
-def agreement_table(rows: Sequence[Agreement]) -> Table:
-    """The comparison as a table of the report."""
-    cells = [
-        {
-            "indenter": row.name,
-            "force (N)": row.force,
-            "depth, elements (mm)": row.depth * 1e3,
-            "depth, lattice (mm)": row.lattice.depth * 1e3,
-            "depth, exact (mm)": row.exact.depth * 1e3,
-            "base stress, lattice (relative L2)": row.lattice.base_error,
-            "base stress, exact (relative L2)": row.exact.base_error,
-            "surface, lattice (relative L2)": row.lattice.surface_error,
-            "surface, exact (relative L2)": row.exact.surface_error,
-            "base peak, lattice (relative error)": row.lattice.peak_error,
-            "ΔC/C₀, elements": row.reading,
-            "ΔC/C₀, lattice": row.field,
-            "ΔC/C₀, series": row.series,
-            "base stress below pads, half-space (relative L2)": row.half_space.stress,
-            "base stress at a point, half-space (relative L2)": row.half_space.point_stress,
-            "surface, half-space (relative L2)": row.half_space.displacement,
-        }
-        for row in rows
-    ]
-    caption = (
-        "One press three ways, compared with the finite elements; the half-space with the layer "
-        "under the same true pressure."
-    )
-    return Table.of("agreement", caption, cells)
-
-
-def _of_lattice(judge: AxisymmetricSolution, cells: Press) -> Deviation:
-    """Cells give the surface at their centres and the base anywhere."""
-    line = np.column_stack([RADII, np.zeros_like(RADII)])
-    base = cells.base_stress(line, 0.0)
-    distance = np.linalg.norm(cells.grid.plane, axis=1)
-    surface = judge.indentation(distance)
-    miss = -cells.displacement[:, 2] - surface
-    return Deviation(
-        depth=float(cells.approach[0]),
-        base_error=_relative(base, judge.base_stress(RADII)),
-        surface_error=float(np.linalg.norm(miss) / np.linalg.norm(surface)),
-        peak_error=float(base[0] / judge.base_stress([0.0])[0] - 1),
-    )
-
-
-def _of_exact(judge: AxisymmetricSolution, exact: Indentation) -> Deviation:
-    peak = _at(exact.base_stress, np.zeros(1))[0] / judge.base_stress([0.0])[0] - 1
-    return Deviation(
-        depth=exact.depth,
-        base_error=_relative(_at(exact.base_stress, RADII), judge.base_stress(RADII)),
-        surface_error=_relative(_at(exact.indentation, RADII), judge.indentation(RADII)),
-        peak_error=float(peak),
-    )
-
-
-def _at(function: Callable[[Floats], Floats], radius: Floats) -> Floats:
-    return np.asarray(function(radius), dtype=float)
-
-
-def _relative(values: Floats, judge: Floats) -> float:
-    """Relative L2 over the plane, of values at RADII."""
-    weight = np.sqrt(RADII)
-    return float(np.linalg.norm(weight * (values - judge)) / np.linalg.norm(weight * judge))
 
 
 def agreement(settings: Settings) -> Section | Missing:
@@ -275,22 +179,42 @@ def agreement(settings: Settings) -> Section | Missing:
         rows = agreements(settings.layer, BODIES[:3], SMOKE_LOADS, SMOKE_FINEST)
     else:
         rows = agreements(settings.layer)
-    linear = [row for row in rows if row.depth <= LINEAR * settings.layer.thickness]
+    linear = [row for row in rows if row["depth"] <= 1e3 * LINEAR * settings.layer.thickness]
+    stress, point, moved = (
+        _percent(column(linear, name)) for name in ("stress", "point_stress", "displacement")
+    )
+    base, surface = (_percent(column(rows, f"lattice_{name}")) for name in ("base", "surface"))
+    off = {
+        key: _percent(np.abs(column(rows, key) / column(rows, judge) - 1))
+        for key, judge in (("lattice_depth", "depth"), ("field", "reading"), ("series", "reading"))
+    }
     return Section(
         name="agreement",
         title="The truth and its judge, and what the half-space costs",
         claim="Simulations are compared with a commercial finite-element program; no numbers are "
         "given. The elastomer is treated as an elastic half-space, with displacements made to "
         "vanish at its base by subtraction; the error is not discussed.",
-        sentences=(_sentence(rows), _half_space_sentence(linear)),
+        sentences=(
+            f"{len(rows)} presses, solved three ways: on cells with the layer's Green's function, "
+            "as everywhere in this report; by an integral equation for bodies of revolution; and "
+            "by mixed finite elements that share no code with either. Against the elements the "
+            f"cells are off by {base} of base stress, {surface} of the surface and "
+            f"{off['lattice_depth']} of depth; the integral equation by "
+            f"{_percent(column(rows, 'exact_base'))} and "
+            f"{_percent(column(rows, 'exact_surface'))}. A centred pad's capacitance is "
+            f"{off['field']} off what elements find for Laplace's equation in the deformed gap, "
+            f"and to third order of its series {off['series']}.",
+            "Given the true pressure, and up to half the thickness deep, where linear elasticity "
+            f"can be trusted, the half-space's mean stress below a pad is off by {stress} (at a "
+            f"point by {point}), its displacement, corrected as in (17), by {moved}.",
+        ),
         pictures=(
             _picture(
-                "errors", rows, "contact solver", lambda row: row.lattice,
-                (("Base stress", "base_error"), ("Surface", "surface_error")),
+                "errors", rows, "contact solver against finite elements",
+                (("Base stress", "lattice_base"), ("Surface", "lattice_surface")),
             ),
             _picture(
-                "half-space", rows, "half-space, from the true pressure,",
-                lambda row: row.half_space,
+                "half-space", rows, "half-space, from the true pressure, against the layer",
                 (("Base stress below pads", "stress"), ("Normal displacement", "displacement")),
             ),
         ),
@@ -299,80 +223,44 @@ def agreement(settings: Settings) -> Section | Missing:
             Verdict(
                 "truth",
                 "a finite-element program is the reference",
-                f"contact solver off by at most {_worst(rows, 'base_error')} of base stress, "
-                f"{_worst(rows, 'surface_error')} of the surface (relative L2)",
+                f"contact solver off by {base} of base stress, {surface} of the surface "
+                "(relative L2)",
                 "holds without it, up to linear elasticity",
             ),
             Verdict(
                 "model",
                 "the layer behaves as a half-space",
-                f"base stress off by {_half_space(linear, 'stress')}, displacement by "
-                f"{_half_space(linear, 'displacement')} (relative L2, true pressure given)",
+                f"base stress off by {stress}, displacement by {moved} (relative L2, true pressure "
+                "given)",
                 "does not hold",
             ),
         ),
     )  # fmt: skip
 
 
-def _half_space(rows: list[Agreement], name: str) -> str:
-    return spread_in_words([getattr(row.half_space, name) for row in rows], "%", 100)
-
-
-def _half_space_sentence(rows: list[Agreement]) -> str:
-    return (
-        "Given the true pressure, and up to half the thickness deep, where linear elasticity can "
-        f"be trusted, the half-space's mean stress below a pad is off by "
-        f"{_half_space(rows, 'stress')} (at a point by {_half_space(rows, 'point_stress')}), its "
-        f"displacement, corrected as in (17), by {_half_space(rows, 'displacement')}."
+def agreement_table(rows: Sequence[Row]) -> Table:
+    """The comparison as a table of the report."""
+    caption = (
+        "One press three ways, compared with the finite elements; the half-space with the layer "
+        "under the same true pressure."
     )
+    cells = [{title: row[key] for key, title in COLUMNS.items()} for row in rows]
+    return Table.of("agreement", caption, cells)
 
 
-def _worst(rows: list[Agreement], name: str) -> str:
-    return f"{100 * max(getattr(row.lattice, name) for row in rows):.2g} %"
+def _percent(values: Floats) -> str:
+    return spread_in_words(values.tolist(), "%", 100)
 
 
-def _sentence(rows: list[Agreement]) -> str:
-    lattice = [row.lattice for row in rows]
-    exact = [row.exact for row in rows]
-    depth = [abs(row.lattice.depth / row.depth - 1) for row in rows]
-    field = [abs(row.field / row.reading - 1) for row in rows]
-    series = [abs(row.series / row.reading - 1) for row in rows]
-    return (
-        f"{len(rows)} presses, solved three ways: on cells with the layer's Green's function, as "
-        "everywhere in this report; by an integral equation for bodies of revolution; and by "
-        "mixed finite elements that share no code with either. Against the elements the cells are "
-        f"off by {spread_in_words([a.base_error for a in lattice], '%', 100)} of base stress, "
-        f"{spread_in_words([a.surface_error for a in lattice], '%', 100)} of the surface and "
-        f"{spread_in_words(depth, '%', 100)} of depth; the integral equation by "
-        f"{spread_in_words([a.base_error for a in exact], '%', 100)} and "
-        f"{spread_in_words([a.surface_error for a in exact], '%', 100)}. A centred pad's "
-        f"capacitance is {spread_in_words(field, '%', 100)} off what elements find for Laplace's "
-        "equation in the deformed gap, and to third order of its series "
-        f"{spread_in_words(series, '%', 100)}."
-    )
-
-
-def _picture(
-    name: str,
-    rows: list[Agreement],
-    who: str,
-    errors: Callable[[Agreement], Deviation | ModelError],
-    measures: Sequence[tuple[str, str]],
-) -> Picture:
-    """Errors by indenter and load, a panel per measure (title, field)."""
+def _picture(name: str, rows: list[Row], who: str, measures: Sequence[tuple[str, str]]) -> Picture:
+    """Errors by indenter and load, a panel per measure (title, key)."""
     scale = Scale(
         x="load (N)", y="relative L2 (%)", log_x=True, log_y=True, x_ticks=LOADS,
         x_limits=(0.17, 3.5), marks=True,
     )  # fmt: skip
     panels = []
-    for title, field in measures:
-        curves = []
-        for body, _ in BODIES:
-            mine = [row for row in rows if row.name == body]
-            x = np.array([row.force for row in mine])
-            y = np.array([100 * getattr(errors(row), field) for row in mine])
-            curves.append(Curve(body, x, y))
+    for title, key in measures:
+        each = [(body, where(rows, indenter=body)) for body, _ in BODIES]
+        curves = [Curve(n, column(mine, "force"), 100 * column(mine, key)) for n, mine in each]
         panels.append(Panel(title, "", tuple(curves), scale))
-    judge = "the layer" if name == "half-space" else "finite elements"
-    caption = f"Error of the {who} against {judge}, by indenter and load."
-    return Picture.of(name, caption, draw_panels([panels]))
+    return Picture.of(name, f"Error of the {who}, by indenter and load.", draw_panels([panels]))

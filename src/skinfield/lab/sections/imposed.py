@@ -23,6 +23,7 @@ from skinfield.lab.report import (
     Verdict,
     listed,
     spread_in_words,
+    verdict_of,
 )
 from skinfield.reconstruct import Reconstructor
 from skinfield.simulate import Cylinder, press
@@ -265,19 +266,78 @@ def half_width(grid: Grid, values: Floats, place: Floats, reach: float) -> float
 def imposed(settings: Settings) -> Section:
     """Peaks, widths and number of contacts for each way of making the readings."""
     findings = all_findings(settings)
-    pictures = [
-        picture_of_fields(findings, case, name)
-        for case in (ADJACENT, SEPARATE)
-        for name in ("deformation", "pressure")
-    ]
+    real, ours, own, exact = (
+        {case: _of(findings, world, case, method) for case in (ADJACENT, SEPARATE)}
+        for world, method in (
+            (LAYER, PAPER), (LAYER, FIELD), (OWN_GRID, PAPER), (LAYER, PAPER_EXACT)
+        )
+    )  # fmt: skip
+    wide, apart = real[ADJACENT], real[SEPARATE]
+    grids, sides = listed([f"{n} × {n}" for n in GRIDS]), listed([str(n) for n in GRIDS])
+    widths = {
+        (which, name): listed([f"{1e3 * getattr(each, name)[which]:.1f}" for each in wide])
+        for which in (0, 1)
+        for name in ("widths", "true_widths")
+    }
+    blur = [float(each.widths[0] / each.true_widths[0]) for each in wide]
+    distinct = [each.separated for each in apart]
+    measured = {
+        case: f"{_peaks(real[case])} on the layer, {_peaks(own[case])} from its own nodes"
+        for case in real
+    }
     return Section(
         name="imposed",
         title="Figures 3 to 5: a deformation imposed on three taxels",
         claim=CLAIM,
-        sentences=tuple(_sentences(findings)),
-        pictures=tuple(pictures),
+        sentences=(
+            f"Three flat discs as wide as a pad are pushed {DEPTH * 1e3:g} mm deep; nothing is "
+            "added to the readings. They are made in two ways: on the bonded layer, by the contact "
+            "solver, with pads that read their mean stress; and from forces on the very nodes that "
+            "are then reconstructed, with the paper's mechanics in both directions.",
+            "Peak deformation found by the paper's method on three separate taxels: "
+            f"{measured[SEPARATE]}; ours {_peaks(ours[SEPARATE])} on the layer. From its own nodes "
+            "the mechanics cancel, so what is wrong there is lost between the taxels, where "
+            "readings are interpolated. With the exact Ψ in place of 0.25 the paper's method finds "
+            f"{_peaks(exact[SEPARATE])}.",
+            f"Full width at half maximum around the three adjacent taxels, on {grids} nodes "
+            f"(paper, layer): pressure {widths[0, 'widths']} mm where the truth on the same nodes "
+            f"has {widths[0, 'true_widths']} mm, deformation {widths[1, 'widths']} mm for "
+            f"{widths[1, 'true_widths']} mm.",
+            "Of the force on three separate taxels the paper's method finds "
+            f"{_percent(apart, 'force')}, ours {_percent(ours[SEPARATE], 'force')}, on {sides} "
+            f"nodes a side. The deformation is off by {_percent(apart, 'deformation_error')} "
+            f"(paper) and {_percent(ours[SEPARATE], 'deformation_error')} (ours), relative L2 "
+            "among the taxels.",
+        ),
+        pictures=tuple(
+            picture_of_fields(findings, case, name)
+            for case in (ADJACENT, SEPARATE)
+            for name in ("deformation", "pressure")
+        ),
         tables=_tables(findings),
-        verdicts=tuple(_verdicts(findings)),
+        verdicts=(
+            Verdict(
+                "4",
+                "the peak of the deformation is around 0.2 mm",
+                measured[ADJACENT],
+                _holds(wide),
+            ),
+            Verdict(
+                "4",
+                "the force is smoothed, the more the denser the grid",
+                f"width {widths[0, 'widths']} mm where the same nodes can show "
+                f"{widths[0, 'true_widths']} mm: {listed([f'{b:.1f}' for b in blur])} times",
+                verdict_of(min(blur) > 1 and blur[-1] > blur[0]),
+            ),
+            Verdict("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
+            Verdict(
+                "5",
+                "three contacts stay distinct",
+                f"{listed([str(each.contacts) for each in apart])} contacts found on {sides} nodes "
+                "a side",
+                verdict_of(all(distinct), any(distinct)),
+            ),
+        ),
     )
 
 
@@ -299,49 +359,22 @@ def _peaks(findings: list[Finding]) -> str:
     return spread_in_words([peak for each in findings for peak in _claimed(each)], "mm", 1e3)
 
 
-def _sentences(findings: list[Finding]) -> list[str]:
-    real = {case: _of(findings, LAYER, case, PAPER) for case in (ADJACENT, SEPARATE)}
-    ours = {case: _of(findings, LAYER, case, FIELD) for case in (ADJACENT, SEPARATE)}
-    own = _of(findings, OWN_GRID, SEPARATE, PAPER)
-    exact = _of(findings, LAYER, SEPARATE, PAPER_EXACT)
-    wide = real[ADJACENT]
-    grids, sides = listed([f"{n} × {n}" for n in GRIDS]), listed([str(n) for n in GRIDS])
-    return [
-        f"Three flat discs as wide as a pad are pushed {DEPTH * 1e3:g} mm deep; nothing is added "
-        "to the readings. They are made in two ways: on the bonded layer, by the contact solver, "
-        "with pads that read their mean stress; and from forces on the very nodes that are then "
-        "reconstructed, with the paper's mechanics in both directions.",
-        f"Peak deformation found by the paper's method on three separate taxels: "
-        f"{_peaks(real[SEPARATE])} on the layer, {_peaks(own)} from its own nodes; ours "
-        f"{_peaks(ours[SEPARATE])} on the layer. From its own nodes the mechanics cancel, so what "
-        "is wrong there is lost between the taxels, where readings are "
-        "interpolated. With the exact Ψ in place of 0.25 the paper's method finds "
-        f"{_peaks(exact)}.",
-        f"Full width at half maximum around the three adjacent taxels, on {grids} nodes (paper, "
-        f"layer): pressure {_widths(wide, 0)} mm where the truth on the same nodes has "
-        f"{_true_widths(wide, 0)} mm, deformation {_widths(wide, 1)} mm for "
-        f"{_true_widths(wide, 1)} mm.",
-        "Of the force on three separate taxels the paper's method finds "
-        f"{_forces(real[SEPARATE])}, ours {_forces(ours[SEPARATE])}, on {sides} nodes a side. The "
-        f"deformation is off by {_errors(real[SEPARATE])} (paper) and {_errors(ours[SEPARATE])} "
-        "(ours), relative L2 among the taxels.",
+def _percent(findings: list[Finding], name: str) -> str:
+    return listed([f"{100 * getattr(each, name):.0f} %" for each in findings])
+
+
+def _holds(findings: list[Finding]) -> str:
+    """Verdict on the peaks, within the tolerance."""
+    right = [
+        each.nodes
+        for each in findings
+        if all(abs(peak / DEPTH - 1) < RIGHT for peak in _claimed(each))
     ]
-
-
-def _widths(findings: list[Finding], which: int) -> str:
-    return listed([f"{1e3 * each.widths[which]:.1f}" for each in findings])
-
-
-def _true_widths(findings: list[Finding], which: int) -> str:
-    return listed([f"{1e3 * each.true_widths[which]:.1f}" for each in findings])
-
-
-def _forces(findings: list[Finding]) -> str:
-    return listed([f"{100 * each.force:.0f} %" for each in findings])
-
-
-def _errors(findings: list[Finding]) -> str:
-    return listed([f"{100 * each.deformation_error:.0f} %" for each in findings])
+    if len(right) == len(GRIDS):
+        return "holds"
+    if right:
+        return f"holds only on {listed([f'{n} × {n}' for n in right])} (to {100 * RIGHT:.0f} %)"
+    return f"does not hold (to {100 * RIGHT:.0f} %)"
 
 
 def _row(each: Finding) -> dict[str, Cell]:
@@ -379,67 +412,6 @@ def _tables(findings: list[Finding]) -> tuple[Table, Table]:
         Table.of("layer", caption, page),
         Table.of("all", "All methods and grids.", rows, on_page=False),
     )
-
-
-def _near(each: Finding) -> bool:
-    """Whether the peaks are right."""
-    return all(abs(peak / DEPTH - 1) < RIGHT for peak in _claimed(each))
-
-
-def _verdicts(findings: list[Finding]) -> list[Verdict]:
-    by_world = {
-        case: {world: _of(findings, world, case, PAPER) for world in (LAYER, OWN_GRID)}
-        for case in (ADJACENT, SEPARATE)
-    }
-    claims = {
-        ADJACENT: ("4", "the peak of the deformation is around 0.2 mm"),
-        SEPARATE: ("5", "the three peaks are around 0.2 mm"),
-    }
-    peaks = [
-        Verdict(*claims[case], _measured(worlds), _holds(worlds))
-        for case, worlds in by_world.items()
-    ]
-    layer = by_world[ADJACENT][LAYER]
-    blur = [float(each.widths[0] / each.true_widths[0]) for each in layer]
-    grows = min(blur) > 1 and blur[-1] > blur[0]
-    separate = by_world[SEPARATE][LAYER]
-    distinct = [each.separated for each in separate]
-    return [
-        peaks[0],
-        Verdict(
-            "4",
-            "the force is smoothed, the more the denser the grid",
-            f"width {_widths(layer, 0)} mm where the same nodes can show "
-            f"{_true_widths(layer, 0)} mm: {listed([f'{b:.1f}' for b in blur])} times",
-            "holds" if grows else "does not hold",
-        ),
-        peaks[1],
-        Verdict(
-            "5",
-            "three contacts stay distinct",
-            f"{listed([str(each.contacts) for each in separate])} contacts found on "
-            f"{listed([str(n) for n in GRIDS])} nodes a side",
-            "holds"
-            if all(distinct)
-            else "holds only in part"
-            if any(distinct)
-            else "does not hold",
-        ),
-    ]
-
-
-def _measured(worlds: dict[str, list[Finding]]) -> str:
-    return f"{_peaks(worlds[LAYER])} on the layer, {_peaks(worlds[OWN_GRID])} from its own nodes"
-
-
-def _holds(worlds: dict[str, list[Finding]]) -> str:
-    """Verdict on the layer, within the tolerance."""
-    right = [each.nodes for each in worlds[LAYER] if _near(each)]
-    if len(right) == len(GRIDS):
-        return "holds"
-    if right:
-        return f"holds only on {listed([f'{n} × {n}' for n in right])} (to {100 * RIGHT:.0f} %)"
-    return f"does not hold (to {100 * RIGHT:.0f} %)"
 
 
 def picture_of_fields(findings: Sequence[Finding], case: str, name: str) -> Picture:

@@ -1,6 +1,6 @@
 """Light touch: the detector beside the paper's method and beside what no test can beat."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -14,11 +14,11 @@ from skinfield.lab.report import Picture, Section, Settings, Table, listed
 from skinfield.lab.score import wilson
 from skinfield.lab.sections.detection import (
     ANYWHERE,
-    FieldPeak,
     Share,
     Statistic,
     Trial,
     alarm_rates,
+    field_peak,
     highest_taxel,
     idle_readings,
     interval_curve,
@@ -88,16 +88,17 @@ class LightTouch:
     @cached_property
     def _methods(self) -> dict[str, dict[str, Statistic]]:
         """All that are compared, by quantity and name; readings scaled to the noise of one."""
-        settings, methods = self.settings, {}
-        for quantity in QUANTITIES:
-            each: dict[str, Statistic] = {}
-            if quantity == "stress":
-                noise = noise_of(settings, quantity)
-                each[PAPERS] = FieldPeak(PAPER.prepared(paper_patch(), settings.layer, 20, noise))
-            each[TAXEL] = highest_taxel
-            each[MATCH] = detector(settings, quantity, True).statistics
-            each[OURS] = detector(settings, quantity, False).statistics
-            methods[quantity] = each
+        settings = self.settings
+        methods: dict[str, dict[str, Statistic]] = {
+            quantity: {
+                TAXEL: highest_taxel,
+                MATCH: detector(settings, quantity, True).statistics,
+                OURS: detector(settings, quantity, False).statistics,
+            }
+            for quantity in QUANTITIES
+        }
+        prepared = PAPER.prepared(paper_patch(), settings.layer, 20, settings.stress_noise)
+        methods["stress"][PAPERS] = field_peak(prepared)
         return methods
 
     def _statistics(self, readings: Floats, quantity: str) -> dict[str, Floats]:
@@ -157,34 +158,16 @@ class LightTouch:
         return curves | {BOUND: limit(trial, self.settings, seed, inside, averaged)}
 
 
-@dataclass(frozen=True, eq=False)
-class Live:
-    """Shares (N,) of touches seen by the time of each reading since touch.
-
-    Attributes
-    ----------
-    trial : Trial
-    now : (N,) array
-        Seen at this very reading.
-    once : (N,) array
-        Seen at this reading or one before it, since the touch.
-    count : int
-        Of touches.
-    """
-
-    trial: Trial
-    now: Floats
-    once: Floats
-    count: int
-
-
 @lru_cache(maxsize=4)
 def _stream(settings: Settings, quantity: str) -> DetectorStream:
     return detector(settings, quantity, False).stream(LOOKED / settings.rate, settings.rate)
 
 
-def watched(trial: Trial, settings: Settings, seed: int) -> Live:
-    """Look back with every reading, over touches that begin after `BEFORE` idle ones."""
+def watched(trial: Trial, settings: Settings, seed: int) -> Floats:
+    """Whether each touch (N,) is seen at each reading since it began, (N, T).
+
+    A stream looks back with every reading, over touches that begin after `BEFORE` idle ones.
+    """
     count, stream = LIVE_TRIALS[settings.size.name], _stream(settings, trial.quantity)
     pressed = trial.clean(settings, count, 40, seed)
     rng = np.random.default_rng([settings.seed, 43, seed])
@@ -195,9 +178,7 @@ def watched(trial: Trial, settings: Settings, seed: int) -> Live:
         series = rng.normal(scale=scale, size=(len(part), BEFORE + AFTER, part.shape[1]))
         series[:, BEFORE:] += part[:, None]
         seen.append(_alarms_of(stream, series))
-    table = np.concatenate(seen)
-    once = np.logical_or.accumulate(table, axis=1).mean(axis=0)
-    return Live(trial, table.mean(axis=0), once, count)
+    return np.concatenate(seen)
 
 
 def idle_alarms(settings: Settings, quantity: str) -> tuple[int, int]:
@@ -230,9 +211,8 @@ def light_touch(settings: Settings) -> Section:
     """Shares of light touches found, the rate of false alarms, and the time that it takes."""
     made = LightTouch(settings)
     tried = WATCHED[: 2 if settings.size.name == "smoke" else None]
-    runs = [
-        watched(Trial(place, force), settings, seed) for seed, (force, place) in enumerate(tried)
-    ]
+    trials = [Trial(place, force) for force, place in tried]
+    runs = {trial: watched(trial, settings, seed) for seed, trial in enumerate(trials)}
     return Section(
         name="light-touch",
         title="Light touch",
@@ -247,7 +227,7 @@ def light_touch(settings: Settings) -> Section:
     )
 
 
-def _sentences(made: LightTouch, runs: Sequence[Live]) -> list[str]:
+def _sentences(made: LightTouch, runs: Mapping[Trial, Floats]) -> list[str]:
     settings = made.settings
 
     def share(method: str, force: float, place: str = PLACES[0], reads: str = "stress") -> Share:
@@ -256,7 +236,7 @@ def _sentences(made: LightTouch, runs: Sequence[Live]) -> list[str]:
     def percent(method: str, force: float, place: str = PLACES[0], reads: str = "stress") -> str:
         return f"{100 * share(method, force, place, reads).value:.0f} %"
 
-    seconds, two = LOOKED / settings.rate, PLACES[1]
+    seconds, two, seen = LOOKED / settings.rate, PLACES[1], next(iter(runs.values()))
     reached = [f"{share(OURS, force)} of {force:g} N" for force in (0.2, 0.1)]
     return [
         f"Over a taxel, in {LOOKED} readings ({seconds:g} s) of {settings.stress_noise / 1e3:g} "
@@ -271,8 +251,9 @@ def _sentences(made: LightTouch, runs: Sequence[Live]) -> list[str]:
         f"Where taxels read ΔC/C₀ with a noise of {settings.change_noise:g}, the detector finds "
         f"{share(OURS, 0.1, reads='capacitance')} of 0.1 N over a taxel; told place and shape it "
         f"would be {percent(BOUND, 0.1, reads='capacitance')}.",
-        f"A stream that looks back over several lengths with every reading sees "
-        f"{100 * runs[0].once[LOOKED - 1]:.0f} % of 0.1 N over a taxel within {seconds:g} s.",
+        "A stream that looks back over several lengths with every reading sees "
+        f"{100 * seen[:, :LOOKED].any(axis=1).mean():.0f} % of 0.1 N over a taxel within "
+        f"{seconds:g} s.",
     ]
 
 
@@ -345,22 +326,24 @@ def _picture_of_rocs(made: LightTouch) -> Picture:
     return Picture.of("roc", caption, draw_panels(rows, panel_height=2.1))
 
 
-def _picture_of_time(runs: Sequence[Live], made: LightTouch) -> Picture:
+def _picture_of_time(runs: Mapping[Trial, Floats], made: LightTouch) -> Picture:
     """Share found against the time since touch."""
     settings = made.settings
     scale = Scale(x="time since touch (s)", y="share of touches found", y_limits=(-0.03, 1.03))
     panels = []
-    for live in runs:
-        time = (np.arange(len(live.now)) + 1) / settings.rate
+    for trial, seen in runs.items():
+        count, readings = seen.shape
+        time = (np.arange(readings) + 1) / settings.rate
+        once = np.logical_or.accumulate(seen, axis=1)
         curves = (
-            interval_curve("at this reading", time, live.now, live.count),
-            interval_curve("up to this reading", time, live.once, live.count),
+            interval_curve("at this reading", time, seen.mean(axis=0), count),
+            interval_curve("up to this reading", time, once.mean(axis=0), count),
         )
-        title = f"{live.trial.force:g} N {live.trial.place}"
+        title = f"{trial.force:g} N {trial.place}"
         panels.append(Panel(title, "", curves, scale, LOOKED / settings.rate))
     caption = (
         f"A stream that looks back over 1, 3, 7 and {LOOKED} readings at {settings.rate:g} Hz, at "
-        f"{settings.false_alarms:g} false alarms per reading: share of {runs[0].count} touches "
+        f"{settings.false_alarms:g} false alarms per reading: share of {count} touches "
         f"that are seen, with {settings.stress_noise / 1e3:g} kPa of noise in each reading. "
         "Dotted: the longest length; bands are 95 % intervals."
     )

@@ -9,7 +9,7 @@ from skinfield.errors import Floats
 from skinfield.estimate import Estimate
 from skinfield.lab.paper import BALL, FIELD, PAPER, PLACES, Method, paper_patch, readings, sites
 from skinfield.lab.plots import Curve, FieldPanel, Panel, Scale, draw_fields, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict
+from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, verdict_of
 from skinfield.skin import Grid
 
 FORCE, PLACE = 1.8, PLACES[2]  # N, of Figure 8
@@ -46,19 +46,39 @@ class Score:
 def resolutions(settings: Settings) -> Section:
     """Four grids side by side, with smoothness, force and place over many presses."""
     places, noisy = _pressed(settings)
-    scores = [
-        _scored(method, nodes, settings, places, noisy)
+    paper, ours = (
+        [_scored(method, nodes, settings, places, noisy) for nodes in settings.size.grids]
         for method in METHODS
-        for nodes in settings.size.grids
-    ]
+    )
+    rough = [float(np.median(score.roughness)) for score in paper]
+    falls = all(after < before for before, after in pairwise(rough))
+    near = f"within {AROUND * 1e3:g} mm"
+    grids = ", ".join(f"{score.nodes} × {score.nodes}" for score in paper)
     return Section(
         name="resolutions",
         title="Figure 8: one press on four grids",
         claim=CLAIM,
-        sentences=tuple(_sentences(scores, settings)),
-        pictures=(_picture_of_fields(settings, places, noisy), _picture_of_scores(scores)),
-        tables=(_table(scores),),
-        verdicts=(_verdict(scores),),
+        sentences=(
+            f"{len(places)} presses of {FORCE:g} N with the 1.2 cm half-sphere, each between three "
+            f"taxels, one reading each with {settings.stress_noise / 1e3:g} kPa of noise. "
+            "Roughness is the root mean square of the second differences from cell to cell "
+            f"{near} of the press, over the highest pressure there.",
+            f"The paper's method: roughness {_row(paper, 'roughness')} on {grids} nodes; ours "
+            f"{_row(ours, 'roughness')}.",
+            f"Smoother need not be truer: {near} the paper's method finds {_row(paper, 'force')} % "
+            f"of the force (medians), ours {_row(ours, 'force')} %; its strongest contact is off "
+            f"by {_row(paper, 'place')} mm, ours by {_row(ours, 'place')} mm.",
+        ),
+        pictures=(_picture_of_fields(settings, places, noisy), _picture_of_scores([paper, ours])),
+        tables=(_table([*paper, *ours]),),
+        verdicts=(
+            Verdict(
+                "8",
+                "the finer the grid, the smoother the surface",
+                f"roughness {_row(paper, 'roughness')} on grids from coarse to fine",
+                verdict_of(falls, rough[-1] < rough[0]),
+            ),
+        ),
     )
 
 
@@ -100,41 +120,9 @@ def roughness(grid: Grid, pressure: Floats, near: Floats) -> float:
     return float(np.sqrt(np.mean(bends**2)) / np.abs(pressure[near]).max())
 
 
-def _chosen(scores: list[Score], method: Method) -> list[Score]:
-    return [score for score in scores if score.method is method]
-
-
-def _sentences(scores: list[Score], settings: Settings) -> list[str]:
-    paper, ours = _chosen(scores, PAPER), _chosen(scores, FIELD)
-    return [
-        f"{len(paper[0].force)} presses of {FORCE:g} N with the 1.2 cm half-sphere, each between "
-        f"three taxels, one reading each with {settings.stress_noise / 1e3:g} kPa of noise. "
-        "Roughness is the root mean square of the second differences from cell to cell within "
-        f"{AROUND * 1e3:g} mm of the press, over the highest pressure there.",
-        f"The paper's method: roughness {_row(paper, 'roughness')} on "
-        f"{', '.join(f'{score.nodes} × {score.nodes}' for score in paper)} nodes; ours "
-        f"{_row(ours, 'roughness')}.",
-        f"Smoother need not be truer: within {AROUND * 1e3:g} mm the paper's method finds "
-        f"{_row(paper, 'force', 100)} % of the force (medians), ours "
-        f"{_row(ours, 'force', 100)} %; its strongest contact is off by "
-        f"{_row(paper, 'place', 1e3)} mm, ours by {_row(ours, 'place', 1e3)} mm.",
-    ]
-
-
-def _row(scores: list[Score], name: str, scale: float = 1.0) -> str:
-    digits = {"roughness": ".2f", "force": ".0f", "place": ".1f"}[name]
+def _row(scores: list[Score], name: str) -> str:
+    digits, scale = {"roughness": (".2f", 1.0), "force": (".0f", 100), "place": (".1f", 1e3)}[name]
     return ", ".join(f"{scale * float(np.nanmedian(getattr(s, name))):{digits}}" for s in scores)
-
-
-def _verdict(scores: list[Score]) -> Verdict:
-    paper = [float(np.median(score.roughness)) for score in _chosen(scores, PAPER)]
-    falls = all(after < before for before, after in pairwise(paper))
-    return Verdict(
-        "8",
-        "the finer the grid, the smoother the surface",
-        f"roughness {_row(_chosen(scores, PAPER), 'roughness')} on grids from coarse to fine",
-        "holds" if falls else "holds only in part" if paper[-1] < paper[0] else "does not hold",
-    )
 
 
 def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Picture:
@@ -155,8 +143,9 @@ def _picture_of_fields(settings: Settings, places: Floats, noisy: Floats) -> Pic
     return Picture.of("fields", caption, draw_fields(rows, "pressure (kPa)"))
 
 
-def _picture_of_scores(scores: list[Score]) -> Picture:
-    ticks = tuple(float(score.nodes) for score in _chosen(scores, PAPER))
+def _picture_of_scores(scores: list[list[Score]]) -> Picture:
+    """Medians and quartiles of each method's scores, from coarse to fine."""
+    ticks = tuple(float(score.nodes) for score in scores[0])
     scale = Scale(x="nodes on a side", y="", y_limits=(0.0, None), x_ticks=ticks, marks=True)
     panels = []
     for title, note, name, factor in (
@@ -165,15 +154,10 @@ def _picture_of_scores(scores: list[Score]) -> Picture:
         ("Error of place (mm)", "of the strongest contact", "place", 1e3),
     ):
         curves = []
-        for method in METHODS:
-            mine = _chosen(scores, method)
-            low, middle, high = (
-                factor
-                * np.array(
-                    [np.nanpercentile(getattr(score, name), (25, 50, 75)) for score in mine]
-                ).T
-            )
-            curves.append(Curve(method.name, np.array(ticks), middle, low, high))
+        for mine in scores:
+            each = [np.nanpercentile(getattr(score, name), (25, 50, 75)) for score in mine]
+            low, middle, high = factor * np.array(each).T
+            curves.append(Curve(mine[0].method.name, np.array(ticks), middle, low, high))
         panels.append(Panel(title, note, tuple(curves), scale))
     caption = "Medians over all presses; bands hold the middle half of them."
     return Picture.of("scores", caption, draw_panels([panels]))

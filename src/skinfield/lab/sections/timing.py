@@ -1,17 +1,29 @@
 """Time per reading, Figure 9: against the grid, the paper's way and prepared once."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.lab.bench.machine import laps
-from skinfield.lab.paper import PAPER, paper_patch, reconstruct_as_paper, stress_matrix
+from skinfield.lab.bench.run import INVERSION, PAPER, PREPARED, grid_rows, methods_of_paper
+from skinfield.lab.bench.scene import BenchSettings, BenchSize
 from skinfield.lab.plots import Curve, Panel, Scale, draw_panels
-from skinfield.lab.report import Picture, Section, Settings, Table, Verdict, spread_in_words
+from skinfield.lab.report import (
+    Picture,
+    Section,
+    Settings,
+    Table,
+    Verdict,
+    spread_in_words,
+    verdict_of,
+)
+from skinfield.lab.score import Row
 from skinfield.plot.style import number, plus_minus
 
 PREPARED_LAPS = 100  # per lap of the paper's algorithm
+NAMES = {
+    PAPER: "paper's algorithm, each reading",
+    INVERSION: "its inversion alone",
+    PREPARED: "ours, prepared once",
+}
 NEGLIGIBLE = 0.1  # of the mean: a standard deviation below it is
 CLAIM = (
     "The time grows exponentially with the resolution; its standard deviation is almost "
@@ -20,125 +32,108 @@ CLAIM = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Times:
-    """Seconds of each lap on one grid.
-
-    Attributes
-    ----------
-    nodes : int
-        On a side.
-    paper : (laps,) array
-        Triangulation, interpolation, matrix, inversion, displacements: all of it.
-    inversion : (laps,) array
-        The inversion alone.
-    prepared : (laps,) array
-        The same outputs from the operator that was prepared once.
-    """
-
-    nodes: int
-    paper: Floats
-    inversion: Floats
-    prepared: Floats
-
-
 def timing(settings: Settings) -> Section:
     """Mean and deviation of the time per reading; nothing else may run beside it."""
-    times = [times_on(nodes, settings) for nodes in settings.size.grids]
+    grids, count = settings.size.grids, settings.size.laps
+    size = BenchSize(
+        name=settings.size.name, grids=grids, readings=1, rounds=1, paper_laps=count,
+        laps=PREPARED_LAPS * count, steps=1,
+    )  # fmt: skip
+    bench = BenchSettings(size=size, seed=settings.seed, layer=settings.layer)
+    readings = np.random.default_rng(settings.seed).normal(scale=1e3, size=(1, len(bench.patch)))
+    rows = grid_rows(size, lambda nodes: methods_of_paper(bench, readings, nodes))
+    times = {name: [r["seconds_us"] for r in rows if r["name"] == name] for name in NAMES}
+    paper, inversion, ours = times.values()
+    fastest = np.array([[one["min"] for one in each] for each in (paper, inversion)])
+    power, about_power, about_exponential = exponents(grids, fastest[0])
+    shares, rest = fastest[1] / fastest[0], np.maximum(fastest[0] - fastest[1], 0.0)
+    deviation = max(one["std"] / one["mean"] for one in paper)
+    gains = [one["p50"] / other["p50"] for one, other in zip(paper, ours, strict=True)]
+    first, last = (f"{nodes} × {nodes}" for nodes in (grids[0], grids[-1]))
     return Section(
         name="timing",
         title="Figure 9: time per reading",
         claim=CLAIM,
-        sentences=tuple(_sentences(times, settings)),
-        pictures=(_picture(times),),
-        tables=(_table(times),),
-        verdicts=tuple(_verdicts(times)),
+        sentences=(
+            f"One process, one core, {count} laps per grid after one that does not "
+            "count. The paper's algorithm triangulates, interpolates, inverts and computes "
+            "displacements for each reading; ours does all of it once, and a reading costs one "
+            "product with a matrix.",
+            f"On {last} nodes the paper's way takes {_ms(paper[-1])} (mean and standard "
+            f"deviation), ours {_ms(ours[-1])}: by medians {number(gains[-1], 2)} times less "
+            f"({number(gains[0], 2)} times on {first}).",
+            f"The fastest laps grow as the number of nodes to the power {power:.1f}: a power law "
+            f"is off by {100 * about_power:.0f} % of the time, an exponential in the number of "
+            f"nodes by {100 * about_exponential:.0f} %.",
+            f"The inversion alone is {', '.join(f'{100 * share:.0f} %' for share in shares)} of "
+            "the fastest lap, from the coarsest grid to the finest; the rest takes "
+            f"{', '.join(number(1e-3 * each, 2) for each in rest)} ms. The times are of this "
+            "machine and of NumPy; the paper's are of its own in C++.",
+        ),
+        pictures=(_picture(grids, times),),
+        tables=(_table(grids, times, gains),),
+        verdicts=(
+            Verdict(
+                "9",
+                "time grows exponentially with the resolution",
+                f"grows as the number of nodes to the power {power:.1f}",
+                "does not hold: a power law fits better"
+                if about_power < about_exponential
+                else "holds on these grids",
+            ),
+            Verdict(
+                "9",
+                "the deviation of the time is almost negligible",
+                f"at most {100 * deviation:.0f} % of the mean",
+                verdict_of(deviation < NEGLIGIBLE, no="does not hold on this machine"),
+            ),
+            Verdict(
+                "9",
+                "most of the time is the inversion",
+                f"{spread_in_words(shares.tolist(), '%', 100.0)}, most on the finest grid",
+                "holds"
+                if min(shares) > 0.5
+                else "holds only on fine grids"
+                if shares[-1] > 0.5
+                else "does not hold in NumPy",
+            ),
+        ),
     )
 
 
-def times_on(nodes: int, settings: Settings) -> Times:
-    """Laps of both ways on `nodes` x `nodes`."""
-    patch, layer, count = paper_patch(), settings.layer, settings.size.laps
-    readings = np.random.default_rng(settings.seed).normal(scale=1e3, size=len(patch))
-    reconstruct = PAPER.prepared(patch, layer, nodes, settings.stress_noise)
-    grid = reconstruct.grid
-    plane, area = grid.plane, grid.cell_area
-    matrix = stress_matrix(plane[:, None] - plane[None], layer.thickness)
-    out = np.empty(4 * len(grid))
-    return Times(
-        nodes,
-        laps(lambda: reconstruct_as_paper(readings, patch.plane, plane, layer, area), count, 1),
-        laps(lambda: np.linalg.inv(matrix), count, 1),
-        laps(lambda: reconstruct.apply(readings, out), PREPARED_LAPS * count, 1),
-    )
+def exponents(grids: tuple[int, ...], times: Floats) -> tuple[float, float, float]:
+    """Power of the nodes, and the scatter (of ln t) about it and about an exponential in them.
 
-
-def exponents(times: list[Times]) -> tuple[float, float, float]:
-    """Power of K, and the scatter (of ln t) about a power law and about an exponential in K."""
-    nodes = np.array([each.nodes**2 for each in times], dtype=float)
-    values = np.log([each.paper.min() for each in times])
+    Parameters
+    ----------
+    grids : tuple of int
+        Nodes on a side.
+    times : (grids,) array
+    """
+    nodes, values = np.array(grids, dtype=float) ** 2, np.log(times)
     power, rest = np.polyfit(np.log(nodes), values, 1, full=True)[:2]
     rest_exponential = np.polyfit(nodes, values, 1, full=True)[1]
     scatter = [float(np.sqrt(r.sum() / len(times))) for r in (rest, rest_exponential)]
     return float(power[0]), scatter[0], scatter[1]
 
 
-def _share(each: Times) -> float:
-    """Of the inversion in the paper's time."""
-    return float(each.inversion.min() / each.paper.min())
+def _ms(times: Row) -> str:
+    return f"{plus_minus(1e-3 * times['mean'], 1e-3 * times['std'])} ms"
 
 
-def _rest(each: Times) -> float:
-    """Seconds of the paper's algorithm beside the inversion."""
-    return max(float(each.paper.min() - each.inversion.min()), 0.0)
-
-
-def _deviation(times: list[Times]) -> float:
-    """Largest standard deviation, over its mean."""
-    return max(float(each.paper.std() / each.paper.mean()) for each in times)
-
-
-def _sentences(times: list[Times], settings: Settings) -> list[str]:
-    power, about_power, about_exponential = exponents(times)
-    gains = [float(np.median(each.paper) / np.median(each.prepared)) for each in times]
-    last = times[-1]
-    return [
-        f"One process, one core, {settings.size.laps} laps per grid after one that does not count. "
-        "The paper's algorithm triangulates, interpolates, inverts and computes displacements for "
-        "each reading; ours does all of it once, and a reading costs one product with a matrix.",
-        f"On {last.nodes} × {last.nodes} nodes the paper's way takes {_ms(last.paper)} (mean and "
-        f"standard deviation), ours {_ms(last.prepared)}: by medians {number(gains[-1], 2)} times "
-        "less "
-        f"({number(gains[0], 2)} times on {times[0].nodes} × {times[0].nodes}).",
-        f"The fastest laps grow as the number of nodes to the power {power:.1f}: a power law is "
-        f"off by {100 * about_power:.0f} % of the time, an exponential in the number of nodes by "
-        f"{100 * about_exponential:.0f} %.",
-        f"The inversion alone is {', '.join(f'{100 * _share(each):.0f} %' for each in times)} of "
-        "the fastest lap, from the coarsest grid to the finest; the rest takes "
-        f"{', '.join(number(1e3 * _rest(each), 2) for each in times)} ms. The times are of this "
-        "machine and of NumPy; the paper's are of its own in C++.",
-    ]
-
-
-def _ms(values: Floats) -> str:
-    return f"{plus_minus(1e3 * float(values.mean()), 1e3 * float(values.std()))} ms"
-
-
-def _picture(times: list[Times]) -> Picture:
-    x = np.array([float(each.nodes) for each in times])
+def _picture(grids: tuple[int, ...], times: dict[str, list[Row]]) -> Picture:
+    x = np.array(grids, dtype=float)
     curves = []
-    for name, several in (
-        ("paper's algorithm, each reading", [each.paper for each in times]),
-        ("its inversion alone", [each.inversion for each in times]),
-        ("ours, prepared once", [each.prepared for each in times]),
-    ):
-        low, middle, high = 1e3 * np.percentile(several, (5, 50, 95), axis=1)
-        curves.append(Curve(name, x, middle, low, high))
+    for name, words in NAMES.items():
+        low, middle, high = (
+            1e-3 * np.array([each[key] for each in times[name]]) for key in ("p10", "p50", "p90")
+        )
+        curves.append(Curve(words, x, middle, low, high))
     scale = Scale(
         x="nodes on a side", y="time per reading (ms)", log_y=True, x_ticks=tuple(x.tolist()),
         marks=True,
     )  # fmt: skip
-    note = "median, bands hold nine of ten laps"
+    note = "median, bands hold eight of ten laps"
     panel = Panel("Time per reading", note, tuple(curves), scale)
     caption = (
         "Time per reading against the grid, on a logarithmic axis; the table has means and "
@@ -147,53 +142,17 @@ def _picture(times: list[Times]) -> Picture:
     return Picture.of("times", caption, draw_panels([[panel]]))
 
 
-def _table(times: list[Times]) -> Table:
+def _table(grids: tuple[int, ...], times: dict[str, list[Row]], gains: list[float]) -> Table:
+    keys = {"mean": "mean", "std": "std", "median": "p50"}
     rows = [
-        {
-            "nodes on a side": each.nodes,
-            "paper, mean (ms)": 1e3 * float(each.paper.mean()),
-            "paper, std (ms)": 1e3 * float(each.paper.std()),
-            "paper, median (ms)": 1e3 * float(np.median(each.paper)),
-            "inversion, mean (ms)": 1e3 * float(each.inversion.mean()),
-            "ours, mean (ms)": 1e3 * float(each.prepared.mean()),
-            "ours, std (ms)": 1e3 * float(each.prepared.std()),
-            "ours, median (ms)": 1e3 * float(np.median(each.prepared)),
-            "median over median": float(np.median(each.paper) / np.median(each.prepared)),
+        {"nodes on a side": nodes}
+        | {
+            f"{short}, {what} (ms)": 1e-3 * times[name][index][key]
+            for name, short in ((PAPER, "paper"), (INVERSION, "inversion"), (PREPARED, "ours"))
+            for what, key in keys.items()
         }
-        for each in times
+        | {"median over median": gains[index]}
+        for index, nodes in enumerate(grids)
     ]
-    caption = "Times per reading, double precision, one core; last the paper's over ours."
+    caption = "Times per reading on one core, ours in single precision; last the paper's over ours."
     return Table.of("times", caption, rows)
-
-
-def _majority(shares: list[float]) -> str:
-    if min(shares) > 0.5:
-        return "holds"
-    return "holds only on fine grids" if shares[-1] > 0.5 else "does not hold in NumPy"
-
-
-def _verdicts(times: list[Times]) -> list[Verdict]:
-    power, about_power, about_exponential = exponents(times)
-    deviation, shares = _deviation(times), [_share(each) for each in times]
-    return [
-        Verdict(
-            "9",
-            "time grows exponentially with the resolution",
-            f"grows as the number of nodes to the power {power:.1f}",
-            "does not hold: a power law fits better"
-            if about_power < about_exponential
-            else "holds on these grids",
-        ),
-        Verdict(
-            "9",
-            "the deviation of the time is almost negligible",
-            f"at most {100 * deviation:.0f} % of the mean",
-            "holds" if deviation < NEGLIGIBLE else "does not hold on this machine",
-        ),
-        Verdict(
-            "9",
-            "most of the time is the inversion",
-            f"{spread_in_words(shares, '%', 100.0)}, most on the finest grid",
-            _majority(shares),
-        ),
-    ]

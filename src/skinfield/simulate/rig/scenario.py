@@ -378,7 +378,6 @@ def _close(patch: Patch, groups: Ints) -> Ints:
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,39}", re.ASCII)
-Words = tuple[tuple[str, object], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -391,13 +390,10 @@ class Tool:
         In file names and tables.
     indenter : Indenter
         Its own force or depth is ignored.
-    words : tuple of (str, value)
-        Settings that it was made from, where it is more than its fields tell: the file of a mesh.
     """
 
     name: str
     indenter: Indenter
-    words: Words = ()
 
     def __post_init__(self) -> None:
         _check_name(self.name)

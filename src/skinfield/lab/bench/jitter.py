@@ -9,9 +9,8 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from multiprocessing.shared_memory import SharedMemory
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,9 @@ from skinfield.solve import NonNegative, Solver
 
 if TYPE_CHECKING:
     from skinfield.loop.supervisor import Supervisor
-    from skinfield.ring import RingReader
 
 Words = NDArray[np.uint64]
+Boards = Callable[[Skin, float, int], AbstractContextManager[tuple[Any, Callable[[str], Any]]]]
 PATIENCE = 600.0  # s until a loop runs: what must be compiled may take long
 RUNGS = (10, 20, 40)  # nodes on a side
 LOADS = ("skin", "none")
@@ -135,13 +134,16 @@ class Loop:
     failure: Callable[[], str] = str
 
 
-def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
+def run_jitter(settings: JitterSettings, tell: Callable[[str], None], boards: Boards) -> Jitter:
     """Measure.
 
     Parameters
     ----------
     tell : function of str
         Called with what happens.
+    boards : function of skin, rate and priority
+        Starts a virtual skin of iCub's boards on UDP, which sends so many readings per second, as
+        a context; it gives the live source that reads them, and a function that plays a scene.
 
     Raises
     ------
@@ -149,7 +151,9 @@ def run_jitter(settings: JitterSettings, tell: Callable[[str], None]) -> Jitter:
         If the loop does not start, or ends while it is measured.
     """
     tell("starting the loop")
-    with _loop(settings) as loop, _busy(settings):
+    alone = settings.load == "none"
+    started = bare_loop(settings) if alone else skin_loop(settings, boards)
+    with started as loop, _busy(settings):
         time.sleep(SETTLE)
         tell(f"measuring for {settings.duration:g} s")
         return measure(settings, loop)
@@ -184,7 +188,7 @@ def measure(settings: JitterSettings, loop: Loop) -> Jitter:
         settings,
         loop.granted,
         timing,
-        None if lateness is None else lateness.quantiles(),
+        None if lateness is None else Quantiles(*lateness.quantiles()),
         missing,
         company,
         None if usage is None or used is None else used[0] - usage[0],
@@ -245,51 +249,41 @@ def _busy(settings: JitterSettings) -> Iterator[None]:
             child.wait()
 
 
-def _loop(settings: JitterSettings) -> AbstractContextManager[Loop]:
-    return bare_loop(settings) if settings.load == "none" else skin_loop(settings)
-
-
 @contextmanager
 def bare_loop(settings: JitterSettings) -> Iterator[Loop]:
     """A loop that does nothing but wake: what Python costs."""
     sizes = [int(np.prod(shape)) for _, _, shape in FIELDS]
-    memory = SharedMemory(create=True, size=8 * sum(sizes))
     context = get_context("spawn")
+    memory = context.RawArray("Q", sum(sizes))
     ours, theirs = context.Pipe()
-    arguments = memory.name, int(1e9 / settings.rate_hz), settings.real_time, theirs
+    arguments = memory, int(1e9 / settings.rate_hz), settings.real_time, theirs
     child = context.Process(target=_run_bare, args=arguments, daemon=True)
     child.start()
     theirs.close()
-    arrays = list(_arrays_in(memory))
+    times, totals = _arrays_in(memory)
     try:
         if not ours.poll(PATIENCE):
             raise InputError(f"the loop did not start within {PATIENCE:g} s, expected less")
         granted = RealTimeStatus.from_dict(ours.recv())
-        yield Loop(int(child.pid or 0), granted, lambda: (arrays[0].copy(), arrays[1].copy()))
+        yield Loop(int(child.pid or 0), granted, lambda: (times.copy(), totals.copy()))
     finally:
         ours.close()  # which ends it
         child.join(10)
         if child.is_alive():
             child.kill()
             child.join()
-        arrays.clear()  # nothing refers to the memory any longer
-        memory.close()
-        memory.unlink()
 
 
-def _arrays_in(memory: SharedMemory) -> tuple[Words, Words]:
+def _arrays_in(memory: Any) -> tuple[Words, Words]:
     """Times and totals of a `TimingTable` in shared memory."""
-    arrays, offset = [], 0
-    for _, dtype, shape in FIELDS:
-        array: Words = np.ndarray(shape, dtype, memory.buf, offset)
-        arrays.append(array)
-        offset += array.nbytes
-    return arrays[0], arrays[1]
+    (_, _, times), (_, _, totals) = FIELDS
+    words: Words = np.frombuffer(memory, np.uint64)
+    length = int(np.prod(times))
+    return words[:length].reshape(times), words[length:].reshape(totals)
 
 
-def _run_bare(name: str, period_ns: int, real_time: RealTime, parent: Connection) -> None:
+def _run_bare(memory: Any, period_ns: int, real_time: RealTime, parent: Connection) -> None:
     """In the child: until the parent hangs up."""
-    memory = SharedMemory(name)
     times, totals = _arrays_in(memory)
     table = TimingTable(period_ns, times=times, totals=totals)
     clock = PeriodicClock(period_ns)
@@ -306,33 +300,24 @@ def _run_bare(name: str, period_ns: int, real_time: RealTime, parent: Connection
 
 
 @contextmanager
-def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
+def skin_loop(settings: JitterSettings, boards: Boards) -> Iterator[Loop]:
     """The engine of the paper's hexagon on 40 x 40 nodes, which reads a virtual skin.
 
     The skin has a process of its own and sends messages of iCub boards over UDP, as often as the
     engine answers.
     """
-    from skinfield.emulator.process import start
-    from skinfield.emulator.settings import VirtualSettings
     from skinfield.loop.settings import LiveSettings
     from skinfield.loop.supervisor import Supervisor
     from skinfield.signal import ICubByte
     from skinfield.skin.generators import hexagon72
-    from skinfield.wire.sources.factory import source_from_options
 
     skin, real_time = Skin((hexagon72(),)), settings.real_time
-    emulated = VirtualSettings(
-        bus="udp",
-        rate=settings.rate_hz,
-        scene="idle",
-        lead_in=0.0,
-        priority=max(real_time.priority - 10, 0),
-    )
     with ExitStack() as stack:
-        boards = stack.enter_context(start(emulated))
+        priority = max(real_time.priority - 10, 0)
+        source, play = stack.enter_context(boards(skin, settings.rate_hz, priority))
         live = LiveSettings(
             skin=skin,
-            sources=(source_from_options("icub", "udp", tuple(boards.channels), skin),),
+            sources=(source,),
             name=f"bench-{uuid.uuid4().hex[:8]}",
             board=ICubByte(),
             solver=settings.solver,
@@ -344,11 +329,11 @@ def skin_loop(settings: JitterSettings) -> Iterator[Loop]:
         supervisor = stack.enter_context(Supervisor(live))
         reader = supervisor.wait(PATIENCE)
         stack.callback(reader.close)
-        boards.scene("slide")  # once it has its baseline
+        play("slide")  # once it has its baseline
         yield _engine(reader, supervisor)
 
 
-def _engine(reader: "RingReader", supervisor: "Supervisor") -> Loop:
+def _engine(reader: Any, supervisor: "Supervisor") -> Loop:
     def snapshot() -> tuple[Words, Words]:
         status = reader.status
         return status["times"].copy(), status["totals"].copy()
@@ -356,7 +341,7 @@ def _engine(reader: "RingReader", supervisor: "Supervisor") -> Loop:
     return Loop(reader.pid, _granted(reader), snapshot, lambda: supervisor.failure)
 
 
-def _granted(reader: "RingReader") -> RealTimeStatus:
+def _granted(reader: Any) -> RealTimeStatus:
     """From the engine's notes, which it may be writing just now."""
     from skinfield.loop.status_text import read_notes
 
