@@ -4,7 +4,8 @@ import inspect
 import re
 import sys
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
 from cyclopts.exceptions import UnknownCommandError
@@ -12,8 +13,11 @@ from cyclopts.help import DefaultFormatter, PanelSpec
 from rich.box import Box
 
 from skinfield.cli.options import flag_of
-from skinfield.errors import SkinfieldError
+from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings.text import nearest
+
+if TYPE_CHECKING:
+    from skinfield.settings import Settings
 
 FAILED = 2  # exit code of an error of the user's input
 PLAIN = Box("    \n" * 8)  # no lines around help
@@ -161,11 +165,11 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
     """Take from FILE of `run FILE` what no flag says."""
     if commands != ("run",):
         return
-    from skinfield.settings import changed, load_settings
+    from skinfield.settings import changed
 
     file = next(each for each in arguments if each.field_info.name == "file")
     for path in (token.value for token in file.tokens):
-        said = changed(load_settings(path))
+        said = changed(settings_in(path))
         values = {name: value for part in said.values() for name, value in part.items()}
         for each in arguments:
             name = each.field_info.name
@@ -173,6 +177,26 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
                 value = values[name]
                 for one in value if isinstance(value, list) else (value,):
                     each.append(Token(source=path, implicit_value=one))
+
+
+def settings_in(path: str) -> "Settings":
+    """Settings in a file of them, or those that a recording was made with.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read, or holds none.
+    """
+    from skinfield.settings import Settings, from_plain, load_settings
+
+    if not path.endswith(".mcap"):
+        return load_settings(path)
+    from skinfield.files import LiveRecording
+
+    plain = LiveRecording.open(Path(path)).description.get("settings")
+    if plain is None:
+        raise FileError(f"{path} holds no settings, expected a recording of `skinfield run`")
+    return from_plain(Settings, plain)
 
 
 def main(words: Sequence[str] | None = None) -> None:

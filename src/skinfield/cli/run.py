@@ -46,6 +46,7 @@ from skinfield.settings import (
     Settings,
     SkinSettings,
     SourceSettings,
+    changed,
     toml_from_settings,
 )
 
@@ -91,7 +92,7 @@ def run(
     the skin untouched for the first second or two.
 
     FILE (.toml) holds any of the settings below by their names, with _ for -, in tables; flags come
-    before what it says. --save writes one.
+    before what it says. --save writes one. A recording (.mcap) holds those that it was made with.
 
       skinfield run
       skinfield run --port 8700 --no-browser
@@ -108,7 +109,7 @@ def run(
     Parameters
     ----------
     file : str, optional
-        Settings (.toml).
+        Settings (.toml), or a recording of such a run (.mcap).
     duration : float, s, optional
         Seconds; default until Ctrl-C.
     headless : bool
@@ -393,6 +394,8 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
     with console.status(STARTING):
         profile = profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
         live_settings(wanted, profile, skin, NotYet())  # refuses what it must
+        # what it answers by, without secrets; a virtual skin is started anew
+        tree = changed(replace(wanted, page=PageSettings(), record=RecordSettings()))
         if source.hardware is None:
             virtual = parts.enter_context(virtual_skin(wanted, profile))
             source = on_virtual_boards(source, virtual.channels)
@@ -402,7 +405,7 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         if wanted.skin.no_load is not None:  # the boards are sent it as well
             extra.setdefault("no_load", str(wanted.skin.no_load))
         stream = source_from_options(hardware, source.bus or "", source.channel, skin, extra)
-        settings = live_settings(wanted, profile, skin, stream)
+        settings = replace(live_settings(wanted, profile, skin, stream), tree=tree)
         supervisor = parts.enter_context(Supervisor(settings))
         fit = parts.enter_context(start_fit(settings.name, wanted.loop.fit))
         supervisor.wait(STARTS, State.STARTING).close()

@@ -52,6 +52,7 @@ def description_of(settings: LiveSettings, model_config: ModelConfig) -> dict[st
         "source_settings": [repr(source)[:500] for source in settings.sources],
         "rate": settings.rate,
         "deadline": settings.due_after,
+        "settings": dict(settings.tree),
     }
 
 

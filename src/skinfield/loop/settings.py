@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity
 from skinfield.errors import InputError, check_offers, check_positive, check_range, check_type
@@ -64,6 +65,8 @@ class LiveSettings:
     prefetch : bool
         Wake shortly before each cycle is due as well, and take in what is there already, so that
         the estimate is ready sooner after it. Only at a rate, and where real time is granted.
+    tree : mapping
+        Of the settings that this was made from, in plain values: for readers and recordings.
     """
 
     skin: Skin
@@ -88,6 +91,7 @@ class LiveSettings:
     slots: int | None = None
     log_bytes: int | None = None
     real_time: RealTime = field(default_factory=RealTime)
+    tree: Mapping[str, Any] = field(default_factory=dict)
     prefetch: bool = True
 
     def __post_init__(self) -> None:
