@@ -79,7 +79,7 @@ def test_a_curved_patch_is_judged_in_its_plane(tmp_path: Path) -> None:
         (["nothing"], "no such file, and no generator"),
         (["hexagon72", "-o", "a.txt"], "expected one of .png"),
         (["hexagon72", "-o", "nowhere/d.png"], "nowhere is no folder, expected one that is there"),
-        (["hexagon72", "--maps", "a.txt"], "expected one of .csv"),
+        (["hexagon72", "--maps", "a.txt"], "ends in .csv or .json"),
         (["hexagon72", "--maps", "nowhere/a.csv"], "nowhere is no folder"),
         (["hexagon72", "--maps", "a.csv", "--compare-thickness-mm", "1,2"], "expected one of them"),
         (["hexagon72", "--thickness-mm", "-1"], "--thickness-mm is -1.0, expected"),

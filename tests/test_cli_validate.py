@@ -196,6 +196,40 @@ def test_several_solvers_at_several_noises(exact: Path, tmp_path: Path) -> None:
     assert 0.0 < float(table[0]["place_error_mm_median"]) < 5.0
 
 
+def test_unseen_presses_are_made_and_scored_beside_the_bound(tmp_path: Path) -> None:
+    words = (
+        "validate", "--unseen", "2", "--quantity", "stress", "--noise", "400", "--solver",
+        "gaussian", "--grid", "20", "--idle", "50", "--workers", "1",
+    )  # fmt: skip
+    result = call(*words, "-o", str(tmp_path / "a.json"))
+    assert result.exit_code == 0, result.output
+    for part in ("stress: 2 cases on", "bound, size unknown", "interval %", "in noise"):
+        assert part in result.output
+    result = call(*words, "--json")
+    assert result.exit_code == 0, result.output
+    summary = json.loads(result.stdout)
+    ours, known, unknown = summary
+    assert (ours["method"], ours["presses"], ours["idle_readings"]) == ("gaussian", 2, 50)
+    assert 0.0 <= ours["force_held"] <= 1.0
+    assert 0.0 < known["place_error_mm_median"] < unknown["place_error_mm_median"]
+    written = json.loads((tmp_path / "a.json").read_text())["summary"]
+    assert [row["force_error_median"] for row in written] == [
+        row["force_error_median"] for row in summary
+    ]
+
+
+def test_own_solver_on_unseen_presses_in_several_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "my_unseen_solver.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    result = call("validate", "--unseen", "1", "--quantity", "stress", "--noise", "400", "--idle",
+                  "10", "--workers", "2", "--grid", "10", "--solver", "my_unseen_solver:Mine",
+                  "--json")  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)[0]["method"] == "my_unseen_solver:Mine"
+
+
 def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.json"
     result = call("validate", str(folder), "--solver", "tikhonov", "--solver", "gaussian",
@@ -209,11 +243,20 @@ def test_solvers_one_after_another_share_a_file(folder: Path, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((), "CASES"),
+        ((), "expected either CASES"),
+        (("cases", "--unseen", "2"), "expected either CASES"),
+        (("cases", "--idle", "7"), "--idle has no effect here: it belongs to --unseen"),
         (("cases", "--noise", "2", "--per-case"), "-o FILE.json has every press"),
-        (("cases", "--seed", "2"), "--seed has no effect here: it belongs to --noise"),
-        (("cases", "--solver", "paper", "--solver", "gaussian", "--settings", '{"snr": 2}',
-          "--noise", "0"), "expected one that takes them"),
+        (("cases", "--seed", "2"), "--seed has no effect here: it belongs to --unseen or --noise"),
+        (("--unseen", "2", "--noise", "5"), "expected one --quantity beside it"),
+        (("--unseen", "2", "--noise", "-5", "--quantity", "stress"), "noise is -5"),
+        (("--unseen", "0"), "--unseen is 0"),
+        (("--unseen", "2", "--gate-mm", "0"), "--gate-mm is 0.0, expected a finite number"),
+        (("--unseen", "2", "--grid", "20"), "--grid has no effect here: it belongs to --solver"),
+        (("--unseen", "2", "--skin", "nowhere"), "generator is 'nowhere'"),
+        (("--unseen", "2", "--solver", "magic"), "--solver is 'magic'"),
+        (("--unseen", "2", "--solver", "paper", "--solver", "gaussian", "--settings",
+          '{"snr": 2}'), "expected one that takes them"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_together_is_said(words: tuple[str, ...], message: str) -> None:

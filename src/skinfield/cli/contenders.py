@@ -140,6 +140,8 @@ def _imported(text: str) -> Any:
         ) from error
     finally:
         sys.path.remove(here)
+    if here not in sys.path:
+        sys.path.append(here)  # processes that are started later import it, too
     if not hasattr(module, attribute):
         raise InputError(f"--solver is {text!r}, but {name} has no {attribute!r}")
     return getattr(module, attribute)

@@ -43,7 +43,6 @@ from skinfield.settings.tree import QuantityName
 
 MAPS = 4  # that `judge` reports
 PICTURE = "design.png"
-ENDINGS = {".csv": "a table, one row per place", ".json": "all maps with what they were made for"}
 COMPARED = (
     "smallest force found, place unknown",
     "place deviation, size unknown",
@@ -130,7 +129,7 @@ def design(
     picture = free_name(PICTURE) if output is None else output
     check_picture("--output", picture, force)
     for name in maps:
-        check_output("--maps", name, force, *ENDINGS)
+        check_output("--maps", name, force, ".csv", ".json")
     skin = skin_from_text(layout)
     say_notes(skin.notes)
     chosen = patch_of(skin, patch)

@@ -25,8 +25,10 @@ AT_NOISES = (  # columns of the accuracy rows, what the table calls them, and de
     ("contact_force_error", 100.0, "contact\nforce %", 0),
     ("blurred_pressure_error", 100.0, "blurred\npress. %", 0),
     ("deformation_error", 100.0, "deform.\n%", 0),
+    ("force_held", 100.0, "force in\ninterval %", 0),
     ("missed", 100.0, "missed\n%", 0),
     ("false_per_reading", 1.0, "false per\nreading", 2),
+    ("idle_false_per_reading", 1.0, "in noise\nalone", 4),
     ("cold_ms", 1.0, "cold\nms", 1),
     ("warm_ms", 1.0, "warm\nms", 2),
 )
@@ -90,16 +92,21 @@ def table_of_noises(rows: Sequence[dict[str, Any]], title: str) -> Any:
     """Medians and 90th percentiles, noise by noise and solver by solver."""
     from rich import box
 
-    labels = [label for _, _, label, _ in AT_NOISES]
+    shown = [
+        each
+        for each in AT_NOISES
+        if any({each[0], f"{each[0]}_median"} & row.keys() for row in rows)
+    ]
+    labels = [label for _, _, label, _ in shown]
     title += "; median/90th percentile"
     made = table(title, ("noise", "solver"), labels, box=box.SIMPLE_HEAD)
     for index, row in enumerate(rows):
         new = index == 0 or row["noise"] != rows[index - 1]["noise"]
         last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
         cells = [f"{row['noise']:g}" if new else "", row["method"].rpartition(":")[2]]
-        for key, factor, _, digits in AT_NOISES:
+        for key, factor, _, digits in shown:
             ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
-            cells.append("/".join(_cut(row[end] * factor, digits) for end in ends))
+            cells.append("/".join(_cut(row.get(end, math.nan) * factor, digits) for end in ends))
         made.add_row(*cells, end_section=last)
     return made
 

@@ -1,12 +1,13 @@
 """`skinfield validate`: score solvers on cases whose truth is known."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from rich.console import Console
 
 from skinfield.cli.contenders import entrant_from_options, named
-from skinfield.cli.options import OUTPUT, Force, Json
+from skinfield.cli.options import OUTPUT, Force, Json, flags_set, processes
 from skinfield.cli.report import check_output, console, finish, plural, progress, table_of
 from skinfield.cli.scores import (
     PER_CASE,
@@ -17,12 +18,12 @@ from skinfield.cli.scores import (
 )
 from skinfield.errors import InputError, check_count, check_positive
 
-WIDE = 150  # columns of the terminal that a table of several noises takes
+WIDE = 160  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
 
 
 def validate(
-    cases: str,
+    cases: str | None = None,
     /,
     *,
     solver: tuple[str, ...] = (),
@@ -31,6 +32,11 @@ def validate(
     grid: int = 40,
     gate_mm: float = 8.0,
     noise: tuple[float, ...] = (),
+    unseen: int | None = None,
+    quantity: tuple[Literal["capacitance", "stress"], ...] = (),
+    layout: str = "icub_hexagon",
+    idle: int = 5000,
+    workers: int | None = None,
     seed: int = 0,
     per_case: bool = False,
     output: Annotated[tuple[str, ...], OUTPUT] = (),
@@ -46,23 +52,27 @@ def validate(
 
     Errors are parts of the truth where no unit stands; the intervals are 95 %, over these cases.
 
-    With --noise several solvers are set beside each other at several noises, with the time per
-    reading cold and warm. 'skinfield experiments --only accuracy' does so for random presses, with
-    the Cramér-Rao bound.
+    With --noise, or with --unseen in place of CASES, several solvers are set beside each other at
+    several noises, with the share of forces within their 90 % intervals and the time per reading
+    cold and warm; with --unseen also what is found in noise alone and, of presses by balls, the
+    Cramér-Rao bound.
 
       skinfield cases cases && skinfield validate cases --solver gaussian
       skinfield validate cases --solver my_package.solvers:MySolver --settings '{"snr": 20}'
       skinfield validate cases --solver tikhonov --require place_error_mm=3 -o scores.json
       skinfield validate exact --noise 0 --noise 400 --solver gaussian --solver contact
+      skinfield validate --unseen 200 -o table.csv
+      skinfield validate --unseen 20 --quantity stress --noise 400 --solver contact
 
     Parameters
     ----------
-    cases : str
+    cases : str, optional
         DIR of cases, or the file of one (.npz).
     solver : tuple of str
         One of gaussian, contact, nonnegative, tikhonov, pseudo-inverse, inverse; or your own as
         package.module:Class, from what is installed or lies in the current folder; or paper, its
-        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default gaussian.
+        method: half-space, interpolated taxels, 20 x 20 nodes. Again for more. Default gaussian;
+        with --unseen paper, gaussian and contact.
     settings : str
         Settings of the solver, as a JSON object.
     mechanics : str
@@ -74,8 +84,18 @@ def validate(
     noise : tuple of float
         Of a reading, in the quantity's unit, added to exact readings; 0 adds none. Again for more.
         Default what the cases hold.
+    unseen : int, optional
+        So many random presses, made here, instead of CASES.
+    quantity : tuple of str
+        What taxels read, with --unseen. Again for more. Default both.
+    layout : str
+        Generator of the patch, with --unseen.
+    idle : int
+        Readings of noise alone, with --unseen.
+    workers : int, optional
+        Processes at once, with --unseen. Default one for each core.
     seed : int
-        Of the noise that --noise adds.
+        Of presses and noise, with --unseen or --noise.
     per_case : bool
         A line per case, too.
     output : tuple of str
@@ -90,14 +110,38 @@ def validate(
     limits_from_texts(require)
     check_positive("--gate-mm", gate_mm, "distance of contacts that are the same, in mm")
     check_count("--grid", grid, 1, 500, "nodes on a side")
-    check_count("--seed", seed, 0, 1 << 63, "of the noise")
+    check_count("--seed", seed, 0, 1 << 63, "of presses and noise")
+    check_count("--idle", idle, 1, 10_000_000, "readings of noise alone")
     for name in output:
         check_output("--output", name, force, ".csv", ".json")
-    if per_case and noise:
-        raise InputError("--per-case has no effect beside --noise: -o FILE.json has every press")
-    if seed and not noise:
-        raise InputError("--seed has no effect here: it belongs to --noise")
+    if (cases is None) == (unseen is None):
+        raise InputError(
+            "expected either CASES, a folder or file, or --unseen with a number of presses"
+        )
+    _check_together(options)
+    if unseen is not None:
+        check_count("--unseen", unseen, 1, 100_000, "random presses")
+        return int(_score_unseen(options))
     return int(_score_at_noises(options) if noise else _score_as_it_is(options))
+
+
+def _check_together(options: dict[str, Any]) -> None:
+    """Refuse what would have no effect."""
+    unseen, noisy = options["unseen"] is not None, bool(options["noise"])
+    named = (
+        bool(options["solver"]) or not unseen,
+        "--solver: with --unseen alone, solvers come as they are",
+    )
+    needs = {
+        **dict.fromkeys(("settings", "mechanics", "grid"), named),
+        **dict.fromkeys(("quantity", "layout", "idle", "workers"), (unseen, "--unseen")),
+        "seed": (unseen or noisy, "--unseen or --noise"),
+        "per_case": (not unseen and not noisy, "CASES as they are: -o FILE.json has every press"),
+    }
+    for name, flag in flags_set(validate, options):
+        fits, owner = needs.get(name, (True, ""))
+        if not fits:
+            raise InputError(f"{flag} has no effect here: it belongs to {owner}")
 
 
 def _score_as_it_is(options: dict[str, Any]) -> bool:
@@ -159,9 +203,35 @@ def _scored(paths: list[Path], solver: str, entrant: Any) -> tuple[list[dict[str
     return rows, summarise([score.row() for score in scores])
 
 
+def _score_unseen(options: dict[str, Any]) -> bool:
+    """Press at random, score every solver at every noise, and report beside the bound."""
+    from skinfield.lab.accuracy import NOISES, AccuracyPlan, computed
+    from skinfield.lab.validation import Level, known_entrants
+
+    quantities = options["quantity"] or tuple(NOISES)
+    if options["noise"] and len(quantities) > 1:
+        raise InputError("--noise is in a quantity's unit, expected one --quantity beside it")
+    levels = [(each, noise) for each in quantities for noise in options["noise"] or NOISES[each]]
+    chosen = [entrant_from_options(name, options) for name in options["solver"]]
+    gate = options["gate_mm"] * 1e-3
+    plan = AccuracyPlan(
+        entrants=tuple(chosen or (replace(each, gate=gate) for each in known_entrants())),
+        levels=tuple(Level(*each) for each in dict.fromkeys(levels)),
+        layout=options["layout"],
+        presses=options["unseen"],
+        idle=options["idle"],
+        seed=options["seed"],
+    )
+    number = processes(options["workers"])
+    patch = plan.patch.name  # an unknown one is said before anything is computed
+    with progress("unseen presses") as step:
+        findings = computed(plan, number, step)
+    return _report_noises(findings, patch, options)
+
+
 def _score_at_noises(options: dict[str, Any]) -> bool:
     """Add noises to cases that hold exact readings, score every solver, and report."""
-    from skinfield.lab.accuracy import Findings, accuracy_rows, group_rows
+    from skinfield.lab.accuracy import Findings
     from skinfield.lab.case_files import case_paths, load_case
     from skinfield.lab.validation import Level, noise_seed, rows_of_case
 
@@ -177,12 +247,21 @@ def _score_at_noises(options: dict[str, Any]) -> bool:
                     scored = rows_of_case(case, levels, [method], seed)
                 rows += [{"case": case.name, "file": path.name} | row for row in scored]
             step()
-    summary = accuracy_rows(Findings(rows, [], [], []), seed=options["seed"])
-    if not options["as_json"]:
-        for quantity in dict.fromkeys(row["quantity"] for row in summary):
-            mine = [row for row in summary if row["quantity"] == quantity]
-            title = f"{quantity}: {plural(len(paths), 'case')} of {options['cases']}"
-            Console(width=max(console().width, WIDE)).print(table_of_noises(mine, title))
-    about = {"options": {"on": options["cases"]}, "summary": summary}
-    about["groups"] = group_rows(rows, seed=options["seed"])
-    return _finish(options, rows, summary, about, summary, summary)
+    return _report_noises(Findings(rows, [], [], []), options["cases"], options)
+
+
+def _report_noises(findings: Any, where: str, options: dict[str, Any]) -> bool:
+    """Print a table for each quantity, and write; whether a limit is exceeded."""
+    from skinfield.lab.accuracy import accuracy_rows, group_rows
+
+    summary = accuracy_rows(findings, seed=options["seed"])
+    count = plural(len({row["case"] for row in findings.rows}), "case")
+    for quantity in dict.fromkeys(row["quantity"] for row in summary):
+        mine = [row for row in summary if row["quantity"] == quantity]
+        if not options["as_json"]:
+            made = table_of_noises(mine, f"{quantity}: {count} on {where}")
+            Console(width=max(console().width, WIDE)).print(made)
+    about = {"options": {"on": where}, "summary": summary}
+    about["groups"] = group_rows(findings.rows, seed=options["seed"])
+    judged = [row for row in summary if "missed" in row]  # not the bound
+    return _finish(options, findings.rows, summary, about, summary, judged)

@@ -7,6 +7,7 @@ distances; readings of noise alone count false contacts.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -371,25 +372,25 @@ def share_of(folder: Path, rows: Callable[..., Any], *arguments: Any) -> Any:
 
 def computed(
     plan: AccuracyPlan,
-    folder: Path,
     workers: int = 1,
-    progress: Callable[[int, int], None] = lambda done, of: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Findings:
-    """Run all parts that `folder` does not hold yet.
+    """Run all parts of a campaign in so many processes.
 
     Raises
     ------
     SkinfieldError
-        Where a part fails: with its last line, and the file that has the rest.
+        Where a part fails: with the last line of its traceback.
     """
     tasks, results = parts_of(plan), {}
     progress(0, len(tasks))
-    for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):
-        if outcome.failure:
-            reason = outcome.failure.strip().splitlines()[-1]
-            raise SkinfieldError(f"{outcome.name} fails: {reason} ({outcome.folder}.failed.txt)")
-        results[outcome.name] = outcome.result
-        progress(done, len(tasks))
+    with TemporaryDirectory(prefix="skinfield-") as folder:
+        for done, outcome in enumerate(run(tasks, folder, workers=workers), start=1):
+            if outcome.failure:
+                reason = outcome.failure.strip().splitlines()[-1]
+                raise SkinfieldError(f"{outcome.name} fails: {reason}")
+            results[outcome.name] = outcome.result
+            progress(done, len(tasks))
     return Findings.of([results[task.name] for task in tasks])
 
 

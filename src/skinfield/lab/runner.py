@@ -103,7 +103,8 @@ def fingerprint(value: Any) -> str:
     ----------
     value : object
         Of None, bool, int, float, complex, str, bytes, paths, enums, NumPy arrays and numbers,
-        functions and classes (by name), dataclasses, and tuples, lists, sets and mappings of those.
+        functions and classes (by name), dataclasses and other objects (by their attributes), and
+        tuples, lists, sets and mappings of those.
 
     Raises
     ------
@@ -140,6 +141,8 @@ def _canonical(value: Any) -> str:
         parts = sorted(_canonical(item) for item in value)
     elif callable(value) and hasattr(value, "__qualname__"):
         parts = [_qualified(value)]
+    elif hasattr(value, "__dict__"):
+        parts = [_canonical(vars(value))]
     else:
         raise InputError(
             f"an argument is {value!r} of {kind}, expected numbers, texts, arrays, dataclasses, or "
