@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import mcap_sample
 import pytest
 from command_line import invoke
 from live_skins import unique_name, wait_for
@@ -19,6 +20,7 @@ from skinfield.cli.report import end_undisturbed, signals_end
 from skinfield.errors import InputError
 from skinfield.loop.slots import Head
 from skinfield.ring import Ring, RingReader, State
+from skinfield.settings import PageSettings, RecordSettings, load_settings
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 FOLDER = Path("/dev/shm")
@@ -121,6 +123,13 @@ def test_a_running_name_is_refused() -> None:
         result = invoke(["run", "--name", ring.name])
         assert f"a skin named '{ring.name}' runs already" in " ".join(result.output.split())
         ring.unlink()
+
+
+def test_a_recording_without_settings_is_refused(tmp_path: Path) -> None:
+    mcap_sample.write(tmp_path / "a.mcap")
+    result = invoke(["run", str(tmp_path / "a.mcap")])
+    assert result.exit_code == 2
+    assert "a.mcap holds no settings, expected a recording of `skinfield run`" in result.output
 
 
 class Running:
@@ -235,11 +244,16 @@ def test_sigterm_while_it_starts_leaves_nothing() -> None:
 
 def test_a_closed_terminal_while_it_calibrates_leaves_nothing(tmp_path: Path) -> None:
     file = tmp_path / "a.mcap"
-    with running("--tare-s", "100", "--record", str(file)) as found:
+    with running("--tare-s", "100", "--record", str(file), *TOKEN) as found:
         found.wait_for(lambda: found.is_at(State.CALIBRATING) and file.exists())
         assert len(found.seen) >= 3
         ends(found, signal.SIGHUP)
     assert whole(file)
+    saved = tmp_path / "as_recorded.toml"
+    assert invoke(["run", str(file), "--save", str(saved)]).exit_code in (0, None)
+    settings = load_settings(saved)  # those of the run, but for the page's, with their secrets
+    assert (settings.loop.tare_s, settings.model.grid) == (100.0, 10)
+    assert (settings.page, settings.record) == (PageSettings(), RecordSettings())
 
 
 def whole(path: Path) -> bool:

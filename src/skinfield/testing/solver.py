@@ -1,4 +1,4 @@
-"""What every solver must do."""
+"""Contract of every solver, as tests to inherit."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""What every source must do."""
+"""Contract of every live source, as tests to inherit."""
 
 import pickle
 import resource
