@@ -17,7 +17,11 @@ PATCHES = {"phase": "loading", "progress": {"patches": 6, "of": 60, "left_s": 41
 @pytest.mark.parametrize(
     ("notes", "words"),
     [
-        ({"phase": "loading", "progress": {}}, "compiled once for this machine"),
+        ({"phase": "loading", "progress": {}}, "loading its code"),
+        (
+            {"phase": "loading", "progress": {"compiled": 57}},
+            "once for this machine, a minute or two: 57",
+        ),
         (PATCHES, "preparing patch 7 of 60, about 41 s more"),
         ({"phase": "preparing", "progress": {"patches": 0, "of": 2}}, "preparing patch 1 of 2"),
         ({"phase": "taring"}, "leave the skin untouched"),

@@ -7,7 +7,7 @@ import numpy as np
 
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import Floats, Ints
-from skinfield.reconstruct.diagnostics import CYSKIN_GAIN
+from skinfield.signal.boards import CYSKIN_GAIN
 from skinfield.simulate.electronics import (
     CySkinBoard,
     Electronics,

@@ -118,7 +118,7 @@ def add_to(total: Floats, row: NDArray[np.float32], weight: float) -> None:
         total[taxel] += weight * row[taxel]
 
 
-@njit
+@inner
 def regions(pressure: Floats, level: Level, work: Work) -> int:
     """Find regions as a `ContactFinder` does; how many there are."""
     known, std = level.numbers, level.std
@@ -130,7 +130,7 @@ def regions(pressure: Floats, level: Level, work: Work) -> int:
     return int(keep_high(pressure, std, sigmas, least, count, work))
 
 
-@njit
+@inner
 def stands_out(pressure: Floats, std: Floats, sigmas: float, least: float) -> bool:
     """Whether any cell is above its noise and above `least`.
 
@@ -142,7 +142,7 @@ def stands_out(pressure: Floats, std: Floats, sigmas: float, least: float) -> bo
     return False
 
 
-@njit
+@inner
 def strongest(pressure: Floats, count: int, level: Level, room: Room, most: int) -> int:
     """List the regions of the largest sums, falling; how many are listed."""
     starts, cells = room.tables[STARTS], room.tables[REGIONS]
@@ -166,7 +166,7 @@ def strongest(pressure: Floats, count: int, level: Level, room: Room, most: int)
     return many
 
 
-@njit
+@inner
 def describe(pressure: Floats, region: int, level: Level, room: Room, row: Any) -> None:
     """What one region amounts to; its place in the plane goes to `position` for now."""
     known, columns = level.numbers, int(level.numbers[COLUMNS])
@@ -321,7 +321,7 @@ def associate(
             begin(memory, ids, now, out[row])
 
 
-@njit
+@inner
 def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
     """Move a contact of before to where it is now, and tell its age and speed."""
     passed = max(NS * (now - known.last_ns), 0.0)
@@ -334,7 +334,7 @@ def follow(known: Any, habits: Floats, now: int, row: Any) -> None:
     row.speed = np.sqrt(known.vx * known.vx + known.vy * known.vy)
 
 
-@njit
+@inner
 def begin(memory: Any, ids: Ints, now: int, row: Any) -> None:
     """Remember a new contact, in place of none, else of the one not seen for longest."""
     place = 0

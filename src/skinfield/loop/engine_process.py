@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.compiled import reported
 from skinfield.errors import Floats, InputError, Ints
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.baseline import Baseline, BaselineCollector
@@ -100,7 +101,8 @@ class Start:
         What it does, for people: "loading", "taring" or "preparing".
     progress : dict
         Of "loading" and "preparing": `patches` that are ready, `of` how many, and `left_s`, how
-        long the others take, s, where that can be said; empty before the first.
+        long the others take, s, where that can be said; while functions are compiled, `compiled`
+        says how many so far. Empty before the first.
     baseline : Baseline or None
         When there is one.
     """
@@ -122,7 +124,8 @@ class Start:
         table = np.zeros((taxels, 4))
         table[:, 1:] = 1.0
         noise = np.full(taxels, self._settings.quantity.typical_noise)
-        return self._updater(table, noise, 1_000_000_000)
+        with reported(self._compiling):
+            return self._updater(table, noise, 1_000_000_000)
 
     def _final(self) -> Updater:
         assert self.baseline is not None  # by then it is known
@@ -134,6 +137,9 @@ class Start:
         return Updater(
             self._model_config, self._binding, table, noise, stale_ns, self._tracks, self._advance
         )
+
+    def _compiling(self, name: str, number: int) -> None:
+        self.progress = {**self.progress, "compiled": number}
 
     def _advance(self, ready: int, patches: int) -> None:
         """So many patches are ready."""

@@ -38,7 +38,10 @@ def start_in_words(notes: Mapping[str, Any]) -> str:
     if phase not in ("loading", "preparing"):
         return ""
     if not progress:
-        return "loading its code, which is compiled once for this machine: a minute or two"
+        return "loading its code"
+    if "compiled" in progress:
+        count = int(progress["compiled"])
+        return f"compiling once for this machine, a minute or two: {count} functions so far"
     text = f"preparing patch {int(progress['patches']) + 1} of {int(progress['of'])}"
     left = progress.get("left_s", 0.0)
     return f"{text}, about {left:.0f} s more" if left >= 1.0 else text

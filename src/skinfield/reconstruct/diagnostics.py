@@ -22,6 +22,7 @@ from skinfield.signal import (
     strain_from_relative_capacitance,
     valid_from_counts,
 )
+from skinfield.signal.boards import CYSKIN_GAIN
 from skinfield.signal.faults import merged_faults
 from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
@@ -123,7 +124,6 @@ class Conditioner:
 
 Blocks = Callable[[], Iterator[Recording]]  # anew at each call
 ICUB_GAIN = -171.0  # bytes per unit of ΔC/C₀: 16 pF over 65536 counts, shift 2, a pad of 0.17 pF
-CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
 USUAL_RATE = 50.0  # 1/s, of recordings that do not tell theirs
 FEWEST = 16  # readings that tell a noise
 UNIT_OF = {"dC/C0": Capacitance, "Pa": BaseStress, "1": Gap}

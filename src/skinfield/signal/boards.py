@@ -215,6 +215,7 @@ class PlainCount:
         return np.asarray((counts <= self.lowest) | (counts >= self.highest))
 
 
+CYSKIN_GAIN = 20_000.0  # counts per unit of ΔC/C₀: a firm press reads 20 000; no maker's figure
 GAINS = (70, 96, 83, 38, 38, 70, 0, 45, 77, 164, 0, 77)
 """Of the firmware, skin type 0, per channel of a triangle: 128ths of the drift of its pad."""
 GAINS_V2 = (58, 91, 39, 23, 35, 90, 0, 38, 68, 115, 0, 86)

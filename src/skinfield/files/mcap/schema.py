@@ -3,7 +3,7 @@
 Sinks write it and sources read it. All numbers are little-endian; stamps are ns.
 
 A message of `/skin/blocks` is 8 bytes, the position of what follows in the ring's log (int64,
-bytes since the ring was made), then blocks as `acquisition.block` describes them, unchanged.
+bytes since the ring was made), then blocks as `signal.block` describes them, unchanged.
 
 A message of `/skin/cycles` is one cycle of the engine: a head as `CYCLE_HEAD`, then contacts and
 patches, both rows of a layout that the channel's metadata states (`CycleLayout.metadata`).

@@ -8,7 +8,7 @@ z = max(0, row . r - penalty). Nodes that are searched stand first in `listed`.
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.compiled import inner, njit
+from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.dual.workspace import Memory, Problem, now_ns
 from skinfield.solve.tiles_kernel import apply_tiles
@@ -38,7 +38,7 @@ def correlate(rows: Floats, values: Floats, out: Floats) -> None:
         out[node] = product(rows[node], values)
 
 
-@njit(fastmath=FAST)
+@inner(fastmath=FAST)
 def product(row: Floats, values: Floats) -> float:
     """Sum of the products of two rows."""
     total = row.dtype.type(0)
@@ -47,7 +47,7 @@ def product(row: Floats, values: Floats) -> float:
     return total
 
 
-@njit(fastmath=FAST)
+@inner(fastmath=FAST)
 def project(rows: Floats, listed: Ints, count: int, values: Floats, out: Floats) -> None:
     """Write into `out` (count,) the product of each listed row with `values` (W,)."""
     width, zero = len(values), rows.dtype.type(0)
@@ -66,7 +66,7 @@ def project(rows: Floats, listed: Ints, count: int, values: Floats, out: Floats)
         out[i] = product(rows[listed[i]], values)
 
 
-@njit(fastmath=FAST)
+@inner(fastmath=FAST)
 def predict(rows: Floats, listed: Ints, count: int, slack: Floats, out: Floats) -> None:
     """Write into `out` (W,) the readings of the amounts."""
     width = len(out)
@@ -170,7 +170,7 @@ def solve_factored(lower: Floats, count: int, values: Floats) -> None:
             values[k] -= row[k] * solved
 
 
-@njit(fastmath=FAST)
+@inner(fastmath=FAST)
 def factor(rows: Floats, active: Ints, count: int, width: int, lower: Floats) -> None:
     """Factor 1 + B_A' B_A, or 1 + B_A B_A' where fewer nodes are active than there are taxels."""
     if count < width:
@@ -207,7 +207,7 @@ def newton_step(
             step[taxel] -= amount * row[taxel]
 
 
-@njit(fastmath=FAST)
+@inner(fastmath=FAST)
 def bent(slack: Floats, turn: Floats, count: int, length: float) -> float:
     """Sum of the amounts at `length` along a step, each times its change by the step."""
     total = 0.0
@@ -343,7 +343,7 @@ def primal(problem: Problem, memory: Memory, best: float) -> tuple[float, float]
     return best, 0.5 * left + 0.5 * square + cost
 
 
-@njit
+@inner
 def keep(memory: Memory, factor: float) -> None:
     """Keep the amounts at the dual, scaled, as the best so far."""
     kept = 0
@@ -355,7 +355,7 @@ def keep(memory: Memory, factor: float) -> None:
     memory.counts[PRESSED] = kept
 
 
-@njit
+@inner
 def dual_values(problem: Problem, memory: Memory) -> tuple[float, float]:
     """What no answer's objective is below, by a pass over all nodes; and none of those allowed."""
     start = now_ns(memory.room)

@@ -57,7 +57,7 @@ def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
     learn_pace(measures, SPREAD_PACE, now_ns(memory.room) - start, work)
 
 
-@njit
+@inner
 def search(problem: Problem, memory: Memory, deadline: int) -> None:
     """Leave the best amounts in `pressed` and `amounts`, and what they are worth in `measures`.
 
@@ -114,7 +114,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
     measures[OBJECTIVE] = best
 
 
-@njit
+@inner
 def begin(problem: Problem, memory: Memory) -> float:
     """Choose where to start; returns a dual value, or -1 if the patch is idle, which is proved."""
     kept = memory.counts[GIVEN] == 0 and stands_out(problem, memory)
@@ -168,7 +168,7 @@ def start_along(problem: Problem, memory: Memory) -> float:
     return max(value - 0.5 * total, 0.0)
 
 
-@njit
+@inner
 def stands_out(problem: Problem, memory: Memory) -> bool:
     """Whether a node that was searched before is too significant for an idle patch."""
     count, turn = memory.counts[COUNT], memory.turn
@@ -200,7 +200,7 @@ def still_best(problem: Problem, memory: Memory) -> bool:
     return before > along
 
 
-@njit
+@inner
 def excess(problem: Problem, memory: Memory, seen: Floats, length: float) -> float:
     """Half the squared amounts of the searched nodes, from `length` times what they see."""
     total = 0.0
@@ -210,7 +210,7 @@ def excess(problem: Problem, memory: Memory, seen: Floats, length: float) -> flo
     return 0.5 * total
 
 
-@njit
+@inner
 def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     """One semismooth Newton step from the dual, to where the dual value is highest along it.
 

@@ -7,7 +7,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from skinfield.compiled import njit
+from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 
 Ints32 = NDArray[np.int32]
@@ -149,7 +149,7 @@ def memory_in(nodes: int, width: int, room: tuple[Floats, Ints, Floats]) -> Memo
 memory_of_packed = njit(memory_in)
 
 
-@njit
+@inner
 def unpacked(given: Packed) -> tuple[Problem, Memory]:
     """Problem and memory as views of what was handed over."""
     nodes, width = given.rows.shape
