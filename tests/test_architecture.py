@@ -35,7 +35,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "rich": {"cli"},
     "cyclopts": {"cli"},
     "msgspec": {"bridges", "lab", "settings"},
-    "tomli_w": {"settings", "lab"},
+    "tomli_w": {"settings"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},
     "mpl_toolkits": {"plot"},
@@ -53,7 +53,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "zstandard": {"files"},
     "lz4": {"files"},  # comes with mcap
     "h5py": {"files"},
-    "rosbags": {"files", "bridges"},
+    "rosbags": {"files"},
     "websockets": {"page"},
     "xxhash": {"bridges"},
     "zenoh": {"bridges"},
@@ -141,6 +141,14 @@ def circles_of(arrows: Mapping[str, set[str]]) -> list[list[str]]:
         if node not in number:
             visit(node)
     return circles
+
+
+def test_what_rooms_may_import_they_do() -> None:
+    used = defaultdict(set)
+    for module, file in FILES.items():
+        for _, name in imports_of(file):
+            used[name.partition(".")[0]].add(module.split(".")[0])
+    assert {package: used[package] for package in ELSEWHERE} == ELSEWHERE
 
 
 def test_imports_only_go_down() -> None:
