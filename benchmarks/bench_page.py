@@ -20,8 +20,6 @@ from statistics import median
 from playwright.sync_api import sync_playwright
 from websockets.sync.client import connect
 
-from skinfield.page.wire import unpacked
-
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 STARTS = 600.0  # s
 COUNTED = "() => [skinfield.state.updates, skinfield.state.bytes, performance.now()]"
@@ -51,7 +49,10 @@ def floor(address: str, seconds: float) -> tuple[float, float]:
         while time.monotonic() < end:
             message = socket.recv()
             octets += len(message)
-            if isinstance(message, bytes) and (head := unpacked(message)[0])["kind"] == "update":
+            if not isinstance(message, bytes):
+                continue
+            head = json.loads(message[8 : 8 + int.from_bytes(message[4:8], "little")])
+            if head["kind"] == "update":
                 updates += 1
                 socket.send(json.dumps({"do": "ack", "number": head["number"]}))
     return updates / seconds, octets / seconds

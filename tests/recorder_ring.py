@@ -32,7 +32,10 @@ class FakeEngine:
 
     def __init__(self, name: str, taxels: int = 24, slots: int = 64, log_bytes: int = 1 << 20):
         self.skin = skin_of(taxels)
-        settings = LiveSettings(skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,))
+        tree = {"skin": {"thickness_mm": 3.0, "modulus_kpa": 80.0}}
+        settings = LiveSettings(
+            skin=self.skin, sources=(NoSource(),), name=name, rungs=(4,), tree=tree
+        )
         ports = (Port("arm", taxels),)
         model_config = ModelConfig.of(settings, ports)
         sizes = Sizes(1, taxels, 16, 8)
@@ -42,7 +45,7 @@ class FakeEngine:
             name, *self.fields, description_of(settings, model_config), slots, log_bytes
         )
         status = self.ring.status
-        status["calibration"][:] = (200.0, -100.0, 0.5, 1.0)
+        status["calibration"][:] = (200.0, -100.0, 2e4, 1.0)  # as noisy as the counts
         status["noise_std"][:] = 0.01
         status["tares"][0] = 1
         self.ring.set_state(State.RUNNING)

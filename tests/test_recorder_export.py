@@ -168,10 +168,14 @@ def test_info(recorded):
 
 
 def test_reconstruct_takes_it(recorded, tmp_path):
-    """Its layout is enclosed."""
-    path, contacts = recorded[0], tmp_path / "contacts.csv"
-    run("reconstruct", str(path), "--grid", "8", "-o", str(contacts))
+    """Its layout, calibration and settings are enclosed; flags come before them."""
+    path, contacts, summary = recorded[0], tmp_path / "contacts.csv", tmp_path / "s.json"
+    words = ("--grid", "8", "-o", str(contacts), "--summary", str(summary), "--modulus-kpa", "90")
+    run("reconstruct", str(path), *words)
     assert contacts.exists()
+    made = json.loads(summary.read_text())
+    assert "thickness=0.003, young_modulus=90000.0" in made["layer"]
+    assert "gain not given" not in " ".join(made["notes"])  # as it is without a calibration
 
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "recorder.md"

@@ -265,7 +265,7 @@ def test_places_that_cannot_be_written_are_named_at_once(tmp_path: Path, suffix:
     for place, why in (
         (tmp_path / "none" / f"x{suffix}", "is no folder"),
         (tmp_path / "file" / f"x{suffix}", "is no folder|Not a directory"),
-        (tmp_path / f"folder{suffix}", "no Zarr store"),
+        (tmp_path / f"folder{suffix}", "neither results nor a bag"),
         (f"a\0{suffix}", "null byte"),
     ):
         with pytest.raises(FileError, match=why):

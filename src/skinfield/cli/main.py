@@ -4,7 +4,6 @@ import inspect
 import re
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cyclopts import App, ArgumentCollection, CycloptsError, Group, Parameter, Token
@@ -12,7 +11,7 @@ from cyclopts.exceptions import UnknownCommandError
 from cyclopts.help import DefaultFormatter, PanelSpec
 from rich.box import Box
 
-from skinfield.cli.options import flag_of
+from skinfield.cli.options import LIVE, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings.text import nearest
 
@@ -169,7 +168,7 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
 
     file = next(each for each in arguments if each.field_info.name == "file")
     for path in (token.value for token in file.tokens):
-        said = changed(settings_in(path))
+        said = changed(settings_of(path))
         values = {name: value for part in said.values() for name, value in part.items()}
         for each in arguments:
             name = each.field_info.name
@@ -179,7 +178,7 @@ def settings_of_file(app: App, commands: tuple[str, ...], arguments: ArgumentCol
                     each.append(Token(source=path, implicit_value=one))
 
 
-def settings_in(path: str) -> "Settings":
+def settings_of(path: str) -> "Settings":
     """Settings in a file of them, or those that a recording was made with.
 
     Raises
@@ -187,16 +186,14 @@ def settings_in(path: str) -> "Settings":
     FileError
         If it cannot be read, or holds none.
     """
-    from skinfield.settings import Settings, from_plain, load_settings
+    from skinfield.settings import load_settings
 
-    if not path.endswith(".mcap"):
+    if not path.lower().endswith(LIVE):
         return load_settings(path)
-    from skinfield.files import LiveRecording
-
-    plain = LiveRecording.open(Path(path)).description.get("settings")
-    if plain is None:
+    found = settings_in(path)
+    if found is None:
         raise FileError(f"{path} holds no settings, expected a recording of `skinfield run`")
-    return from_plain(Settings, plain)
+    return found
 
 
 def main(words: Sequence[str] | None = None) -> None:

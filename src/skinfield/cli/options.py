@@ -11,7 +11,15 @@ from cyclopts import Group, Parameter
 
 from skinfield.cli.report import note
 from skinfield.errors import InputError, check_count
-from skinfield.settings import Elastomer, ModelSettings, PageSettings, Profile, profile_of
+from skinfield.settings import (
+    Elastomer,
+    ModelSettings,
+    PageSettings,
+    Profile,
+    Settings,
+    from_plain,
+    profile_of,
+)
 from skinfield.settings.tree import Positive, Range, Section, SolverName
 
 if TYPE_CHECKING:
@@ -20,6 +28,7 @@ if TYPE_CHECKING:
     from skinfield.elastic import Layer, Mechanics, Quantity
     from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.reconstruct.serialisation import ReconstructorConfig
+    from skinfield.signal import Calibration
     from skinfield.skin import Patch, Skin
     from skinfield.solve import Solver
 
@@ -212,7 +221,6 @@ def conditioning_of(patch: "Patch", counts: CountSettings) -> "Conditioning":
         Filter,
         ICubByte,
         NoFilter,
-        load_calibration,
     )
 
     no_load = counts.no_load or USUAL_NO_LOAD
@@ -226,10 +234,35 @@ def conditioning_of(patch: "Patch", counts: CountSettings) -> "Conditioning":
     return Conditioning(
         board=conventions[counts.board],
         gain=counts.gain,
-        calibration=None if path is None else load_calibration(path, patch),
+        calibration=None if path is None else calibration_in(path, patch),
         filter=smooth,
         noise_std=counts.noise,
     )
+
+
+def calibration_in(path: str, patch: "Patch") -> "Calibration | None":
+    """Calibration of a file, or the one that a recording of a live skin has enclosed, if any."""
+    if path.lower().endswith(LIVE):
+        from skinfield.files.mcap.live import LiveRecording
+
+        return LiveRecording.open(Path(path)).calibrations.get(patch.name)
+    from skinfield.signal import load_calibration
+
+    return load_calibration(path, patch)
+
+
+def settings_in(path: str) -> Settings | None:
+    """Settings that a recording of a live skin was made with; None if it does not say.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read.
+    """
+    from skinfield.files.mcap.live import LiveRecording
+
+    plain = LiveRecording.open(Path(path)).description.get("settings")
+    return None if plain is None else from_plain(Settings, plain)
 
 
 def flag_of(name: str) -> str:

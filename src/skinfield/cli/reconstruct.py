@@ -78,7 +78,8 @@ def reconstruct(
     recording : str
         Recordings, or a folder of results.
     layout : str, optional
-        Layout file, or a generator by name. Default what a recording (.mcap) has enclosed.
+        Layout file, or a generator by name. Default what a recording (.mcap) has enclosed, with
+        its calibration and its settings of skin and elastomer.
     patch : str, optional
         Name or number of the patch of a layout with several.
     output : tuple of str

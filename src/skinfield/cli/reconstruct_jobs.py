@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from skinfield.cli.options import (
+    LIVE,
     OF_UNIT,
     USUAL_SOLVER,
     CountSettings,
@@ -29,6 +30,7 @@ from skinfield.cli.options import (
     patch_of,
     profile_in_use,
     quantity_of,
+    settings_in,
     skin_from_text,
 )
 from skinfield.cli.report import Step, progress
@@ -91,9 +93,22 @@ class Plan:
         elastomer: Elastomer,
         model: ModelSettings,
     ) -> "Plan":
-        """Plan with the values of the profile in use, which is named on stderr."""
+        """Plan with the values of the profile in use, which is named on stderr.
+
+        A layout that is a recording of a live skin brings its settings and calibration.
+        """
         board = None if counts.board == "auto" else counts.board
-        profile = profile_in_use(elastomer, board, layout)
+        recorded = settings_in(layout) if layout.lower().endswith(LIVE) else None
+        if recorded is None:
+            profile = profile_in_use(elastomer, board, layout)
+        else:
+            hardware, known = board or recorded.source.hardware, recorded.skin
+            usual = {name: getattr(known, name) for name in asdict(elastomer)}
+            elastomer = Elastomer(**(usual | changes_of(elastomer)))
+            if counts.gain is None and counts.calibration is None:
+                counts = replace(counts, gain=known.gain, calibration=layout)
+            counts = replace(counts, no_load=counts.no_load or known.no_load)
+            profile = profile_in_use(elastomer, hardware, known.layout)
         return cls(
             layout=layout,
             patch=patch,
@@ -133,6 +148,12 @@ class Plan:
             "layout_checksum": checksum(plain_from_value("patch", patch)),
             "calibration_checksum": checksum(plain_from_value("calibration", calibration)),
         }
+
+
+def changes_of(section: Elastomer) -> dict[str, Any]:
+    """Values that were set, by their names."""
+    usual = asdict(Elastomer())
+    return {name: value for name, value in asdict(section).items() if value != usual[name]}
 
 
 class Spool:
@@ -201,7 +222,10 @@ def take_in(recording: str, plan: Plan, place: Pending, *, quiet: bool = False) 
     """
     patch = plan.taxels()
     layer = layer_of(plan.elastomer, plan.profile)
-    how, folder = conditioning_of(patch, plan.counts), place.part.parent
+    counts, folder = plan.counts, place.part.parent
+    if (counts.calibration or "").lower().endswith(LIVE) and recording.lower().endswith(LIVE):
+        counts = replace(counts, calibration=recording)  # each has its own
+    how = conditioning_of(patch, counts)
     with explained(folder), progress("reading", quiet=quiet) as step:
         spool = _spooled(recording, Spool(patch, folder), step)
         assert spool.like is not None

@@ -65,7 +65,7 @@ def rig(
       skinfield rig press.toml -o rig --dry-run
       skinfield rig press.toml -o rig
       skinfield reconstruct rig/rig-sphere6/recording.npz --skin rig/rig-sphere6/layout.toml
-      skinfield calibrate scale rig/rig-sphere6/recording.npz rig/rig-sphere6/load_cell.csv \\
+      skinfield calibrate scale rig/rig-sphere6/recording.npz rig/rig-sphere6/load_cell.csv \
         --skin rig/rig-sphere6/layout.toml
 
     Parameters

@@ -111,7 +111,7 @@ def run(
     file : str, optional
         Settings (.toml), or a recording of such a run (.mcap).
     duration : float, s, optional
-        Seconds; default until Ctrl-C.
+        Seconds that it answers; default until Ctrl-C.
     headless : bool
         No table and no browser: for services and scripts.
     as_json : bool
@@ -128,7 +128,7 @@ def run(
     if duration is not None:
         check_positive("--duration", duration, "seconds")
     console = Console(stderr=True)
-    check_settings(wanted)
+    check_settings(wanted, force)
     with signals_end(), ExitStack() as parts:
         try:
             running = start_all(wanted, parts, console)
@@ -151,7 +151,7 @@ def save_settings(wanted: Settings, path: str, force: bool) -> None:
     note(f"wrote {path}")
 
 
-def check_settings(wanted: Settings) -> None:
+def check_settings(wanted: Settings, force: bool = False) -> None:
     """Refuse, before anything starts, what can be seen without a skin.
 
     Raises
@@ -161,7 +161,7 @@ def check_settings(wanted: Settings) -> None:
     """
     from skinfield.bridges.launch import bridge_settings
 
-    check_output("--record", wanted.record.into, False, ".mcap")
+    check_output("--record", wanted.record.into, force, ".mcap")
     check_name(wanted.loop.name)
     check_port(wanted.page.port, wanted.page.host)
     bridge_settings(wanted.bridges)
@@ -410,6 +410,8 @@ def start_all(wanted: Settings, parts: ExitStack, console: Console) -> "Running"
         fit = parts.enter_context(start_fit(settings.name, wanted.loop.fit))
         supervisor.wait(STARTS, State.STARTING).close()
         into = wanted.record.into
+        if into is not None:
+            Path(into).unlink(missing_ok=True)  # only --force lets it come so far
         parts.enter_context(recorder(settings.name, None if into is None else Path(into)))
         live = parts.enter_context(Live(settings.name))
         page = parts.enter_context(served_page(wanted, supervisor, virtual))

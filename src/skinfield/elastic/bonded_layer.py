@@ -63,7 +63,7 @@ class BondedLayer:
 
     Notes
     -----
-    Closed forms in Fourier space are in `mechanics.transfer`; the half-space's part of the surface
+    Closed forms in Fourier space are in `hankel`; the half-space's part of the surface
     displacement is integrated in closed form (Love, Cerruti), and the rest, smooth, by quadrature.
     """
 

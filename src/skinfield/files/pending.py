@@ -84,10 +84,11 @@ def pending(path: str | Path) -> Pending:
             raise FileError(
                 f"{target} cannot be written: {folder} is no folder, expected one that is there"
             )
-        own = any((target / name / "zarr.json").is_file() for name in (".", "results.zarr"))
+        marks = ("zarr.json", "results.zarr/zarr.json", "metadata.yaml")  # the last: of a bag
+        own = any((target / mark).is_file() for mark in marks)
         if target.is_dir() and not own:
             raise FileError(
-                f"{target} is a folder that is no Zarr store and no results, expected a new name"
+                f"{target} is a folder that is neither results nor a bag, expected a new name"
             )
         if target.exists() and not (target.is_dir() or target.is_file()):
             raise FileError(f"{target} is no file, expected the name of one: it cannot be replaced")

@@ -1,6 +1,6 @@
 """Results folders: any slice of the fields of a recording as labelled arrays, computed lazily.
 
-`sinks.save_results` and `skinfield reconstruct -o run.skinfield` write them; `sinks.results` says
+`save_results` and `skinfield reconstruct -o run.skinfield` write them; `results_writer` says
 what is in them.
 """
 

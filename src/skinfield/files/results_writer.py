@@ -5,10 +5,10 @@
         stamp_ns/        (T,) int64, ns
         readings/        (T, L) float64, in the quantity's unit; NaN where a taxel did not answer
         pressure/ pressure_std/ displacement/ position/      where fields are stored
-      contacts.parquet/  one row per contact and reading: `fields.contact_table.COLUMNS`
+      contacts.parquet/  one row per contact and reading: `estimate.contact_table.COLUMNS`
 
 It is of Zarr format 3; every chunk has a checksum. Fields that are not stored are computed from the
-readings when somebody looks at them: `sources.open_results`.
+readings when somebody looks at them: `open_results`.
 """
 
 from collections.abc import Sequence
@@ -131,7 +131,7 @@ def write_fields_at(path: Path, first: int, series: Arrays) -> None:
     path : Path
     first : int
     series : dict of arrays
-        See `fields.series_of`.
+        See `files.fields.series_of`.
     """
     group = load_zarr().open_group(path / ARRAYS, mode="r+")
     with explained(path):
@@ -165,7 +165,7 @@ def save_results(
     notes: tuple[str, ...] = (),
     source: str = "",
 ) -> None:
-    """Write readings with what reconstructs them; `sources.open_results` computes the rest.
+    """Write readings with what reconstructs them; `open_results` computes the rest.
 
     Parameters
     ----------

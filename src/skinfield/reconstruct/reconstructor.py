@@ -305,7 +305,7 @@ class Reconstructor:
         ----------
         presses : int
             Each at a place, with a load and with noise of its own; see
-            `pipeline.interval_training`.
+            `reconstruct.interval_training`.
         seed : int
         bodies : sequence of Indenter, optional
             Default balls, flats, a cone and a bar.

@@ -140,7 +140,7 @@ class TaxelSets:
 
 @dataclass(frozen=True, eq=False)
 class SetError:
-    """How far the pressure of a set of taxels may be off; see `fields.PressureError`.
+    """How far the pressure of a set of taxels may be off; see `estimate.PressureError`.
 
     Attributes
     ----------

@@ -4,7 +4,7 @@ A contact is no Gaussian field, and between taxels a thin skin is nearly blind: 
 finds a part of the force, at the nearest taxel. The numbers are such that, on the hexagon of 72
 taxels with 2 mm of incompressible silicone (100 kPa), at the quantity's typical noise, 1.645
 standard deviations each way hold nine of ten forces, and the 90 % ellipse as many places, of 600
-presses of `pipeline.interval_training` (balls, flats, a cone, a bar; 0.1 to 3 N).
+presses of `reconstruct.interval_training` (balls, flats, a cone, a bar; 0.1 to 3 N).
 
 At other noises one number cannot do. With 2.5 times the typical noise 88 to 98 % of the forces are
 held. With a twentieth of it 70 to 82 %, but for capacitance 98 % (`NonNegative`) and 87 %

@@ -11,7 +11,7 @@ taxel l from `begins[l]` to `begins[l + 1]`, and `corners` (B,) their first cell
 checks that tiles lie on the field; `Tiles` makes them so.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -156,11 +156,6 @@ def _add_rows(builder: Any, tile: Any, field: Any, corner: Any, pitch: Any) -> N
 
 
 add_tile, add_tiles = _tile_product(1), _tile_product(TOGETHER)
-
-
-def _inlined(function: Callable[..., Any]) -> Any:
-    """Make a function of types and instructions one that compiled code calls, at no cost."""
-    return intrinsic(function)
 
 
 @njit
