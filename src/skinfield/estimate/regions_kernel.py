@@ -146,13 +146,13 @@ def flood(
     return hills
 
 
-@njit(inline="always")
+@inner(inline="always")
 def place_of(cell: int, columns: int) -> int:
     """Where a cell stands on the picture with a margin."""
     return cell + columns + 3 + 2 * (cell // columns)
 
 
-@njit
+@inner
 def gather(pressure: Floats, floor: float, above: Ints, cells: Ints, values: Floats) -> int:
     """List cells above the floor, rising, twice, and their pressure; how many there are."""
     count = 0
@@ -191,7 +191,7 @@ def sort_falling(values: Floats, cells: Ints, spare_values: Floats, spare: Ints)
         width *= 2
 
 
-@njit(inline="always")
+@inner(inline="always")
 def meet(
     values: Floats,
     std: Floats,
@@ -245,7 +245,7 @@ def number_hills(hill: Ints, index_of: Ints, count: int) -> int:
     return hills
 
 
-@njit
+@inner
 def divide(pressure: Floats, edge: float, columns: int, count: int, hills: int, work: Work) -> None:
     """List the cells of each hill, rising, down to `edge` of its peak."""
     wet, values, tables = work

@@ -23,6 +23,7 @@ from skinfield.solve import Solver
 
 LIMITS = {State.RUNNING: 3.0, State.CALIBRATING: 60.0}  # s without a sign of life
 KEPT = 100  # events
+LOOKS = 0.1  # s between two looks at an engine that starts: each opens its ring
 TAKES_OVER = 60.0  # s from the end of one engine to the first answer of the next
 TRIES = 3  # failures of an engine that never answered, after which it is no use
 
@@ -201,7 +202,7 @@ class Supervisor(SupervisedProcess):
             if reader is not None:
                 self.never_ran &= state != State.RUNNING
                 return reader
-            time.sleep(0.02)
+            time.sleep(LOOKS)
         raise EngineFailed(
             f"the engine did not answer within {timeout:g} s: "
             + (self.failure or self.start_in_words() or "it has said nothing yet")

@@ -171,15 +171,6 @@ def solve_factored(lower: Floats, count: int, values: Floats) -> None:
 
 
 @inner(fastmath=FAST)
-def factor(rows: Floats, active: Ints, count: int, width: int, lower: Floats) -> None:
-    """Factor 1 + B_A' B_A, or 1 + B_A B_A' where fewer nodes are active than there are taxels."""
-    if count < width:
-        factor_nodes(rows, active, count, lower)
-    else:
-        factor_taxels(rows, active, count, width, lower)
-
-
-@inner(fastmath=FAST)
 def newton_step(
     rows: Floats,
     active: Ints,
@@ -189,9 +180,10 @@ def newton_step(
     scratch: Floats,
     step: Floats,
 ) -> None:
-    """Write into `step` (W,) the solution of (1 + B_A' B_A) step = ascent, by its `factor`.
+    """Write into `step` (W,) the solution of (1 + B_A' B_A) step = ascent, by its factor.
 
-    By nodes: (1 + B_A' B_A)^-1 = 1 - B_A' (1 + B_A B_A')^-1 B_A.
+    That is of `factor_nodes` where fewer nodes are active than there are taxels, and of
+    `factor_taxels` elsewhere. By nodes: (1 + B_A' B_A)^-1 = 1 - B_A' (1 + B_A B_A')^-1 B_A.
     """
     width = len(ascent)
     for taxel in range(len(step)):  # a loop compiles in a tenth of the time of a copy

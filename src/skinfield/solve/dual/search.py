@@ -41,43 +41,20 @@ LARGEST = 1e30  # of half the squared readings, beyond which single precision ov
 
 @njit
 def answer(given: Packed, readings: Floats, out: Floats, deadline: int) -> None:
-    """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none."""
+    """Write into `out` (K,) the pressure of linearised `readings` (L,); deadline 0 is none.
+
+    What it is worth is left in `measures`. Being late, or without time for a proof, ends the
+    search: so time decides in its last turn alone.
+    """
     problem, memory = unpacked(given)
     counts, measures = memory.counts, memory.measures
-    for taxel in range(len(readings)):
-        weight = problem.whitening[taxel]
-        memory.target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
-        if weight == 0.0:  # left out: stamps still hold what such a taxel sees
-            memory.dual[taxel] = 0.0
-    search(problem, memory, deadline)
-    start = now_ns(memory.room)
-    shape = (problem.height, problem.width)
-    kernel.spread_bumps(memory.pressed, memory.amounts, counts[PRESSED], problem.bump, shape, out)
-    work = len(out) + counts[PRESSED] * problem.bump.size
-    learn_pace(measures, SPREAD_PACE, now_ns(memory.room) - start, work)
-
-
-@inner
-def search(problem: Problem, memory: Memory, deadline: int) -> None:
-    """Leave the best amounts in `pressed` and `amounts`, and what they are worth in `measures`.
-
-    Being late, or without time for a proof, ends it: so time decides in the last turn alone.
-    """
-    counts, measures = memory.counts, memory.measures
     counts[STEPS] = counts[PRESSED] = counts[IDLE] = 0
-    best = half_square(memory.target)  # nothing pressed is an answer, too
+    best = take_in(problem, memory, readings)  # nothing pressed is an answer, too
     measures[GAP], measures[OBJECTIVE] = 0.0, best
-    if not best < LARGEST:  # nor if it is not a number
-        memory.dual[:] = 0.0
-        counts[COUNT] = counts[GIVEN] = 0
-        measures[GAP] = 1.0
-        return
-    lower = begin(problem, memory)
-    if lower < 0.0:
-        counts[IDLE] = 1
-        return
+    lower = begin(problem, memory, best)
+    going = lower >= 0.0
     local, passes, before, due = LOCAL * problem.tolerance, 0, np.inf, PATIENCE
-    while True:
+    while going:
         start = now_ns(memory.room)
         best, plain = primal(problem, memory, best)
         left = half_square(memory.ascent)
@@ -85,7 +62,8 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         measures[UNSOLVED] = left / plain
         active = kernel.take_active(memory.listed, counts[COUNT], memory.slack, memory.active)
         work = step_work(len(memory.target), counts[COUNT], active)
-        proof, ending = time_to_prove(problem, memory), start + time_to_end(problem, memory)
+        proof = measures[PASS_PACE] * problem.rows.size  # ns, by its pace so far
+        ending = start + time_to_end(problem, memory)
         provable = deadline == 0 or ending + proof <= deadline
         reserved = proof if counts[STEPS] > 0 else 0.0  # a first step goes before its proof
         until = ending + reserved + measures[STEP_PACE] * work
@@ -94,8 +72,7 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
             newton(problem, memory, active, active < FEW or left > WELL * before)
             before = left
             counts[STEPS] += 1
-            taken = now_ns(memory.room) - start
-            learn_pace(measures, STEP_PACE, taken, work)
+            learn_pace(measures, STEP_PACE, now_ns(memory.room) - start, work)
             continue
         if late and not solved:  # else one slow step would keep all later ones from being tried
             relax_pace(measures, STEP_PACE)
@@ -110,13 +87,45 @@ def search(problem: Problem, memory: Memory, deadline: int) -> None:
         local *= STRICTER if solved else 1.0
         due = counts[STEPS] + PATIENCE
         counts[COUNT] = list_near(problem, memory)
-    measures[GAP] = min(max((best - lower) / best, 0.0), 1.0)
-    measures[OBJECTIVE] = best
+    if going:
+        measures[GAP] = min(max((best - lower) / best, 0.0), 1.0)
+        measures[OBJECTIVE] = best
+    write_out(problem, memory, out)
 
 
 @inner
-def begin(problem: Problem, memory: Memory) -> float:
-    """Choose where to start; returns a dual value, or -1 if the patch is idle, which is proved."""
+def take_in(problem: Problem, memory: Memory, readings: Floats) -> float:
+    """Whiten the readings; half their square."""
+    for taxel in range(len(readings)):
+        weight = problem.whitening[taxel]
+        memory.target[taxel] = readings[taxel] * weight if weight > 0.0 else 0.0
+        if weight == 0.0:  # left out: stamps still hold what such a taxel sees
+            memory.dual[taxel] = 0.0
+    return half_square(memory.target)
+
+
+@inner
+def write_out(problem: Problem, memory: Memory, out: Floats) -> None:
+    """Write into `out` (K,) the bumps of the best amounts."""
+    start, many = now_ns(memory.room), memory.counts[PRESSED]
+    shape = (problem.height, problem.width)
+    kernel.spread_bumps(memory.pressed, memory.amounts, many, problem.bump, shape, out)
+    work = len(out) + many * problem.bump.size
+    learn_pace(memory.measures, SPREAD_PACE, now_ns(memory.room) - start, work)
+
+
+@inner
+def begin(problem: Problem, memory: Memory, best: float) -> float:
+    """Choose where to start; returns a dual value, or -1 if there is nothing to search.
+
+    That is where the patch is idle, which is proved, and where `best`, half the squared readings,
+    is no number to search with.
+    """
+    if not best < LARGEST:
+        memory.dual[:] = 0.0
+        memory.counts[COUNT] = memory.counts[GIVEN] = 0
+        memory.measures[GAP] = 1.0
+        return -1.0
     kept = memory.counts[GIVEN] == 0 and stands_out(problem, memory)
     if kept and (memory.measures[UNSOLVED] < POOR or still_best(problem, memory)):
         return 0.0
@@ -131,22 +140,18 @@ def begin(problem: Problem, memory: Memory) -> float:
         for taxel in range(len(memory.dual)):
             memory.dual[taxel] = memory.target[taxel]
         memory.counts[COUNT] = memory.counts[GIVEN] = 0
+        memory.counts[IDLE] = 1
         return -1.0
-    if memory.counts[GIVEN] == 0 or not given_is_better(problem, memory):
+    better = False  # than none: the dual that was handed in
+    if memory.counts[GIVEN] != 0:
+        better = dual_values(problem, memory)[1] > 0.0
+        if not better:
+            see_all(problem, memory, memory.target, problem.threshold)
+    if not better:
         lower = start_along(problem, memory)
     memory.counts[GIVEN] = 0
     memory.counts[COUNT] = list_near(problem, memory)
     return lower
-
-
-@inner
-def given_is_better(problem: Problem, memory: Memory) -> bool:
-    """Whether the dual that was handed in is better than none; `every` is then of that one."""
-    _, within = dual_values(problem, memory)
-    if within > 0.0:
-        return True
-    see_all(problem, memory, memory.target, problem.threshold)
-    return False
 
 
 @inner
@@ -221,7 +226,10 @@ def newton(problem: Problem, memory: Memory, active: int, anew: bool) -> None:
     if anew or memory.counts[FACTORED] == 0:
         for place in range(active):
             factored[place] = memory.active[place]
-        kernel.factor(rows, factored, active, len(dual), memory.lower)
+        if active < len(dual):
+            kernel.factor_nodes(rows, factored, active, memory.lower)
+        else:
+            kernel.factor_taxels(rows, factored, active, len(dual), memory.lower)
         memory.counts[FACTORED] = active
     n = memory.counts[FACTORED]
     kernel.newton_step(rows, factored, n, memory.ascent, memory.lower, memory.scratch, step)
@@ -241,12 +249,6 @@ def step_work(taxels: int, count: int, active: int) -> float:
     small, large = min(active, taxels), max(active, taxels)
     factor = 0.5 * small * small * large + small**3 / 6.0
     return 4000.0 + factor + (4.0 * count + 3.0 * active) * taxels
-
-
-@inner
-def time_to_prove(problem: Problem, memory: Memory) -> float:
-    """Nanoseconds that a pass over all nodes takes, by its pace so far."""
-    return float(memory.measures[PASS_PACE] * problem.rows.size)
 
 
 @inner

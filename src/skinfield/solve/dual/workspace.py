@@ -146,7 +146,7 @@ def memory_in(nodes: int, width: int, room: tuple[Floats, Ints, Floats]) -> Memo
     )
 
 
-memory_of_packed = njit(memory_in)
+memory_of_packed = inner(memory_in)
 
 
 @inner
