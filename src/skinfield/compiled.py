@@ -58,7 +58,9 @@ def njit(function: Any = None, /, **options: Any) -> Any:
         before = CONFIG.CACHE_DIR
         CONFIG.CACHE_DIR = str(folder)
         try:
-            return numba.njit(**{"cache": True, "nogil": True, **options})(function)
+            return numba.njit(
+                **{"cache": True, "nogil": True, "no_cfunc_wrapper": True, **options}
+            )(function)
         finally:
             CONFIG.CACHE_DIR = before
 
