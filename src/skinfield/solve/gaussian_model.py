@@ -129,6 +129,7 @@ class TaxelSets:
         left = along * self.retained[which] - np.einsum("nml,nm->nl", lost, told)
         moved[which, cell] = np.einsum("nl,nl->n", left, left)
 
+    @cached_property
     def errors(self) -> "list[tuple[SetError, SetError]]":
         """Posterior of each set's pressure, and its error by the readings' noise alone."""
         stds = zip(*self.stds(), strict=True)
