@@ -41,25 +41,6 @@ class Modes(NamedTuple):
     weight: Floats
 
 
-class Queue:
-    """Steps along the axes still to visit, each with the atom to start from; none twice."""
-
-    def __init__(self) -> None:
-        self.waiting: list[tuple[int, int, Floats]] = []
-        self._seen: set[tuple[int, int]] = set()
-
-    def put(self, i: int, j: int, atom: Floats) -> None:
-        """Put a place at the end, if it is new and near."""
-        if abs(i) <= REACH and abs(j) <= REACH and (i, j) not in self._seen:
-            self._seen.add((i, j))
-            self.waiting.append((i, j, atom))
-
-    def take(self, most: int) -> list[tuple[int, int, Floats]]:
-        """The first of them."""
-        first, self.waiting = self.waiting[:most], self.waiting[most:]
-        return first
-
-
 def explore(
     seeds: Floats, family: int, free: NDArray[np.bool_], lattice: Lattice, given: Inputs, most: int
 ) -> Modes:
@@ -67,16 +48,24 @@ def explore(
 
     `free` (6,) says what is refined at each place beside it; `most` places are found at most.
     """
-    queue, best = Queue(), np.inf
-    for seed, (i, j) in zip(seeds, _steps(seeds, lattice), strict=True):
-        queue.put(int(i), int(j), seed)
+    waiting: list[tuple[int, int, Floats]] = []
+    best, put = np.inf, set[tuple[int, int]]()
+
+    def visit(i: int, j: int, atom: Floats) -> None:
+        """Put a place at the end, with the atom to start from, if it is new and near."""
+        if abs(i) <= REACH and abs(j) <= REACH and (i, j) not in put:
+            put.add((i, j))
+            waiting.append((i, j, atom))
+
+    steps = np.linalg.solve(lattice.axes.T, (seeds[:, :2] - lattice.origin).T).T
+    for seed, (i, j) in zip(seeds, np.round(steps).astype(int).tolist(), strict=True):
+        visit(i, j, seed)
     atoms: list[Floats] = []
     hessians: list[Floats] = []
     costs: list[float] = []
-    while queue.waiting and len(costs) < most:
-        for i, j, atom, cost, hessian in _wave(
-            queue.take(most - len(costs)), family, free, lattice, given
-        ):
+    while waiting and len(costs) < most:
+        first, waiting[:] = waiting[: most - len(costs)], waiting[most - len(costs) :]
+        for i, j, atom, cost, hessian in _wave(first, family, free, lattice, given):
             if cost > best + DEEP:
                 continue
             best = min(best, cost)
@@ -84,14 +73,9 @@ def explore(
             costs.append(cost)
             hessians.append(hessian)
             for way in range(9):
-                queue.put(i + way // 3 - 1, j + way % 3 - 1, atom)
+                visit(i + way // 3 - 1, j + way % 3 - 1, atom)
     inner, half = inverses(np.array(hessians).reshape(-1, 6, 6), free)
     return Modes(np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half)
-
-
-def _steps(seeds: Floats, lattice: Lattice) -> Floats:
-    """Of the places nearest to seeds (M, 6), (M, 2)."""
-    return np.round(np.linalg.solve(lattice.axes.T, (seeds[:, :2] - lattice.origin).T).T)
 
 
 def _wave(

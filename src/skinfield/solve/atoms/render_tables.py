@@ -11,9 +11,8 @@ in polar coordinates about the point that moves, so that neither pole nor edge i
 """
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -36,8 +35,7 @@ NEAREST, FARTHEST = 1e-3, 1e3  # thicknesses from it between which its response 
 Kernel = Callable[[Floats], Floats]
 
 
-@dataclass(frozen=True, eq=False)
-class PressureTable:
+class PressureTable(NamedTuple):
     """Cubic B-splines over ln(a/h), the nodes `LOG_STEP` apart.
 
     Attributes
@@ -54,8 +52,7 @@ class PressureTable:
     thickness: float
 
 
-@dataclass(frozen=True, eq=False)
-class DisplacementTable:
+class DisplacementTable(NamedTuple):
     """The same of the displacement: it takes much longer to make, and not all need it.
 
     Attributes
