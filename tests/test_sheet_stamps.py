@@ -101,16 +101,16 @@ def test_no_stamp_is_written_beside_the_lattice(
     fewer: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Compiled code checks nothing, so it must not be reached."""
-    from skinfield.solve.sheet.plan import Lattice
+    from skinfield.solve.sheet import plan
 
-    around = Lattice.around
+    around = plan.lattice_of
 
-    def tight(*arguments: Any) -> Lattice:
+    def tight(*arguments: Any) -> sf.Grid:
         good = around(*arguments)
         moved = 0.0 if any(fewer) else 0.6  # cells
         shape = good.shape[0] - fewer[0], good.shape[1] - fewer[1]
-        return Lattice(shape, good.pitch, good.origin + moved * good.pitch)
+        return sf.Grid(good.patch, shape, good.pitch, good.origin + moved * good.pitch)
 
-    monkeypatch.setattr(Lattice, "around", tight)
+    monkeypatch.setattr(plan, "lattice_of", tight)
     with pytest.raises(InputError, match="rounding moves them by cells"):
         sf.Sheet(PLACES, LAYER)

@@ -166,14 +166,8 @@ class PressureError(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PressureNoise:
-    """Noise of a pressure that is linear in independent readings.
-
-    Attributes
-    ----------
-    factor : (K, L) array, Pa
-        Pressure per standard deviation of each reading.
-    """
+class FactoredError:
+    """What noise and posterior of a pressure share: a factor of a covariance, and its squares."""
 
     factor: Floats
 
@@ -184,14 +178,8 @@ class PressureNoise:
 
     @cached_property
     def felt(self) -> int:
-        """Number of cells that feel any noise."""
+        """Number of cells whose deviation is not 0."""
         return int(np.count_nonzero(self.std))
-
-    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
-        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        return np.asarray(compiled().of_factor(self._factor, cells, weights))
 
     @cached_property
     def single(self) -> NDArray[np.float32]:
@@ -201,6 +189,22 @@ class PressureNoise:
     @cached_property
     def _factor(self) -> Floats:
         return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+
+class PressureNoise(FactoredError):
+    """Noise of a pressure that is linear in independent readings.
+
+    Attributes
+    ----------
+    factor : (K, L) array, Pa
+        Pressure per standard deviation of each reading.
+    """
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        check_cells(cells, weights, len(self.factor))
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        return np.asarray(compiled().of_factor(self._factor, cells, weights))
 
 
 @lru_cache(maxsize=1)
@@ -229,8 +233,8 @@ def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
 DENSE = 500  # cells up to which going over all pairs is quicker than a Fourier transform
 
 
-@dataclass(frozen=True, eq=False)
-class PressurePosterior:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PressurePosterior(FactoredError):
     r"""Covariance of a pressure on a lattice, given the readings: prior less what they explain.
 
     .. math:: \mathrm{cov}(w_i \cdot p, w_j \cdot p) = w_i^T Q w_j - (F^T w_i) \cdot (F^T w_j)
@@ -249,7 +253,6 @@ class PressurePosterior:
     """
 
     prior: Floats
-    factor: Floats
     steps: NDArray[np.int64]
 
     def __post_init__(self) -> None:
@@ -259,18 +262,13 @@ class PressurePosterior:
     def of_lattice(cls, prior: Floats, factor: Floats) -> "PressurePosterior":
         """Of all nodes of the lattice that `prior` (rows, columns) covers, row by row."""
         steps = np.stack(np.divmod(np.arange(prior.size), prior.shape[1]), axis=1)
-        return cls(prior, factor, steps)
+        return cls(prior=prior, factor=factor, steps=steps)
 
     @cached_property
     def std(self) -> Floats:
         """Standard deviation of each cell, (K,) Pa."""
         explained = np.einsum("kl,kl->k", self.factor, self.factor)
         return np.asarray(np.sqrt(np.maximum(self.prior[0, 0] - explained, 0.0)))
-
-    @cached_property
-    def felt(self) -> int:
-        """Number of cells of which anything is left open."""
-        return int(np.count_nonzero(self.std))
 
     def on(self, nodes: NDArray[np.int64]) -> "PressurePosterior":
         """Of some of the cells, in their order."""
@@ -285,15 +283,6 @@ class PressurePosterior:
         if len(cells) <= DENSE:
             return np.asarray(kernel.of_lattice(*self._lattice, cells, weights) - explained)
         return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
-
-    @cached_property
-    def single(self) -> NDArray[np.float32]:
-        """`factor` in single precision, for loops that have half the time to read it."""
-        return np.require(self.factor, np.float32, ("C", "W"))
-
-    @cached_property
-    def _factor(self) -> Floats:
-        return np.ascontiguousarray(self.factor, dtype=np.float64)
 
     @cached_property
     def _lattice(self) -> tuple[Floats, NDArray[np.int64]]:

@@ -96,7 +96,7 @@ class TaxelSets:
         lower = np.linalg.cholesky(inverse[np.ix_(valid, valid)])
         factor = self.variance[which] * (model.turned @ (model.vectors[valid].T @ lower))
         prior = self.variance[which] * model.prior.prior
-        return PressurePosterior(prior, factor, model.prior.steps)
+        return PressurePosterior(prior=prior, factor=factor, steps=model.prior.steps)
 
     def stds(self) -> tuple[Floats, Floats]:
         """Standard deviations of each cell: of the posterior, and of the readings' noise.
