@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -113,26 +113,28 @@ def offered(operator: FieldOperator, method: str) -> Any:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class Beliefs:
-    """What is known of an answer's errors."""
+class Beliefs(Protocol):
+    """What is known of an answer's errors: of a linear one by its rung, else by its operator."""
 
-    noise: PressureNoise
-    posterior: PressureError | None
-    pressure_std: Floats
-    model_error: ModelError
+    @property
+    def noise(self) -> PressureNoise:
+        """By which contacts are told from noise."""
+        ...
 
+    @property
+    def posterior(self) -> PressureError | None:
+        """By which contacts are said to be sure."""
+        ...
 
-def linear_beliefs(rung: Rung) -> Beliefs:
-    """Of the linear answer."""
-    return Beliefs(rung.noise, rung.posterior, rung.pressure_std, rung.model_error)
+    @property
+    def pressure_std(self) -> Floats:
+        """As the solver states it, (K,) Pa."""
+        ...
 
-
-def searched_beliefs(rung: Rung) -> Beliefs:
-    """Of the answer of a search."""
-    operator = rung.operator
-    assert operator is not None  # it was searched with
-    return Beliefs(operator.noise, operator.posterior, operator.pressure_std, operator.model_error)
+    @property
+    def model_error(self) -> ModelError:
+        """What is wrong with contacts beside."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -409,7 +411,7 @@ class Ladder:
         if operator is not None:
             if not valid.all():
                 operator = offered(operator, "without")(valid)
-            step, pressure = replace(step, operator=operator), np.empty(len(step.grid))
+            pressure = np.empty(len(step.grid))
             self._search(operator, linear, pressure, end)
         else:
             rows = self._rows
@@ -424,6 +426,13 @@ class Ladder:
                 return step.deformation(pressure)
             return step.deformation(step.matrix @ linear)[window.nodes]
 
+        def beliefs() -> Beliefs:
+            if operator is not None or window is None:
+                return step if operator is None else operator
+            nodes, noise = window.nodes, PressureNoise(step.noise.factor[window.nodes])
+            posterior = None if step.posterior is None else step.posterior.on(nodes)
+            return replace(step, noise=noise, posterior=posterior)
+
         rest = Rest(
             grid=step.grid if window is None else window.grid,
             pressure=pressure,
@@ -433,7 +442,7 @@ class Ladder:
                 explained @ linear if model is None else model.matrix @ pressure
             ),
             moved=moved,
-            beliefs=lambda: _beliefs(step, window),
+            beliefs=beliefs,
             finder=self.finder,
         )
         return rest, operator
@@ -456,13 +465,3 @@ class Ladder:
         explained = np.zeros((len(valid), len(valid)))
         explained[:, valid] = prepared.model.matrix @ start.matrix
         return replace(made, matrix=matrix), explained
-
-
-def _beliefs(step: Rung, window: Window | None) -> Beliefs:
-    """Of whichever answer a rung gives, or of its linear answer in a window."""
-    if window is None:
-        return linear_beliefs(step) if step.operator is None else searched_beliefs(step)
-    nodes = window.nodes
-    posterior = None if step.posterior is None else step.posterior.on(nodes)
-    noise = PressureNoise(step.noise.factor[nodes])
-    return Beliefs(noise, posterior, step.pressure_std[nodes], step.model_error)

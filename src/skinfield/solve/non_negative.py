@@ -117,7 +117,7 @@ class Backing:
         """Linear operator of the same prior."""
         return self.prepare()
 
-    @property
+    @cached_property
     def noise(self) -> PressureNoise:
         """How the readings' noise moves this field."""
         return PressureNoise(self.operator.matrix * self.noise_std)

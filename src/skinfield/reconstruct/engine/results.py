@@ -12,7 +12,7 @@ from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.multigrid import Rest, linear_beliefs, searched_beliefs
+from skinfield.reconstruct.multigrid import Rest
 from skinfield.skin import Grid
 
 
@@ -133,7 +133,6 @@ def estimate_of(
             return np.asarray(group.rungs.explained @ filled)
         return np.asarray(step.model.matrix @ pressure)
 
-    linear = answer == LINEAR or step.operator is None
     return Rest(
         grid=grid,
         pressure=pressure,
@@ -141,7 +140,7 @@ def estimate_of(
         valid=valid,
         predicted=predicted,
         moved=lambda: step.deformation.on(grid)(pressure),
-        beliefs=lambda: linear_beliefs(step) if linear else searched_beliefs(step),
+        beliefs=lambda: step if answer == LINEAR or step.operator is None else step.operator,
         finder=finder,
     ).estimate(
         latency=report.spent,

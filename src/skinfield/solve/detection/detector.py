@@ -25,11 +25,7 @@ from skinfield.solve.detection.statistics import Lookback, MarginalLikelihood, M
 
 def halved(readings: int) -> tuple[int, ...]:
     """Lengths from 1 up to `readings`, each about half of the next."""
-    lengths = []
-    while readings >= 1:
-        lengths.append(readings)
-        readings //= 2
-    return tuple(lengths[::-1])
+    return tuple(readings >> step for step in reversed(range(readings.bit_length())))
 
 
 class DetectorStream:
