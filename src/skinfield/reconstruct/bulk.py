@@ -131,7 +131,7 @@ class BulkFields:
             readings, skip = readings[skip:], 0
         same = self._same_valid(readings)
         if self._linear is None or same is None:
-            return _joined(list(self.estimates(readings)), slice(skip, None), stamp_ns)
+            return self._joined(readings, skip, stamp_ns)
         fields, grid = self(readings), self.reconstructor.grid
         pressure = fields["pressure"]
         rest: dict[str, Callable[[], Any]] = {
@@ -143,6 +143,18 @@ class BulkFields:
         }
         known = {"grid": grid, "pressure": pressure, "stamp_ns": stamp_ns}
         return Estimate.later(rest, valid=~np.isnan(readings), **known)
+
+    def _joined(self, readings: Floats, skip: int, stamp_ns: Ints) -> Estimate:
+        each = list(self.estimates(readings))
+
+        def joined(name: str) -> Any:
+            return np.concatenate([getattr(one, name) for one in each])[skip:]
+
+        names = ("displacement", "pressure_std", "traction", "residual")
+        rest: dict[str, Callable[[], Any]] = {name: partial(joined, name) for name in names}
+        rest["contacts"] = lambda: [found for one in each for found in one.contacts][skip:]
+        known = {"grid": each[0].grid, "pressure": joined("pressure"), "stamp_ns": stamp_ns}
+        return Estimate.later(rest, valid=joined("valid"), **known)
 
     def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
         """Contacts of some readings (T, L), by the reconstructor's finder.
@@ -246,14 +258,3 @@ def checked_outputs(outputs: Iterable[str]) -> tuple[str, ...]:
     if not names or len(set(names)) < len(names):
         raise InputError(f"outputs is {names!r}, expected one name or more, each once")
     return names
-
-
-def _joined(estimates: list[Estimate], part: slice, stamp_ns: Ints) -> Estimate:
-    def joined(name: str) -> Any:
-        return np.concatenate([getattr(each, name) for each in estimates])[part]
-
-    names = ("displacement", "pressure_std", "traction", "residual")
-    rest: dict[str, Callable[[], Any]] = {name: partial(joined, name) for name in names}
-    rest["contacts"] = lambda: [c for each in estimates for c in each.contacts][part]
-    known = {"grid": estimates[0].grid, "pressure": joined("pressure"), "stamp_ns": stamp_ns}
-    return Estimate.later(rest, valid=joined("valid"), **known)

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +15,7 @@ from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed
 from skinfield.reconstruct.engine.intake import Intake, Readings
 from skinfield.reconstruct.engine.patch_kinds import Group, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport, Snapshot
-from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_of
+from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_on
 from skinfield.reconstruct.engine.stages import (
     answer_linearly,
     finest_for_all,
@@ -112,7 +112,8 @@ class Engine:
         self._around = CostModel(np.array([20e-6, 5e-6]))
         self.results = Results(self._work, [self._ordered.index(name) for name in self.names])
         self.spent = self.first = 0.0
-        self._grid_of = lru_cache(KEPT)(partial(grid_of, self._work))
+        places = self._work.places
+        self._grid_of = lru_cache(KEPT)(lambda patch, rung: grid_on(*places[patch], rung))
         self._shadow: Shadow | None = None
         self._double: Engine | None = None
         self._run_in()

@@ -106,12 +106,6 @@ def grid_on(group: Group, place: int, rung: int) -> Grid:
     return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
 
 
-def grid_of(work: Clockwork, patch: int, rung: int) -> Grid:
-    """Nodes of a rung on a patch, by its row."""
-    group, place = work.places[patch]
-    return grid_on(group, place, rung)
-
-
 def estimate_of(
     work: Clockwork,
     finder: ContactFinder,

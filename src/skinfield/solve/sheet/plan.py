@@ -1,8 +1,9 @@
 """Plan of a sheet: the ordering of taxels, their Gram matrix, and the profiles that fit."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import Floats, InputError, Ints, check_range
 from skinfield.skin import Grid, Patch
 from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov, taxel_distance
-from skinfield.solve.sheet.response import GROUP, WIDEST, Stamp, Stamps
+from skinfield.solve.sheet.response import GROUP, WIDEST, Stamp, Stamps, stamps_on
 
 
 def lattice_of(patch: Patch, pitch: float, before: int, after: int) -> Grid:
@@ -219,9 +220,9 @@ class SheetPlan:
         places = patch.plane
         _check_extent(len(places), np.ptp(places, axis=0) / pitch)
         self.length_scale = _length_scale(solver, places, pitch)
-        self.stamps = stamps = Stamps.of(
-            mechanics, layer, quantity, pitch, patch.pad_diameter, cut, self.length_scale / pitch
-        )
+        physics = cast(Hashable, mechanics), layer, cast(Hashable, quantity)
+        length = self.length_scale / pitch
+        self.stamps = stamps = stamps_on(*physics, pitch, patch.pad_diameter, cut, length)
         spread = stamps.spread
         both = (spread, stamps.read)
         before = max(stamp.reach for stamp in both)

@@ -9,7 +9,6 @@ them reach some 1e-4 of the peak. What a taxel at any offset from the lattice do
 around is then known from tables of one variable, which stay in the nearest cache.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -243,31 +242,9 @@ class Stamps:
     spread: Stamp
     neighbours: float
 
-    @classmethod
-    def of(
-        cls,
-        mechanics: Mechanics,
-        layer: Layer,
-        quantity: Quantity,
-        pitch: float,
-        pad_diameter: float,
-        cut: float,
-        length: float,
-    ) -> "Stamps":
-        """Stamps on cells of side `pitch` m for a prior of some length in cells, 0 for none.
-
-        They are kept for the next sheet, where the objects can be hashed.
-        """
-        make: Callable[..., Stamps] = _stamps
-        try:
-            hash((mechanics, quantity))
-        except TypeError:
-            make = _stamps.__wrapped__
-        return make(mechanics, layer, quantity, pitch, pad_diameter, cut, length)
-
 
 @lru_cache(maxsize=16)
-def _stamps(
+def stamps_on(
     mechanics: Mechanics,
     layer: Layer,
     quantity: Quantity,
@@ -276,6 +253,7 @@ def _stamps(
     cut: float,
     length: float,
 ) -> Stamps:
+    """Stamps on cells of side `pitch` m for a prior of some length in cells, 0 for none."""
     response = Response(mechanics, layer, quantity, pitch, pad_diameter)
     kernel = response.kernel(cut)
     peak = float(np.abs(kernel.quadrant).max())
