@@ -98,8 +98,6 @@ class Fit:
         By falling normal force.
     predicted : (L,) array, in the quantity's unit
         What the taxels would read of them.
-    cells : (N,) int array
-        Nodes with pressure other than 0.
     offset : float, in the quantity's unit
         That all taxels are taken to share; it is part of what is predicted.
     explained : bool
@@ -112,7 +110,6 @@ class Fit:
     displacement: Floats
     contacts: tuple[Contact, ...]
     predicted: Floats
-    cells: NDArray[np.int64]
     offset: float = 0.0
     explained: bool = True
     notes: tuple[str, ...] = ()
