@@ -22,18 +22,16 @@ def test_stamps_are_the_kernel_at_any_offset() -> None:
     places = np.stack(np.broadcast_arrays(x, y), axis=-1) * 1.5e-3
     kernel = sf.BondedLayer().base_stress(LAYER, places.reshape(-1, 2), 1.5e-3, PAD)
     error = np.abs(stamp.at(offset).ravel() - kernel).max() / kernel.max()
-    assert error <= 1.05 * stamp.bound, "the stated bound does not hold"
-    assert stamp.bound < 1e-4
+    assert error < 1e-4  # the cut
 
 
-def test_what_is_cut_off_is_stated() -> None:
+def test_what_is_cut_off_is_below_the_cut() -> None:
     stamp = usual_pair()[0].plan.stamps.read
     far = stamp.reach + np.linspace(0.0, 10.0, 200)
     on_axis = np.column_stack([far, 0 * far]) * 1.5e-3
     peak = sf.BondedLayer().base_stress(LAYER, np.zeros((1, 2)), 1.5e-3, PAD)[0]
     beyond = np.abs(sf.BondedLayer().base_stress(LAYER, on_axis, 1.5e-3, PAD)).max() / peak
-    assert beyond == pytest.approx(stamp.dropped, rel=0.05)
-    assert stamp.dropped < 1e-3
+    assert beyond < 1e-3
 
 
 def test_stamps_and_prediction_are_transposes() -> None:

@@ -28,20 +28,6 @@ def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
     return prepared.matrix * model.noise_std, prepared.pressure_std, grid
 
 
-@pytest.mark.parametrize("count", [1, 3, 4, 13])
-def test_all_patches_of_a_kind_at_once(count: int) -> None:
-    matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 40)
-    product = Tiles.of(matrix, grid, 1e-2)
-    readings = np.random.default_rng(0).normal(size=(count, 72)).astype(np.float32)
-    out = np.full((count, 1600), np.nan, np.float32)
-    product.apply(readings, out)
-    error = np.abs(out - readings @ matrix.T).max(axis=1)
-    allowed = product.dropped.max() * np.linalg.norm(readings, axis=1)
-    assert (error <= allowed + 1e-5 * np.abs(out).max()).all()
-    assert (error > 0.01 * allowed).all()  # the bound is not idle
-    assert product.nbytes < 0.5 * 4 * matrix.size
-
-
 def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data: Path) -> None:
     """Readings of a touch of the lower leg: what is left out is far below its deviation."""
     if not (shared_data / LEG).is_file():

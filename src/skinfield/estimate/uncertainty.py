@@ -31,27 +31,12 @@ class Spread:
     places: Floats
     areas: Floats
 
-    def force_interval(self, level: float) -> tuple[float, float]:
-        """Interval (N, N) that holds the truth with probability `level`: as much beyond each end.
-
-        Raises
-        ------
-        InputError
-            If so few presses say nothing of so high a level.
-        """
-        return between(self.forces, level)
-
-    def area_interval(self, level: float) -> tuple[float, float]:
-        """As `force_interval`, m²."""
-        return between(self.areas, level)
-
-    def place_radius(self, level: float) -> float:
-        """Radius, m, of the circle around the position that holds the truth with this chance."""
-        return below(self.places, level)
-
 
 def between(truths: Floats, level: float) -> tuple[float, float]:
-    """Ends of the middle `level` of what a further truth may be, after N rising ones."""
+    """Ends of the middle `level` of what a further truth may be, after N rising ones.
+
+    Raises InputError if so few presses say nothing of so high a level.
+    """
     rank = (len(truths) + 1) * (1.0 - _checked(level)) / 2
     if rank < 1.0:
         raise InputError(

@@ -23,7 +23,7 @@ from skinfield.errors import (
     check_shape,
 )
 from skinfield.estimate import Contact, Spread
-from skinfield.estimate.uncertainty import below
+from skinfield.estimate.uncertainty import below, between
 
 NINETY = 1.6448536269514722  # standard deviations, each way, that hold 90 %
 NINETY_PLANE = 2.145966026289347  # the same for the radius in the plane: the root of 4.605
@@ -171,7 +171,7 @@ class Intervals:
         covariance[2, 2] = force_std**2
         stretch = wide * force_std / max(contact.force_std, 1e-300)  # of place and of force
         covariance[:2, 2] = covariance[2, :2] = contact.covariance[:2, 2] * stretch
-        low, high = spread.area_interval(2 / 3)
+        low, high = between(spread.areas, 2 / 3)
         return {"covariance": covariance, "area_std": float(high - low) / 2, "spread": spread}
 
 

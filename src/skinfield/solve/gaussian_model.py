@@ -211,25 +211,11 @@ class GaussianModel:
 
     @classmethod
     def of(
-        cls,
-        cross: Floats,
-        gram: Floats,
-        correlation: Floats,
-        noise_std: Floats,
-        snr: float,
+        cls, cross: Floats, gram: Floats, correlation: Floats, noise_std: Floats, snr: float
     ) -> "GaussianModel":
-        """Split G.
+        """Split G (L, L), 1/Pa², A Q Aᵀ of whitened readings.
 
-        Parameters
-        ----------
-        cross : (K, L) array, 1/Pa
-            Q Aᵀ, of whitened readings.
-        gram : (L, L) array, 1/Pa²
-            G = A Q Aᵀ, of whitened readings.
-        correlation : (rows, columns) array
-            Q of two nodes by their offset.
-        noise_std : (L,) array, unit of the reading
-        snr : float
+        `cross` (K, L), 1/Pa, is Q Aᵀ of these, `correlation` (rows, columns) Q by the offset.
         """
         spectrum, vectors = np.linalg.eigh(gram)
         prior = PressurePosterior.of_lattice(correlation, np.zeros((correlation.size, 0)))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
 from skinfield.errors import Floats, check_count, check_offers, check_positive
-from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate import ContactFinder
 from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed_cycle
 from skinfield.reconstruct.engine.intake import Intake, Readings
 from skinfield.reconstruct.engine.patch_kinds import Group, check_names, kinds_of, one_skin
@@ -201,7 +201,9 @@ class Engine:
         )
         return Estimates(
             self.names,
-            lambda name: self.estimate_of(name, stamp_ns, report),
+            lambda name: estimate_of(
+                work, self.finder, self._ordered.index(name), self._grid_of, stamp_ns, report
+            ),
             lambda: self.cycle == cycle,
             report,
         )
@@ -269,11 +271,6 @@ class Engine:
         around.observe(BEYOND, max(-left, 0.0))
         self.spent, self.first = (end - start) * NS, (first - start) * NS
         return first, snapshot
-
-    def estimate_of(self, name: str, stamp_ns: int, report: CycleReport) -> Estimate:
-        """Estimate of one patch from the last cycle, whose report this is."""
-        patch = self._ordered.index(name)
-        return estimate_of(self._work, self.finder, patch, self._grid_of, stamp_ns, report)
 
     def rehearse(self, budget: float | None = None) -> None:
         """Answer a rehearsed touch elsewhere: nothing changes, and the next cycle is quick.
