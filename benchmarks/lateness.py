@@ -65,7 +65,7 @@ def overshoot_table(rows: dict[str, np.ndarray], nodes: int, laps: int) -> list[
 
 def _late(operator: Any, chain: np.ndarray, deadline: int, laps: int) -> dict[str, Any]:
     late, gaps, met = [], [], []
-    out = np.empty(len(operator.backing.model.grid))
+    out = np.empty(len(operator.problem.norms))
     with undisturbed():
         for lap in range(laps + 1):
             for readings in chain:

@@ -1,7 +1,7 @@
 """The problem of `NonNegative` as dense algebra from its docstring, and its minimum by scipy."""
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -87,14 +87,17 @@ class Dense:
     @classmethod
     def of(cls, solver: NonNegative, model: ObservationModel) -> "Dense":
         """From the formulas of the docstring and nothing else."""
-        spread = bumps(model, solver.length_scale)
-        seen = model.matrix / model.noise_std[:, None] @ spread
-        scale = solver.snr * np.sqrt(len(seen) / np.trace(seen @ seen.T))
-        seen, spread = seen * scale, spread * scale
-        norms = np.linalg.norm(seen, axis=0)
-        threshold = float(norm.isf(solver.false_alarm_rate / np.count_nonzero(norms)))
-        penalty = solver.shrinkage * threshold * norms
-        return cls(seen, spread, penalty, threshold, model.noise_std)
+        return _dense(replace(solver, tolerance=1.0, precision=np.float32), model)
+
+    @cached_property
+    def lower(self) -> Floats:
+        """Cholesky factor of the curvature."""
+        return np.linalg.cholesky(self.seen.T @ self.seen + np.eye(len(self.penalty)))
+
+    @cached_property
+    def spread(self) -> float:
+        """Norm of `bumps`."""
+        return float(np.linalg.norm(self.bumps, 2))
 
     def score(self, readings: Floats) -> Floats:
         """How many standard deviations each node's match has, (K,)."""
@@ -115,11 +118,21 @@ class Dense:
 
     def minimum_by_squares(self, readings: Floats) -> Floats:
         """The same from the Cholesky factor of the curvature, for larger grids."""
-        curvature = self.seen.T @ self.seen + np.eye(len(self.penalty))
-        lower = np.linalg.cholesky(curvature)
         slope = self.seen.T @ (readings / self.noise) - self.penalty
-        target = solve_triangular(lower, slope, lower=True)
-        return np.asarray(nnls(lower.T, target, maxiter=100 * len(slope))[0])
+        target = solve_triangular(self.lower, slope, lower=True)
+        return np.asarray(nnls(self.lower.T, target, maxiter=100 * len(slope))[0])
+
+
+@lru_cache(maxsize=16)
+def _dense(solver: NonNegative, model: ObservationModel) -> Dense:
+    spread = bumps(model, solver.length_scale)
+    seen = model.matrix / model.noise_std[:, None] @ spread
+    scale = solver.snr * np.sqrt(len(seen) / np.trace(seen @ seen.T))
+    seen, spread = seen * scale, spread * scale
+    norms = np.linalg.norm(seen, axis=0)
+    threshold = float(norm.isf(solver.false_alarm_rate / np.count_nonzero(norms)))
+    penalty = solver.shrinkage * threshold * norms
+    return Dense(seen, spread, penalty, threshold, model.noise_std)
 
 
 def amounts_of(operator: NonNegativeOperator) -> Floats:
@@ -161,5 +174,5 @@ def assert_proved(
     assert reached - value <= (operator.gap + rounding) * reached
     radius = np.sqrt(2 * (operator.gap + rounding) * reached)
     assert np.linalg.norm(amounts - least) <= radius
-    assert np.linalg.norm(pressure - dense.bumps @ least) <= radius * np.linalg.norm(dense.bumps, 2)
+    assert np.linalg.norm(pressure - dense.bumps @ least) <= radius * dense.spread
     assert pressure.min() >= 0.0

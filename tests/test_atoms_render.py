@@ -30,6 +30,21 @@ def atom(
     return np.array([[x, y, force, radius, half, angle]])
 
 
+def drawn(
+    grid: Grid,
+    atoms: np.ndarray,
+    family: int,
+    layer: Layer = LAYER,
+    mechanics: Mechanics | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pressure and displacement."""
+    field, moved = np.empty(len(grid)), np.empty((len(grid), 3))
+    renderer = AtomRenderer(grid, layer, mechanics or BondedLayer())
+    renderer.pressure(atoms, np.full(len(atoms), family), field)
+    renderer.displacement(atoms, np.full(len(atoms), family), moved)
+    return field, moved
+
+
 def pressure(
     grid: Grid, atoms: np.ndarray, family: int, mechanics: Mechanics | None = None
 ) -> np.ndarray:
@@ -39,15 +54,11 @@ def pressure(
     return out
 
 
-def displacement(
-    grid: Grid, atoms: np.ndarray, family: int, layer: Layer, mechanics: Mechanics
-) -> tuple[np.ndarray, np.ndarray]:
-    """Rendered, and that of the rendered pressure, cell by cell."""
-    renderer, family_of = AtomRenderer(grid, layer, mechanics), np.full(len(atoms), family)
-    load, out = np.empty(len(grid)), np.empty((len(grid), 3))
-    renderer.pressure(atoms, family_of, load)
-    renderer.displacement(atoms, family_of, out)
-    return out, Deformation(grid, layer, mechanics)(load)
+def pressure_std(atoms: np.ndarray, covariance: np.ndarray, *family: int) -> np.ndarray:
+    out = np.empty(len(GRID))
+    renderer = AtomRenderer(GRID, LAYER, BondedLayer())
+    renderer.pressure_std(atoms, np.array(family), covariance, out)
+    return out
 
 
 @pytest.mark.parametrize("family", [BALL, FLAT])
@@ -111,10 +122,7 @@ def test_the_surface_moves_as_the_exact_solution_says(radius: float, family: int
         else indent_to_radius(LAYER, Paraboloid(radius=1.0), radius)
     )
     grid = Grid.window(SQUARE, (-0.03, -0.03), (0.03, 0.03), 0.7e-3)
-    out = np.empty((len(grid), 3))
-    AtomRenderer(grid, LAYER, BondedLayer()).displacement(
-        atom(radius=radius), np.array([family]), out
-    )
+    _, out = drawn(grid, atom(radius=radius), family)
     distance = np.hypot(grid.plane[:, 0] - 0.3e-3, grid.plane[:, 1] + 0.2e-3)
     sunk = exact.indentation(distance) / exact.force
     assert -out[:, 2] == pytest.approx(sunk, abs=2e-3 * sunk.max())
@@ -136,11 +144,13 @@ def test_the_surface_moves_as_its_own_pressure_moves_it(
     """In all three directions; the convolution takes the pressure as even on each cell."""
     layer = Layer(2e-3, 210e3, poisson_ratio)
     atoms = atom(radius=radius, half=half, angle=0.4)
-    found, cells = displacement(FINE, atoms, BALL, layer, mechanics)
+    field, found = drawn(FINE, atoms, BALL, layer, mechanics)
+    cells = Deformation(FINE, layer, mechanics)(field)
     deepest = np.abs(cells[:, 2]).max()
     assert found[:, :2] == pytest.approx(cells[:, :2], abs=0.006 * deepest)
     assert found[:, 2] == pytest.approx(cells[:, 2], abs=0.01 * deepest)
-    flat, cells = displacement(FINE, atoms, FLAT, layer, mechanics)
+    field, flat = drawn(FINE, atoms, FLAT, layer, mechanics)
+    cells = Deformation(FINE, layer, mechanics)(field)
     assert np.linalg.norm(flat - cells) < 0.04 * np.linalg.norm(cells)  # its edge is sharp
 
 
@@ -151,11 +161,7 @@ def test_a_ball_that_is_pressed_is_rendered_as_the_simulator_solves_it() -> None
         LAYER, [Sphere(radius=radius, force=force, position=(0.31e-3, -0.17e-3))], extent=40e-3
     )
     a = indent_by_force(LAYER, Paraboloid(radius=radius), force).contact_radius
-    atoms, family = atom(0.31e-3, -0.17e-3, force, a), np.array([BALL])
-    renderer = AtomRenderer(truth.grid, LAYER, BondedLayer())
-    field, moved = np.empty(len(truth.grid)), np.empty((len(truth.grid), 3))
-    renderer.pressure(atoms, family, field)
-    renderer.displacement(atoms, family, moved)
+    field, moved = drawn(truth.grid, atom(0.31e-3, -0.17e-3, force, a), BALL)
     assert 1e-3 < apart(field, truth.pressure) < 0.03
     assert 1e-3 < apart(moved[:, 2], truth.displacement[:, 2]) < 0.025
     assert apart(moved, truth.displacement) < 0.025
@@ -168,12 +174,9 @@ def apart(found: np.ndarray, truth: np.ndarray) -> float:
 @pytest.mark.parametrize("family", [BALL, FLAT])
 def test_mirrored_and_turned_atoms_have_mirrored_and_turned_fields(family: int) -> None:
     grid = Grid.square(SQUARE, nodes=21)
-    renderer, family_of = AtomRenderer(grid, LAYER, BondedLayer()), np.array([family])
 
     def fields(atoms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        field, moved = np.empty(len(grid)), np.empty((len(grid), 3))
-        renderer.pressure(atoms, family_of, field)
-        renderer.displacement(atoms, family_of, moved)
+        field, moved = drawn(grid, atoms, family)
         return field.reshape(grid.shape), moved.reshape(*grid.shape, 3)
 
     plain, moved = fields(atom(3e-3, 1e-3, 1.0, 2e-3, 4e-3, 0.3))
@@ -196,7 +199,7 @@ def test_a_drawn_out_atom_is_a_row_of_round_ones(family: int, worst: float) -> N
     grid = Grid.window(SQUARE, (-8e-3, -8e-3), (8e-3, 8e-3), 0.5e-3)
     one = atom(radius=1e-3, half=half, angle=angle)
     assert apart(pressure(grid, one, family), pressure(grid, row, family)) < worst
-    moved = [displacement(grid, atoms, family, LAYER, BondedLayer())[0] for atoms in (one, row)]
+    moved = [drawn(grid, atoms, family)[1] for atoms in (one, row)]
     assert apart(*moved) < worst
 
 
@@ -210,8 +213,7 @@ def test_the_std_of_the_pressure_is_what_random_atoms_have() -> None:
     atoms = atom(radius=3e-3, half=1e-3, angle=0.4)
     root = np.diag([0.1e-3, 0.15e-3, 0.05, 0.1e-3, 0.15e-3, 0.05])
     root[3, 2], root[1, 0] = -0.1e-3, 0.1e-3
-    covariance, out = (root @ root.T)[None], np.empty(len(GRID))
-    AtomRenderer(GRID, LAYER, BondedLayer()).pressure_std(atoms, np.array([BALL]), covariance, out)
+    out = pressure_std(atoms, (root @ root.T)[None], BALL)
     rng = np.random.default_rng(5)
     draws = np.array(
         [pressure(GRID, atoms + root @ rng.standard_normal(6), BALL) for _ in range(1500)]
@@ -224,16 +226,13 @@ def test_the_std_of_a_force_alone_is_that_share_of_the_pressure() -> None:
     covariance = np.zeros((2, 6, 6))
     covariance[0, 2, 2] = 0.3**2
     atoms = np.vstack([atom(-6e-3), atom(6e-3)])
-    out = np.empty(len(GRID))
-    renderer = AtomRenderer(GRID, LAYER, BondedLayer())
-    renderer.pressure_std(atoms, np.array([BALL, FLAT]), covariance, out)
+    out = pressure_std(atoms, covariance, BALL, FLAT)
     assert out == pytest.approx(0.3 * pressure(GRID, atoms[:1], BALL), abs=1e-6)
 
 
 def test_a_place_that_nobody_knows_leaves_the_std_below_the_peak() -> None:
     covariance = np.diag([1e-4, 1e-4, 0.01, 1e-7, 0.0, 0.0])[None]
-    out = np.empty(len(GRID))
-    AtomRenderer(GRID, LAYER, BondedLayer()).pressure_std(atom(), np.array([BALL]), covariance, out)
+    out = pressure_std(atom(), covariance, BALL)
     peak = pressure(GRID, atom(), BALL).max()
     assert 0.5 * peak < out.max() < 1.5 * peak
     assert out[pressure(GRID, atom(), BALL) > 0.1 * peak].min() > 0.05 * peak
@@ -242,15 +241,12 @@ def test_a_place_that_nobody_knows_leaves_the_std_below_the_peak() -> None:
 def test_on_a_curved_patch_nodes_move_along_its_own_normals() -> None:
     patch = cylinder(radius=25e-3, length=40e-3, arc_angle=2.0)
     grid = Grid.square(patch, nodes=30)
-    out = np.empty((len(grid), 3))
-    AtomRenderer(grid, LAYER, BondedLayer()).displacement(atom(8e-3, 2e-3), np.array([BALL]), out)
+    _, out = drawn(grid, atom(8e-3, 2e-3), BALL)
     node = int(np.argmin(np.linalg.norm(grid.plane - (8e-3, 2e-3), axis=1)))
     inwards = -out[node] / np.linalg.norm(out[node])
     assert inwards == pytest.approx(grid.normals[node], abs=0.15)
     local = np.einsum("kij,ki->kj", grid.frames, out)
-    flat = np.empty((len(grid), 3))
-    plane = Grid(SQUARE, grid.shape, grid.pitch, grid.origin)
-    AtomRenderer(plane, LAYER, BondedLayer()).displacement(atom(8e-3, 2e-3), np.array([BALL]), flat)
+    _, flat = drawn(Grid(SQUARE, grid.shape, grid.pitch, grid.origin), atom(8e-3, 2e-3), BALL)
     assert local == pytest.approx(flat, abs=1e-12)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine.block_sparse import SCORES, Atlas
+from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
 from skinfield.skin import Grid
 from skinfield.solve import tiles_kernel
 from skinfield.solve.tiles import Tiles
@@ -41,7 +42,6 @@ def test_products_are_those_of_each_kind(cut: float) -> None:
     readings = np.random.default_rng(1).normal(size=np.dot(taxels, counts)).astype(np.float32)
     out = np.full(np.dot(cells, counts), np.nan, np.float32)
     atlas.apply(readings, out)
-    assert atlas.nbytes == sum(each.nbytes for each in stamps)
     assert atlas.values.ctypes.data % 64 == 0
     for stamp, given, found in zip(
         stamps, parts(readings, taxels, counts), parts(out, cells, counts), strict=True
@@ -60,7 +60,7 @@ def test_idle_patches_are_idle_by_the_whole_matrices(cut: float) -> None:
     for _ in range(200):
         readings = rng.normal(size=np.dot(taxels, counts)).astype(np.float32)
         idle[:] = rng.random(len(idle)) < 0.5
-        atlas.find_idle(readings, idle)
+        idle_patches(*atlas.arrays[:7], readings, atlas.scores, idle)
         highest = [
             (given @ matrix.T).max(axis=1) <= threshold
             for given, matrix, threshold in zip(
@@ -80,7 +80,7 @@ def test_what_is_no_number_is_not_idle() -> None:
     readings = np.zeros(sum(m.shape[1] * n for m, n in zip(matrices, counts, strict=True)))
     readings[0] = np.nan
     idle = np.zeros(sum(counts), np.bool_)
-    atlas.find_idle(readings.astype(np.float32), idle)
+    idle_patches(*atlas.arrays[:7], readings.astype(np.float32), atlas.scores, idle)
     assert idle.tolist() == [False] + [True] * (sum(counts) - 1)
 
 

@@ -39,10 +39,13 @@ def triangle(**kwargs: object) -> Detector:
 
 
 @lru_cache(maxsize=4)
+def pressed(force: float) -> sf.simulate.Press:
+    indenter = sf.simulate.Sphere(radius=6e-3, force=force)
+    return sf.simulate.press(LAYER, [indenter], extent=60e-3, cell=0.4e-3)
+
+
 def ball(force: float, place: tuple[float, float], quantity: str = "stress") -> np.ndarray:
-    indenter = sf.simulate.Sphere(radius=6e-3, position=place, force=force)
-    press = sf.simulate.press(LAYER, [indenter], extent=60e-3, cell=0.4e-3)
-    return press.readings(HEXAGON.plane, HEXAGON.pad_diameter, quantity)
+    return pressed(force).readings(HEXAGON.plane - place, HEXAGON.pad_diameter, quantity)
 
 
 def noise(shape: tuple[int, ...], seed: int, std: float = NOISE) -> np.ndarray:
@@ -265,19 +268,14 @@ def test_a_taxel_that_did_not_answer_is_one_with_endless_noise() -> None:
     std[3] = 1e9 * NOISE
     noisy = Detector(TRIANGLE, LAYER, quantity=sf.BaseStress(), noise_std=std, spacing=2e-3)
     detector, readings = triangle(), noise((4, 12), seed=21)
-    pair = replace(noisy.lookback, strength=noisy.lookback.strength)
-    ratio = detector.lookback.rate[0] / pair.rate[0]
+    ratio = detector.lookback.rate[0] / noisy.lookback.rate[0]
     pair = replace(noisy.lookback, strength=noisy.lookback.strength / ratio)
     assert pair.rate == pytest.approx(detector.lookback.rate)
     readings[:, 3] = np.nan
-    by_noise = noisy.statistic(replace(pair, lengths=(4,)).matches(_sums(noisy, readings)))
+    sums = noisy.lookback.bank.whitened(np.nan_to_num(readings)).sum(axis=0)[None, None]
+    by_noise = noisy.statistic(replace(pair, lengths=(4,)).matches(sums))
     assert detector(readings).statistic == pytest.approx(float(by_noise[0]), abs=1e-6)
     assert detector(readings).left_out == 4
-
-
-def _sums(detector: Detector, readings: np.ndarray) -> np.ndarray:
-    filled = np.nan_to_num(readings)
-    return detector.lookback.bank.whitened(filled).sum(axis=0)[None, None]
 
 
 def test_noise_that_lasts_longer_than_a_reading_keeps_the_rate() -> None:
@@ -297,13 +295,9 @@ def test_noise_that_lasts_longer_than_a_reading_keeps_the_rate() -> None:
     assert plausible(int(found.sum()), 0.95 * 200)
     white = triangle(false_alarm_rate=1e-2)  # the trap
     assert (white.statistics(readings.mean(axis=1), count=15) > white.threshold).mean() > 0.1
-    covariance = np.cov(_summed(readings, stream.lengths))
+    first = [readings[:, :n, 0].sum(axis=1) / NOISE for n in stream.lengths]
+    covariance = np.cov(first)
     assert stream.lookback.covariance == pytest.approx(covariance, rel=0.05)
-
-
-def _summed(readings: np.ndarray, lengths: tuple[int, ...]) -> np.ndarray:
-    """Sums (W, N) of the first taxel's noise over each length."""
-    return np.stack([readings[:, :n, 0].sum(axis=1) for n in lengths]) / NOISE
 
 
 # Live readings
@@ -419,16 +413,6 @@ def test_lengths_of_a_stream() -> None:
         ({"radii": (1e-3, 0.0)}, "radii is 0.0"),
         ({"spacing": 0.0}, "spacing is 0.0"),
         ({"spacing": 1e-6}, "spacing is 1e-06 m, expected .* or more on this patch"),
-    ],
-)
-def test_settings_that_no_detector_can_have(settings: dict, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Detector(TRIANGLE, LAYER, **settings)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
         ({"patch": "hexagon72"}, "patch is 'hexagon72', expected a Patch"),
         ({"layer": 2e-3}, r"layer is 0.002, expected a Layer"),
         ({"mechanics": "layer"}, "mechanics is 'layer', which has no"),
@@ -440,9 +424,9 @@ def test_settings_that_no_detector_can_have(settings: dict, message: str) -> Non
         ({"spacing": "x"}, "spacing is 'x'"),
     ],
 )
-def test_arguments_of_a_wrong_kind_are_named(arguments: dict[str, object], message: str) -> None:
+def test_settings_that_no_detector_can_have(settings: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        Detector(**({"patch": TRIANGLE, "layer": LAYER} | arguments))  # type: ignore[arg-type]
+        Detector(**({"patch": TRIANGLE, "layer": LAYER} | settings))  # type: ignore[arg-type]
 
 
 def test_one_taxel_has_no_offset_to_share() -> None:

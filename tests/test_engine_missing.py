@@ -21,6 +21,7 @@ import skinfield as sf
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine import Engine
+from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
 
 
 @pytest.fixture(scope="module")
@@ -140,11 +141,13 @@ def test_idle_is_told_by_the_valid_taxels_alone(searching: Engine, share: float)
 def test_masked_idle_test_differs_from_that_of_all_taxels(searching: Engine) -> None:
     work = searching._work
     readings, whole, valid = seen_by_few(searching, -1, 1.05)
-    work.begin(readings_of(SKIN, ()) | {"other": np.where(valid, readings, np.nan)}, None)
+    work.intake.take(readings_of(SKIN, ()) | {"other": np.where(valid, readings, np.nan)}, None)
+    work.open()
     patch = work.intake.names.index("other")
     assert whole < 0.99  # by the lengths of whole rows nothing stands out
     idle = np.zeros(len(work.places), np.bool_)
-    work.tests[len(RUNGS) - 1].find_idle(work.intake.white, idle)
+    atlas = work.tests[len(RUNGS) - 1]
+    idle_patches(*atlas.arrays[:7], work.intake.white, atlas.scores, idle)
     assert idle[patch]
     assert not work.is_idle(patch, len(RUNGS) - 1)
 

@@ -83,7 +83,7 @@ def invented(count: int, seed: int) -> Rehearsal:
 
 def shares(
     solve: Callable[[Floats], Estimate],
-    intervals: Intervals,
+    learnt: Intervals,
     rehearsal: Rehearsal,
     readings: Floats,
 ) -> dict[str, Floats]:
@@ -91,7 +91,7 @@ def shares(
     rows = []
     for row, reading in enumerate(readings):
         truth = np.append(rehearsal.places[row], 0.0)
-        contact = nearest(intervals(solve(reading).contacts), truth)
+        contact = nearest(learnt(solve(reading).contacts), truth)
         if contact is None:
             continue
         off, force = (truth - contact.position)[:2], rehearsal.forces[row]
@@ -141,13 +141,24 @@ def calibrated() -> tuple[sf.Reconstructor, sf.Reconstructor]:
     return reconstruct, reconstruct.calibrated(presses=300, seed=4, bodies=KNOWN)
 
 
+def intervals() -> Intervals:
+    learnt = calibrated()[1].intervals
+    assert learnt is not None
+    return learnt
+
+
+def pressed() -> Floats:
+    """Readings (L,) of an even pressure about the middle."""
+    plain, _ = calibrated()
+    return plain.model.matrix @ np.where(np.hypot(*plain.grid.plane.T) < 4e-3, 5e4, 0.0)
+
+
 def test_intervals_hold_for_bodies_and_seeds_not_seen() -> None:
     _, reconstruct = calibrated()
     rehearsal = rehearse(PATCH, LAYER, sf.BondedLayer(), sf.BaseStress(), 300, 77, OTHERS)
     noise = 400.0 * np.random.default_rng(6).standard_normal(rehearsal.readings.shape)
-    assert reconstruct.intervals is not None
     raw = reconstruct.with_intervals(None)
-    found = shares(raw, reconstruct.intervals, rehearsal, rehearsal.readings + noise)
+    found = shares(raw, intervals(), rehearsal, rehearsal.readings + noise)
     assert 0.84 <= found["force"][2] <= 0.97  # 90 %, some 250 of them: 1.9 %
     assert 0.84 <= found["place"][2] <= 0.97
     assert (found["covariance"] > 0.84).all()
@@ -157,7 +168,7 @@ def test_intervals_hold_for_bodies_and_seeds_not_seen() -> None:
 def test_a_calibrated_reconstructor_shares_what_is_prepared() -> None:
     plain, reconstruct = calibrated()
     assert reconstruct.plan.operator is plain.plan.operator
-    reading = plain.model.matrix @ np.where(np.hypot(*plain.grid.plane.T) < 4e-3, 5e4, 0.0)
+    reading = pressed()
     (bare, *_), (contact, *_) = plain(reading).contacts, reconstruct(reading).contacts
     assert bare.spread is None
     assert contact.spread is not None
@@ -178,7 +189,7 @@ def test_too_few_presses_are_named() -> None:
         plain.calibrated(presses=12, seed=4, bodies=KNOWN)
     with pytest.raises(InputError, match="presses is 0"):
         plain.calibrated(presses=0)
-    reading = plain.model.matrix @ np.where(np.hypot(*plain.grid.plane.T) < 4e-3, 5e4, 0.0)
+    reading = pressed()
     contact = reconstruct(reading).contacts[0]
     with pytest.raises(InputError, match=r"level is 0.9999, expected at most .* calibrate"):
         contact.force_interval(0.9999)
@@ -189,13 +200,11 @@ def test_too_few_presses_are_named() -> None:
 
 
 def test_intervals_of_another_reconstructor_are_refused() -> None:
-    plain, reconstruct = calibrated()
-    learnt = reconstruct.intervals
-    assert learnt is not None
+    plain, learnt = calibrated()[0], intervals()
     same = sf.Reconstructor(
         PATCH, LAYER, plain.grid, quantity=sf.BaseStress(), noise_std=420.0, intervals=learnt
     )
-    reading = plain.model.matrix @ np.where(np.hypot(*plain.grid.plane.T) < 4e-3, 5e4, 0.0)
+    reading = pressed()
     assert same(reading).contacts[0].spread is not None
     for other, what in (
         ({"solver": sf.Tikhonov()}, "solver 'GaussianField', expected 'Tikhonov'"),
@@ -228,8 +237,7 @@ def test_a_rehearsed_press_reads_as_one_that_is_made_there() -> None:
 
 
 def test_intervals_survive_a_file(tmp_path: Path) -> None:
-    learnt = calibrated()[1].intervals
-    assert learnt is not None
+    learnt = intervals()
     save_intervals(learnt, tmp_path / "learnt.json")
     again = load_intervals(tmp_path / "learnt.json")
     assert (again.solver, again.detected, again.place_floor) == (
@@ -254,8 +262,7 @@ ODD = st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(ma
 )
 @given(st.data())
 def test_garbage_in_a_file_is_refused(tmp_path: Path, data: st.DataObject) -> None:
-    learnt = calibrated()[1].intervals
-    assert learnt is not None
+    learnt = intervals()
     path = tmp_path / "learnt.json"
     save_intervals(learnt, path)
     good = json.loads(path.read_text())

@@ -114,7 +114,7 @@ def test_deviations_and_covariances_of_sets_of_different_size(solver: Solver) ->
     assert whole.gaussian is not None
     valid = np.concatenate([masks(count, 1) for count in (0, 1, 3, 30, 71)])
     cells, weights = np.arange(100, 200), np.random.default_rng(1).normal(size=(2, 100))
-    for mask, (posterior, noise) in zip(valid, whole.gaussian.sets(valid).errors(), strict=True):
+    for mask, (posterior, noise) in zip(valid, whole.gaussian.sets(valid).errors, strict=True):
         other = solver.prepare(model.subset(mask))
         assert isinstance(other, InverseOperator)
         assert other.posterior is not None
@@ -155,8 +155,8 @@ def test_missing_readings_become_what_the_others_let_expect() -> None:
 @pytest.mark.parametrize("solver", SOLVERS, ids=repr)
 def test_fields_and_contacts_are_those_of_a_fresh_plan(solver: Solver, pressed: np.ndarray) -> None:
     mine, other = reconstructor(solver), reconstructor(Anew(solver))
-    assert mine.plan.missing is not None
-    assert other.plan.missing is None
+    assert mine.plan.gaussian is not None
+    assert other.plan.gaussian is None
     valid = np.concatenate([masks(0, 2), masks(1), masks(5), masks(2), masks(20, 1)])
     valid[6] = valid[3]  # a set that comes twice
     assert_same(mine(pressed, valid=valid), other(pressed, valid=valid))
@@ -200,9 +200,7 @@ def test_many_sets_are_solved_in_parts_and_only_few_are_kept(pressed: np.ndarray
     assert_same(mine(readings, valid=valid), other(readings, valid=valid))
     for mask in masks(4, 3 * plan.CALLS_KEPT):
         mine(pressed[0], valid=mask)
-    kept = mine.plan.missing
-    assert kept is not None
-    assert len(kept._cache) == plan.CALLS_KEPT
+    assert mine.plan._sets.cache_info().currsize == plan.CALLS_KEPT
 
 
 def test_one_dead_taxel_in_more_readings_than_a_product_takes(pressed: np.ndarray) -> None:
@@ -227,7 +225,7 @@ def test_intervals_and_model_errors_hold_without_taxels(pressed: np.ndarray) -> 
 def test_other_solvers_are_prepared_anew(pressed: np.ndarray) -> None:
     for solver in (sf.PseudoInverse(), sf.Inverse()):
         mine = reconstructor(solver)
-        assert mine.plan.missing is None
+        assert mine.plan.gaussian is None
         valid = masks(1, 1)[0]
         operator = solver.prepare(mine.model.subset(valid))
         expected = operator.matrix @ sf.Capacitance().linearise(

@@ -64,12 +64,11 @@ def test_more_steps_never_make_it_worse_and_each_is_proved(
 ) -> None:
     _, dense, cases = large(quantity)
     model = small_model(24, 7, quantity)
+    whole = NonNegative(tolerance=1e-6, precision=precision).prepare(model)
     for readings, least, zero in cases:
         before, gaps = np.inf, []
         for most in range(1, 40):
-            operator = NonNegative(
-                tolerance=1e-6, most_iterations=most, precision=precision
-            ).prepare(model)
+            operator = whole._with(whole.problem._replace(most=most))
             solve(operator, readings)
             reached = assert_honest(operator, dense, readings, least, zero)
             assert operator.iterations <= most

@@ -203,19 +203,15 @@ def test_without_any_taxel_nothing_is_pressed() -> None:
 @pytest.mark.parametrize("quantity", BOTH)
 def test_the_dual_of_a_coarse_grid_is_a_start_for_a_fine_one(quantity: Either) -> None:
     patch = sf.layouts.hexagon72()
-    operators = [
-        NonNegative(length_scale=2e-3).prepare(
-            ObservationModel.of(
-                patch, Layer(), Grid.square(patch, nodes), BondedLayer(), quantity,
-                quantity.typical_noise,
-            )
-        )
-        for nodes in (12, 20)
-    ]  # fmt: skip
-    coarse, fine = operators
+    noise = quantity.typical_noise
+    models = [
+        ObservationModel.of(patch, Layer(), Grid.square(patch, n), BondedLayer(), quantity, noise)
+        for n in (12, 20)
+    ]
+    coarse, fine = (NonNegative(length_scale=2e-3).prepare(model) for model in models)
     saved, within = [], 0
     for seed in range(20):
-        readings = pressed(coarse.backing.model, np.random.default_rng(seed))
+        readings = pressed(models[0], np.random.default_rng(seed))
         solved(coarse, readings)
         expected = solved(fine, readings)
         steps = fine.iterations

@@ -15,18 +15,12 @@ from skinfield.errors import InputError
 LAYER = sf.Layer(2e-3, 150e3, 0.5)
 PATCH = sf.layouts.hexagon72()
 GRID = sf.Grid.square(PATCH, nodes=16)
-REC = sf.Reconstructor(
-    PATCH, LAYER, GRID, quantity=sf.BaseStress(), solver=sf.Tikhonov(), noise_std=400.0
-)
+WHITE: dict[str, Any] = {"quantity": sf.BaseStress(), "solver": sf.Tikhonov(), "noise_std": 400.0}
+REC = sf.Reconstructor(PATCH, LAYER, GRID, **WHITE)
 
 
-def press(taxel: int = 30, force: float = 1.5) -> sf.simulate.Press:
-    x, y = PATCH.plane[taxel]
-    ball = sf.simulate.Sphere(radius=6e-3, position=(float(x), float(y)), force=force)
-    return sf.simulate.press(LAYER, [ball], extent=60e-3, cell=0.6e-3)
-
-
-PRESS = press()
+BALL = sf.simulate.Sphere(radius=6e-3, position=tuple(PATCH.plane[30].tolist()), force=1.5)
+PRESS = sf.simulate.press(LAYER, [BALL], extent=60e-3, cell=0.6e-3)
 STRESS = PRESS.base_stress(PATCH.plane, PATCH.pad_diameter)
 
 
@@ -81,9 +75,7 @@ def test_an_invalid_taxel_is_left_out_as_if_it_were_not_there() -> None:
     keep = np.arange(72) != 30
     part = PATCH.subset(keep)
     grid = sf.Grid(part, GRID.shape, GRID.pitch, GRID.origin)
-    other = sf.Reconstructor(
-        part, LAYER, grid, quantity=sf.BaseStress(), solver=sf.Tikhonov(), noise_std=400.0
-    )
+    other = sf.Reconstructor(part, LAYER, grid, **WHITE)
     expected = other(STRESS[keep]).pressure
     spoiled = STRESS.copy()
     spoiled[30] = np.nan
@@ -174,14 +166,7 @@ def test_a_deadline_is_a_time(deadline: object) -> None:
 
 
 def test_a_grid_may_come_from_another_patch_of_the_same_surface_only() -> None:
-    twin = sf.Reconstructor(
-        sf.layouts.hexagon72(),
-        LAYER,
-        GRID,
-        quantity=sf.BaseStress(),
-        solver=sf.Tikhonov(),
-        noise_std=400.0,
-    )
+    twin = sf.Reconstructor(sf.layouts.hexagon72(), LAYER, GRID, **WHITE)
     assert twin(STRESS).pressure == pytest.approx(REC(STRESS).pressure)
     assert twin(STRESS).grid.positions == pytest.approx(GRID.positions)
     raised = sf.Patch(PATCH.positions + np.array([0, 0, 2e-3]))

@@ -9,7 +9,8 @@ import skinfield as sf
 from skinfield.elastic import Capacitance, ObservationModel
 from skinfield.errors import Floats
 from skinfield.reconstruct.engine.block_sparse import Atlas
-from skinfield.reconstruct.engine.products import PROOF, DenseProduct, TiledProduct, product_of
+from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches
+from skinfield.reconstruct.engine.products import PROOF, DenseProduct, product_of
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField
 from skinfield.solve.tiles import Tiles
@@ -27,21 +28,6 @@ def linear_answer(patch: Patch, nodes: int) -> tuple[Floats, Floats, Grid]:
     return prepared.matrix * model.noise_std, prepared.pressure_std, grid
 
 
-@pytest.mark.parametrize("count", [1, 3, 4, 13])
-def test_all_patches_of_a_kind_at_once(count: int) -> None:
-    matrix, _, grid = linear_answer(sf.layouts.hexagon72(), 40)
-    product = TiledProduct.of(matrix, grid, 1e-2)
-    readings = np.random.default_rng(0).normal(size=(count, 72)).astype(np.float32)
-    out = np.full((count, 1600), np.nan, np.float32)
-    product.apply(readings, out)
-    error = np.abs(out - readings @ matrix.T).max(axis=1)
-    allowed = product.stamps.dropped.max() * np.linalg.norm(readings, axis=1)
-    assert (error <= allowed + 1e-5 * np.abs(out).max()).all()
-    assert (error > 0.01 * allowed).all()  # the bound is not idle
-    assert product.shape == (1600, 72)
-    assert product.nbytes < 0.5 * DenseProduct.of(matrix).nbytes
-
-
 def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data: Path) -> None:
     """Readings of a touch of the lower leg: what is left out is far below its deviation."""
     if not (shared_data / LEG).is_file():
@@ -49,7 +35,7 @@ def test_a_part_of_a_robot_takes_tiles_and_loses_nothing_that_counts(shared_data
     patch = sf.load_layout(shared_data / LEG)[0]
     matrix, std, grid = linear_answer(patch, 40)
     product = product_of(matrix, grid)
-    assert isinstance(product, TiledProduct)
+    assert isinstance(product, Tiles)
     assert product.nbytes < 0.3 * 4 * matrix.size
     white = np.zeros(len(patch))
     nearest = np.argsort(np.linalg.norm(patch.plane - patch.plane[100], axis=1))
@@ -67,7 +53,7 @@ def test_what_is_small_or_full_stays_whole() -> None:
     assert isinstance(product, DenseProduct)
     wide = sf.Grid.square(sf.layouts.hexagon72(), nodes=40)
     assert isinstance(product_of(np.ones((1600, 72)), wide), DenseProduct)
-    assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), TiledProduct)
+    assert isinstance(product_of(np.eye(1600, 72), wide, 0.0), Tiles)
 
 
 def test_an_idle_test_by_tiles_is_proven_and_hardly_stricter() -> None:
@@ -84,6 +70,7 @@ def test_an_idle_test_by_tiles_is_proven_and_hardly_stricter() -> None:
     white = np.random.default_rng(1).normal(size=(2000, 72)).astype(np.float32)
     truly, idle = (white @ rows.T).max(axis=1), np.zeros(2000, np.bool_)
     for threshold in (2.5, 3.0, 3.5):
-        Atlas.of([stamps], [2000], [threshold]).find_idle(white.ravel(), idle)
+        atlas = Atlas.of([stamps], [2000], [threshold])
+        idle_patches(*atlas.arrays[:7], white.ravel(), atlas.scores, idle)
         assert (truly[idle] <= threshold).all()
         assert idle.sum() > 0.95 * (truly <= threshold).sum()

@@ -229,16 +229,13 @@ def test_two_that_pass_each_other_come_back_on_the_other_side() -> None:
     assert first == last  # each keeps to its side
 
 
-def test_one_that_vanishes_beside_another_is_lost_and_not_merged() -> None:
+def test_one_that_comes_or_vanishes_beside_another_is_neither_split_nor_merged() -> None:
     both: list[Place] = [(-4.0, 0.0, 1.5), (4.0, 0.0, 1.0)]
+    made = [("made", (0,)), ("made", (1,))]
     _, events = follow(sf.Tracker(), [both] * 10 + [both[:1]] * 8)
-    assert told(events) == [("made", (0,)), ("made", (1,)), ("lost", (1,))]
-
-
-def test_one_that_comes_beside_another_is_made_and_not_split() -> None:
-    both: list[Place] = [(-4.0, 0.0, 1.5), (4.0, 0.0, 1.0)]
+    assert told(events) == [*made, ("lost", (1,))]
     _, events = follow(sf.Tracker(), [both[:1]] * 10 + [both] * 8)
-    assert told(events) == [("made", (0,)), ("made", (1,))]
+    assert told(events) == made
 
 
 def test_one_that_becomes_two_splits() -> None:

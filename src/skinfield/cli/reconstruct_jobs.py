@@ -47,8 +47,7 @@ from skinfield.files.results_writer import (
     write_fields_at,
 )
 from skinfield.reconstruct.bulk import CHUNK, RUN
-from skinfield.reconstruct.conditioned import impossible_note
-from skinfield.reconstruct.diagnostics import Conditioning, Survey, survey
+from skinfield.reconstruct.diagnostics import Conditioning, Survey, impossible_note, survey
 from skinfield.reconstruct.serialisation import checksum, plain_from_value
 from skinfield.settings import Elastomer, ModelSettings, Profile
 from skinfield.signal import NoFilter

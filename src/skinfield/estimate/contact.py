@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
-from skinfield.estimate.uncertainty import Spread, normal_interval, normal_radius
+from skinfield.estimate.uncertainty import Spread, below, between, normal_interval, normal_radius
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -126,17 +126,17 @@ class Contact:
         stated force; else that of the normal distribution with `force_std`.
         """
         if self.spread is not None:
-            return self.spread.force_interval(level)
+            return between(self.spread.forces, level)
         return normal_interval(self.normal_force, self.force_std, level)
 
     def area_interval(self, level: float = 0.9) -> tuple[float, float]:
         """Interval (m², m²) that holds the true area with probability `level`."""
         if self.spread is not None:
-            return self.spread.area_interval(level)
+            return between(self.spread.areas, level)
         return normal_interval(self.area, self.area_std, level)
 
     def place_radius(self, level: float = 0.9) -> float:
         """Radius, m, of the circle about `position` that holds the true one so often."""
         if self.spread is not None:
-            return self.spread.place_radius(level)
+            return below(self.spread.places, level)
         return normal_radius(self.covariance[:2, :2], level)

@@ -88,7 +88,7 @@ def measurements_of(contacts: Sequence[Contact], chart: Chart) -> list[Measureme
             f"{values[index, 2]} N and covariance {contacts[index].covariance.tolist()}, expected "
             "finite numbers and a positive covariance: a tracker weighs contacts by it"
         )
-    return [Measurement(*one) for one in zip(contacts, values, noise, strict=True)]
+    return [Measurement(*one) for one in zip(values, noise, contacts, strict=True)]
 
 
 def contacts_of(tracks: Sequence[Track], chart: Chart, now: float) -> list[TrackedContact]:

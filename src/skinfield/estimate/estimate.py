@@ -162,70 +162,57 @@ class Estimate:
         return (self[index] for index in range(len(self)))
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Fields as a labelled data set with units; needs the extra `skinfield[batch]`."""
-        return dataset_from_estimate(self)
+        """Data set over (reading,) row, column, axis with the units; needs `skinfield[batch]`.
 
+        Raises
+        ------
+        SkinfieldError
+            If xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError as error:
+            raise SkinfieldError(
+                "to_xarray() needs xarray, which is not installed: pip install 'skinfield[batch]'"
+            ) from error
+        grid = self.grid
+        cell = ("row", "column")
+        lead = ("reading",) if self.is_batch else ()
 
-REQUIRED = {  # what no estimate is without
-    "grid",
-    "pressure",
-    "traction",
-    "displacement",
-    "pressure_std",
-    "contacts",
-    "residual",
-    "valid",
-}
+        def variable(values: Any, unit: str, text: str, dims: tuple[str, ...]) -> Any:
+            folded = values.reshape(
+                *values.shape[: len(lead)], *grid.shape, *values.shape[len(lead) + 1 :]
+            )
+            return (dims, folded, {"units": unit, "long_name": text})
 
-
-def dataset_from_estimate(estimate: Estimate) -> "xarray.Dataset":
-    """Data set over (reading,) row, column, axis with the unit of each variable in its attributes.
-
-    Raises
-    ------
-    SkinfieldError
-        If xarray is not installed.
-    """
-    try:
-        import xarray
-    except ImportError as error:
-        raise SkinfieldError(
-            "to_xarray() needs xarray, which is not installed: pip install 'skinfield[batch]'"
-        ) from error
-    grid = estimate.grid
-    cell = ("row", "column")
-    lead = ("reading",) if estimate.is_batch else ()
-
-    def variable(values: Any, unit: str, text: str, dims: tuple[str, ...]) -> Any:
-        folded = values.reshape(
-            *values.shape[: len(lead)], *grid.shape, *values.shape[len(lead) + 1 :]
+        fields = {
+            "pressure": variable(
+                self.pressure, "Pa", "pressure, compression positive", lead + cell
+            ),
+            "traction": variable(
+                self.traction, "Pa", "traction on the skin", (*lead, *cell, "axis")
+            ),
+            "displacement": variable(
+                self.displacement, "m", "displacement of the surface", (*lead, *cell, "axis")
+            ),
+            "pressure_std": variable(
+                self.pressure_std, "Pa", "standard deviation of pressure", lead + cell
+            ),
+        }
+        rows, columns = grid.shape
+        coords: dict[str, Any] = {
+            "x": ("column", grid.origin[0] + np.arange(columns) * grid.pitch, {"units": "m"}),
+            "y": ("row", grid.origin[1] + np.arange(rows) * grid.pitch, {"units": "m"}),
+            "axis": ("axis", ["x", "y", "z"]),
+            "position": ((*cell, "axis"), grid.positions.reshape(rows, columns, 3), {"units": "m"}),
+        }
+        if self.is_batch:
+            stamps = np.broadcast_to(self.stamp_ns, len(self))
+            coords["stamp"] = ("reading", stamps, {"units": "ns"})
+        return xarray.Dataset(
+            fields, coords, {"patch": grid.patch.name, "cell_area_m2": grid.cell_area}
         )
-        return (dims, folded, {"units": unit, "long_name": text})
 
-    fields = {
-        "pressure": variable(
-            estimate.pressure, "Pa", "pressure, compression positive", lead + cell
-        ),
-        "traction": variable(
-            estimate.traction, "Pa", "traction on the skin", (*lead, *cell, "axis")
-        ),
-        "displacement": variable(
-            estimate.displacement, "m", "displacement of the surface", (*lead, *cell, "axis")
-        ),
-        "pressure_std": variable(
-            estimate.pressure_std, "Pa", "standard deviation of pressure", lead + cell
-        ),
-    }
-    rows, columns = grid.shape
-    coords: dict[str, Any] = {
-        "x": ("column", grid.origin[0] + np.arange(columns) * grid.pitch, {"units": "m"}),
-        "y": ("row", grid.origin[1] + np.arange(rows) * grid.pitch, {"units": "m"}),
-        "axis": ("axis", ["x", "y", "z"]),
-        "position": ((*cell, "axis"), grid.positions.reshape(rows, columns, 3), {"units": "m"}),
-    }
-    if estimate.is_batch:
-        stamps = np.broadcast_to(estimate.stamp_ns, len(estimate))
-        coords["stamp"] = ("reading", stamps, {"units": "ns"})
-    return xarray.Dataset(
-        fields, coords, {"patch": grid.patch.name, "cell_area_m2": grid.cell_area}
-    )
+
+REQUIRED = {"grid", "pressure", "traction", "displacement", "pressure_std", "contacts"}
+REQUIRED |= {"residual", "valid"}  # what no estimate is without

@@ -37,18 +37,23 @@ def border(cells: NDArray[np.int64], shape: tuple[int, int]) -> Floats:
     return np.asarray(walk_around(cells, *shape) - 0.5)
 
 
-@dataclass(frozen=True, eq=False)
 class FieldRegions:
     """All regions of a field, with what is needed to say more of them.
 
-    Attributes
+    Parameters
     ----------
     grid : Grid
+    pressure : (K,) array, Pa
     error : PressureError
         Of the pressure.
     model_error : ModelError
         What is wrong with contacts beside.
     regions : Regions
+    edge : float
+        Share of its peak at which a region ends.
+
+    Attributes
+    ----------
     borders : (M + 1,) int array, (B,) int array, (B,) array
         How areas move with the pressure: starts, cells and weights, m²/Pa; see
         `regions_kernel.borders`.
@@ -56,38 +61,30 @@ class FieldRegions:
         Sums over the regions, in the columns of `regions_kernel`.
     """
 
-    grid: Grid
-    error: PressureError
-    model_error: ModelError
-    regions: Regions
-    borders: tuple[Ints, Ints, Floats]
-    table: Floats
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         grid: Grid,
         pressure: Floats,
         error: PressureError,
         model_error: ModelError,
         regions: Regions,
         edge: float,
-    ) -> "FieldRegions":
-        """Add up the pressure (K,) Pa over regions that end at `edge` of their peaks."""
+    ) -> None:
+        self.grid, self.error, self.model_error, self.regions = grid, error, model_error, regions
         sums, columns = kernels(), grid.shape[1]
-        places, normals = grid.positions, grid.normals
-        table = sums.sum_regions(
-            pressure, places, normals, grid.origin, grid.pitch, columns, *regions
-        )
-        borders = sums.borders(pressure, columns, grid.cell_area, edge, *regions, table)
-        return cls(grid, error, model_error, regions, borders, table)
+        where = grid.positions, grid.normals, grid.origin, grid.pitch, columns
+        self.table = sums.sum_regions(pressure, *where, *regions)
+        self.borders = sums.borders(pressure, columns, grid.cell_area, edge, *regions, self.table)
 
     def contacts(self) -> Iterator[Contact]:
         """One contact for each region, by falling force; some of it comes when asked for."""
         sums, grid, table = kernels(), self.grid, self.table
         centres = table[:, sums.CENTRE : sums.CENTRE + 2]
-        positions = grid.patch.surface.position_from_plane(centres)
-        normals = _normals(grid, centres)
+        surface = grid.patch.surface
+        positions = surface.position_from_plane(centres)
+        normals = grid.normals[:1]  # on a flat skin one for all
+        if not surface.is_flat:
+            normals = surface.frame_from_plane(centres)[:, :, 2]
         starts, cells, rows = self.regions[0].tolist(), self.regions[1], table.tolist()
         firsts = cells[self.regions[0][:-1]]
         order = sums.set_places(table, positions, normals, firsts).tolist()
@@ -155,14 +152,6 @@ class Details:
     def _cells(self) -> Ints:
         starts, cells = self.field.regions
         return cells[starts[self.index] : starts[self.index + 1]]
-
-
-def _normals(grid: Grid, centres: Floats) -> Floats:
-    """Outward normals at points of the plane, (R, 3); on a flat skin one for all, (1, 3)."""
-    surface = grid.patch.surface
-    if surface.is_flat:
-        return grid.normals[:1]
-    return surface.frame_from_plane(centres)[:, :, 2]
 
 
 @lru_cache(maxsize=1)
@@ -266,5 +255,5 @@ class ContactFinder:
         if not len(regions[1]):
             return ()
         stated = noise if error is None else error
-        found = FieldRegions.of(grid, flat, stated, model_error, regions, self.edge)
+        found = FieldRegions(grid, flat, stated, model_error, regions, self.edge)
         return tuple(found.contacts())

@@ -166,7 +166,7 @@ class Gate:
         check_positive("reach", self.reach, "from what is foretold, in metres")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(eq=False, kw_only=True)
 class Habits:
     """Settings of a `Tracker`, which says what they are."""
 

@@ -7,13 +7,13 @@ import numpy as np
 from skinfield.errors import InputError, check_type
 from skinfield.estimate.estimate import Estimate
 from skinfield.estimate.ranking import falling_order
-from skinfield.estimate.tracked import ContactEvent, EventKind, Gate, Habits, Motion, TrackedContact
+from skinfield.estimate.tracked import ContactEvent, EventKind, Habits, TrackedContact
 
 if TYPE_CHECKING:
     from skinfield.estimate.developed_plane import Chart
 
 
-class Tracker:
+class Tracker(Habits):
     """Follows the contacts of one patch; call it with each estimate in turn.
 
     Each contact is followed by a Kalman filter of place, force and their rates. Contacts go on
@@ -52,35 +52,11 @@ class Tracker:
         Of the last call, in the order of time.
     """
 
-    def __init__(
-        self,
-        *,
-        period: float = 0.02,
-        motion: Motion | None = None,
-        gate: Gate | None = None,
-        coast: float = 0.1,
-        strong: float = 5.0,
-        weak_readings: int = 2,
-        near: float = 12e-3,
-        memory: float = 1.0,
-        slip_speed: float = 5e-3,
-        slip_sigmas: float = 3.0,
-    ) -> None:
+    def __post_init__(self) -> None:
+        super().__post_init__()
         from skinfield.estimate.tracks import Follower
 
-        self._habits = Habits(
-            period=period,
-            motion=Motion() if motion is None else motion,
-            gate=Gate() if gate is None else gate,
-            coast=coast,
-            strong=strong,
-            weak_readings=weak_readings,
-            near=near,
-            memory=memory,
-            slip_speed=slip_speed,
-            slip_sigmas=slip_sigmas,
-        )
-        self._follower = Follower(self._habits)
+        self._follower = Follower(self)
         self._chart: Chart | None = None
         self._stamp = 0
         self._started = False
@@ -118,7 +94,7 @@ class Tracker:
         """Forget all contacts; numbers go on, so that none is given twice."""
         from skinfield.estimate.tracks import Follower
 
-        self._follower = Follower(self._habits, self._follower.next_number)
+        self._follower = Follower(self, self._follower.next_number)
         self._stamp, self._started, self.events = 0, False, ()
 
     def _follow(
@@ -154,7 +130,7 @@ class Tracker:
         if not self._started:
             return 0.0
         if not stamp or not self._stamp:
-            return self._habits.period
+            return self.period
         if stamp <= self._stamp:
             raise InputError(
                 f"stamp_ns is {stamp}, expected after {self._stamp}, that of the reading before: "

@@ -1,7 +1,7 @@
 """Multi-target tracking: Kalman filters, their assignment to contacts, merging and splitting."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,21 +14,18 @@ from skinfield.estimate.tracking_kernel import gains, predict, update
 
 
 @dataclass(frozen=True, eq=False)
-class Measurement:
-    """A contact of one reading in the developed plane.
+class Load:
+    """Place and force (3,), m in the developed plane and N, with their covariance (3, 3)."""
 
-    Attributes
-    ----------
-    contact : Contact
-    value : (3,) array
-        x and y m, normal force N.
-    noise : (3, 3) array
-        Covariance of `value`.
-    """
-
-    contact: Contact
     value: Floats
     noise: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement(Load):
+    """A contact of one reading."""
+
+    contact: Contact
 
 
 @dataclass
@@ -107,6 +104,11 @@ class Track:
             raise AssertionError("only confirmed tracks are told, merge and split")
         return self.identity
 
+    @property
+    def load(self) -> Load:
+        """What is foretold of it."""
+        return Load(self.mean[:3], self.covariance[:3, :3])
+
     def restart(self, seen: Measurement, now: float, rates: Floats) -> None:
         """Begin anew at what is seen, with rates (3,) of which little is known."""
         self.mean[:3], self.mean[3:] = seen.value, rates
@@ -179,27 +181,10 @@ LIMIT = 21.1  # squared distance of three numbers that is exceeded with a chance
 NARROW = 3e-3  # m: bodies whose ways come nearer than this cannot pass each other
 
 
-@dataclass(frozen=True, eq=False)
-class Load:
-    """Place and force (3,), m and N, with their covariance (3, 3)."""
-
-    value: Floats
-    covariance: Floats
-
-
-def load_of(one: Track | Measurement) -> Load:
-    """What is foretold of a track, or what is seen."""
-    if isinstance(one, Track):
-        return Load(one.mean[:3], one.covariance[:3, :3])
-    return Load(one.value, one.noise)
-
-
 def together(one: Load, other: Load) -> Load:
     """Sum of two loads, at their centre; the covariance to first order."""
     # a force below its own uncertainty says nothing of where the centre is
-    forces = np.array(
-        [max(float(each.value[2]), each.covariance[2, 2] ** 0.5) for each in (one, other)]
-    )
+    forces = np.array([max(float(each.value[2]), each.noise[2, 2] ** 0.5) for each in (one, other)])
     total = float(forces.sum())
     share = forces / total
     apart = one.value[:2] - other.value[:2]
@@ -213,7 +198,7 @@ def together(one: Load, other: Load) -> Load:
         moves[:2, first + 2] = sign * apart * share[theirs] / total
         moves[2, first + 2] = 1.0
     both = np.zeros((6, 6))
-    both[:3, :3], both[3:, 3:] = one.covariance, other.covariance
+    both[:3, :3], both[3:, 3:] = one.noise, other.noise
     return Load(value, moves @ both @ moves.T)
 
 
@@ -222,7 +207,7 @@ def misfit(one: Load, other: Load, floor: float) -> tuple[float, float]:
 
     `floor` m is added to the standard deviation of the place, and a share of the force to its own.
     """
-    spread = one.covariance + other.covariance
+    spread = one.noise + other.noise
     force = FORCE_FLOOR * max(one.value[2], other.value[2])
     spread = spread + np.diag([floor**2, floor**2, force**2])
     off = one.value - other.value
@@ -240,12 +225,12 @@ def merged_score(stays: Track, goes: Track, seen: Measurement, habits: Habits) -
 
     Either one of them may go on alone: then what is seen fits it better than both.
     """
-    one, other, found = load_of(stays), load_of(goes), load_of(seen)
+    one, other = stays.load, goes.load
     if apart(one, other) > habits.near:
         return None
     floor = habits.gate.floor
-    distance, score = misfit(together(one, other), found, floor)
-    alone = min(misfit(each, found, floor)[1] for each in (one, other))
+    distance, score = misfit(together(one, other), seen, floor)
+    alone = min(misfit(each, seen, floor)[1] for each in (one, other))
     return score if distance < LIMIT and score < alone else None
 
 
@@ -256,8 +241,8 @@ def split_score(
 
     Of a track that absorbed another shortly before, two contacts nearby are taken for both.
     """
-    parts = load_of(half), load_of(other)
-    before, floor = load_of(whole), habits.gate.floor
+    parts = half, other
+    before, floor = whole.load, habits.gate.floor
     distance, score = misfit(before, together(*parts), floor)
     if max(apart(before, part) for part in parts) > habits.near:
         return None
@@ -333,7 +318,7 @@ class Follower:
         self.now += step
         self.changes = []
         if step > max(self.habits.memory, self.habits.period):  # nobody knows what happened between
-            self._lose(self.tracks)
+            self._lose(self.tracks.copy())
         firsts = [
             (int(one.contact.cells[0]) if len(one.contact.cells) else 0, *one.value[:2].tolist())
             for one in seen
@@ -438,16 +423,10 @@ class Follower:
     def _drop_unseen(self) -> None:
         """Tracks that coasted for too long, and unconfirmed ones at once."""
         patience = self.habits.coast + ROUNDING
-        gone = [
-            track
-            for track in self.tracks
-            if self.now > track.time
-            and (not track.is_confirmed or self.now - track.time > patience)
-        ]
-        self._lose(gone)
+        unseen = [(track, self.now - track.time) for track in self.tracks]
+        self._lose([each for each, t in unseen if t > (patience if each.is_confirmed else 0.0)])
 
-    def _lose(self, gone: Iterable[Track]) -> None:
-        gone = list(gone)
+    def _lose(self, gone: Sequence[Track]) -> None:
         self.tracks = [track for track in self.tracks if track not in gone]
         for track in gone:
             if track.identity is not None:

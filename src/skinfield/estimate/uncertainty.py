@@ -31,27 +31,12 @@ class Spread:
     places: Floats
     areas: Floats
 
-    def force_interval(self, level: float) -> tuple[float, float]:
-        """Interval (N, N) that holds the truth with probability `level`: as much beyond each end.
-
-        Raises
-        ------
-        InputError
-            If so few presses say nothing of so high a level.
-        """
-        return between(self.forces, level)
-
-    def area_interval(self, level: float) -> tuple[float, float]:
-        """As `force_interval`, m²."""
-        return between(self.areas, level)
-
-    def place_radius(self, level: float) -> float:
-        """Radius, m, of the circle around the position that holds the truth with this chance."""
-        return below(self.places, level)
-
 
 def between(truths: Floats, level: float) -> tuple[float, float]:
-    """Ends of the middle `level` of what a further truth may be, after N rising ones."""
+    """Ends of the middle `level` of what a further truth may be, after N rising ones.
+
+    Raises InputError if so few presses say nothing of so high a level.
+    """
     rank = (len(truths) + 1) * (1.0 - _checked(level)) / 2
     if rank < 1.0:
         raise InputError(
@@ -166,14 +151,8 @@ class PressureError(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PressureNoise:
-    """Noise of a pressure that is linear in independent readings.
-
-    Attributes
-    ----------
-    factor : (K, L) array, Pa
-        Pressure per standard deviation of each reading.
-    """
+class FactoredError:
+    """What noise and posterior of a pressure share: a factor of a covariance, and its squares."""
 
     factor: Floats
 
@@ -184,14 +163,8 @@ class PressureNoise:
 
     @cached_property
     def felt(self) -> int:
-        """Number of cells that feel any noise."""
+        """Number of cells whose deviation is not 0."""
         return int(np.count_nonzero(self.std))
-
-    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
-        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
-        check_cells(cells, weights, len(self.factor))
-        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
-        return np.asarray(compiled().of_factor(self._factor, cells, weights))
 
     @cached_property
     def single(self) -> NDArray[np.float32]:
@@ -201,6 +174,22 @@ class PressureNoise:
     @cached_property
     def _factor(self) -> Floats:
         return np.ascontiguousarray(self.factor, dtype=np.float64)
+
+
+class PressureNoise(FactoredError):
+    """Noise of a pressure that is linear in independent readings.
+
+    Attributes
+    ----------
+    factor : (K, L) array, Pa
+        Pressure per standard deviation of each reading.
+    """
+
+    def covariance_of_sums(self, cells: NDArray[np.int64], weights: Floats) -> Floats:
+        """Covariance (M, M) of M weighted sums over some cells; weights (M, cells), times Pa."""
+        check_cells(cells, weights, len(self.factor))
+        cells, weights = np.asarray(cells, np.int64), np.asarray(weights, np.float64)
+        return np.asarray(compiled().of_factor(self._factor, cells, weights))
 
 
 @lru_cache(maxsize=1)
@@ -229,8 +218,8 @@ def check_cells(cells: NDArray[np.int64], weights: Floats, count: int) -> None:
 DENSE = 500  # cells up to which going over all pairs is quicker than a Fourier transform
 
 
-@dataclass(frozen=True, eq=False)
-class PressurePosterior:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PressurePosterior(FactoredError):
     r"""Covariance of a pressure on a lattice, given the readings: prior less what they explain.
 
     .. math:: \mathrm{cov}(w_i \cdot p, w_j \cdot p) = w_i^T Q w_j - (F^T w_i) \cdot (F^T w_j)
@@ -249,7 +238,6 @@ class PressurePosterior:
     """
 
     prior: Floats
-    factor: Floats
     steps: NDArray[np.int64]
 
     def __post_init__(self) -> None:
@@ -259,18 +247,13 @@ class PressurePosterior:
     def of_lattice(cls, prior: Floats, factor: Floats) -> "PressurePosterior":
         """Of all nodes of the lattice that `prior` (rows, columns) covers, row by row."""
         steps = np.stack(np.divmod(np.arange(prior.size), prior.shape[1]), axis=1)
-        return cls(prior, factor, steps)
+        return cls(prior=prior, factor=factor, steps=steps)
 
     @cached_property
     def std(self) -> Floats:
         """Standard deviation of each cell, (K,) Pa."""
         explained = np.einsum("kl,kl->k", self.factor, self.factor)
         return np.asarray(np.sqrt(np.maximum(self.prior[0, 0] - explained, 0.0)))
-
-    @cached_property
-    def felt(self) -> int:
-        """Number of cells of which anything is left open."""
-        return int(np.count_nonzero(self.std))
 
     def on(self, nodes: NDArray[np.int64]) -> "PressurePosterior":
         """Of some of the cells, in their order."""
@@ -285,15 +268,6 @@ class PressurePosterior:
         if len(cells) <= DENSE:
             return np.asarray(kernel.of_lattice(*self._lattice, cells, weights) - explained)
         return np.asarray(self._prior_of_sums(self.steps[cells], weights) - explained)
-
-    @cached_property
-    def single(self) -> NDArray[np.float32]:
-        """`factor` in single precision, for loops that have half the time to read it."""
-        return np.require(self.factor, np.float32, ("C", "W"))
-
-    @cached_property
-    def _factor(self) -> Floats:
-        return np.ascontiguousarray(self.factor, dtype=np.float64)
 
     @cached_property
     def _lattice(self) -> tuple[Floats, NDArray[np.int64]]:

@@ -17,7 +17,7 @@ from skinfield.loop.slots import Head, Slot
 from skinfield.loop.status_text import HEAD, Octets, read_notes, write_notes
 from skinfield.reconstruct.engine import Engine
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.reconstruct.multigrid import Rest, linear_beliefs, searched_beliefs
+from skinfield.reconstruct.multigrid import Rest
 from skinfield.reconstruct.serialisation import plain_from_value, value_from_plain
 from skinfield.ring import Field, RingReader, State
 from skinfield.signal import Convention, Port
@@ -273,8 +273,7 @@ class Models:
 
     def _beliefs(self, patch: int, nodes: int, answer: int) -> Any:
         step = self._rung(patch, nodes)
-        searched = answer == FEASIBLE and step.operator is not None
-        return searched_beliefs(step) if searched else linear_beliefs(step)
+        return step.operator if answer == FEASIBLE and step.operator is not None else step
 
     def _predicted(
         self, patch: int, nodes: int, answer: int, pressure: Floats, linear: Floats

@@ -5,9 +5,8 @@ the BLAS (``OPENBLAS_NUM_THREADS=1``): a chunk is too small to share; more cores
 processes, as `skinfield reconstruct --workers` does.
 """
 
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -66,8 +65,7 @@ class BulkFields:
         fitting = max(CACHE_BYTES // (self.width * np.dtype(precision).itemsize), 1)
         chunk = min(CHUNK, max(FEWEST, 1 << fitting.bit_length() - 1))
         self.run = RUN if self._linear is None else chunk
-        self._matrices: OrderedDict[bytes, NDArray[Any]] = OrderedDict()
-        self._sets: OrderedDict[bytes, Any] = OrderedDict()
+        self._matrix_of = lru_cache(MOST_SETS)(self._made_matrix)
 
     @property
     def is_linear(self) -> bool:
@@ -133,7 +131,7 @@ class BulkFields:
             readings, skip = readings[skip:], 0
         same = self._same_valid(readings)
         if self._linear is None or same is None:
-            return _joined(list(self.estimates(readings)), slice(skip, None), stamp_ns)
+            return self._joined(readings, skip, stamp_ns)
         fields, grid = self(readings), self.reconstructor.grid
         pressure = fields["pressure"]
         rest: dict[str, Callable[[], Any]] = {
@@ -145,6 +143,18 @@ class BulkFields:
         }
         known = {"grid": grid, "pressure": pressure, "stamp_ns": stamp_ns}
         return Estimate.later(rest, valid=~np.isnan(readings), **known)
+
+    def _joined(self, readings: Floats, skip: int, stamp_ns: Ints) -> Estimate:
+        each = list(self.estimates(readings))
+
+        def joined(name: str) -> Any:
+            return np.concatenate([getattr(one, name) for one in each])[skip:]
+
+        names = ("displacement", "pressure_std", "traction", "residual")
+        rest: dict[str, Callable[[], Any]] = {name: partial(joined, name) for name in names}
+        rest["contacts"] = lambda: [found for one in each for found in one.contacts][skip:]
+        known = {"grid": each[0].grid, "pressure": joined("pressure"), "stamp_ns": stamp_ns}
+        return Estimate.later(rest, valid=joined("valid"), **known)
 
     def contacts(self, readings: Floats) -> list[tuple[Contact, ...]]:
         """Contacts of some readings (T, L), by the reconstructor's finder.
@@ -172,15 +182,13 @@ class BulkFields:
             return
         patterns, which = np.unique(mask, axis=0, return_inverse=True)
         which = which.ravel()
-        if plan.missing is None:
+        if plan.gaussian is None:
             for number, pattern in enumerate(patterns):
                 rows = np.flatnonzero(which == number)
                 linear = self._linearised(readings[np.ix_(rows, pattern)])
                 out[rows] = linear.astype(self.precision) @ self._matrix(pattern)
             return
-        key = np.packbits(patterns, axis=1).tobytes()
-        known = _recent(self._sets, key, partial(plan.missing.model.sets, patterns))
-        filled = known.filled(self._linearised(np.where(mask, readings, 0.0)), which)
+        filled = plan.sets(patterns).filled(self._linearised(np.where(mask, readings, 0.0)), which)
         every = np.ones(mask.shape[1], np.bool_)
         np.dot(filled.astype(self.precision), self._matrix(every), out=out)
 
@@ -195,13 +203,12 @@ class BulkFields:
 
     def _matrix(self, valid: NDArray[np.bool_]) -> NDArray[Any]:
         """From valid taxels (L') to all outputs (R): (L', R) of the precision."""
+        return self._matrix_of(valid.tobytes())
 
-        def make() -> NDArray[Any]:
-            rows = rows_of(self._plan(valid).operator, self.reconstructor.grid, self.outputs)
-            return np.ascontiguousarray(rows.T, dtype=self.precision)
-
-        matrix: NDArray[Any] = _recent(self._matrices, np.packbits(valid).tobytes(), make)
-        return matrix
+    def _made_matrix(self, key: bytes) -> NDArray[Any]:
+        operator = self._plan(np.frombuffer(key, np.bool_)).operator
+        rows = rows_of(operator, self.reconstructor.grid, self.outputs)
+        return np.ascontiguousarray(rows.T, dtype=self.precision)
 
     def _of_estimate(self, estimate: Estimate) -> Fields:
         return {
@@ -251,24 +258,3 @@ def checked_outputs(outputs: Iterable[str]) -> tuple[str, ...]:
     if not names or len(set(names)) < len(names):
         raise InputError(f"outputs is {names!r}, expected one name or more, each once")
     return names
-
-
-def _joined(estimates: list[Estimate], part: slice, stamp_ns: Ints) -> Estimate:
-    def joined(name: str) -> Any:
-        return np.concatenate([getattr(each, name) for each in estimates])[part]
-
-    names = ("displacement", "pressure_std", "traction", "residual")
-    rest: dict[str, Callable[[], Any]] = {name: partial(joined, name) for name in names}
-    rest["contacts"] = lambda: [c for each in estimates for c in each.contacts][part]
-    known = {"grid": estimates[0].grid, "pressure": joined("pressure"), "stamp_ns": stamp_ns}
-    return Estimate.later(rest, valid=joined("valid"), **known)
-
-
-def _recent(cache: OrderedDict[bytes, Any], key: bytes, make: Callable[[], Any]) -> Any:
-    """What is made of a key, of which the last ones used stay."""
-    if key not in cache:
-        if len(cache) >= MOST_SETS:
-            cache.popitem(last=False)
-        cache[key] = make()
-    cache.move_to_end(key)
-    return cache[key]

@@ -1,7 +1,7 @@
 """Diagnostics of a recording: whose counts, which faults, how much noise; counts to readings."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from skinfield.signal import (
     NoFilter,
     PlainCount,
     estimate_baseline,
+    filtered,
     find_faults,
     strain_from_relative_capacitance,
     valid_from_counts,
@@ -190,6 +191,43 @@ def survey(
         notes += (f"the readings hold no noise: a typical one, {typical:g}, is taken",)
     noise = np.where(np.isfinite(noise) & (noise > 0.2 * typical), noise, typical)
     return Survey(conditioner, noise, rate, notes)
+
+
+def condition(
+    recording: Recording, patch: Patch, layer: Layer, quantity: Quantity, how: Conditioning
+) -> tuple[Floats, Survey]:
+    """Readings (T, L) of a recording in a quantity's unit, NaN where invalid; what is known of it.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of (T, L) counts in the order of the patch's taxels, or of values in a unit of their own.
+    patch, layer : Patch, Layer
+    quantity : Quantity
+        What the reconstruction takes; a recording with a unit must hold that quantity.
+    how : Conditioning
+
+    Raises
+    ------
+    InputError
+        If recording and quantity do not go together.
+    """
+    found = survey(lambda: iter([recording]), patch, layer, quantity, how)
+    values, impossible = found.conditioner.counted(recording.counts)
+    if not isinstance(how.filter, NoFilter):
+        values = filtered(how.filter, values, found.rate)
+    notes = (*recording.notes, *found.notes, *impossible_note(impossible, quantity))
+    return values, replace(found, notes=notes)
+
+
+def impossible_note(count: int, quantity: Quantity) -> tuple[str, ...]:
+    """A sentence on values that no skin reads, if there are some."""
+    if not count:
+        return ()
+    return (
+        f"{count} values are {quantity.lowest:g} or less, which no skin reads: "
+        "invalid; check gain and baseline",
+    )
 
 
 def untouched(recording: Recording, how: Conditioning) -> bool:

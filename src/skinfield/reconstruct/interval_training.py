@@ -131,16 +131,16 @@ def _carried(
     angles = rng.uniform(0.0, 2 * np.pi, len(solved))
     cos, sin = np.cos(angles), np.sin(angles)
     turns = np.stack([np.stack([cos, -sin], axis=-1), np.stack([sin, cos], axis=-1)], axis=-2)
-    rows = [
-        each.readings((patch.plane - place) @ turn)
-        for each, place, turn in zip(solved, places, turns, strict=True)
-    ]
-    centres = [
-        turn @ each.place + place for each, place, turn in zip(solved, places, turns, strict=True)
-    ]
-    forces = np.array([each.force for each in solved])
-    areas = np.array([each.area for each in solved])
-    return Rehearsal(np.array(rows), np.array(centres), forces, areas, angles)
+    each = list(zip(solved, places, turns, strict=True))
+    return Rehearsal(
+        readings=np.array(
+            [one.readings((patch.plane - place) @ turn) for one, place, turn in each]
+        ),
+        places=np.array([turn @ one.place + place for one, place, turn in each]),
+        forces=np.array([one.force for one in solved]),
+        areas=np.array([one.area for one in solved]),
+        angles=angles,
+    )
 
 
 def _spelt(quantity: Quantity) -> str:
@@ -209,8 +209,8 @@ class Lesson:
 
     Attributes
     ----------
-    features : (N, 3) array
-        See `features_of`.
+    stated : (N,) array, N
+        Force.
     deviation : (N,) array
         Stated relative deviation of the force.
     blocks : (N, 2, 2) array, m²
@@ -221,12 +221,17 @@ class Lesson:
         True less stated.
     """
 
-    features: Floats
+    stated: Floats
     deviation: Floats
     blocks: Floats
     force: Floats
     area: Floats
     place: Floats
+
+    @property
+    def features(self) -> Floats:
+        """See `features_of`, (N, 3)."""
+        return features_of(self.deviation, self.stated)
 
     def __len__(self) -> int:
         return len(self.force)
@@ -306,19 +311,17 @@ def _lesson(
         contact = nearest(solve(reading).contacts, positions[row])
         if contact is None:
             continue
-        deviation = relative_deviation(contact)
         rows.append(
             (
-                features_of(deviation, contact.normal_force),
-                deviation,
+                contact.normal_force,
+                relative_deviation(contact),
                 contact.covariance[:2, :2],
                 np.log(rehearsal.forces[row] / contact.normal_force),
                 np.log(rehearsal.areas[row] / contact.area),
                 (positions[row] - contact.position) @ frames[row][:, :2],
             )
         )
-    shapes = ((0, 3), (0,), (0, 2, 2), (0,), (0,), (0, 2))
-    columns = zip(*rows, strict=True) if rows else map(np.zeros, shapes)
+    columns = zip(*rows, strict=True) if rows else [()] * 6
     return Lesson(*(np.array(column) for column in columns))
 
 

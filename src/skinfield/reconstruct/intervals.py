@@ -23,7 +23,7 @@ from skinfield.errors import (
     check_shape,
 )
 from skinfield.estimate import Contact, Spread
-from skinfield.estimate.uncertainty import below
+from skinfield.estimate.uncertainty import below, between
 
 NINETY = 1.6448536269514722  # standard deviations, each way, that hold 90 %
 NINETY_PLANE = 2.145966026289347  # the same for the radius in the plane: the root of 4.605
@@ -151,8 +151,8 @@ class Intervals:
         """Contacts with their covariance rescaled and their spread set, when asked for."""
         return tuple(Contact.later(CalibratedContact(self, contact)) for contact in contacts)
 
-    def of(self, contact: Contact) -> tuple[Floats, float, Spread]:
-        """Covariance, deviation of the area and spread of a contact."""
+    def of(self, contact: Contact) -> dict[str, Any]:
+        """Covariance, deviation of the area and spread of a contact, by their names."""
         force, deviation = contact.normal_force, relative_deviation(contact)
         group = self.groups[int(np.searchsorted(self.edges, deviation))]
         features = features_of(deviation, force)
@@ -171,8 +171,8 @@ class Intervals:
         covariance[2, 2] = force_std**2
         stretch = wide * force_std / max(contact.force_std, 1e-300)  # of place and of force
         covariance[:2, 2] = covariance[2, :2] = contact.covariance[:2, 2] * stretch
-        low, high = spread.area_interval(2 / 3)
-        return covariance, float(high - low) / 2, spread
+        low, high = between(spread.areas, 2 / 3)
+        return {"covariance": covariance, "area_std": float(high - low) / 2, "spread": spread}
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,25 +183,12 @@ class CalibratedContact:
     contact: Contact
 
     @cached_property
-    def _worked_out(self) -> tuple[Floats, float, Spread]:
+    def _worked_out(self) -> dict[str, Any]:
         return self.intervals.of(self.contact)
 
-    @property
-    def covariance(self) -> Floats:
-        """Of place and force, rescaled."""
-        return self._worked_out[0]
-
-    @property
-    def area_std(self) -> float:
-        """Of the spread of the area."""
-        return self._worked_out[1]
-
-    @property
-    def spread(self) -> Spread:
-        """Truths of presses like this one."""
-        return self._worked_out[2]
-
     def __getattr__(self, name: str) -> Any:
+        if name in ("covariance", "area_std", "spread"):
+            return self._worked_out[name]
         return getattr(self.__dict__["contact"], name)
 
 
@@ -210,6 +197,6 @@ def relative_deviation(contact: Contact) -> float:
     return max(contact.force_std / contact.normal_force, SURE)
 
 
-def features_of(deviation: float, force: float) -> Floats:
-    """What the expected error of a contact depends on: (3,)."""
-    return np.array([1.0, np.log(deviation), np.log(force)])
+def features_of(deviation: float | Floats, force: float | Floats) -> Floats:
+    """What the expected error of contacts depends on: (..., 3)."""
+    return np.stack([np.ones_like(force), np.log(deviation), np.log(force)], axis=-1)

@@ -3,8 +3,8 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,17 +28,11 @@ from skinfield.estimate import (
     PressureError,
     PressureNoise,
 )
-from skinfield.reconstruct.multigrid_levels import (
-    Rung,
-    Rungs,
-    ValidSets,
-    ValidTaxels,
-    prepare_rungs,
-)
+from skinfield.reconstruct.multigrid_levels import Rung, linear_rung, prepare_rungs
 from skinfield.reconstruct.plan import MOST
 from skinfield.reconstruct.reconstructor import checked_readings
 from skinfield.skin import Grid, Patch
-from skinfield.solve import FieldOperator, GaussianField, Solver
+from skinfield.solve import FieldOperator, GaussianField, InverseOperator, Solver
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,44 +102,6 @@ class Window:
         return mask.ravel()
 
 
-def box_of_contact(grid: Grid, pressure: Floats, edge: float) -> tuple[Floats, Floats] | None:
-    """Corners (2,), (2,) m of what exceeds `edge` of the highest pressure; None where none does."""
-    peak = float(pressure.max(initial=0.0))
-    if not peak > 0.0:
-        return None
-    inside = grid.plane[pressure > edge * peak]
-    return inside.min(axis=0) - grid.pitch / 2, inside.max(axis=0) + grid.pitch / 2
-
-
-class Walk:
-    """Who answered last, and what is known of that answer.
-
-    Attributes
-    ----------
-    gap : float
-        Relative duality gap; NaN where the solver states none.
-    iterations : int
-    """
-
-    def __init__(self) -> None:
-        self._last: FieldOperator | None = None
-        self.gap, self.iterations = float("nan"), 0
-
-    def apply(self, operator: FieldOperator, linear: Floats, out: Floats, end: int | None) -> None:
-        """Answer by an operator; if it is another than before, from that one's dual variables."""
-        last = self._last
-        if last is not None and operator is not last and hasattr(operator, "start_from"):
-            operator.start_from(last.dual)  # type: ignore[attr-defined]
-        self._last = operator
-        operator.apply(linear, out, end)
-        self.gap = float(getattr(operator, "gap", float("nan")))
-        self.iterations = int(getattr(operator, "iterations", 0))
-
-    def forget(self) -> None:
-        """Start the next answer from nothing that another rung found."""
-        self._last = None
-
-
 def offered(operator: FieldOperator, method: str) -> Any:
     """A method of an operator, or InputError if it has none."""
     found = getattr(operator, method, None)
@@ -157,39 +113,28 @@ def offered(operator: FieldOperator, method: str) -> Any:
     return found
 
 
-FOLLOWING = ("traction", "displacement", "pressure_std", "contacts", "residual")
+class Beliefs(Protocol):
+    """What is known of an answer's errors: of a linear one by its rung, else by its operator."""
 
+    @property
+    def noise(self) -> PressureNoise:
+        """By which contacts are told from noise."""
+        ...
 
-@dataclass(frozen=True, eq=False)
-class Beliefs:
-    """What is known of an answer's errors."""
+    @property
+    def posterior(self) -> PressureError | None:
+        """By which contacts are said to be sure."""
+        ...
 
-    noise: PressureNoise
-    posterior: PressureError | None
-    pressure_std: Floats
-    model_error: ModelError
+    @property
+    def pressure_std(self) -> Floats:
+        """As the solver states it, (K,) Pa."""
+        ...
 
-
-def linear_beliefs(rung: Rung) -> Beliefs:
-    """Of the linear answer."""
-    return Beliefs(rung.noise, rung.posterior, rung.pressure_std, rung.model_error)
-
-
-def searched_beliefs(rung: Rung) -> Beliefs:
-    """Of the answer of a search."""
-    operator = rung.operator
-    assert operator is not None  # it was searched with
-    return Beliefs(operator.noise, operator.posterior, operator.pressure_std, operator.model_error)
-
-
-def beliefs_in(rung: Rung, window: Window | None) -> Beliefs:
-    """Of whichever answer a rung gives, or of its linear answer in a window."""
-    if window is None:
-        return linear_beliefs(rung) if rung.operator is None else searched_beliefs(rung)
-    nodes, whole = window.nodes, linear_beliefs(rung)
-    posterior = None if rung.posterior is None else rung.posterior.on(nodes)
-    noise = PressureNoise(rung.noise.factor[nodes])
-    return Beliefs(noise, posterior, whole.pressure_std[nodes], whole.model_error)
+    @property
+    def model_error(self) -> ModelError:
+        """What is wrong with contacts beside."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,14 +169,6 @@ class Rest:
         """Of a pressure along the normals, (K, 3) Pa."""
         return np.asarray(-self.pressure[:, None] * self.grid.normals)
 
-    def displacement(self) -> Floats:
-        """Of the surface, (K, 3) m."""
-        return self.moved()
-
-    def pressure_std(self) -> Floats:
-        """As the solver states it, (K,) Pa."""
-        return self.beliefs().pressure_std
-
     def contacts(self) -> tuple[Contact, ...]:
         """By falling force."""
         known = self.beliefs()
@@ -245,80 +182,19 @@ class Rest:
 
     def estimate(self, **known: Any) -> Estimate:
         """The estimate, prompt."""
+        rest = {
+            "traction": self.traction,
+            "displacement": self.moved,
+            "pressure_std": lambda: self.beliefs().pressure_std,
+            "contacts": self.contacts,
+            "residual": self.residual,
+        }
         return Estimate.later(
-            {name: getattr(self, name) for name in FOLLOWING},
-            grid=self.grid,
-            pressure=self.pressure,
-            valid=self.valid,
-            **known,
+            rest, grid=self.grid, pressure=self.pressure, valid=self.valid, **known
         )
 
 
-def rest_of_search(
-    step: Rung, pressure: Floats, linear: Floats, valid: NDArray[np.bool_], finder: ContactFinder
-) -> Rest:
-    """Of a search on a rung, whose operator is the one that searched."""
-    model = step.model
-    assert model is not None  # it was searched with
-    return Rest(
-        grid=step.grid,
-        pressure=pressure,
-        readings=linear,
-        valid=valid,
-        predicted=lambda: np.asarray(model.matrix @ pressure),
-        moved=lambda: step.deformation(pressure),
-        beliefs=lambda: beliefs_in(step, None),
-        finder=finder,
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """The linear answer of a rung, whole or in a window.
-
-    Attributes
-    ----------
-    rungs : Rungs
-    step : Rung
-        One of them.
-    window : Window or None
-    rows : (N, L) array or None
-        Of the rung's matrix, in the window.
-    known : ValidTaxels or None
-        What is prepared without the taxels that are missing, if any are.
-    """
-
-    rungs: Rungs
-    step: Rung
-    window: Window | None
-    rows: Floats | None
-    known: ValidTaxels | None
-
-    def rest(self, linear: Floats, valid: NDArray[np.bool_], finder: ContactFinder) -> Rest:
-        """Pressure of linearised readings, 0 where not valid, and what follows from it."""
-        step, window, known, rows = self.step, self.window, self.known, self.rows
-        matrix, explained, filled = step.matrix, self.rungs.explained, linear
-        if known is not None:
-            filled, matrix, explained = known.readings(linear), known.matrix(step), known.explained
-            rows = None if window is None else matrix[window.nodes]
-
-        def moved() -> Floats:
-            whole = step.deformation(matrix @ filled)
-            return whole if window is None else whole[window.nodes]
-
-        return Rest(
-            grid=step.grid if window is None else window.grid,
-            pressure=np.asarray((matrix if rows is None else rows) @ filled),
-            readings=linear,
-            valid=valid,
-            predicted=lambda: np.asarray(explained @ filled),
-            moved=moved,
-            beliefs=lambda: beliefs_in(step if known is None else known.on(step), window),
-            finder=finder,
-        )
-
-
-EDGE = 0.2  # of the highest pressure: where a contact that is looked at ends
+SETS = 16  # of valid taxels, on one rung each, that stay prepared
 
 
 class Ladder:
@@ -381,12 +257,11 @@ class Ladder:
         self._steps = dict(zip(self.rungs, self.prepared.steps, strict=True))
         self._step = self.prepared.steps[-1]
         self._window: Window | None = None
-        self._rows: Floats | None = None  # of a linear answer in the window
+        self._rows = self._step.matrix  # of a linear answer, in the window
         self._operator = self._step.operator
-        self._walk = Walk()
+        self._before: FieldOperator | None = None  # that answered last
         self._linear = np.zeros(len(patch))
-        self._sets = ValidSets(self.prepared, self.solver)
-        self._last: tuple[Grid, Floats] | None = None
+        self._without = lru_cache(SETS)(self._prepared_without)
 
     @property
     def rung(self) -> int:
@@ -400,7 +275,7 @@ class Ladder:
     def rung(self, nodes: int) -> None:
         self._step = self._at(nodes)
         self._operator = self._step.operator
-        self._window = self._rows = None
+        self._window, self._rows = None, self._step.matrix
 
     def _at(self, nodes: int) -> Rung:
         step = self._steps.get(nodes)
@@ -411,9 +286,7 @@ class Ladder:
     @property
     def grid(self) -> Grid:
         """Nodes of the next answer."""
-        if self._window is not None and self._rows is not None:
-            return self._window.grid
-        return self._step.grid
+        return self._step.grid if self._window is None else self._window.grid
 
     def focus(self, low: ArrayLike, high: ArrayLike, rung: int | None = None) -> None:
         """Look closely at a window, until the rung is set or `focus` is called again.
@@ -435,31 +308,12 @@ class Ladder:
         before, step = self._step.nodes, self._at(self.rungs[-1] if rung is None else rung)
         window = Window.between(step.grid, low, high)  # of a wrong one nothing is changed
         self.rung = step.nodes
-        self._window = window
         if self._operator is None:
+            self._window = window
             self._rows = np.ascontiguousarray(self._step.matrix[window.nodes])
             return
         seldom = round(self._step.nodes / before)
         self._operator = offered(self._operator, "within")(window.candidates(seldom))
-
-    def focus_on_contact(self, margin: float, rung: int | None = None) -> bool:
-        """Focus on what pressed in the last answer; False, and no change, if nothing did.
-
-        Parameters
-        ----------
-        margin : float, m
-            Around the cells that exceed a fifth of the highest pressure.
-        rung : int, optional
-            Density inside. Default the finest.
-        """
-        check_positive("margin", margin, "metres around the contact")
-        if self._last is None:
-            raise InputError("nothing was answered yet, expected a reading before the focus on it")
-        box = box_of_contact(*self._last, EDGE)
-        if box is None:
-            return False
-        self.focus(box[0] - margin, box[1] + margin, rung)
-        return True
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
         """Write into `out` (K,), Pa, the pressure on `grid`; allocates nothing of its own.
@@ -474,9 +328,9 @@ class Ladder:
         """
         linear = self.quantity.linearise(readings, self._linear)
         if self._operator is None:
-            np.dot(self._step.matrix if self._rows is None else self._rows, linear, out=out)
+            np.dot(self._rows, linear, out=out)
         else:
-            self._walk.apply(self._operator, linear, out, deadline_ns)
+            self._search(self._operator, linear, out, deadline_ns)
 
     def __call__(
         self,
@@ -515,38 +369,99 @@ class Ladder:
         known = np.where(good, table[0], 0.0)
         linear = np.array(self.quantity.linearise(known, np.empty_like(known)))
         end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
-        rest = self._answer(linear, good, end)
-        self._last = rest.grid, rest.pressure
+        rest, operator = self._answer(linear, good, end)
         now = time.perf_counter_ns()
         notes = () if good.all() else (f"{int((~good).sum())} taxels left out",)
         return rest.estimate(
             latency=(now - start) * 1e-9,
             stamp_ns=stamp_ns,
-            gap=0.0 if self._operator is None else self._walk.gap,
-            iterations=self._walk.iterations,
+            gap=0.0 if operator is None else float(getattr(operator, "gap", float("nan"))),
+            iterations=int(getattr(operator, "iterations", 0)),
             deadline_met=end is None or now <= end,
             notes=notes,
         )
 
     def reset(self) -> None:
         """Forget the reading before, from which a search starts."""
-        self._walk.forget()
+        self._before = None
         for step in self.prepared.steps:
             reset = getattr(step.operator, "reset", None)
             if reset is not None:
                 reset()
 
-    def _answer(self, linear: Floats, valid: NDArray[np.bool_], end: int | None) -> Rest:
-        """Pressure of linearised readings, 0 where they are not valid, and what follows from it."""
-        step, operator = self._step, self._operator
-        if operator is None:
-            known = None if valid.all() else self._sets.of(valid)
-            window = None if self._rows is None else self._window
-            answered = Linear(self.prepared, step, window, self._rows, known)
-            return answered.rest(linear, valid, self.finder)
-        if not valid.all():
-            operator = offered(operator, "without")(valid)
-            step = replace(step, operator=operator)
-        out = np.empty(len(step.grid))
-        self._walk.apply(operator, linear, out, end)
-        return rest_of_search(step, out, linear, valid, self.finder)
+    def _search(
+        self, operator: FieldOperator, linear: Floats, out: Floats, end: int | None
+    ) -> None:
+        """Answer by an operator; if it is another than before, from that one's dual variables."""
+        before = self._before
+        if before is not None and operator is not before and hasattr(operator, "start_from"):
+            operator.start_from(before.dual)  # type: ignore[attr-defined]
+        self._before = operator
+        operator.apply(linear, out, end)
+
+    def _answer(
+        self, linear: Floats, valid: NDArray[np.bool_], end: int | None
+    ) -> tuple[Rest, FieldOperator | None]:
+        """What follows from linearised readings, 0 where not valid, and the operator that searched.
+
+        A focus of a linear solver answers its window alone.
+        """
+        step, explained, window = self._step, self.prepared.explained, self._window
+        operator = self._operator
+        if operator is not None:
+            if not valid.all():
+                operator = offered(operator, "without")(valid)
+            pressure = np.empty(len(step.grid))
+            self._search(operator, linear, pressure, end)
+        else:
+            rows = self._rows
+            if not valid.all():
+                step, explained = self._without(valid.tobytes(), step.nodes)
+                rows = step.matrix if window is None else step.matrix[window.nodes]
+            pressure = np.asarray(rows @ linear)
+        model = step.model
+
+        def moved() -> Floats:
+            if window is None:
+                return step.deformation(pressure)
+            return step.deformation(step.matrix @ linear)[window.nodes]
+
+        def beliefs() -> Beliefs:
+            if operator is not None or window is None:
+                return step if operator is None else operator
+            nodes, noise = window.nodes, PressureNoise(step.noise.factor[window.nodes])
+            posterior = None if step.posterior is None else step.posterior.on(nodes)
+            return replace(step, noise=noise, posterior=posterior)
+
+        rest = Rest(
+            grid=step.grid if window is None else window.grid,
+            pressure=pressure,
+            readings=linear,
+            valid=valid,
+            predicted=lambda: np.asarray(
+                explained @ linear if model is None else model.matrix @ pressure
+            ),
+            moved=moved,
+            beliefs=beliefs,
+            finder=self.finder,
+        )
+        return rest, operator
+
+    def _prepared_without(self, key: bytes, nodes: int) -> tuple[Rung, Floats]:
+        """A linear solver's rung had the patch the valid taxels alone; what it predicts, (L, L).
+
+        Of all readings: the others, by the bytes of a mask (L,), are multiplied by 0.
+        """
+        valid, prepared = np.frombuffer(key, np.bool_), self.prepared
+        model = prepared.model.subset(valid)
+        start = prepared.start.without(valid)
+        if start is None:
+            operator = self.solver.prepare(model)
+            assert isinstance(operator, InverseOperator)  # as it is of all taxels
+            start = operator
+        made = linear_rung(nodes, self._at(nodes).deformation, start, model)
+        matrix = np.zeros((len(made.grid), len(valid)))
+        matrix[:, valid] = made.matrix
+        explained = np.zeros((len(valid), len(valid)))
+        explained[:, valid] = prepared.model.matrix @ start.matrix
+        return replace(made, matrix=matrix), explained

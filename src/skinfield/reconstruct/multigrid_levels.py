@@ -1,9 +1,8 @@
 """Multigrid levels: one patch prepared at several resolutions."""
 
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -21,7 +20,6 @@ from skinfield.solve import (
     InverseOperator,
     NonNegative,
     Solver,
-    TaxelSets,
 )
 
 
@@ -235,7 +233,12 @@ def prepare_rungs(
     finest = ObservationModel.of(patch, layer, grids[-1], mechanics, quantity, noise_std)
     top = _prepared(solver, finest)
     linear = isinstance(top, InverseOperator)
-    start = top if isinstance(top, InverseOperator) else linear_start(solver).prepare(finest)
+    if isinstance(top, InverseOperator):
+        start = top
+    elif isinstance(solver, NonNegative):  # an iterative one starts from its prior without bounds
+        start = GaussianField(snr=solver.snr, length_scale=solver.length_scale).prepare(finest)
+    else:
+        start = GaussianField().prepare(finest)
     steps = []
     for nodes, grid in zip(sides, grids, strict=True):
         step = linear_rung(nodes, Deformation(grid, layer, mechanics), start, finest)
@@ -243,7 +246,9 @@ def prepare_rungs(
             model = finest
             if grid is not grids[-1]:
                 model = ObservationModel.of(patch, layer, grid, mechanics, quantity, noise_std)
-            step = replace(step, model=model, operator=_iterative(solver, model, finest, top))
+            operator = top if model is finest else _prepared(solver, model)
+            assert not isinstance(operator, InverseOperator)  # it is linear on all grids or none
+            step = replace(step, model=model, operator=operator)
         steps.append(step)
     return Rungs(
         steps=tuple(steps),
@@ -256,17 +261,6 @@ def prepare_rungs(
     )
 
 
-def _iterative(
-    solver: Solver,
-    model: ObservationModel,
-    finest: ObservationModel,
-    top: InverseOperator | FieldOperator,
-) -> FieldOperator:
-    operator = top if model is finest else _prepared(solver, model)
-    assert not isinstance(operator, InverseOperator)  # a solver is linear on all grids or none
-    return operator
-
-
 def check_sides(sides: Sequence[int]) -> None:
     """Raise InputError unless the rungs rise."""
     for nodes in sides:
@@ -275,13 +269,6 @@ def check_sides(sides: Sequence[int]) -> None:
         raise InputError(
             f"rungs is {tuple(sides)!r}, expected one or more, from coarse to fine: (10, 20, 40)"
         )
-
-
-def linear_start(solver: Solver) -> GaussianField:
-    """The linear solver of the same prior: an iterative one's answer before its first step."""
-    if isinstance(solver, NonNegative):
-        return GaussianField(snr=solver.snr, length_scale=solver.length_scale)
-    return GaussianField()
 
 
 def _prepared(solver: Solver, model: ObservationModel) -> InverseOperator | FieldOperator:
@@ -310,8 +297,6 @@ def linear_rung(
 
 
 KEPT = 64  # sets of missing taxels whose maps stay at hand
-SETS = 16  # of valid taxels whose matrices stay at hand
-Map = tuple[Ints, Ints, Floats]
 
 
 class FilledReadings:
@@ -335,96 +320,15 @@ class FilledReadings:
 
     def __init__(self, weights: Floats) -> None:
         self.weights = weights
-        self._maps: OrderedDict[bytes, Map] = OrderedDict()
+        self._map_of = lru_cache(KEPT)(self._map)
 
     def fill(self, readings: NDArray[np.floating], valid: NDArray[np.bool_]) -> None:
         """Overwrite what is not `valid` (L,) in `readings` (L,); at least one must be."""
-        key = valid.tobytes()
-        if key not in self._maps:
-            if len(self._maps) >= KEPT:
-                self._maps.popitem(last=False)
-            self._maps[key] = self._map(valid)
-        missing, given, expected = self._maps[key]
-        self._maps.move_to_end(key)
+        missing, given, expected = self._map_of(valid.tobytes())
         readings[missing] = expected @ readings[given]
 
-    def _map(self, valid: NDArray[np.bool_]) -> Map:
-        missing: Ints = np.flatnonzero(~valid).astype(np.int64)
-        given: Ints = np.flatnonzero(valid).astype(np.int64)
+    def _map(self, key: bytes) -> tuple[Ints, Ints, Floats]:
+        valid = np.frombuffer(key, np.bool_)
+        missing, given = np.flatnonzero(~valid), np.flatnonzero(valid)
         rows = self.weights[missing]
         return missing, given, np.asarray(-np.linalg.solve(rows[:, missing], rows[:, given]))
-
-
-class ValidTaxels:
-    """A ladder's linear answer from some of its taxels, as a solver prepares it for them alone.
-
-    Parameters
-    ----------
-    rungs : Rungs
-    solver : Solver
-        Linear.
-    valid : (L,) bool array
-    """
-
-    def __init__(self, rungs: Rungs, solver: Solver, valid: NDArray[np.bool_]) -> None:
-        self.valid, self._rungs, self._solver = valid, rungs, solver
-        gaussian = rungs.start.gaussian
-        self._set: TaxelSets | None = None if gaussian is None else gaussian.sets(valid[None])
-        self._steps: dict[int, Rung] = {}
-
-    def readings(self, linear: Floats) -> Floats:
-        """Linearised readings (L,), missing ones 0, as those that `matrix` is for."""
-        if self._set is None:
-            return linear
-        return np.asarray(self._set.filled(linear[None], np.zeros(1, dtype=np.int64))[0])
-
-    def matrix(self, step: Rung) -> Floats:
-        """From these to the pressure on a rung, (K, L)."""
-        return step.matrix if self._set is not None else self.on(step).matrix
-
-    @cached_property
-    def explained(self) -> Floats:
-        """From these to what the answer predicts of them, (L, L)."""
-        if self._set is not None:
-            return self._rungs.explained
-        return np.asarray(self._rungs.model.matrix @ self._widened(self._prepared.matrix))
-
-    def on(self, step: Rung) -> Rung:
-        """What a rung would be, had the patch the valid taxels alone; 0 for the others."""
-        if step.nodes not in self._steps:
-            model = self._rungs.model.subset(self.valid)
-            made = linear_rung(step.nodes, step.deformation, self._prepared, model)
-            self._steps[step.nodes] = replace(made, matrix=self._widened(made.matrix))
-        return self._steps[step.nodes]
-
-    @cached_property
-    def _prepared(self) -> InverseOperator:
-        without = self._rungs.start.without(self.valid)
-        if without is not None:
-            return without
-        operator = self._solver.prepare(self._rungs.model.subset(self.valid))
-        assert isinstance(operator, InverseOperator)  # as it is of all taxels
-        return operator
-
-    def _widened(self, matrix: Floats) -> Floats:
-        wide = np.zeros((len(matrix), len(self.valid)))
-        wide[:, self.valid] = matrix
-        return wide
-
-
-class ValidSets:
-    """Sets of valid taxels of a linear ladder, of which the last stay prepared."""
-
-    def __init__(self, rungs: Rungs, solver: Solver) -> None:
-        self._made_of = rungs, solver
-        self._kept: OrderedDict[bytes, ValidTaxels] = OrderedDict()
-
-    def of(self, valid: NDArray[np.bool_]) -> ValidTaxels:
-        """Of a mask (L,), with at least one taxel."""
-        key = valid.tobytes()
-        if key not in self._kept:
-            if len(self._kept) >= SETS:
-                self._kept.popitem(last=False)
-            self._kept[key] = ValidTaxels(*self._made_of, valid.copy())
-        self._kept.move_to_end(key)
-        return self._kept[key]

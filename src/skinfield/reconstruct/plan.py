@@ -1,11 +1,10 @@
-"""Prepared reconstruction of a patch: everything that needs no reading, by kind of solver."""
+"""Linear plan of a patch: everything that needs no reading, folded into one matrix."""
 
 import time
-from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,107 +22,83 @@ from skinfield.estimate import (
 from skinfield.estimate.finder import EXACT
 from skinfield.skin import Grid
 from skinfield.solve import GaussianModel, InverseOperator, TaxelSets
-from skinfield.solve.gaussian_model import SetError
 
 CHUNK = 512  # readings per matrix product: the outputs stay in cache
 SETS = 16  # at once: their deviations stay in cache
 CALLS_KEPT = 16  # whose sets of taxels stay prepared
+MOST = 1e6  # s: a deadline that is as good as none
+EARLIER, LATER = 0.998, 1.1  # changes of a margin: at rest one call of fifty is late
+NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of lateness
+PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
 
 
-class Prepared:
-    """Sets of valid taxels with what each reading of them needs.
+def until(deadline: float | None) -> int | None:
+    """Time of `time.perf_counter_ns` at which a deadline in seconds from now ends."""
+    return None if deadline is None else time.perf_counter_ns() + int(min(deadline, MOST) * 1e9)
+
+
+@dataclass
+class DeadlineMargin:
+    """Learns from how late answers were.
 
     Attributes
     ----------
-    sets : TaxelSets
-        P of them.
-    errors : list of P pairs of SetError
-        Of the posterior, and by the readings' noise alone.
+    margin_ns : int, ns
+    least, most : int, ns
+        Between which it stays.
     """
 
-    def __init__(self, sets: TaxelSets) -> None:
-        self.sets = sets
+    margin_ns: int = 10_000
+    least: int = 2_000
+    most: int = 50_000
 
-    @cached_property
-    def errors(self) -> list[tuple[SetError, SetError]]:
-        """Of the sets, one after the other: computed when contacts are first asked for."""
-        return self.sets.errors()
+    def before(self, end: int | None) -> int | None:
+        """When a solver should end so that all is done at `end` of `time.perf_counter_ns`."""
+        return None if end is None else end - self.margin_ns
+
+    def learn(self, start: int, end: int) -> bool:
+        """Take note that all is done now; whether that is in time.
+
+        Of an end so near to the start that nothing was left for the solver nothing is learnt.
+        """
+        now = time.perf_counter_ns()
+        tells = -NEAR * self.margin_ns < now - end < max(PAUSE, 2 * self.margin_ns)
+        if tells and end - self.margin_ns > start:
+            change = EARLIER if now <= end else LATER
+            self.margin_ns = int(min(max(change * self.margin_ns, self.least), self.most))
+        return now <= end
 
 
 @dataclass(frozen=True, eq=False)
-class MissingTaxels:
-    """Answers a linear plan's readings of which some taxels are not valid.
+class Answer:
+    """One reading's pressure, and how to compute the rest when it is asked for.
 
     Attributes
     ----------
-    model : GaussianModel
-        On the plan's nodes.
+    pressure : (K,) array, Pa
+    rest : mapping of names to functions
+        Of the other attributes of an `Estimate`, but for the traction.
+    gap : float
+    iterations : int
+    notes : tuple of str
+    margin : DeadlineMargin, optional
+        Which learns how late this was; none where it could not have been any earlier.
     """
 
-    model: GaussianModel
-    _cache: OrderedDict[bytes, Prepared] = field(default_factory=OrderedDict)
+    pressure: Floats
+    rest: dict[str, Callable[[], Any]]
+    gap: float = 0.0
+    iterations: int = 0
+    notes: tuple[str, ...] = ()
+    margin: DeadlineMargin | None = None
 
-    def solve(
-        self,
-        plan: "LinearPlan",
-        readings: Floats,
-        valid: NDArray[np.bool_],
-        rows: Ints,
-        out: "Results",
-    ) -> None:
-        """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`."""
-        patterns, which = distinct(valid)
-        order = np.argsort(which, kind="stable")
-        which = which[order]
-        for first in range(0, len(patterns), SETS):
-            start, end = np.searchsorted(which, [first, first + SETS])
-            prepared = self.prepared(patterns[first : first + SETS])
-            for begin in range(start, end, CHUNK):
-                chunk = order[begin : min(begin + CHUNK, end)]
-                table = np.where(valid[chunk], readings[chunk], 0.0)
-                part = which[begin : begin + len(chunk)] - first
-                _solve(plan, prepared, table, part, rows[chunk], out)
-
-    def prepared(self, patterns: NDArray[np.bool_]) -> Prepared:
-        """Sets of valid taxels (P, L), of which those of the last calls are kept."""
-        key = np.packbits(patterns, axis=1).tobytes()
-        if key not in self._cache:
-            prepared = Prepared(self.model.sets(patterns))
-            if len(patterns) == SETS:  # of many, that will hardly come again
-                return prepared
-            if len(self._cache) >= CALLS_KEPT:
-                self._cache.popitem(last=False)
-            self._cache[key] = prepared
-        self._cache.move_to_end(key)
-        return self._cache[key]
-
-
-def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
-    """Different rows of a mask (R, L), and which of them each row is (R,)."""
-    packed = np.packbits(valid, axis=1)
-    keys = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()  # rows are compared as bytes
-    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
-    return valid[first], which
-
-
-def _solve(
-    plan: "LinearPlan", known: Prepared, table: Floats, which: Ints, rows: Ints, out: "Results"
-) -> None:
-    """Fill in what is missing, so that one product serves all; contacts one by one."""
-    setting, nodes, sets = plan.setting, len(plan.setting.grid), known.sets
-    linear = setting.quantity.linearise(table, np.empty_like(table))
-    filled = sets.filled(linear, which)
-    out.gap[rows] = 0.0
-    out.fields[rows] = (plan.operator @ filled.T.astype(setting.precision)).T
-    left = linear - filled @ plan.explained.T
-    out.residual[rows] = np.where(sets.valid[which], left, np.nan)
-    for row, place in zip(rows, which, strict=True):
-        posterior, noise = known.errors[place]
-        out.pressure_std[row] = posterior.std
-        out.contacts[row] = plan.contacts(out.fields[row, :nodes], noise, posterior)
-
-
-MOST = 1e6  # s: a deadline that is as good as none
+    def met(self, start: int, end: int | None) -> bool:
+        """Whether all that is done now, begun at `start`, is there in time."""
+        if end is None:
+            return True
+        if self.margin is None:
+            return time.perf_counter_ns() <= end
+        return self.margin.learn(start, end)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,48 +137,21 @@ class Results:
             np.full((readings, taxels), np.nan),
             [()] * readings,
             [],
-            np.full(readings, np.nan),
+            np.zeros(readings),
             np.zeros(readings, dtype=np.int64),
             np.ones(readings, dtype=np.bool_),
         )
 
-
-@dataclass(frozen=True, eq=False)
-class Answer:
-    """One reading's pressure, and how to compute the rest when it is asked for.
-
-    Attributes
-    ----------
-    pressure : (K,) array, Pa
-    rest : mapping of names to functions
-        Of the other attributes of an `Estimate`.
-    gap : float
-    iterations : int
-    """
-
-    pressure: Floats
-    rest: dict[str, Callable[[], Any]] = field(default_factory=dict)
-    gap: float = 0.0
-    iterations: int = 0
-
-
-class Plan(Protocol):
-    """Prepared reconstruction from the taxels that are valid."""
-
-    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
-        """Write the answers of `readings` (R, L'), in the quantity's unit, into `rows` of `out`.
-
-        `deadline` is in seconds for each reading.
-        """
-        ...
-
-    def reset(self) -> None:
-        """Forget the readings before."""
-        ...
-
-    def within(self, setting: "Setting") -> "Plan":
-        """The same in another setting of the same patch."""
-        ...
+    def take(self, row: int, answer: Answer) -> None:
+        """Write one reading's answer."""
+        nodes, rest = len(answer.pressure), answer.rest
+        self.fields[row, :nodes] = answer.pressure
+        self.fields[row, nodes:] = rest["displacement"]().T.ravel()
+        self.pressure_std[row] = rest["pressure_std"]()
+        self.residual[row] = rest["residual"]()
+        self.contacts[row] = rest["contacts"]()
+        self.gap[row], self.iterations[row] = answer.gap, answer.iterations
+        self.notes.extend(note for note in answer.notes if note not in self.notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +184,21 @@ class Setting:
     precision: type[np.floating[Any]]
     model_errors: bool = True
 
+    def linearised(self, readings: Floats) -> Floats:
+        """Readings (..., L'), linearised into an array of its own."""
+        return self.quantity.linearise(readings, np.empty_like(readings))
+
+    def contacts(
+        self,
+        pressure: Floats,
+        noise: PressureError,
+        posterior: PressureError | None,
+        error: ModelError,
+    ) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa, whose errors are known."""
+        stated = error if self.model_errors else EXACT
+        return self.finder(self.grid, pressure, noise, posterior, stated)
+
 
 @dataclass(frozen=True, eq=False)
 class LinearPlan:
@@ -256,8 +219,8 @@ class LinearPlan:
         That the solver states beside.
     valid : (L,) bool array
         Which taxels it uses.
-    missing : MissingTaxels or None
-        What answers readings that lack further taxels, if the solver is a Bayesian one.
+    gaussian : GaussianModel or None
+        What answers readings that lack some of all taxels, if the solver is a Bayesian one.
     """
 
     setting: Setting
@@ -268,66 +231,108 @@ class LinearPlan:
     posterior: PressurePosterior | None
     model_error: ModelError
     valid: NDArray[np.bool_]
-    missing: MissingTaxels | None = None
+    gaussian: GaussianModel | None = None
 
-    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
-        """See `Plan.solve`: one matrix product, whatever the deadline."""
+    def solve(self, readings: Floats, rows: Ints, out: Results) -> None:
+        """Write the answers of `readings` (R, L'), in the quantity's unit, into `rows` of `out`."""
         setting, nodes = self.setting, len(self.setting.grid)
-        out.gap[rows] = 0.0
         out.pressure_std[rows] = self.pressure_std
         for first in range(0, len(rows), CHUNK):
-            part, chunk = rows[first : first + CHUNK], readings[first : first + CHUNK]
-            linear = setting.quantity.linearise(chunk, np.empty_like(chunk))
+            part, linear = rows[first : first + CHUNK], readings[first : first + CHUNK]
+            linear = setting.linearised(linear)
             out.fields[part] = (self.operator @ linear.T.astype(setting.precision)).T
             out.residual[np.ix_(part, self.valid)] = linear - linear @ self.explained.T
         for row in rows:
             out.contacts[row] = self.contacts(out.fields[row, :nodes], self.noise, self.posterior)
+
+    def solve_among(
+        self, readings: Floats, valid: NDArray[np.bool_], rows: Ints, out: Results
+    ) -> None:
+        """Write the answers of `readings` (R, L), where `valid` (R, L), into `rows` of `out`.
+
+        What is missing is filled in, so that one product serves all sets of taxels.
+        """
+        patterns, which = distinct(valid)
+        order = np.argsort(which, kind="stable")
+        which = which[order]
+        for first in range(0, len(patterns), SETS):
+            start, end = np.searchsorted(which, [first, first + SETS])
+            known = self.sets(patterns[first : first + SETS])
+            for begin in range(start, end, CHUNK):
+                chunk = order[begin : min(begin + CHUNK, end)]
+                table = np.where(valid[chunk], readings[chunk], 0.0)
+                self._solve_sets(
+                    known, table, which[begin : begin + len(chunk)] - first, rows[chunk], out
+                )
+
+    def _solve_sets(
+        self, known: TaxelSets, table: Floats, which: Ints, rows: Ints, out: Results
+    ) -> None:
+        nodes, linear = len(self.setting.grid), self.setting.linearised(table)
+        filled = known.filled(linear, which)
+        out.fields[rows] = (self.operator @ filled.T.astype(self.setting.precision)).T
+        left = linear - filled @ self.explained.T
+        out.residual[rows] = np.where(known.valid[which], left, np.nan)
+        for row, place in zip(rows, which, strict=True):
+            posterior, noise = known.errors[place]
+            out.pressure_std[row] = posterior.std
+            out.contacts[row] = self.contacts(out.fields[row, :nodes], noise, posterior)
+
+    def sets(self, patterns: NDArray[np.bool_]) -> TaxelSets:
+        """Sets of valid taxels (P, L), of which those of the last calls are kept."""
+        return self._sets(patterns.tobytes())
+
+    @cached_property
+    def _sets(self) -> Callable[[bytes], TaxelSets]:
+        gaussian, taxels = self.gaussian, len(self.valid)
+        assert gaussian is not None  # what it takes to leave taxels out
+        return lru_cache(CALLS_KEPT)(
+            lambda key: gaussian.sets(np.frombuffer(key, np.bool_).reshape(-1, taxels))
+        )
 
     @cached_property
     def pressing(self) -> NDArray[Any]:
         """The operator's rows of the pressure alone, (K, L'): what has to be there at once."""
         return np.asfortranarray(self.operator[: len(self.setting.grid)])
 
-    def _moved(self, linear: Floats) -> Floats:
-        """Displacement (K, 3) of linearised readings of all its taxels."""
-        nodes = len(self.setting.grid)
-        fields = np.dot(self.operator, linear.astype(self.setting.precision))
-        return np.asarray(fields[nodes:].reshape(3, nodes).T, dtype=np.float64)
+    def prompt(
+        self, reading: Floats, end: int | None, among: NDArray[np.bool_] | None = None
+    ) -> Answer:
+        """Answer one reading (L',) at once, whatever the time it should end.
 
-    def _pressed(self, linear: Floats) -> Floats:
-        found = np.dot(self.pressing, linear.astype(self.setting.precision, copy=False))
-        return np.asarray(found, dtype=np.float64)
+        Of a Bayesian solver's plan of all taxels also one (L,) of which some are valid.
+        """
+        nodes, valid, one = len(self.setting.grid), self.valid, np.zeros(1, dtype=np.int64)
+        if among is None:
+            filled = linear = self.setting.linearised(reading)
+        else:
+            valid, known = among, self.sets(among[None])
+            linear = self.setting.linearised(np.where(among, reading, 0.0))
+            filled = known.filled(linear[None], one)[0]
+        single = filled.astype(self.setting.precision, copy=False)
+        pressure = np.asarray(np.dot(self.pressing, single), dtype=np.float64)
 
-    def prompt(self, reading: Floats, end: int | None) -> Answer:
-        """Answer one reading (L',) at once, whatever the time it should end."""
-        linear = self.setting.quantity.linearise(reading, np.empty_like(reading))
-        pressure = self._pressed(linear)
+        def moved() -> Floats:
+            fields = np.dot(self.operator, single)
+            return np.asarray(fields[nodes:].reshape(3, nodes).T, dtype=np.float64)
+
+        def contacts() -> tuple[Contact, ...]:
+            if among is None:
+                return self.contacts(pressure, self.noise, self.posterior)
+            posterior, noise = known.errors[0]
+            return self.contacts(pressure, noise, posterior)
+
         return Answer(
             pressure,
             {
-                "displacement": lambda: self._moved(linear),
-                "pressure_std": lambda: self.pressure_std.copy(),
-                "contacts": lambda: self.contacts(pressure, self.noise, self.posterior),
-                "residual": lambda: spread_out(linear - self.explained @ linear, self.valid),
-            },
-        )
-
-    def prompt_among(self, reading: Floats, valid: NDArray[np.bool_]) -> Answer | None:
-        """Answer one reading (L,) of which some taxels are `valid`; None for most solvers."""
-        if self.missing is None:
-            return None
-        known, one = self.missing.prepared(valid[None]), np.zeros(1, dtype=np.int64)
-        there = np.where(valid, reading, 0.0)
-        linear = self.setting.quantity.linearise(there, np.empty_like(there))
-        filled = known.sets.filled(linear[None], one)[0]
-        pressure = self._pressed(filled)
-        return Answer(
-            pressure,
-            {
-                "displacement": lambda: self._moved(filled),
-                "pressure_std": lambda: known.errors[0][0].std.copy(),
-                "contacts": lambda: self.contacts(pressure, *reversed(known.errors[0])),
-                "residual": lambda: spread_out((linear - self.explained @ filled)[valid], valid),
+                "displacement": moved,
+                "pressure_std": lambda: np.array(
+                    self.pressure_std if among is None else known.errors[0][0].std
+                ),
+                "contacts": contacts,
+                "residual": lambda: spread_out(
+                    (linear - self.explained @ filled)[valid[self.valid]], valid
+                ),
             },
         )
 
@@ -335,15 +340,22 @@ class LinearPlan:
         self, pressure: Floats, noise: PressureError, posterior: PressureError | None
     ) -> tuple[Contact, ...]:
         """Contacts of a pressure (K,), Pa, whose errors are known."""
-        error = self.model_error if self.setting.model_errors else EXACT
-        return self.setting.finder(self.setting.grid, pressure, noise, posterior, error)
+        return self.setting.contacts(pressure, noise, posterior, self.model_error)
 
     def reset(self) -> None:
         """Nothing is kept."""
 
     def within(self, setting: Setting) -> "LinearPlan":
-        """See `Plan.within`."""
+        """The same in another setting of the same patch."""
         return replace(self, setting=setting)
+
+
+def distinct(valid: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Ints]:
+    """Different rows of a mask (R, L), and which of them each row is (R,)."""
+    packed = np.packbits(valid, axis=1)
+    keys = packed.view(np.dtype((np.void, packed.shape[1]))).ravel()  # rows are compared as bytes
+    _, first, which = np.unique(keys, return_index=True, return_inverse=True)
+    return valid[first], which
 
 
 def linear_plan(
@@ -366,13 +378,8 @@ def linear_plan(
         posterior=None if inverse.posterior is None else inverse.posterior.on(nodes),
         model_error=inverse.model_error,
         valid=valid,
-        missing=None if gaussian is None else MissingTaxels(gaussian.on(nodes)),
+        gaussian=None if gaussian is None else gaussian.on(nodes),
     )
-
-
-def until(deadline: float | None) -> int | None:
-    """Time of `time.perf_counter_ns` at which a deadline in seconds from now ends."""
-    return None if deadline is None else time.perf_counter_ns() + int(min(deadline, MOST) * 1e9)
 
 
 def spread_out(values: Floats, valid: NDArray[np.bool_]) -> Floats:

@@ -1,8 +1,7 @@
-"""Plans of a patch for whichever taxels answer, and the margin that they leave to a deadline."""
+"""Plans of a patch: those of solvers that search, and one for whichever taxels answer."""
 
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -11,12 +10,12 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, Ints
-from skinfield.estimate import Contact, PressureError, PressureNoise, PressurePosterior
+from skinfield.estimate import Contact, PressureNoise, PressurePosterior
 from skinfield.estimate.finder import EXACT
 from skinfield.reconstruct.plan import (
     Answer,
+    DeadlineMargin,
     LinearPlan,
-    Plan,
     Results,
     Setting,
     distinct,
@@ -25,44 +24,6 @@ from skinfield.reconstruct.plan import (
     until,
 )
 from skinfield.solve import ContactOperator, FieldOperator, Fit, InverseOperator, Solver
-
-EARLIER, LATER = 0.998, 1.1  # changes of it: at rest one call of fifty is late
-NEAR = 3  # times the margin: an answer that is earlier by more tells nothing of lateness
-PAUSE = 20_000  # ns late: the machine did something else, which no margin prevents
-
-
-@dataclass
-class DeadlineMargin:
-    """Learns from how late answers were.
-
-    Attributes
-    ----------
-    margin_ns : int, ns
-    least, most : int, ns
-        Between which it stays.
-    """
-
-    margin_ns: int = 10_000
-    least: int = 2_000
-    most: int = 50_000
-
-    def before(self, end: int | None) -> int | None:
-        """When a solver should end so that all is done at `end` of `time.perf_counter_ns`."""
-        return None if end is None else end - self.margin_ns
-
-    def learn(self, start: int, end: int | None) -> bool:
-        """Take note that all is done now; whether that is in time.
-
-        Of an end so near to the start that nothing was left for the solver nothing is learnt.
-        """
-        if end is None:
-            return True
-        now = time.perf_counter_ns()
-        tells = -NEAR * self.margin_ns < now - end < max(PAUSE, 2 * self.margin_ns)
-        if tells and end - self.margin_ns > start:
-            change = EARLIER if now <= end else LATER
-            self.margin_ns = int(min(max(change * self.margin_ns, self.least), self.most))
-        return now <= end
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +37,7 @@ class FieldPlan:
         Of the valid taxels, L' of L; of all where `whole`.
     operator : FieldOperator
     valid : (L,) bool array
+    margin : DeadlineMargin
     whole : bool
         Whether the operator takes all L readings, of which it leaves out some itself.
     """
@@ -84,6 +46,7 @@ class FieldPlan:
     model: ObservationModel
     operator: FieldOperator
     valid: NDArray[np.bool_]
+    margin: DeadlineMargin = field(default_factory=DeadlineMargin)
     whole: bool = False
 
     @cached_property
@@ -97,49 +60,37 @@ class FieldPlan:
         whole = self.operator.posterior
         return None if whole is None else whole.on(self.setting.nodes)
 
-    @cached_property
-    def _matrix(self) -> Floats:
-        return self.model.matrix[self.valid] if self.whole else self.model.matrix
-
-    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
-        """See `Plan.solve`."""
-        nodes = len(self.setting.grid)
-        for row, reading in zip(rows, readings, strict=True):
-            end = until(deadline)
-            answer = self.prompt(reading, end)
-            out.in_time[row] = end is None or time.perf_counter_ns() <= end
-            out.gap[row], out.iterations[row] = answer.gap, answer.iterations
-            out.fields[row, :nodes] = answer.pressure
-            out.fields[row, nodes:] = answer.rest["displacement"]().T.ravel()
-            out.pressure_std[row] = answer.rest["pressure_std"]()
-            out.residual[row] = answer.rest["residual"]()
-            out.contacts[row] = answer.rest["contacts"]()
-
     def prompt(self, reading: Floats, end: int | None) -> Answer:
         """Answer one reading (L',) at once, until a time of `time.perf_counter_ns`."""
         setting, operator = self.setting, self.operator
-        linear = setting.quantity.linearise(reading, np.empty_like(reading))
+        linear = setting.linearised(reading)
         found = np.empty(len(self.model.grid))
-        operator.apply(spread_out(linear, self.valid) if self.whole else linear, found, end)
+        taken = spread_out(linear, self.valid) if self.whole else linear
+        operator.apply(taken, found, self.margin.before(end))
         pressure = found if len(found) == len(setting.nodes) else found[setting.nodes]
+        iterations = getattr(operator, "iterations", 0)
+
+        def residual() -> Floats:
+            matrix = self.model.matrix[self.valid] if self.whole else self.model.matrix
+            return spread_out(linear - matrix @ found, self.valid)
+
         return Answer(
             pressure,
             {
                 "displacement": lambda: setting.deformation(found)[setting.nodes],
                 "pressure_std": lambda: operator.pressure_std[setting.nodes],
-                "contacts": lambda: self.contacts(pressure, self.noise, self.posterior),
-                "residual": lambda: spread_out(linear - self._matrix @ found, self.valid),
+                "contacts": lambda: self.contacts(pressure),
+                "residual": residual,
             },
             getattr(operator, "gap", float("nan")),
-            getattr(operator, "iterations", 0),
+            iterations,
+            margin=self.margin if iterations > 0 else None,
         )
 
-    def contacts(
-        self, pressure: Floats, noise: PressureError, posterior: PressureError | None
-    ) -> tuple[Contact, ...]:
-        """Contacts of a pressure (K,), Pa, whose errors are known."""
-        error = self.operator.model_error if self.setting.model_errors else EXACT
-        return self.setting.finder(self.setting.grid, pressure, noise, posterior, error)
+    def contacts(self, pressure: Floats) -> tuple[Contact, ...]:
+        """Contacts of a pressure (K,), Pa."""
+        known = self.noise, self.posterior, self.operator.model_error
+        return self.setting.contacts(pressure, *known)
 
     def reset(self) -> None:
         """Forget the reading before, where the operator keeps it."""
@@ -148,7 +99,7 @@ class FieldPlan:
             reset()
 
     def within(self, setting: Setting) -> "FieldPlan":
-        """See `Plan.within`."""
+        """The same in another setting of the same patch."""
         return replace(self, setting=setting)
 
     def without(self, valid: NDArray[np.bool_]) -> "FieldPlan | None":
@@ -156,23 +107,10 @@ class FieldPlan:
         leave_out = getattr(self.operator, "without", None)
         if leave_out is None or not self.valid.all():
             return None
-        return FieldPlan(self.setting, self.setting.model, leave_out(valid), valid, whole=True)
+        return replace(self, operator=leave_out(valid), valid=valid, whole=True)
 
 
 LESS = 0.5  # of the squares that contacts leave over, a field must leave to answer in their place
-
-
-def make_plan(setting: Setting, solver: Solver, valid: NDArray[np.bool_]) -> Plan:
-    """Prepare a solver for some taxels."""
-    part = setting.model if valid.all() else setting.model.subset(valid)
-    inverse = solver.prepare(part)
-    if isinstance(inverse, InverseOperator):
-        return linear_plan(setting, part, inverse, valid)
-    if isinstance(inverse, ContactOperator):
-        field = inverse.extended
-        extended = None if field is None else FieldPlan(setting, part, field, valid)
-        return ContactPlan(setting, inverse, valid, extended)
-    return FieldPlan(setting, part, inverse, valid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,50 +123,44 @@ class ContactPlan:
     extended: FieldPlan | None
     margin: DeadlineMargin = field(default_factory=lambda: DeadlineMargin(300_000, most=2_000_000))
 
-    def solve(self, readings: Floats, rows: Ints, out: Results, deadline: float | None) -> None:
-        """See `Plan.solve`."""
-        for row, reading in zip(rows, readings, strict=True):
-            start, end = time.perf_counter_ns(), until(deadline)
-            fit = self.operator.fit(reading, self.margin.before(end))
-            late = end is not None and time.perf_counter_ns() >= end
-            left = None if end is None else (end - time.perf_counter_ns()) * 1e-9
-            if fit.explained or late or not self._take_extended(reading, fit, row, out, left):
-                self._write(reading, fit, row, out)
-            out.in_time[row] = self.margin.learn(start, end)
-            out.notes.extend(note for note in fit.notes if note not in out.notes)
+    def prompt(self, reading: Floats, end: int | None) -> Answer:
+        """Answer one reading (L',), all of it, until a time of `time.perf_counter_ns`."""
+        fit = self.operator.fit(reading, self.margin.before(end))
+        late = end is not None and time.perf_counter_ns() >= end
+        if not fit.explained and not late and self.extended is not None:
+            field = self.extended.prompt(reading - fit.offset, end)
+            if self._explains_more(field, reading - fit.predicted):
+                note = "more than few contacts: a non-negative field answers"
+                return replace(field, notes=(note, *fit.notes), margin=self.margin)
+        here = self.setting.nodes
+        whole = len(here) == len(self.setting.model.grid)
+        contacts = fit.contacts if whole else self._inside(fit)
+        return Answer(
+            fit.pressure if whole else fit.pressure[here],
+            {
+                "displacement": lambda: fit.displacement if whole else fit.displacement[here],
+                "pressure_std": lambda: fit.pressure_std if whole else fit.pressure_std[here],
+                "contacts": lambda: contacts,
+                "residual": lambda: spread_out(reading - fit.predicted, self.valid),
+            },
+            float("nan"),
+            notes=fit.notes,
+            margin=self.margin,
+        )
 
-    def _write(self, reading: Floats, fit: Fit, row: int, out: Results) -> None:
-        setting, nodes = self.setting, len(self.setting.grid)
-        whole, here = len(setting.nodes) == len(setting.model.grid), setting.nodes
-        out.contacts[row] = fit.contacts if whole else self._inside(fit.contacts)
-        out.fields[row, :nodes] = fit.pressure if whole else fit.pressure[here]
-        moved = fit.displacement if whole else fit.displacement[here]
-        out.fields[row, nodes:].reshape(3, nodes)[:] = moved.T
-        out.pressure_std[row] = fit.pressure_std if whole else fit.pressure_std[here]
-        out.residual[row, self.valid] = reading - fit.predicted
-        out.gap[row], out.iterations[row] = np.nan, 0
-
-    def _take_extended(
-        self, reading: Floats, fit: Fit, row: int, out: Results, deadline: float | None
-    ) -> bool:
-        """Let a field answer a reading that contacts do not explain, if it explains more."""
-        if self.extended is None:
-            return False
-        self.extended.solve(reading[None] - fit.offset, np.array([row]), out, deadline)
+    def _explains_more(self, field: Answer, left: Floats) -> bool:
+        """Whether a field leaves far less of a reading than contacts, which leave `left` (L',)."""
+        assert self.extended is not None
         noise = self.extended.model.noise_std
-        left = np.square(out.residual[row, self.valid] / noise).sum()
-        if left >= LESS * np.square((reading - fit.predicted) / noise).sum():
-            return False
-        note = "more than few contacts: a non-negative field answers"
-        out.notes.extend([] if note in out.notes else [note])
-        return True
+        over = np.square(field.rest["residual"]()[self.valid] / noise).sum()
+        return bool(over < LESS * np.square(left / noise).sum())
 
-    def _inside(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+    def _inside(self, fit: Fit) -> tuple[Contact, ...]:
         """Contacts that press the window, with the window's own nodes."""
         order = np.argsort(self.setting.nodes)
         nodes = self.setting.nodes[order]
         kept = []
-        for contact in contacts:
+        for contact in fit.contacts:
             place = np.minimum(np.searchsorted(nodes, contact.cells), len(nodes) - 1)
             here = nodes[place] == contact.cells
             if here.any():
@@ -242,9 +174,25 @@ class ContactPlan:
             self.extended.reset()
 
     def within(self, setting: Setting) -> "ContactPlan":
-        """See `Plan.within`."""
+        """The same in another setting of the same patch."""
         extended = None if self.extended is None else self.extended.within(setting)
         return replace(self, setting=setting, extended=extended)
+
+
+Plan = LinearPlan | FieldPlan | ContactPlan
+
+
+def make_plan(setting: Setting, solver: Solver, valid: NDArray[np.bool_]) -> Plan:
+    """Prepare a solver for some taxels."""
+    part = setting.model if valid.all() else setting.model.subset(valid)
+    inverse = solver.prepare(part)
+    if isinstance(inverse, InverseOperator):
+        return linear_plan(setting, part, inverse, valid)
+    if isinstance(inverse, ContactOperator):
+        field = inverse.extended
+        extended = None if field is None else FieldPlan(setting, part, field, valid)
+        return ContactPlan(setting, inverse, valid, extended)
+    return FieldPlan(setting, part, inverse, valid)
 
 
 KEPT = 16  # sets of valid taxels whose plans stay prepared, beside that of all
@@ -275,32 +223,50 @@ class Plans:
         if key not in self._kept:
             if len(self._kept) >= KEPT:
                 self._kept.popitem(last=False)
-            self._kept[key] = self._without(valid)
+            shorter = self.whole.without(valid) if isinstance(self.whole, FieldPlan) else None
+            self._kept[key] = shorter or make_plan(self.setting, self._solver, valid)
         self._kept.move_to_end(key)
         return self._kept[key]
-
-    def _without(self, valid: NDArray[np.bool_]) -> Plan:
-        shorter = self.whole.without(valid) if isinstance(self.whole, FieldPlan) else None
-        return make_plan(self.setting, self._solver, valid) if shorter is None else shorter
 
     def solve(
         self, table: Floats, valid: NDArray[np.bool_], out: Results, deadline: float | None
     ) -> None:
-        """Write the answers of readings (T, L), where `valid` (T, L), into `out`."""
-        for pattern, rows in _patterns(valid, self._without_missing(table, valid, out)):
-            part = table[rows] if pattern.all() else table[np.ix_(rows, pattern)]
-            self.of(pattern).solve(part, rows, out, deadline)
+        """Write the answers of readings (T, L), where `valid` (T, L), into `out`.
 
-    def prompt(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer | None:
-        """Answer one reading (L,) at once; None where the plan computes all that there is."""
-        whole = bool(valid.all())
+        `deadline` is in seconds for each reading.
+        """
+        rows, plan = np.arange(len(table)), self.whole
+        if isinstance(plan, LinearPlan) and plan.gaussian is not None:
+            full = valid.all(axis=1)
+            rows, short = np.flatnonzero(full), np.flatnonzero(~full)
+            if len(short):
+                plan.solve_among(table[short], valid[short], short, out)
+        patterns, which = distinct(valid[rows])
+        for index, pattern in enumerate(patterns):
+            these = rows[which == index]
+            part = table[these] if pattern.all() else table[np.ix_(these, pattern)]
+            self._solve(self.of(pattern), part, these, out, deadline)
+
+    def _solve(
+        self, plan: Plan, readings: Floats, rows: Ints, out: Results, deadline: float | None
+    ) -> None:
+        if isinstance(plan, LinearPlan):
+            plan.solve(readings, rows, out)
+            return
+        for row, reading in zip(rows, readings, strict=True):
+            start, end = time.perf_counter_ns(), until(deadline)
+            answer = plan.prompt(reading, end)
+            out.in_time[row] = answer.met(start, end)
+            out.take(row, answer)
+
+    def prompt(self, reading: Floats, valid: NDArray[np.bool_], end: int | None) -> Answer:
+        """Answer one reading (L,) at once."""
         own = reading.copy()  # what is computed later is of this one; the caller may write over his
-        if isinstance(self.whole, LinearPlan):
-            return self.whole.prompt(own, end) if whole else self.whole.prompt_among(own, valid)
-        plan = self.of(valid)
-        if not isinstance(plan, FieldPlan):
-            return None
-        return plan.prompt(own if whole else own[valid], end)
+        if valid.all():
+            return self.whole.prompt(own, end)
+        if isinstance(self.whole, LinearPlan) and self.whole.gaussian is not None:
+            return self.whole.prompt(own, end, valid)
+        return self.of(valid).prompt(own[valid], end)
 
     def within(self, setting: Setting) -> "Plans":
         """The same in another setting of the same patch."""
@@ -315,27 +281,10 @@ class Plans:
 
     def run_in(self) -> None:
         """Load what is compiled for contacts and displacement."""
-        if isinstance(self.whole, (LinearPlan, FieldPlan)):
-            peak = np.zeros(len(self.setting.grid))
-            peak[len(peak) // 2] = 1e3 * max(float(self.whole.noise.std.max()), 1.0)
-            self.whole.contacts(peak, self.whole.noise, self.whole.posterior)
-            self.setting.deformation(np.zeros(len(self.setting.model.grid)))
-
-    def _without_missing(self, table: Floats, valid: NDArray[np.bool_], out: Results) -> Ints:
-        """Answer the readings that lack taxels, if the plan of all taxels can; rows that remain."""
-        full, plan = valid.all(axis=1), self.whole
-        if full.all() or not isinstance(plan, LinearPlan) or plan.missing is None:
-            return np.arange(len(valid))
-        rows = np.flatnonzero(~full)
-        plan.missing.solve(plan, table[rows], valid[rows], rows, out)
-        return np.flatnonzero(full)
-
-
-def _patterns(valid: NDArray[np.bool_], rows: Ints) -> Iterator[tuple[NDArray[np.bool_], Ints]]:
-    """Sets of taxels that are valid together in some rows, and the rows that have them."""
-    if len(rows) == 1 or valid[rows].all():
-        yield from [(valid[rows[0]], rows)] if len(rows) else []
-        return
-    patterns, which = distinct(valid[rows])
-    for index, pattern in enumerate(patterns):
-        yield pattern, rows[which == index]
+        plan = self.whole
+        if isinstance(plan, ContactPlan):
+            return
+        peak = np.zeros(len(self.setting.grid))
+        peak[len(peak) // 2] = 1e3 * max(float(plan.noise.std.max()), 1.0)
+        self.setting.contacts(peak, plan.noise, plan.posterior, EXACT)
+        self.setting.deformation(np.zeros(len(self.setting.model.grid)))

@@ -33,7 +33,7 @@ from skinfield.errors import (
 from skinfield.estimate import ContactFinder, Estimate
 from skinfield.reconstruct.intervals import Intervals
 from skinfield.reconstruct.plan import MOST, LinearPlan, Results, Setting
-from skinfield.reconstruct.plans import DeadlineMargin, Plans
+from skinfield.reconstruct.plans import Plans
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, Solver
 
@@ -157,7 +157,6 @@ class Reconstructor:
             intervals.check(*self.kind)
         self._plans = Plans(setting, self.solver)
         self._linear = np.empty(len(patch), precision)
-        self._margin = DeadlineMargin()
         self._run_in()
 
     @property
@@ -231,14 +230,12 @@ class Reconstructor:
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
         if np.ndim(readings) == 1:
-            prompt = self._prompt(table[0], mask[0], stamps, start, deadline)
-            if prompt is not None:
-                return prompt
+            return self._prompt(table[0], mask[0], stamps, start, deadline)
         out = Results.empty(len(table), len(self.patch), len(self.grid))
         self._plans.solve(table, mask, out, deadline)
         nodes, learnt = len(self.grid), self.intervals
         pressure = out.fields[:, :nodes]
-        estimate = Estimate(
+        return Estimate(
             grid=self.grid,
             pressure=pressure,
             traction=-pressure[:, :, None] * self.grid.normals,
@@ -254,7 +251,6 @@ class Reconstructor:
             iterations=out.iterations,
             deadline_met=out.in_time,
         )
-        return estimate[0] if np.ndim(readings) == 1 else estimate
 
     def _prompt(
         self,
@@ -263,15 +259,10 @@ class Reconstructor:
         stamps: NDArray[np.int64],
         start: int,
         deadline: float | None,
-    ) -> Estimate | None:
-        """Answer one reading with its pressure, the rest to be computed when asked for.
-
-        None where the plan computes all at once, as one that finds contacts does.
-        """
+    ) -> Estimate:
+        """Answer one reading with its pressure, the rest to be computed when asked for."""
         end = None if deadline is None else start + int(min(deadline, MOST) * 1e9)
-        answer = self._plans.prompt(reading, valid, self._margin.before(end))
-        if answer is None:
-            return None
+        answer = self._plans.prompt(reading, valid, end)
         pressure, rest, learnt = answer.pressure, answer.rest, self.intervals
         rest["traction"] = lambda: -pressure[:, None] * self.grid.normals
         if learnt is not None:
@@ -285,15 +276,10 @@ class Reconstructor:
             stamp_ns=stamps.ravel()[0],
             gap=answer.gap,
             iterations=answer.iterations,
+            notes=answer.notes,
         )
-        acted = answer.iterations > 0  # without a step it could not have been any earlier
         vars(estimate)["latency"] = (time.perf_counter_ns() - start) * 1e-9
-        in_time = (
-            self._margin.learn(start, end)
-            if acted
-            else end is None or time.perf_counter_ns() <= end
-        )
-        vars(estimate)["deadline_met"] = in_time
+        vars(estimate)["deadline_met"] = answer.met(start, end)
         return estimate
 
     def calibrated(

@@ -198,31 +198,13 @@ class ReconstructorConfig:
     @classmethod
     def of(cls, reconstructor: Reconstructor) -> "ReconstructorConfig":
         """Of a reconstructor that is there."""
-        return cls(
-            reconstructor.patch,
-            reconstructor.layer,
-            reconstructor.grid,
-            reconstructor.mechanics,
-            reconstructor.quantity,
-            reconstructor.solver,
-            reconstructor.model.noise_std,
-            reconstructor.finder,
-            reconstructor.intervals,
-        )
+        names = {each.name for each in fields(cls)} - {"noise_std"}
+        parts: dict[str, Any] = {name: getattr(reconstructor, name) for name in names}
+        return cls(noise_std=reconstructor.model.noise_std, **parts)
 
     def reconstructor(self) -> Reconstructor:
         """Make it: everything that needs no reading is computed now."""
-        return Reconstructor(
-            self.patch,
-            self.layer,
-            self.grid,
-            mechanics=self.mechanics,
-            quantity=self.quantity,
-            solver=self.solver,
-            noise_std=self.noise_std,
-            finder=self.finder,
-            intervals=self.intervals,
-        )
+        return Reconstructor(**{each.name: getattr(self, each.name) for each in fields(self)})
 
     def to_plain(self) -> dict[str, Any]:
         """In what JSON knows; raises InputError where a part is not skinfield's own."""

@@ -96,7 +96,7 @@ class TaxelSets:
         lower = np.linalg.cholesky(inverse[np.ix_(valid, valid)])
         factor = self.variance[which] * (model.turned @ (model.vectors[valid].T @ lower))
         prior = self.variance[which] * model.prior.prior
-        return PressurePosterior(prior, factor, model.prior.steps)
+        return PressurePosterior(prior=prior, factor=factor, steps=model.prior.steps)
 
     def stds(self) -> tuple[Floats, Floats]:
         """Standard deviations of each cell: of the posterior, and of the readings' noise.
@@ -129,6 +129,7 @@ class TaxelSets:
         left = along * self.retained[which] - np.einsum("nml,nm->nl", lost, told)
         moved[which, cell] = np.einsum("nl,nl->n", left, left)
 
+    @cached_property
     def errors(self) -> "list[tuple[SetError, SetError]]":
         """Posterior of each set's pressure, and its error by the readings' noise alone."""
         stds = zip(*self.stds(), strict=True)
@@ -210,25 +211,11 @@ class GaussianModel:
 
     @classmethod
     def of(
-        cls,
-        cross: Floats,
-        gram: Floats,
-        correlation: Floats,
-        noise_std: Floats,
-        snr: float,
+        cls, cross: Floats, gram: Floats, correlation: Floats, noise_std: Floats, snr: float
     ) -> "GaussianModel":
-        """Split G.
+        """Split G (L, L), 1/Pa², A Q Aᵀ of whitened readings.
 
-        Parameters
-        ----------
-        cross : (K, L) array, 1/Pa
-            Q Aᵀ, of whitened readings.
-        gram : (L, L) array, 1/Pa²
-            G = A Q Aᵀ, of whitened readings.
-        correlation : (rows, columns) array
-            Q of two nodes by their offset.
-        noise_std : (L,) array, unit of the reading
-        snr : float
+        `cross` (K, L), 1/Pa, is Q Aᵀ of these, `correlation` (rows, columns) Q by the offset.
         """
         spectrum, vectors = np.linalg.eigh(gram)
         prior = PressurePosterior.of_lattice(correlation, np.zeros((correlation.size, 0)))

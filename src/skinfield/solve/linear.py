@@ -21,6 +21,7 @@ over 64, as an incompressible layer hardly gives below the middle of a wide cont
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,66 +36,46 @@ from skinfield.solve.gaussian_model import GaussianModel
 from skinfield.solve.operator import InverseOperator, propagated_std
 
 
-@dataclass(frozen=True)
-class Measured:
-    """One standard deviation: of the force and the area as parts of them, of the place in pitches.
+class Errors(NamedTuple):
+    """One standard deviation by what taxels read; for the gap that of the capacitance.
 
-    Attributes
-    ----------
-    force, place, area : float
+    Of the force and the area as parts of them, of the place in pitches: (force, place, area).
     """
 
-    force: float
-    place: float
-    area: float
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Of one solver, by what taxels read; for the gap those of the capacitance."""
-
-    stress: Measured
-    capacitance: Measured
+    stress: tuple[float, float, float]
+    capacitance: tuple[float, float, float]
 
     def of(self, model: ObservationModel) -> ModelError:
         """For a model; none is known of a matrix that was built by hand."""
         if model.physics is None:
             return ModelError()
         read = isinstance(model.physics.quantity, BaseStress)
-        part = self.stress if read else self.capacitance
-        place = part.place * model.grid.patch.pitch
-        return ModelError(force=part.force, place=place, area=part.area)
+        force, place, area = self.stress if read else self.capacitance
+        return ModelError(force=force, place=place * model.grid.patch.pitch, area=area)
 
 
-GAUSSIAN_FIELD = Errors(Measured(1.2, 0.20, 0.30), Measured(1.4, 0.22, 0.22))
-NON_NEGATIVE = Errors(Measured(1.4, 0.13, 0.18), Measured(0.54, 0.14, 0.23))
-TIKHONOV = Errors(Measured(1.9, 0.13, 0.0), Measured(1.8, 0.14, 0.0))
-PSEUDO_INVERSE = Errors(Measured(2.2, 0.29, 0.46), Measured(2.6, 0.29, 0.64))
-RESAMPLED_PSEUDO_INVERSE = Errors(Measured(0.92, 0.29, 0.53), Measured(0.60, 0.37, 0.58))
-INVERSE = Errors(Measured(0.82, 0.29, 0.55), Measured(0.60, 0.44, 0.59))
+GAUSSIAN_FIELD = Errors((1.2, 0.20, 0.30), (1.4, 0.22, 0.22))
+NON_NEGATIVE = Errors((1.4, 0.13, 0.18), (0.54, 0.14, 0.23))
+TIKHONOV = Errors((1.9, 0.13, 0.0), (1.8, 0.14, 0.0))
+PSEUDO_INVERSE = Errors((2.2, 0.29, 0.46), (2.6, 0.29, 0.64))
+RESAMPLED_PSEUDO_INVERSE = Errors((0.92, 0.29, 0.53), (0.60, 0.37, 0.58))
+INVERSE = Errors((0.82, 0.29, 0.55), (0.60, 0.44, 0.59))
 
 
-@dataclass(frozen=True, eq=False)
-class VirtualTaxels:
+def resampled(model: ObservationModel) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """N virtual taxels, one below each node that lies inside the hull of the taxels.
 
-    Attributes
-    ----------
+    Nodes outside have none, so nothing is made up.
+
+    Returns
+    -------
     weights : (N, L) array
         From the readings of the taxels to those of the virtual taxels.
     matrix : (N, K) array, unit of the reading per Pa
         What the virtual taxels read of the pressure.
-    nodes : (K,) bool array
+    inside : (K,) bool array
         Where the virtual taxels are.
     """
-
-    weights: Floats
-    matrix: Floats
-    nodes: NDArray[np.bool_]
-
-
-def resampled(model: ObservationModel) -> VirtualTaxels:
-    """Resample a model; nodes outside the hull have no virtual taxel, so nothing is made up."""
     result = resampling_matrix(model.taxels, model.grid.plane)
     inside = result.inside
     if not inside.any():
@@ -103,7 +84,7 @@ def resampled(model: ObservationModel) -> VirtualTaxels:
             "taxels, expected some: use a finer grid or one that covers the taxels"
         )
     weights = np.asarray(result.matrix[inside].toarray())
-    return VirtualTaxels(weights, model.virtual_matrix(model.grid.plane[inside]), inside)
+    return weights, model.virtual_matrix(model.grid.plane[inside]), inside
 
 
 SINGULAR = 1e9  # condition number beyond which rounding alone is seen in the answer
@@ -126,9 +107,9 @@ class Inverse:
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Invert once."""
         if self.resample:
-            virtual = resampled(model)
+            weights, virtual, inside = resampled(model)
             matrix = np.zeros((len(model.grid), len(model.taxels)))
-            matrix[virtual.nodes] = _solve(virtual.matrix[:, virtual.nodes], virtual.weights)
+            matrix[inside] = _solve(virtual[:, inside], weights)
         else:
             taxels, nodes = model.matrix.shape
             if taxels != nodes:
@@ -179,15 +160,15 @@ class PseudoInverse:
     def prepare(self, model: ObservationModel) -> InverseOperator:
         """Invert once."""
         if self.resample:
-            virtual = resampled(model)
-            inverse = np.linalg.pinv(virtual.matrix, rcond=self.rcond)
-            matrix = np.asarray(inverse @ virtual.weights, dtype=np.float64)
+            weights, virtual, _ = resampled(model)
+            matrix, known = self._inverse(virtual) @ weights, RESAMPLED_PSEUDO_INVERSE
         else:
-            inverse = np.linalg.pinv(model.matrix, rcond=self.rcond)
-            matrix = np.asarray(inverse, dtype=np.float64)
+            matrix, known = self._inverse(model.matrix), PSEUDO_INVERSE
         std = propagated_std(matrix, model.noise_std)
-        known = RESAMPLED_PSEUDO_INVERSE if self.resample else PSEUDO_INVERSE
         return InverseOperator(matrix, std, model_error=known.of(model))
+
+    def _inverse(self, matrix: Floats) -> Floats:
+        return np.asarray(np.linalg.pinv(matrix, rcond=self.rcond), dtype=np.float64)
 
 
 @dataclass(frozen=True, kw_only=True)

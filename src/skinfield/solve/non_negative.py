@@ -1,9 +1,10 @@
 """Non-negative least squares on a grid: the solver, its problem and its operator."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,55 +98,39 @@ def _stamps(rows: Floats, grid: Grid, kind: np.dtype[Any]) -> dict[str, Any]:
 LAPS = 6  # of the run in, after which the times of steps are known
 
 
-class Linear(Protocol):
-    """A solver whose operator is linear."""
-
-    def prepare(self, model: ObservationModel, /) -> InverseOperator:
-        """Do every computation that needs no reading."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class Backing:
     """The field without the constraint: what contacts and their uncertainty are told by.
 
     Attributes
     ----------
-    solver : Linear
-    model : ObservationModel
-        Of all taxels.
-    whole : Backing, optional
-        That of all taxels, if some are left out.
-    valid : (L,) bool array, optional
-        Which of those are not.
+    prepare : function that returns InverseOperator
+        Called when it is first asked for: the search itself does not need it.
+    noise_std : (L,) array, unit of the reading
     """
 
-    solver: Linear
-    model: ObservationModel
-    whole: "Backing | None" = None
-    valid: NDArray[np.bool_] | None = None
+    prepare: Callable[[], InverseOperator]
+    noise_std: Floats
 
     @cached_property
     def operator(self) -> InverseOperator:
-        """Prepared when it is first asked for: the search itself does not need it."""
-        if self.whole is None or self.valid is None:
-            return self.solver.prepare(self.model)
-        gaussian = self.whole.operator.gaussian
-        if gaussian is None:
-            return self.solver.prepare(self.model.subset(self.valid))
-        sets = gaussian.sets(self.valid[None])  # a low-rank update, some milliseconds
-        posterior = sets.posterior(0)
-        return InverseOperator(sets.matrix(0), posterior.std, posterior)
+        """Linear operator of the same prior."""
+        return self.prepare()
 
-    @property
+    @cached_property
     def noise(self) -> PressureNoise:
         """How the readings' noise moves this field."""
-        std = self.model.noise_std if self.valid is None else self.model.noise_std[self.valid]
-        return PressureNoise(self.operator.matrix * std)
+        return PressureNoise(self.operator.matrix * self.noise_std)
 
     def without(self, valid: NDArray[np.bool_]) -> "Backing":
         """Of the valid taxels, by a mask (L,)."""
-        return Backing(self.solver, self.model, self, valid)
+
+        def prepare() -> InverseOperator:
+            shorter = self.operator.without(valid)  # a low-rank update, some milliseconds
+            assert shorter is not None  # as the operator is of all taxels, and Bayesian
+            return shorter
+
+        return Backing(prepare, self.noise_std[valid])
 
 
 @dataclass(eq=False)
@@ -514,9 +499,8 @@ class NonNegative:
             if length == 0.0
             else GaussianField(snr=self.snr, length_scale=length)
         )
-        operator = NonNegativeOperator(
-            problem, Backing(linear, model), NON_NEGATIVE.of(model), len(whitening)
-        )
+        backing = Backing(partial(linear.prepare, model), model.noise_std)
+        operator = NonNegativeOperator(problem, backing, NON_NEGATIVE.of(model), len(whitening))
         operator.run_in()
         return operator
 

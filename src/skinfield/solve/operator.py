@@ -55,18 +55,7 @@ class InverseOperator:
 
 
 class FieldOperator(Protocol):
-    """Prepared map that is not linear, from L readings to the pressure on K nodes.
-
-    Attributes
-    ----------
-    pressure_std : (K,) array, Pa
-    noise : PressureNoise
-        By which contacts are told from noise.
-    posterior : PressurePosterior or None
-        By which contacts are said to be sure, if by more than the readings' noise.
-    model_error : ModelError
-        What is wrong with contacts beside: added to their covariance.
-    """
+    """Prepared map that is not linear, from L readings to the pressure on K nodes."""
 
     @property
     def pressure_std(self) -> Floats:
@@ -75,17 +64,17 @@ class FieldOperator(Protocol):
 
     @property
     def noise(self) -> PressureNoise:
-        """How the readings' noise moves the pressure, about."""
+        """How the readings' noise moves the pressure, about: contacts are told from it."""
         ...
 
     @property
     def posterior(self) -> PressurePosterior | None:
-        """What the readings leave open, about."""
+        """By which contacts are said to be sure, if by more than the readings' noise."""
         ...
 
     @property
     def model_error(self) -> ModelError:
-        """What is wrong with contacts beside."""
+        """What is wrong with contacts beside: added to their covariance."""
         ...
 
     def apply(self, readings: Floats, out: Floats, deadline_ns: int | None = None) -> None:
@@ -109,8 +98,6 @@ class Fit:
         By falling normal force.
     predicted : (L,) array, in the quantity's unit
         What the taxels would read of them.
-    cells : (N,) int array
-        Nodes with pressure other than 0.
     offset : float, in the quantity's unit
         That all taxels are taken to share; it is part of what is predicted.
     explained : bool
@@ -123,7 +110,6 @@ class Fit:
     displacement: Floats
     contacts: tuple[Contact, ...]
     predicted: Floats
-    cells: NDArray[np.int64]
     offset: float = 0.0
     explained: bool = True
     notes: tuple[str, ...] = ()
@@ -131,13 +117,7 @@ class Fit:
 
 @runtime_checkable
 class ContactOperator(Protocol):
-    """Prepared search for the contacts that explain L readings.
-
-    Attributes
-    ----------
-    extended : FieldOperator or None
-        For readings that no few contacts explain.
-    """
+    """Prepared search for the contacts that explain L readings."""
 
     @property
     def extended(self) -> FieldOperator | None:

@@ -13,8 +13,7 @@ from skinfield.files.layouts.load import load_layout
 from skinfield.lab.report import Missing, Picture, Section, Settings, Table
 from skinfield.plot import draw_timeline
 from skinfield.reconstruct import Reconstructor
-from skinfield.reconstruct.conditioned import condition, without_empty
-from skinfield.reconstruct.diagnostics import Conditioning
+from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.signal import column_of, fit_scale
 from skinfield.skin import Grid
 
@@ -98,13 +97,13 @@ def skin_force(folder: Path, trial: str) -> tuple[np.ndarray, Floats]:
     """Stamps (T,) ns and the contacts' force (T,) N of a trial, with the modulus of `FOAM`."""
     patch = load_layout(needed(folder, *PLACES))[0]
     opened = open_recording(needed(folder, *TRIALS, trial, *SKIN))
-    quantity = Capacitance()
-    how = Conditioning()
-    ready = without_empty(condition(readings_for(opened, patch), patch, FOAM, quantity, how))
+    quantity, recording = Capacitance(), readings_for(opened, patch)
+    values, found = condition(recording, patch, FOAM, quantity, Conditioning())
+    there = np.isfinite(values).any(axis=1)
     grid = Grid.square(patch, nodes=NODES)
-    solve = Reconstructor(patch, FOAM, grid, quantity=quantity, noise_std=ready.noise_std)
-    stamps = ready.recording.stamp_ns
-    estimate = solve(ready.values, stamp_ns=stamps)
+    solve = Reconstructor(patch, FOAM, grid, quantity=quantity, noise_std=found.noise_std)
+    stamps = recording.stamp_ns[there]
+    estimate = solve(values[there], stamp_ns=stamps)
     return stamps, np.array([sum(c.normal_force for c in each) for each in estimate.contacts])
 
 

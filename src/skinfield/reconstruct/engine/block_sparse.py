@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from skinfield.errors import Ints
 from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.products import CUT, PROOF, Singles
-from skinfield.reconstruct.engine.search_operator import idle_test_of
 from skinfield.solve.tiles import SIDE, Tiles, aligned_blocks
 
 Ints32 = NDArray[np.int32]
@@ -79,46 +78,18 @@ class Atlas:
             scores=np.zeros(SCORES * max(len(each.dropped) for each in stamps), np.float32),
         )
 
-    @property
-    def nbytes(self) -> int:
-        """Of what is read in each call."""
-        return int(self.values.nbytes + self.taxels.nbytes)
-
     @cached_property
     def arrays(self) -> tuple[Any, ...]:
         """All of them, as `cycle_kernel.test_idle` takes them."""
         stamps = self.values, self.taxels, self.firsts, self.cells, self.table
         return *stamps, self.dropped, self.thresholds, self.scores
 
-    @cached_property
-    def _kernels(self) -> tuple[Any, Any]:
-        from skinfield.reconstruct.engine.block_sparse_kernel import idle_patches, products
-
-        return products, idle_patches
-
     def apply(self, readings: Singles, out: Singles) -> None:
         """Write the products of all patches' readings (N,) into `out` (M,), end to end."""
-        self._kernels[0](
-            self.values, self.taxels, self.firsts, self.cells, self.table, readings, out
-        )
+        from skinfield.reconstruct.engine.block_sparse_kernel import products
 
-    def find_idle(self, readings: Singles, idle: NDArray[np.bool_]) -> None:
-        """Write into `idle` (P,) of which patches no product exceeds the threshold of its kind.
-
-        Of the whole matrices' products: what the stamps lack is added at its most.
-        """
-        self._kernels[1](
-            self.values,
-            self.taxels,
-            self.firsts,
-            self.cells,
-            self.table,
-            self.dropped,
-            self.thresholds,
-            readings,
-            self.scores,
-            idle,
-        )
+        stamps = self.values, self.taxels, self.firsts, self.cells
+        products(*stamps, self.table, readings, out)
 
 
 def _table(stamps: Sequence[Tiles], counts: Sequence[int]) -> Ints:
@@ -133,17 +104,23 @@ def _table(stamps: Sequence[Tiles], counts: Sequence[int]) -> Ints:
 
 
 def idle_tests(groups: Sequence[Group]) -> list[Atlas]:
-    """Tests of all patches on each rung; none where the answers are linear."""
+    """Tests of all patches on each rung; none where the answers are linear.
+
+    Products of its rows, the whole matrix's scaled to the length 1, with whitened readings are at
+    most the threshold if a patch is idle.
+    """
     counts, tests = [group.count for group in groups], []
     for rung in range(len(groups[0].searches)):
-        stamps, thresholds = [], []
+        stamps = []
         for group in groups:
-            operator = group.rungs.steps[rung].operator
-            assert operator is not None  # a group has searches of such alone
-            matrix = idle_test_of(group.searches[rung][0], len(group.kind.noise_std))
-            stamps.append(_stamps(matrix, group.rungs.steps[rung].grid.shape, PROOF))
-            thresholds.append(group.thresholds[rung])
-        tests.append(Atlas.of(stamps, counts, thresholds))
+            problem = group.searches[rung][0].problem
+            rows = problem.rows[:, : len(group.kind.noise_std)]
+            scale = np.divide(
+                1.0, problem.norms, out=np.zeros_like(problem.norms), where=problem.norms > 0
+            )
+            shape = group.rungs.steps[rung].grid.shape
+            stamps.append(_stamps(rows * scale[:, None], shape, PROOF))
+        tests.append(Atlas.of(stamps, counts, [group.thresholds[rung] for group in groups]))
     return tests
 
 

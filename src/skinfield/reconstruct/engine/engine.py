@@ -3,72 +3,32 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Quantity, check_skin
-from skinfield.errors import Floats, Ints, check_count, check_offers, check_positive
-from skinfield.estimate import ContactFinder, Estimate
+from skinfield.errors import Floats, check_count, check_offers, check_positive
+from skinfield.estimate import ContactFinder
 from skinfield.reconstruct.engine.cache_warmup import Shadow, measure, rehearsed_cycle
 from skinfield.reconstruct.engine.intake import Intake, Readings
 from skinfield.reconstruct.engine.patch_kinds import Group, check_names, kinds_of, one_skin
 from skinfield.reconstruct.engine.report import CycleReport, Snapshot
-from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_of
+from skinfield.reconstruct.engine.results import Estimates, Results, estimate_of, grid_on
 from skinfield.reconstruct.engine.stages import (
     answer_linearly,
-    begin_search,
     finest_for_all,
+    first_tested,
     refine_linearly,
     spend,
+    test_all,
 )
 from skinfield.reconstruct.engine.timing_model import NS, CostModel
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid_levels import prepare_rungs
 from skinfield.skin import Patch, Skin
 from skinfield.solve import NonNegative, Solver
-
-
-def groups_of(
-    skin: Skin,
-    layer: Layer | Mapping[str, Layer] | None,
-    noise_std: ArrayLike | Mapping[str, ArrayLike] | None,
-    rungs: Sequence[int],
-    mechanics: Mechanics,
-    quantity: Quantity,
-    solver: Solver,
-    progress: Callable[[int, int], None],
-) -> list[Group]:
-    """Prepare each kind of patch once; see `Engine`.
-
-    `progress` is called before each kind with the patches that are ready, and how many there are.
-    """
-    typical = quantity.typical_noise
-    noise = typical if noise_std is None else noise_std
-    groups, first = [], 0
-    for index, kind in enumerate(kinds_of(skin, layer, noise, typical)):
-        progress(first, len(skin))
-        patch = kind.patches[0]
-        check_skin(patch, kind.layer, mechanics, quantity)
-        prepared = prepare_rungs(
-            patch, kind.layer, tuple(rungs), mechanics, quantity, solver, kind.noise_std
-        )
-        groups.append(Group(index, first, kind, prepared))
-        first += len(kind.patches)
-    return groups
-
-
-def clockwork_of(
-    groups: Sequence[Group], skin: Skin, quantity: Quantity, clock: Callable[[], int]
-) -> Clockwork:
-    """Arrays of all patches, those of one kind side by side."""
-    patches = [patch for group in groups for patch in group.kind.patches]
-    names = [patch.name for patch in skin]
-    noise = [np.tile(group.kind.noise_std, group.count) for group in groups]
-    order = [names.index(patch.name) for patch in patches]
-    return Clockwork(groups, Intake(patches, order, quantity, np.concatenate(noise)), clock)
-
 
 RETURN, BEYOND = 0, 1  # what is learnt beside the steps: the way back, and how late a cycle ends
 MOST_KEPT = 0.1  # of the budget, for each of these
@@ -146,25 +106,51 @@ class Engine:
                 check_names(name, given, self.skin)
         self.names = tuple(patch.name for patch in self.skin)
         self.cycle = 0
-        self.groups = groups_of(
-            self.skin,
-            layer,
-            noise_std,
-            self.rungs,
-            self.mechanics,
-            self.quantity,
-            self.solver,
-            progress,
-        )
-        self._work = clockwork_of(self.groups, self.skin, self.quantity, clock)
+        self.groups = self._prepared(layer, noise_std, progress)
+        self._work = self._clockwork(clock)
         self._ordered = tuple(self._work.intake.names)
         self._around = CostModel(np.array([20e-6, 5e-6]))
         self.results = Results(self._work, [self._ordered.index(name) for name in self.names])
         self.spent = self.first = 0.0
-        self._grid_of = lru_cache(KEPT)(partial(grid_of, self._work))
+        places = self._work.places
+        self._grid_of = lru_cache(KEPT)(lambda patch, rung: grid_on(*places[patch], rung))
         self._shadow: Shadow | None = None
         self._double: Engine | None = None
         self._run_in()
+
+    def _prepared(
+        self,
+        layer: Layer | Mapping[str, Layer] | None,
+        noise_std: ArrayLike | Mapping[str, ArrayLike] | None,
+        progress: Callable[[int, int], None],
+    ) -> list[Group]:
+        """Prepare each kind of patch once.
+
+        `progress` is called before each with the patches that are ready, and how many there are.
+        """
+        typical = self.quantity.typical_noise
+        noise = typical if noise_std is None else noise_std
+        physics = self.mechanics, self.quantity
+        groups: list[Group] = []
+        first = 0
+        for index, kind in enumerate(kinds_of(self.skin, layer, noise, typical)):
+            progress(first, len(self.skin))
+            patch = kind.patches[0]
+            check_skin(patch, kind.layer, *physics)
+            rungs = prepare_rungs(
+                patch, kind.layer, self.rungs, *physics, self.solver, kind.noise_std
+            )
+            groups.append(Group(index, first, kind, rungs))
+            first += len(kind.patches)
+        return groups
+
+    def _clockwork(self, clock: Callable[[], int]) -> Clockwork:
+        """Arrays of all patches, those of one kind side by side."""
+        patches = [patch for group in self.groups for patch in group.kind.patches]
+        noise = [np.tile(group.kind.noise_std, group.count) for group in self.groups]
+        order = [self.names.index(patch.name) for patch in patches]
+        intake = Intake(patches, order, self.quantity, np.concatenate(noise))
+        return Clockwork(self.groups, intake, clock)
 
     def __call__(
         self,
@@ -198,14 +184,26 @@ class Engine:
             For another number of taxels, or a name that no patch has.
         """
         start = self._begin(budget)
-        self._work.logging = True
-        self._work.begin(readings, valid)
-        hot, first = self._answer()
-        report = self._close(hot, start, first)
-        cycle = self.cycle
+        work, cycle = self._work, self.cycle + 1
+        work.logging = True
+        work.intake.take(readings, valid)
+        first, snapshot = self._run(start)
+        assert snapshot is not None  # as it is logging
+        report = CycleReport(
+            budget=self._granted,
+            spent=self.spent,
+            first=(first - start) * NS,
+            started=start,
+            overrun=self.spent > self._granted,
+            names=self._ordered,
+            _log=tuple(work.log),
+            _snapshot=snapshot,
+        )
         return Estimates(
             self.names,
-            lambda name: self.estimate_of(name, stamp_ns, report),
+            lambda name: estimate_of(
+                work, self.finder, self._ordered.index(name), self._grid_of, stamp_ns, report
+            ),
             lambda: self.cycle == cycle,
             report,
         )
@@ -235,9 +233,8 @@ class Engine:
         """
         start = self._begin(budget)
         self._work.logging = False
-        self._work.begin_flat(readings, valid)
-        hot, first = self._answer()
-        self._finish(hot, start, first)
+        self._work.intake.take_flat(readings, valid)
+        self._run(start)
 
     def _begin(self, budget: float | None) -> int:
         """Set the end of a cycle; returns its start, ns."""
@@ -250,49 +247,30 @@ class Engine:
         work.end = start + int((min(given, ENDLESS) - reserve) / NS)
         return start
 
-    def _answer(self) -> tuple[Ints, int]:
-        """Patches with a contact, and when every patch had its first answer, ns."""
-        work = self._work
+    def _run(self, start: int) -> tuple[int, Snapshot | None]:
+        """Answer what was taken in; when every patch had its first answer, ns, and a snapshot.
+
+        The snapshot is None without a log. It learns how long the end of a cycle takes.
+        """
+        work, around = self._work, self._around
+        work.open()
         if work.linear:
             answer_linearly(work, rung := finest_for_all(work))
             first = work.clock()
-            return refine_linearly(work, rung), first
-        hot, first = begin_search(work), work.clock()
-        return spend(work, hot), first
-
-    def _close(self, hot: Ints, start: int, first: int) -> CycleReport:
-        """End a cycle and report."""
-        snapshot = self._finish(hot, start, first, report=True)
-        assert snapshot is not None
-        return CycleReport(
-            budget=self._granted,
-            spent=self.spent,
-            first=(first - start) * NS,
-            started=start,
-            overrun=self.spent > self._granted,
-            names=self._ordered,
-            _log=tuple(self._work.log),
-            _snapshot=snapshot,
-        )
-
-    def _finish(self, hot: Ints, start: int, first: int, report: bool = False) -> Snapshot | None:
-        """Remember who was served, and learn how long the end of a cycle takes."""
-        work, around = self._work, self._around
+            hot = refine_linearly(work, rung)
+        else:
+            hot, first = test_all(work, first_tested(work)), work.clock()
+            hot = spend(work, hot)
         before, left = work.clock(), work.left
         work.close(hot, around)
         self.cycle += 1
         self.results.update()
-        snapshot = Snapshot.of(work, left, self.rungs) if report else None
+        snapshot = Snapshot.of(work, left, self.rungs) if work.logging else None
         end = work.clock()
         around.observe(RETURN, (end - before) * NS)
         around.observe(BEYOND, max(-left, 0.0))
         self.spent, self.first = (end - start) * NS, (first - start) * NS
-        return snapshot
-
-    def estimate_of(self, name: str, stamp_ns: int, report: CycleReport) -> Estimate:
-        """Estimate of one patch from the last cycle, whose report this is."""
-        patch = self._ordered.index(name)
-        return estimate_of(self._work, self.finder, patch, self._grid_of, stamp_ns, report)
+        return first, snapshot
 
     def rehearse(self, budget: float | None = None) -> None:
         """Answer a rehearsed touch elsewhere: nothing changes, and the next cycle is quick.

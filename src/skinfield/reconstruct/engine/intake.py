@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Capacitance, Quantity
-from skinfield.errors import Floats, InputError, Ints, as_floats
+from skinfield.errors import Floats, InputError, as_floats
 from skinfield.reconstruct.engine.products import Singles
 from skinfield.skin import Patch
 
@@ -22,7 +22,7 @@ class Intake:
     patches : sequence of Patch
         In the order of the arrays.
     order : sequence of int
-        Place of each of them in the skin, which is that of readings that come as a sequence.
+        Place of each of them in the skin, whose order that of `given` is.
     quantity : Quantity
     noise_std : (N,) array
         Of all taxels.
@@ -31,6 +31,10 @@ class Intake:
     ----------
     starts : (P + 1,) list of int
         Where each patch's taxels begin.
+    given, wanted : (N,) arrays
+        What was handed in, in the skin's order, and whether to use it.
+    places : (N,) int array
+        Where in these each taxel stands.
     linear : (N,) array
         Linearised readings; 0 where invalid. With `white` it is written as a cycle opens.
     white : (N,) float32 array
@@ -39,8 +43,6 @@ class Intake:
         Not NaN, not left out, and a number that a skin reads: finite, and not too low.
     present : (P,) bool array
         Patches that gave a reading.
-    given, asked, places : (N,) arrays
-        What was given, whether to use it, and where there each taxel stands.
     how : int
         How it is linearised: see `_linearised_how`.
     straight : (N,) array
@@ -58,21 +60,31 @@ class Intake:
         from skinfield.reconstruct.engine.cycle_kernel import take as gather
 
         self.names = [patch.name for patch in patches]
-        self.order, self.quantity = list(order), quantity
+        self.quantity = quantity
         self.sizes = [len(patch) for patch in patches]
         self.starts = [0, *np.cumsum(self.sizes).tolist()]
         taxels = self.starts[-1]
         self.raw, self.linear, self.straight, self.given = np.zeros((4, taxels))
         self.white: Singles = np.zeros(taxels, np.float32)
-        self.valid, self._every, self._asked = np.ones((3, taxels), np.bool_)
+        self.valid = np.ones(taxels, np.bool_)
+        self._asked: NDArray[np.bool_] = np.ones(taxels, np.bool_)
         self.present = np.ones(len(patches), np.bool_)
         self.all_valid = True
         self.per_noise = 1.0 / noise_std
-        self._nothing = [np.zeros(size) for size in self.sizes]
-        self._in_skin, self._here = self._places_in_skin(), np.arange(taxels)
+        self._rows: list[int] = np.argsort(order).tolist()  # of each patch in the skin's order
+        sizes = [self.sizes[row] for row in self._rows]
+        ends = np.cumsum(sizes).tolist()
+        parts = [slice(end - size, end) for end, size in zip(ends, sizes, strict=True)]
+        self._parts = {self.names[row]: part for row, part in zip(self._rows, parts, strict=True)}
+        self._nothing = [np.zeros(size) for size in sizes]
+        self.places = np.concatenate([np.r_[self._parts[name]] for name in self.names])
         self._gather = gather
-        self.asked, self.places = self._every, self._here
         self.how = _linearised_how(quantity, self.raw)
+
+    @property
+    def wanted(self) -> NDArray[np.bool_]:
+        """See above."""
+        return self._asked
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
         """Take the readings of a cycle.
@@ -82,18 +94,17 @@ class Intake:
         InputError
             For a name that no patch has, or another number of taxels.
         """
-        rows = self._rows(readings)
+        rows = self._each(readings)
         try:
-            sized = list(map(len, rows)) == self.sizes
+            sized = list(map(len, rows)) == list(map(len, self._nothing))
             np.concatenate(rows, out=self.given)
         except (TypeError, ValueError):
             sized = False
         if not sized:
             self._blame(rows)
+        self._asked[:] = True
         if valid is not None:
             self._leave_out(valid)
-        self.asked = self._every if valid is None else self._asked
-        self.places = self._here
 
     def take_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
         """Take the readings (N,) of all taxels, patch by patch in the skin's order.
@@ -107,52 +118,41 @@ class Intake:
         self.given[:] = readings
         if valid is not None:
             _check_flat("valid", valid, self._asked)
-            self._asked[:] = valid
+        self._asked[:] = True if valid is None else valid
         self.present[:] = True
-        self.asked = self._every if valid is None else self._asked
-        self.places = self._in_skin
 
     def linearise(self) -> None:
         """Gather what was given into `straight` as the quantity says; 0 for what is not valid."""
-        given, lowest = self.given, self.quantity.lowest
-        self.all_valid = self._gather(given, self.asked, self.places, lowest, self.raw, self.valid)
+        lowest = self.quantity.lowest
+        taken = self.given, self._asked, self.places, lowest, self.raw, self.valid
+        self.all_valid = self._gather(*taken)
         straight = self.quantity.linearise(self.raw, self.straight)
         if straight is not self.straight:
             self.straight[:] = straight
-
-    def _places_in_skin(self) -> Ints:
-        """Where each taxel stands among those of the skin, patch by patch in its order."""
-        sizes = np.zeros(len(self.order), dtype=np.int64)
-        sizes[self.order] = self.sizes
-        starts = np.concatenate([[0], np.cumsum(sizes)])[self.order]
-        ranges = [start + np.arange(n) for start, n in zip(starts, self.sizes, strict=True)]
-        return np.asarray(np.concatenate(ranges), dtype=np.int64)
 
     def rows_of(self, place: int) -> slice:
         """Taxels of a patch."""
         return slice(self.starts[place], self.starts[place + 1])
 
-    def _rows(self, readings: Readings) -> list[Any]:
-        self.present[:] = True
+    def _each(self, readings: Readings) -> list[Any]:
+        """Readings of each patch in the skin's order; zeros where there are none."""
         if isinstance(readings, Mapping):
-            rows = [readings.get(name) for name in self.names]
-            given = len(rows) - sum(row is None for row in rows)
-            if given < len(readings):
-                self._check_names(readings)
+            rows = [readings.get(name) for name in self._parts]
+        elif len(readings) == len(self.names):
+            rows = list(readings)
         else:
-            if len(readings) != len(self.names):
-                raise InputError(
-                    f"readings has {len(readings)} entries, expected one for each of the "
-                    f"{len(self.names)} patches in the skin's order, None where there is none; "
-                    "or a mapping from names"
-                )
-            rows = [readings[place] for place in self.order]
-            given = len(rows) - sum(row is None for row in rows)
-        if given < len(rows):
-            for place, row in enumerate(rows):
-                if row is None:
-                    self.present[place] = False
-                    rows[place] = self._nothing[place]
+            raise InputError(
+                f"readings has {len(readings)} entries, expected one for each of the "
+                f"{len(self.names)} patches in the skin's order, None where there is none; "
+                "or a mapping from names"
+            )
+        missing = [place for place, row in enumerate(rows) if row is None]
+        if isinstance(readings, Mapping) and len(rows) - len(missing) < len(readings):
+            self._check_names(readings)
+        self.present[:] = True
+        for place in missing:
+            self.present[self._rows[place]] = False
+            rows[place] = self._nothing[place]
         return rows
 
     def _check_names(self, given: Mapping[str, Any]) -> None:
@@ -166,27 +166,24 @@ class Intake:
 
     def _blame(self, rows: Sequence[ArrayLike]) -> None:
         """Name the patch whose readings do not fit."""
-        for name, size, row in zip(self.names, self.sizes, rows, strict=True):
+        for name, nothing, row in zip(self._parts, self._nothing, rows, strict=True):
             shape = as_floats(f"readings[{name!r}]", row).shape
-            if shape != (size,):
+            if shape != nothing.shape:
                 raise InputError(
-                    f"readings[{name!r}] has shape {shape}, expected ({size},): one per taxel; "
-                    "an engine takes one reading of each patch in a cycle"
+                    f"readings[{name!r}] has shape {shape}, expected {nothing.shape}: one per "
+                    "taxel; an engine takes one reading of each patch in a cycle"
                 )
         np.concatenate([as_floats("readings", row) for row in rows], out=self.given)
 
     def _leave_out(self, valid: Mapping[str, ArrayLike]) -> None:
         self._check_names(valid)
-        self._asked[:] = True
-        for place, name in enumerate(self.names):
-            if name in valid:
-                mask = np.asarray(valid[name], dtype=np.bool_)
-                if mask.shape != (self.sizes[place],):
-                    raise InputError(
-                        f"valid[{name!r}] has shape {mask.shape}, expected "
-                        f"({self.sizes[place]},): one per taxel"
-                    )
-                self._asked[self.rows_of(place)] = mask
+        for name, given in valid.items():
+            mask, part = np.asarray(given, dtype=np.bool_), self._asked[self._parts[name]]
+            if mask.shape != part.shape:
+                raise InputError(
+                    f"valid[{name!r}] has shape {mask.shape}, expected {part.shape}: one per taxel"
+                )
+            part[:] = mask
 
     def views(self, array: NDArray[Any], first: int, count: int) -> NDArray[Any]:
         """Rows (count, L) of patches of one size in an array (N,)."""

@@ -1,18 +1,19 @@
 """Kinds of patches: those that are the same to a solver share what is prepared for one of them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, InputError, as_floats, check_shape
-from skinfield.reconstruct.engine.products import SharedProduct, Singles, product_of
-from skinfield.reconstruct.engine.search_operator import ReducedSearch, SearchOperator, is_search
+from skinfield.reconstruct.engine.products import Singles, product_of
 from skinfield.reconstruct.multigrid_levels import FilledReadings, Rungs
 from skinfield.skin import Patch, Skin
+from skinfield.solve import FieldOperator
+from skinfield.solve.non_negative import NonNegativeOperator
 
 SAME = 1e-6  # of the pads' pitch: places that are one
 
@@ -124,7 +125,6 @@ def one_skin(skin: Skin | Patch | Sequence[Patch]) -> Skin:
 SHARED = object()  # in place of the search that a patch used last: its dual was copied
 
 
-@dataclass(eq=False)
 class Group:
     """Prepared answers of P patches of one kind on R rungs.
 
@@ -139,7 +139,7 @@ class Group:
 
     Attributes
     ----------
-    products : R of SharedProduct
+    products : R of DenseProduct or Tiles
         From whitened readings to the linear answer.
     fields : R arrays (P, K) float32, Pa
         Linear answers.
@@ -147,7 +147,7 @@ class Group:
         Of idle tests; none where linear.
     tolerances : R floats
         Gaps at which searches end by themselves.
-    searches : R lists of P SearchOperator
+    searches : R lists of P NonNegativeOperator
     feasible : R arrays (P, K), Pa
         Their answers.
     rows_of_feasible : R lists of P arrays (K,)
@@ -158,42 +158,26 @@ class Group:
         Of whitened readings.
     """
 
-    index: int
-    first: int
-    kind: Kind
-    rungs: Rungs
-    products: list[SharedProduct] = field(init=False)
-    fields: list[Singles] = field(init=False)
-    thresholds: list[float] = field(init=False)
-    tolerances: list[float] = field(init=False)
-    searches: list[list[SearchOperator]] = field(init=False)
-    feasible: list[Floats] = field(init=False)
-    rows_of_feasible: list[list[Floats]] = field(init=False)
-    duals: Floats = field(init=False)
-
-    def __post_init__(self) -> None:
-        steps, count, noise = self.rungs.steps, len(self.kind.patches), self.kind.noise_std
+    def __init__(self, index: int, first: int, kind: Kind, rungs: Rungs) -> None:
+        self.index, self.first, self.kind, self.rungs = index, first, kind, rungs
+        steps, count, noise = rungs.steps, len(kind.patches), kind.noise_std
         self.products = [product_of(step.matrix * noise, step.grid) for step in steps]
-        self.fields = [np.zeros((count, len(step.grid)), np.float32) for step in steps]
-        self.thresholds, self.tolerances, self.searches, self.feasible = [], [], [], []
-        for step in steps:
-            if step.operator is None:
-                continue
-            if not is_search(step.operator):
-                raise InputError(
-                    f"the solver's {type(step.operator).__name__} can neither be cut short nor "
-                    "tell its gap, expected an operator such as that of NonNegative()"
-                )
-            self.thresholds.append(step.operator.problem.threshold)
-            self.tolerances.append(step.operator.problem.tolerance)
-            twins = [step.operator, *(step.operator.twin() for _ in range(count - 1))]
-            self.searches.append(twins)
-            self.feasible.append(np.zeros((count, len(step.grid))))
+        self.fields: list[Singles] = [
+            np.zeros((count, len(step.grid)), np.float32) for step in steps
+        ]
+        searches = [_search(step.operator) for step in steps if step.operator is not None]
+        self.thresholds = [each.problem.threshold for each in searches]
+        self.tolerances = [each.problem.tolerance for each in searches]
+        self.searches = [[each, *(each.twin() for _ in range(count - 1))] for each in searches]
+        self.feasible = [np.zeros((count, len(each.problem.norms))) for each in searches]
         self.rows_of_feasible = [list(fields) for fields in self.feasible]
         self.duals = np.zeros((count, len(noise)))
-        self._last: list[Any] = [None] * count
-        self.filler = FilledReadings(self.rungs.weights * np.outer(noise, noise))
-        self._reduced = [ReducedSearch(twins[0], len(noise)) for twins in self.searches]
+        self._last: list[Any] = [None] * count  # searches, or SHARED
+        self.filler = FilledReadings(rungs.weights * np.outer(noise, noise))
+        every = np.ones(len(noise), np.bool_)
+        self._reduced = [each.without(every) for each in searches]
+        for whole, part in zip(searches, self._reduced, strict=True):
+            part.leave_out(whole, every)  # loads what is compiled
 
     @property
     def count(self) -> int:
@@ -214,7 +198,9 @@ class Group:
         here = slice(place, place + 1)
         self.products[rung].apply(white[here], self.fields[rung][here])
 
-    def search_of(self, rung: int, place: int, valid: NDArray[np.bool_] | None) -> SearchOperator:
+    def search_of(
+        self, rung: int, place: int, valid: NDArray[np.bool_] | None
+    ) -> NonNegativeOperator:
         """Search of a patch, which goes on where the patch's last one ended.
 
         If not all taxels are valid, it is one that all patches share.
@@ -225,13 +211,14 @@ class Group:
             if last is operator:
                 return self.searches[rung][place]
         else:
-            operator = self._reduced[rung].mask(valid)
+            operator = self._reduced[rung]
+            operator.leave_out(self.searches[rung][0], valid)
         if last is not None:
             operator.start_from(self.duals[place] if last is SHARED else last.dual)
         self._last[place] = operator
         return operator
 
-    def remember(self, place: int, shared: SearchOperator) -> None:
+    def remember(self, place: int, shared: NonNegativeOperator) -> None:
         """Keep where a patch's search ended that another patch will use next."""
         np.copyto(self.duals[place], shared.dual)
         self._last[place] = SHARED
@@ -242,3 +229,12 @@ class Group:
             for each in twins:
                 each.reset()
         self._last = [None] * self.count
+
+
+def _search(operator: FieldOperator) -> NonNegativeOperator:
+    if not hasattr(operator, "leave_out"):
+        raise InputError(
+            f"the solver's {type(operator).__name__} can neither be cut short nor tell its gap, "
+            "expected that of NonNegative(), or a linear solver"
+        )
+    return cast(NonNegativeOperator, operator)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.reconstruct.engine.state import Answer, Logged, LoggedStep, Step
+from skinfield.reconstruct.engine.state import Answer, Logged, LoggedStep, State, Step
 from skinfield.reconstruct.engine.workspace import Clockwork
 
 WORDS = {
@@ -86,7 +86,9 @@ class CycleReport:
     @cached_property
     def steps(self) -> tuple[LoggedStep, ...]:
         """All steps; those of one plan's searches in the order in which they were taken."""
-        return tuple(done for each in self._log for done in steps_of(each, self._snapshot.group))
+        return tuple(
+            done for each in self._log for done in steps_of(each, self._snapshot.state.group)
+        )
 
     def __getitem__(self, name: str) -> PatchReport:
         if name not in self.names:
@@ -122,7 +124,7 @@ class CycleReport:
         return sum(each.predicted for each in self.steps)
 
     def _named(self, answer: Answer) -> tuple[str, ...]:
-        there = np.flatnonzero(self._snapshot.answer == answer)
+        there = np.flatnonzero(self._snapshot.state.answer == answer)
         return tuple(self.names[place] for place in there)
 
 
@@ -140,19 +142,9 @@ def steps_of(logged: Logged, groups: Ints) -> Iterator[LoggedStep]:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """Arrays (P,) as the cycle left them; see `State`."""
+    """What of a cycle's work the next one changes, as it left it."""
 
-    answer: Ints
-    rung: Ints
-    gap: Floats
-    iterations: Ints
-    invalid: Ints
-    age: Ints
-    spent: Floats
-    predicted: Floats
-    settled: Sequence[bool]
-    group: Ints
-    kind: Ints
+    state: State
     costs: Floats
     left: float
     sides: Sequence[int]
@@ -161,63 +153,44 @@ class Snapshot:
 
     @classmethod
     def of(cls, work: Clockwork, left: float, sides: Sequence[int]) -> "Snapshot":
-        """Copy what the next cycle changes."""
-        state, missing = work.state, {}
-        if not work.intake.present.all():
-            for place in np.flatnonzero(~work.intake.present).tolist():
-                missing[place] = _why(work, place)
-        return cls(
-            answer=state.answer.copy(),
-            rung=state.rung.copy(),
-            gap=state.gap.copy(),
-            iterations=state.iterations.copy(),
-            invalid=state.invalid.copy(),
-            age=state.age.copy(),
-            spent=state.spent.copy(),
-            predicted=state.predicted.copy(),
-            settled=state.settled.tolist(),
-            group=state.group,
-            kind=state.kind.copy(),
-            costs=work.costs.copy(),
-            left=left,
-            sides=sides,
-            linear=work.linear,
-            why_missing=missing,
-        )
+        """Copy it."""
+        missing = np.flatnonzero(~work.intake.present).tolist()
+        why = {place: _why(work, place) for place in missing}
+        return cls(work.state.copy(), work.costs.copy(), left, sides, work.linear, why)
 
     def report(self, name: str, place: int) -> PatchReport:
         """Report of one patch."""
-        rung = int(self.rung[place])
+        state, rung = self.state, int(self.state.rung[place])
         return PatchReport(
             name=name,
-            answer=WORDS[Answer(self.answer[place])],
+            answer=WORDS[Answer(state.answer[place])],
             rung=self.sides[rung] if rung >= 0 else 0,
-            gap=float(self.gap[place]),
-            iterations=int(self.iterations[place]),
-            invalid=int(self.invalid[place]),
-            spent=float(self.spent[place]),
-            predicted=float(self.predicted[place]),
-            waited=int(self.age[place]),
+            gap=float(state.gap[place]),
+            iterations=int(state.iterations[place]),
+            invalid=int(state.invalid[place]),
+            spent=float(state.spent[place]),
+            predicted=float(state.predicted[place]),
+            waited=int(state.age[place]),
             skipped=self._skipped(place, rung),
         )
 
     def _skipped(self, place: int, rung: int) -> str:
-        answer, top = Answer(self.answer[place]), len(self.sides) - 1
+        answer, top = Answer(self.state.answer[place]), len(self.sides) - 1
         if answer == Answer.MISSING:
             return self.why_missing.get(place, "no reading")
-        step = Step(self.kind[place])
+        step = Step(self.state.kind[place])
         if answer == Answer.IDLE:
             step, following, what = Step.TEST, rung + 1, "idle test on rung"
         elif self.linear:
             step, following, what = Step.ROW, rung + 1, "rung"
         else:
-            done = answer == Answer.FEASIBLE and self.settled[place]
+            done = answer == Answer.FEASIBLE and self.state.settled[place]
             following = rung + 1 if done else max(rung, 0)
             what = "search on rung" if answer == Answer.LINEAR else "rung"
             what = what if done or answer == Answer.LINEAR else "more iterations on rung"
         if following > top:
             return ""
-        group = 0 if step == Step.TEST else self.group[place]  # one test of all
+        group = 0 if step == Step.TEST else self.state.group[place]  # one test of all
         cost = float(self.costs[group, step, following])
         return (
             f"{what} {self.sides[following]}: {cost * 1e6:.0f} µs predicted, "

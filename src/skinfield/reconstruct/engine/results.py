@@ -12,7 +12,7 @@ from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
 from skinfield.reconstruct.engine.workspace import Clockwork
-from skinfield.reconstruct.multigrid import Rest, linear_beliefs, searched_beliefs
+from skinfield.reconstruct.multigrid import Rest
 from skinfield.skin import Grid
 
 
@@ -106,12 +106,6 @@ def grid_on(group: Group, place: int, rung: int) -> Grid:
     return Grid(patch, grid.shape, grid.pitch, grid.origin + patch.plane[0] - first.plane[0])
 
 
-def grid_of(work: Clockwork, patch: int, rung: int) -> Grid:
-    """Nodes of a rung on a patch, by its row."""
-    group, place = work.places[patch]
-    return grid_on(group, place, rung)
-
-
 def estimate_of(
     work: Clockwork,
     finder: ContactFinder,
@@ -133,7 +127,6 @@ def estimate_of(
             return np.asarray(group.rungs.explained @ filled)
         return np.asarray(step.model.matrix @ pressure)
 
-    linear = answer == LINEAR or step.operator is None
     return Rest(
         grid=grid,
         pressure=pressure,
@@ -141,7 +134,7 @@ def estimate_of(
         valid=valid,
         predicted=predicted,
         moved=lambda: step.deformation.on(grid)(pressure),
-        beliefs=lambda: linear_beliefs(step) if linear else searched_beliefs(step),
+        beliefs=lambda: step if answer == LINEAR or step.operator is None else step.operator,
         finder=finder,
     ).estimate(
         latency=report.spent,

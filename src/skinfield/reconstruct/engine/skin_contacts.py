@@ -8,10 +8,8 @@ from numpy.typing import NDArray
 from skinfield.errors import Ints, check_shape
 from skinfield.estimate.live_contacts import CONTACT, Habits, LiveContacts, level_of
 from skinfield.reconstruct.engine.engine import Engine
-from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.results import grid_on
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
-from skinfield.reconstruct.multigrid import Beliefs, linear_beliefs, searched_beliefs
 
 if TYPE_CHECKING:
     from skinfield.estimate.live_contacts_kernel import Level
@@ -52,11 +50,9 @@ class SkinContacts:
         self._engine = engine
         self._searched = 0 if engine.groups[0].rungs.linear else 1  # where their levels begin
         self.ids: Ints = np.zeros(1, np.int64) if ids is None else ids
-        known = [_beliefs(group) for group in engine.groups]
         self.patches: list[LiveContacts] = []
         for index, patch in enumerate(engine.skin):
-            group, place = _place_of(engine, patch.name)
-            levels = [_level(engine, group, place, *each) for each in known[group.index]]
+            levels = _levels(engine, patch.name)
             self.patches.append(
                 LiveContacts(levels, patch=index, rows=rows, habits=habits, ids=self.ids)
             )
@@ -110,30 +106,24 @@ class SkinContacts:
                 each(level, np.zeros(len(known.std)), 0, out)
 
 
-def _place_of(engine: Engine, name: str) -> tuple[Group, int]:
-    """Kind of a patch, and its place there."""
-    for group in engine.groups:
-        for place, patch in enumerate(group.kind.patches):
-            if patch.name == name:
-                return group, place
-    raise AssertionError(name)
-
-
-def _beliefs(group: Group) -> list[tuple[int, Beliefs, bool]]:
-    """Rungs on which a patch may be answered, what is then known of it, whether it is searched."""
-    steps = group.rungs.steps
-    if group.rungs.linear:
-        return [(rung, linear_beliefs(step), False) for rung, step in enumerate(steps)]
-    searched = [(rung, searched_beliefs(step), True) for rung, step in enumerate(steps)]
-    return [(0, linear_beliefs(steps[0]), False), *searched]
-
-
-def _level(
-    engine: Engine, group: Group, place: int, rung: int, known: Beliefs, searched: bool
-) -> "Level":
-    grid, step = grid_on(group, place, rung), group.rungs.steps[rung]
-    told = (grid, known.noise, known.posterior, known.model_error, engine.finder)
-    if not searched or step.model is None:
-        return level_of(*told)
-    signatures = (step.model.matrix / group.kind.noise_std[:, None]).T
-    return level_of(*told, signatures=signatures, threshold=group.thresholds[rung])
+def _levels(engine: Engine, name: str) -> "list[Level]":
+    """Of the rungs on which a patch may be answered: by linear answers, then by searches."""
+    group, place = next(
+        (group, place)
+        for group in engine.groups
+        for place, patch in enumerate(group.kind.patches)
+        if patch.name == name
+    )
+    levels = []
+    for rung, step in enumerate(group.rungs.steps):
+        grid = grid_on(group, place, rung)
+        if step.operator is None or rung == 0:
+            told = grid, step.noise, step.posterior, step.model_error, engine.finder
+            levels.append(level_of(*told))
+        if step.operator is not None and step.model is not None:
+            known = step.operator
+            signatures = (step.model.matrix / group.kind.noise_std[:, None]).T
+            told = grid, known.noise, known.posterior, known.model_error, engine.finder
+            threshold = group.thresholds[rung]
+            levels.append(level_of(*told, signatures=signatures, threshold=threshold))
+    return levels

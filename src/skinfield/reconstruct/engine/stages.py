@@ -59,14 +59,10 @@ def touched(work: Clockwork) -> Ints:
     return np.flatnonzero((state.answer == LINEAR) & (state.energy > idle))
 
 
-def with_more_to_gain(work: Clockwork, rung: int) -> Ints:
-    """Patches that are touched, unless all are answered on the finest rung that they may have."""
-    return NOTHING if rung >= work.finest else touched(work)
-
-
 def refine_linearly(work: Clockwork, rung: int) -> Ints:
     """Finer linear answers where something touches, as far as time goes; returns these patches."""
-    state, hot = work.state, with_more_to_gain(work, rung)
+    state = work.state
+    hot = NOTHING if rung >= work.finest else touched(work)
     if not len(hot):
         return hot
     state.kind[:] = ROW
@@ -163,19 +159,9 @@ def time_to_start(work: Clockwork, hot: Ints) -> float:
     return float(costs[counts > 0].sum())
 
 
-def begin_search(work: Clockwork) -> Ints:
-    """First of all, for every patch, an idle test; returns the patches with a contact."""
-    return test_all(work, first_tested(work))
-
-
 def first_tested(work: Clockwork) -> int:
     """Finest rung whose idle test takes little of the time: coarse cells overlook small touches."""
     return finest_within(work, FIRST * work.left, 0)
-
-
-def finest_testable(work: Clockwork) -> int:
-    """Finest rung on which there is time for an idle test; the last one if there is none."""
-    return finest_within(work, work.left, work.tested)
 
 
 def finest_within(work: Clockwork, seconds: float, least: int) -> int:
@@ -201,7 +187,7 @@ def spend(work: Clockwork, hot: Ints) -> Ints:
             if not served:
                 break
             continue
-        finer = finest_testable(work)
+        finer = finest_within(work, work.left, work.tested)
         if finer == work.tested:
             break
         hot = test_all(work, finer)

@@ -1,11 +1,9 @@
 """State of each patch in a cycle, in arrays."""
 
-from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
 
@@ -67,7 +65,6 @@ class LoggedStep(NamedTuple):
         return Step(self.step)
 
 
-@dataclass(eq=False)
 class State:
     """Arrays (P,) over all patches, those of one kind side by side.
 
@@ -91,34 +88,27 @@ class State:
     unforced : cycles since a patch was last served without the time for it (one number)
     """
 
-    group: Ints
-    integers: Ints = field(init=False)
-    numbers: Floats = field(init=False)
-    answer: Ints = field(init=False)
-    rung: Ints = field(init=False)
-    gap: Floats = field(init=False)
-    at: Ints = field(init=False)
-    excess: Floats = field(init=False)
-    energy: Floats = field(init=False)
-    iterations: Ints = field(init=False)
-    settled: NDArray[np.bool_] = field(init=False)
-    was_hot: NDArray[np.bool_] = field(init=False)
-    age: Ints = field(init=False)
-    kind: Ints = field(init=False)
-    invalid: Ints = field(init=False)
-    spent: Floats = field(init=False)
-    predicted: Floats = field(init=False)
-    unforced: int = field(init=False, default=0)
-
-    def __post_init__(self) -> None:
-        patches = len(self.group)
-        self.integers = np.zeros((5, patches), dtype=np.int64)
+    def __init__(self, group: Ints) -> None:
+        self.group, patches = group, len(group)
+        self.integers: Ints = np.zeros((5, patches), dtype=np.int64)
         self.answer, self.rung, self.at, self.iterations, self.kind = self.integers
         self.numbers = np.zeros((5, patches))
         self.gap, self.excess, self.energy, self.spent, self.predicted = self.numbers
         self.age, self.invalid = np.zeros((2, patches), dtype=np.int64)
         self.rung[:] = self.at[:] = -1
         self.settled, self.was_hot = np.zeros((2, patches), dtype=np.bool_)
+        self.unforced = 0
+
+    def copy(self) -> "State":
+        """What the next cycle changes, as it is now."""
+        other = State(self.group)
+        other.integers[:], other.numbers[:], other.settled[:] = (
+            self.integers,
+            self.numbers,
+            self.settled,
+        )
+        other.age[:], other.invalid[:] = self.age, self.invalid
+        return other
 
     def reset(self) -> None:
         """Forget the cycles before; the arrays stay where they are."""

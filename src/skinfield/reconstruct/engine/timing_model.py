@@ -1,17 +1,14 @@
 """Timing model of a cycle's steps: measured at start-up, corrected by every step that is taken."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
-from skinfield.errors import Floats, check_range
+from skinfield.errors import Floats
 from skinfield.reconstruct.engine.state import PRODUCT, TEST, Step
 
 FORGET = 0.99  # of a prediction above its start, per cycle
 LEAST = 1e-7  # s: the clock's own step
 
 
-@dataclass(eq=False)
 class CostModel:
     r"""A high quantile of the time of each kind of step, followed online.
 
@@ -24,6 +21,13 @@ class CostModel:
     pace : float
         How fast predictions follow.
 
+    Attributes
+    ----------
+    base : (N,) array, s
+        To which predictions come back.
+    moves : (3,) tuple
+        Factors of a prediction that was too low or too high, and the least one, s.
+
     Notes
     -----
     After a step that took x where q was predicted
@@ -34,27 +38,14 @@ class CostModel:
     quantile (Robbins and Monro 1951), on the logarithm, so that it needs no scale. At rest a
     part :math:`\alpha` of the steps takes less. One step that the system interrupted, however long,
     moves it no more than any other. What was predicted too high to be done at all would stay so for
-    ever: `relax` lets it come back to where it started, in some hundred cycles.
+    ever: `close_cycle` of `cycle_kernel` lets it come back to where it started, in some hundred
+    cycles.
     """
 
-    steps: Floats
-    quantile: float = 0.9
-    pace: float = 0.1
-    base: Floats = field(init=False)
-    _up: float = field(init=False, default=1.0)
-    _down: float = field(init=False, default=1.0)
-
-    def __post_init__(self) -> None:
-        check_range("quantile", self.quantile, 0.5, 0.999, "steps that take less than predicted")
-        check_range("pace", self.pace, 1e-4, 1.0, "of the correction in one step")
-        self.base = self.steps.copy()
-        self._up = float(np.exp(self.pace * self.quantile))
-        self._down = float(np.exp(-self.pace * (1.0 - self.quantile)))
-
-    @property
-    def moves(self) -> tuple[float, float, float]:
-        """Factors of a prediction that was too low or too high, and the least one, s."""
-        return self._up, self._down, LEAST
+    def __init__(self, steps: Floats, quantile: float = 0.9, pace: float = 0.1) -> None:
+        self.steps, self.base, self.quantile = steps, steps.copy(), quantile
+        up, down = np.exp(pace * quantile), np.exp(-pace * (1.0 - quantile))
+        self.moves = float(up), float(down), LEAST
 
     def predict(self, step: int) -> float:
         """Time that a step of this kind will hardly exceed, s."""
@@ -62,19 +53,8 @@ class CostModel:
 
     def observe(self, step: int, seconds: float) -> None:
         """Correct by a step that was taken to its end."""
-        steps = self.steps
-        slower = seconds > steps[step]
-        steps[step] = max(steps[step] * (self._up if slower else self._down), LEAST)
-
-    def at_least(self, step: int, seconds: float) -> None:
-        """Correct by a step that was cut off after `seconds`: it would have taken longer."""
-        if seconds >= self.steps[step]:
-            self.observe(step, np.inf)
-
-    def relax(self) -> None:
-        """Let predictions that are above their start come down a little, once a cycle."""
-        steps = self.steps
-        np.minimum(steps, np.maximum(FORGET * steps, self.base), out=steps)
+        steps, (up, down, least) = self.steps, self.moves
+        steps[step] = max(steps[step] * (up if seconds > steps[step] else down), least)
 
     def start(self, step: int, laps: Floats) -> None:
         """Start from measured laps, s: their quantile, at most twice the median."""

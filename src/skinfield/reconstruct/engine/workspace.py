@@ -1,15 +1,13 @@
 """Workspace of a cycle: what its steps share, arrays, costs, the clock and the log."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from skinfield.errors import Floats, Ints
+from skinfield.errors import Ints
 from skinfield.reconstruct.engine.block_sparse import idle_tests, linear_answers
-from skinfield.reconstruct.engine.intake import Intake, Readings
+from skinfield.reconstruct.engine.intake import Intake
 from skinfield.reconstruct.engine.patch_kinds import Group
 from skinfield.reconstruct.engine.state import Logged, State
 from skinfield.reconstruct.engine.timing_model import NS, CostModel, Times
@@ -18,7 +16,6 @@ ROUNDS = 6  # of planning in a cycle, at most
 FOREMOST = 1e6  # weight of a patch that is served before all others
 
 
-@dataclass(eq=False)
 class Clockwork:
     """Prepared arrays of an engine, and where a cycle stands.
 
@@ -57,27 +54,22 @@ class Clockwork:
         to. Kept while `logging`.
     """
 
-    groups: Sequence[Group]
-    intake: Intake
-    clock: Callable[[], int]
-    state: State = field(init=False)
-    costs: Floats = field(init=False)
-    unresolved: Floats = field(init=False)
-    end: int = field(init=False, default=0)
-    log: list[Logged] = field(init=False, default_factory=list)
+    def __init__(self, groups: Sequence[Group], intake: Intake, clock: Callable[[], int]) -> None:
+        from skinfield.reconstruct.engine import block_sparse_kernel, cycle_kernel
 
-    def __post_init__(self) -> None:
-        counts = [group.count for group in self.groups]
-        first = self.groups[0].rungs
+        self.groups, self.intake, self.clock = groups, intake, clock
+        self.kernel: Any = cycle_kernel
+        self._idle_without = block_sparse_kernel.idle_without
+        self.end, self.log = 0, list[Logged]()
+        counts, first = [group.count for group in groups], groups[0].rungs
         self.state = State(np.repeat(np.arange(len(counts)), counts))
         self.rungs, self.linear, self.fills = len(first.steps), first.linear, first.bayesian
-        self.tests = idle_tests(self.groups)
-        self.answers = linear_answers(self.groups) if self.linear else []
-        self.unresolved = np.array([group.rungs.unresolved for group in self.groups])
-        self.places = [(group, place) for group in self.groups for place in range(group.count)]
+        self.tests = idle_tests(groups)
+        self.answers = linear_answers(groups) if self.linear else []
+        self.unresolved = np.array([group.rungs.unresolved for group in groups])
+        self.places = [(group, place) for group in groups for place in range(group.count)]
         self._make_room(len(self.places))
         self._make_views()
-        self._load()
 
     def _make_views(self) -> None:
         """What belongs to each kind and each patch."""
@@ -120,37 +112,17 @@ class Clockwork:
         self._make_views()
         self.times.start_as(other.times)
 
-    def _load(self) -> None:
-        """Compiled functions, which are slow to import again and again."""
-        from skinfield.reconstruct.engine import cycle_kernel
-        from skinfield.reconstruct.engine.block_sparse_kernel import idle_without
-        from skinfield.reconstruct.engine.cycle_kernel import plan_within
-
-        self.kernel: Any = cycle_kernel
-        self._plan, self._idle_without = plan_within, idle_without
-
-    def begin(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
-        """Take the readings of a cycle."""
-        self.log.clear()
-        self.intake.take(readings, valid)
-        self._open()
-
-    def begin_flat(self, readings: Floats, valid: NDArray[np.bool_] | None) -> None:
-        """Take the readings (N,) of a cycle, patch by patch in the skin's order."""
-        self.log.clear()
-        self.intake.take_flat(readings, valid)
-        self._open()
-
-    def _open(self) -> None:
+    def open(self) -> None:
         """Linearise and whiten what was taken in, and forget the answers of the cycle before."""
         intake = self.intake
+        self.log.clear()
         if intake.how > 1:
             intake.linearise()
             self.kernel.open_cycle(intake.straight, *self._whitening, *self._opened)
         else:
             intake.all_valid = self.kernel.take_and_open(
                 intake.given,
-                intake.asked,
+                intake.wanted,
                 intake.places,
                 self._lowest,
                 intake.how == 1,
@@ -268,7 +240,7 @@ class Clockwork:
         Times are those of `planned`.
         """
         state = self.state
-        count = self._plan(
+        count = self.kernel.plan_within(
             hot,
             state.group,
             state.integers,

@@ -12,40 +12,30 @@ from skinfield.compiled import njit
 from skinfield.errors import Floats
 from skinfield.estimate import Contact
 from skinfield.skin import Grid
-from skinfield.solve.atoms.render_kernels import SIZE, Mesh, Surface, Workspace, mesh_of, render
+from skinfield.solve.atoms.render_kernels import SIZE, Mesh, Workspace, mesh_of, render
+from skinfield.solve.atoms.render_tables import PressureTable
 from skinfield.solve.atoms.table import FLAT
 
 POINTS = 32  # of an outline, before the first comes again
-TURN = np.linspace(-np.pi / 2, np.pi / 2, POINTS // 2)
-CIRCLE = np.linspace(0.0, 2.0 * np.pi, POINTS + 1)
-COSINE, SINE = np.cos(CIRCLE), np.sin(CIRCLE)
-END_COSINE, END_SINE = np.cos(TURN), np.sin(TURN)
+FEW = 4  # atoms that are drawn with the finer outline
+FINE, COARSE = 96, 48  # points of an atom among others
 
 
-def outline_of(atom: Floats) -> Floats:
-    """Closed polygon (33, 2) m around an atom (6,), anticlockwise."""
+def polygon_of(atom: Floats, count: int) -> Floats:
+    """Points (count, 2) m around an atom (6,), anticlockwise."""
     x, y, _, radius, half, angle = atom
     if half <= 0.0:
-        out = np.empty((POINTS + 1, 2))
-        out[:, 0] = x + radius * COSINE
-        out[:, 1] = y + radius * SINE
-        return out
-    return drawn_out(x, y, radius, half, angle, END_COSINE, END_SINE)
-
-
-def drawn_out(
-    x: float, y: float, radius: float, half: float, angle: float, cosine: Floats, sine: Floats
-) -> Floats:
-    """Polygon of two half circles, each given by cosine and sine of its points."""
-    count = len(cosine)
-    along, across = np.empty(2 * count + 1), np.empty(2 * count + 1)
-    along[:count] = half + radius * cosine
-    along[count:-1] = -along[:count]
-    across[:count] = radius * sine
-    across[count:-1] = -across[:count]
-    along[-1], across[-1] = along[0], across[0]
+        turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+        return np.asarray(atom[:2] + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    turn = np.linspace(-np.pi / 2, np.pi / 2, count // 2)
+    along, across = half + radius * np.cos(turn), radius * np.sin(turn)
+    along, across = np.append(along, -along), np.append(across, -across)
     east, north = np.cos(angle), np.sin(angle)
     return np.column_stack([x + east * along - north * across, y + north * along + east * across])
+
+
+def _closed(points: Floats) -> Floats:
+    return np.vstack([points, points[:1]])
 
 
 def area_of(atom: Floats) -> float:
@@ -102,13 +92,9 @@ def _square_from(x: float, y: float, east: float, north: float) -> float:
     return (x - share * east) ** 2 + (y - share * north) ** 2
 
 
-FEW = 4  # atoms that are drawn with the finer outline
-FINE, COARSE = 96, 48  # points of an atom
-
-
 @dataclass(frozen=True, eq=False)
-class Body:
-    """Several atoms as one.
+class Shape:
+    """How one or several atoms look in the plane, as one body.
 
     Attributes
     ----------
@@ -122,6 +108,7 @@ class Body:
         Of the longer axis.
     moves : (atoms, 2) array, m
         How the area grows with each atom's radius and half-length.
+    name : "sphere", "flat", "line" or "other"
     """
 
     outline: Floats
@@ -129,36 +116,36 @@ class Body:
     axes: Floats
     angle: float
     moves: Floats
+    name: str = "other"
+
+    @property
+    def radius(self) -> float:
+        """Of the circle of equal area, m."""
+        return float(np.sqrt(self.area / np.pi))
 
 
-def body_of(atoms: Floats) -> Body:
+def body_of(atoms: Floats) -> Shape:
     """Union of atoms (N, 6)."""
     count = FINE if len(atoms) <= FEW else COARSE
-    polygons = np.stack([_polygon(atom, count) for atom in atoms])
+    polygons = np.stack([polygon_of(atom, count) for atom in atoms])
     free = _free(polygons, atoms)
-    radius, half = atoms[:, 3], atoms[:, 4]
-    around = np.column_stack([2.0 * np.pi * radius + 4.0 * half, 4.0 * radius])
     loops = _loops(_arcs(polygons, free))
     sizes, spread = _moments(loops)
     variance, direction = np.linalg.eigh(spread)
     angle = float(np.arctan2(direction[1, 1], direction[0, 1]))
-    return Body(
+    return Shape(
         outline=_around([loop for loop, size in zip(loops, sizes, strict=True) if size > 0.0]),
         area=float(sizes.sum()),
         axes=2.0 * np.sqrt(variance[::-1]),
         angle=(angle + np.pi / 2) % np.pi - np.pi / 2,
-        moves=free.mean(axis=1)[:, None] * around,
+        moves=free.mean(axis=1)[:, None] * _area_moves(atoms),
     )
 
 
-def _polygon(atom: Floats, count: int) -> Floats:
-    """Points (count, 2) m around an atom, anticlockwise."""
-    x, y, _, radius, half, angle = atom
-    if half > 0.0:
-        turn = np.linspace(-np.pi / 2, np.pi / 2, count // 2)
-        return drawn_out(x, y, radius, half, angle, np.cos(turn), np.sin(turn))[:-1]
-    turn = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
-    return np.asarray(atom[:2] + radius * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+def _area_moves(atoms: Floats) -> Floats:
+    """How the area of each of some atoms (N, 6) grows with its radius and half-length, (N, 2) m."""
+    radius, half = atoms[:, 3], atoms[:, 4]
+    return np.column_stack([2.0 * np.pi * radius + 4.0 * half, 4.0 * radius])
 
 
 @njit
@@ -209,7 +196,7 @@ def _loops(arcs: list[Floats]) -> list[Floats]:
             apart[used] = np.inf
             apart[first] = np.square(starts[first] - arcs[at][-1]).sum()
             at = int(np.argmin(apart))
-        loops.append(np.vstack([*way, way[0][:1]]))
+        loops.append(_closed(np.vstack(way)))
     return loops
 
 
@@ -235,8 +222,7 @@ def _around(loops: list[Floats]) -> Floats:
     from scipy.spatial import ConvexHull
 
     points = np.vstack(loops)
-    corners = ConvexHull(points).vertices
-    return np.asarray(points[np.append(corners, corners[0])])
+    return _closed(points[ConvexHull(points).vertices])
 
 
 LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
@@ -273,13 +259,13 @@ class ContactBuilder:
     Parameters
     ----------
     grid : Grid
-    surface : Surface
+    surface : PressureTable
         What round contacts look like.
     workspace : Workspace
     """
 
     grid: Grid
-    surface: Surface
+    surface: PressureTable
     workspace: Workspace
 
     @cached_property
@@ -355,35 +341,19 @@ def _moves(atoms: Floats, share: Floats, centre: Floats, total: float) -> Floats
     return out.reshape(3, -1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Shape:
-    outline: Floats
-    area: float
-    axes: Floats
-    angle: float
-    radius: float
-    name: str
-    moves: Floats
-
-
-def _shape_of(atoms: Floats, family: int) -> _Shape:
+def _shape_of(atoms: Floats, family: int) -> Shape:
     """How a body of atoms looks in the plane."""
     if len(atoms) > 1:
-        body = body_of(atoms)
-        radius = float(np.sqrt(body.area / np.pi))
-        return _Shape(body.outline, body.area, body.axes, body.angle, radius, "other", body.moves)
+        return body_of(atoms)
     atom = atoms[0]
     radius, half = float(atom[3]), float(atom[4])
-    drawn_out = half > LINE * radius
-    area = area_of(atom)
-    return _Shape(
-        outline=outline_of(atom),
-        area=area,
+    return Shape(
+        outline=_closed(polygon_of(atom, POINTS)),
+        area=area_of(atom),
         axes=np.array(semi_axes(atom)),
         angle=float((atom[5] + np.pi / 2) % np.pi - np.pi / 2) if half > 0.0 else 0.0,
-        radius=radius if half == 0.0 else float(np.sqrt(area / np.pi)),
-        name="line" if drawn_out else "flat" if family == FLAT else "sphere",
-        moves=np.array([[2.0 * np.pi * radius + 4.0 * half, 4.0 * radius]]),
+        moves=_area_moves(atoms),
+        name="line" if half > LINE * radius else "flat" if family == FLAT else "sphere",
     )
 
 

@@ -253,15 +253,28 @@ class ContactFitter:
     def fit(self, readings: Floats, deadline_ns: int | None = None) -> Fit:
         """See `ContactOperator.fit`."""
         answer = self._answer(readings, deadline_ns)
-        return self._idle(answer) if answer.drawn is None else self._fit_of(answer, answer.drawn)
+        problem, found, drawn = answer.problem, answer.atoms, answer.drawn
+        nodes, offset = len(self.model.grid), problem.offset(found.predicted)
+        std, moved = np.zeros(nodes), np.zeros((nodes, 3))
+        pressure, contacts = self._pressed(drawn)
+        if drawn is not None:
+            self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)
+            self._renderer.displacement(drawn.atoms, drawn.family, moved)
+        return Fit(
+            pressure=pressure,
+            pressure_std=std,
+            displacement=moved,
+            contacts=contacts,
+            predicted=found.predicted + offset,
+            offset=offset,
+            explained=explains(problem, found),
+            notes=notes_on(problem, len(found), answer.scale, offset),
+        )
 
     def touches(self, readings: Floats, deadline_ns: int | None = None) -> Touches:
         """Contacts and pressure as of `fit`, without the fields that take the longest to draw."""
         answer = self._answer(readings, deadline_ns)
-        explained = explains(answer.problem, answer.atoms)
-        if answer.drawn is None:
-            return Touches(np.zeros(len(self.model.grid)), (), explained)
-        return Touches(*self._pressed(answer.drawn), explained)
+        return Touches(*self._pressed(answer.drawn), explains(answer.problem, answer.atoms))
 
     def _answer(self, readings: Floats, deadline_ns: int | None) -> Answer:
         """The atoms that explain a reading, as they are drawn."""
@@ -318,48 +331,14 @@ class ContactFitter:
         floor = self.settings.model_error * float(np.abs(readings).max())
         return np.asarray(1.0 / np.hypot(scale * self.noise, floor))
 
-    def _idle(self, answer: Answer) -> Fit:
-        problem = answer.problem
-        nodes, zero = len(self.model.grid), np.zeros(len(problem.readings))
-        offset = problem.offset(zero)
-        return Fit(
-            pressure=np.zeros(nodes),
-            pressure_std=np.zeros(nodes),
-            displacement=np.zeros((nodes, 3)),
-            contacts=(),
-            predicted=zero + offset,
-            cells=np.empty(0, np.int64),
-            offset=offset,
-            explained=explains(problem, problem.nothing()),
-            notes=notes_on(problem, 0, answer.scale, offset),
-        )
-
-    def _pressed(self, drawn: Drawable) -> tuple[Floats, tuple[Contact, ...]]:
+    def _pressed(self, drawn: Drawable | None) -> tuple[Floats, tuple[Contact, ...]]:
         """Pressure (K,) in Pa and contacts of what is drawn."""
-        pressure = np.empty(len(self.model.grid))
+        pressure = np.zeros(len(self.model.grid))
+        if drawn is None:
+            return pressure, ()
         self._renderer.pressure(drawn.atoms, drawn.family, pressure)
-        contacts = self._renderer.contacts(
-            drawn.atoms, drawn.family, drawn.covariance, drawn.groups
-        )
-        return pressure, contacts
-
-    def _fit_of(self, answer: Answer, drawn: Drawable) -> Fit:
-        problem, found, nodes = answer.problem, answer.atoms, len(self.model.grid)
-        std, moved = np.empty(nodes), np.empty((nodes, 3))
-        pressure, contacts = self._pressed(drawn)
-        self._renderer.pressure_std(drawn.atoms, drawn.family, drawn.each, std)
-        self._renderer.displacement(drawn.atoms, drawn.family, moved)
-        return Fit(
-            pressure=pressure,
-            pressure_std=std,
-            displacement=moved,
-            contacts=contacts,
-            predicted=found.predicted + problem.offset(found.predicted),
-            cells=np.flatnonzero(pressure),
-            offset=problem.offset(found.predicted),
-            explained=explains(problem, found),
-            notes=notes_on(problem, len(found), answer.scale, problem.offset(found.predicted)),
-        )
+        known = drawn.covariance, drawn.groups
+        return pressure, self._renderer.contacts(drawn.atoms, drawn.family, *known)
 
     def _stated(self, problem: Problem, found: AtomSet, same: bool) -> tuple[Floats, Floats]:
         """Atoms (N, 6) of x, y, force, radius, half-length, angle in SI; their covariances."""

@@ -6,15 +6,13 @@ force and radius (and half-length) are refined and then integrated out by Laplac
 as in the nested approximations of Rue, Martino and Chopin (2009).
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
-from skinfield.solve.atoms.fit_kernel import PARAMETERS, Inputs, refined
+from skinfield.solve.atoms.fit_kernel import PARAMETERS, refined
 from skinfield.solve.atoms.search import RARER, AtomSet, Problem
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
@@ -23,97 +21,6 @@ STEPS = 4  # of refinement at each place
 SETTLED = 1e-2  # gain in cost of the last of them
 DEEP = 6.0  # in cost: places that are worse than the best by more do not count
 ROUND_OFF = 1e-9, 1e-12  # of a Hessian's diagonal, and beside it: what is added so that it inverts
-
-
-class Lattice(NamedTuple):
-    """Places at `origin` (2,) plus integers times the rows of `axes` (2, 2), within `places`."""
-
-    axes: Floats
-    origin: Floats
-    places: Floats
-
-
-class Modes(NamedTuple):
-    """Atom at each place (C, 6), covariance of what is refined there (C, 6, 6), ln weight (C,)."""
-
-    atoms: Floats
-    inner: Floats
-    weight: Floats
-
-
-class Queue:
-    """Steps along the axes still to visit, each with the atom to start from; none twice."""
-
-    def __init__(self) -> None:
-        self.waiting: list[tuple[int, int, Floats]] = []
-        self._seen: set[tuple[int, int]] = set()
-
-    def put(self, i: int, j: int, atom: Floats) -> None:
-        """Put a place at the end, if it is new and near."""
-        if abs(i) <= REACH and abs(j) <= REACH and (i, j) not in self._seen:
-            self._seen.add((i, j))
-            self.waiting.append((i, j, atom))
-
-    def take(self, most: int) -> list[tuple[int, int, Floats]]:
-        """The first of them."""
-        first, self.waiting = self.waiting[:most], self.waiting[most:]
-        return first
-
-
-def explore(
-    seeds: Floats, family: int, free: NDArray[np.bool_], lattice: Lattice, given: Inputs, most: int
-) -> Modes:
-    """Walk over places from the seeds (M, 6) while the cost stays near the least.
-
-    `free` (6,) says what is refined at each place beside it; `most` places are found at most.
-    """
-    queue, best = Queue(), np.inf
-    for seed, (i, j) in zip(seeds, _steps(seeds, lattice), strict=True):
-        queue.put(int(i), int(j), seed)
-    atoms: list[Floats] = []
-    hessians: list[Floats] = []
-    costs: list[float] = []
-    while queue.waiting and len(costs) < most:
-        for i, j, atom, cost, hessian in _wave(
-            queue.take(most - len(costs)), family, free, lattice, given
-        ):
-            if cost > best + DEEP:
-                continue
-            best = min(best, cost)
-            atoms.append(atom)
-            costs.append(cost)
-            hessians.append(hessian)
-            for way in range(9):
-                queue.put(i + way // 3 - 1, j + way % 3 - 1, atom)
-    inner, half = inverses(np.array(hessians).reshape(-1, 6, 6), free)
-    return Modes(np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half)
-
-
-def _steps(seeds: Floats, lattice: Lattice) -> Floats:
-    """Of the places nearest to seeds (M, 6), (M, 2)."""
-    return np.round(np.linalg.solve(lattice.axes.T, (seeds[:, :2] - lattice.origin).T).T)
-
-
-def _wave(
-    places: list[tuple[int, int, Floats]],
-    family: int,
-    free: NDArray[np.bool_],
-    lattice: Lattice,
-    given: Inputs,
-) -> Iterator[tuple[int, int, Floats, float, Floats]]:
-    """Steps, refined atom, cost and its Hessian of each place that lies on the patch."""
-    atoms = np.array([atom for _, _, atom in places])
-    steps = np.array([(i, j) for i, j, _ in places])
-    atoms[:, :2] = lattice.origin + steps[:, :1] * lattice.axes[0] + steps[:, 1:] * lattice.axes[1]
-    low, high = lattice.places
-    on = np.flatnonzero(((atoms[:, :2] >= low) & (atoms[:, :2] <= high)).all(axis=1))
-    atoms = atoms[on]
-    moves = np.zeros((len(on), 1, 6), dtype=np.bool_)
-    moves[:, 0, 2:] = free[2:]
-    kinds = np.full((len(on), 1), family)
-    made = refined(atoms[:, None], kinds, moves, given, STEPS, SETTLED)
-    for n, (i, j) in enumerate(steps[on].tolist()):
-        yield i, j, atoms[n], float(made.cost[n]), made.hessian[n]
 
 
 def inverses(hessians: Floats, free: NDArray[np.bool_]) -> tuple[Floats, Floats]:
@@ -257,43 +164,97 @@ def belief_of(problem: Problem, found: AtomSet, index: int, effort: Effort) -> B
     if not free[4] and family != RING and effort.starts and widest > SURE:
         seeds = np.concatenate([seeds, problem.bank.starts(left / problem.noise, effort.starts)])
     kinds = (BALL, FLAT) if effort.both and family != RING else (family,)
-    near = _near(problem, own, axes)
-    walks = [_walk(problem, seeds, kind, free, axes, left, near, effort.places) for kind in kinds]
+    walks = [explore(problem, seeds, kind, free, axes, left, effort.places) for kind in kinds]
     atoms, inner, log_weight = (np.concatenate(each) for each in zip(*walks, strict=True))
-    families = np.repeat(kinds, [len(walk.weight) for walk in walks])
+    families = np.repeat(kinds, [len(walk[2]) for walk in walks])
     if not len(atoms):
         return first
     weight = np.exp(log_weight - log_weight.max())
     return Belief(atoms, families, inner, weight / weight.sum())
 
 
-def _near(problem: Problem, own: Floats, axes: Floats) -> NDArray[np.int64]:
+def _near(problem: Problem, own: Floats) -> NDArray[np.int64]:
     """Taxels that an atom may be read by, wherever the walk takes it."""
-    reach = (
-        np.exp(own[3])
-        + np.hypot(own[4], own[5])
-        + problem.tables.pad_radius
-        + problem.tables.sight
-        + AROUND
-    )
+    tables = problem.tables
+    reach = np.exp(own[3]) + np.hypot(own[4], own[5]) + tables.pad_radius + tables.sight + AROUND
     square = np.square(problem.taxels - own[:2]).sum(axis=1)
     return np.flatnonzero(square <= reach**2)
 
 
-def _walk(
+def explore(
     problem: Problem,
     seeds: Floats,
-    kind: int,
+    family: int,
     free: NDArray[np.bool_],
     axes: Floats,
     left: Floats,
-    near: NDArray[np.int64],
-    places: int,
-) -> Modes:
-    """Places, covariance beside them, and logarithm of their weights, for one family."""
+    most: int,
+) -> tuple[Floats, Floats, Floats]:
+    """Walk over places from the seeds (M, 6) while the cost stays near the least.
+
+    Parameters
+    ----------
+    seeds : (M, 6) array
+        The first is where the lattice of places has its origin.
+    family : int
+        Of the atom.
+    free : (6,) bool array
+        What is refined at each place beside it.
+    axes : (2, 2) array
+        Steps of the lattice.
+    left : (L,) array
+        Readings that other atoms leave to explain.
+    most : int
+        Places that are looked at.
+
+    Returns
+    -------
+    atoms : (C, 6) array
+        At each place.
+    inner : (C, 6, 6) array
+        Covariance of what is refined there.
+    weight : (C,) array
+        Logarithm.
+    """
+    near = _near(problem, seeds[0])
     given = problem.inputs._replace(
         readings=left[near], white=problem.white[near], taxels=problem.taxels[near], shared=0.0
     )
-    lattice = Lattice(axes, seeds[0, :2], problem.places)
-    found = explore(seeds, kind, free, lattice, given, places)
-    return found._replace(weight=found.weight - RARER[kind])
+    origin, (low, high) = seeds[0, :2], problem.places
+    moves = np.zeros((1, 1, 6), dtype=np.bool_)
+    moves[..., 2:] = free[2:]
+    waiting: list[tuple[int, int, Floats]] = []
+    best, put = np.inf, set[tuple[int, int]]()
+
+    def visit(i: int, j: int, atom: Floats) -> None:
+        """Put a place at the end, with the atom to start from, if it is new and near."""
+        if abs(i) <= REACH and abs(j) <= REACH and (i, j) not in put:
+            put.add((i, j))
+            waiting.append((i, j, atom))
+
+    steps = np.linalg.solve(axes.T, (seeds[:, :2] - origin).T).T
+    for seed, (i, j) in zip(seeds, np.round(steps).astype(int).tolist(), strict=True):
+        visit(i, j, seed)
+    atoms: list[Floats] = []
+    hessians: list[Floats] = []
+    costs: list[float] = []
+    while waiting and len(costs) < most:
+        wave, waiting[:] = waiting[: most - len(costs)], waiting[most - len(costs) :]
+        start, steps = np.array([atom for _, _, atom in wave]), np.array([at[:2] for at in wave])
+        start[:, :2] = origin + steps[:, :1] * axes[0] + steps[:, 1:] * axes[1]
+        on = np.flatnonzero(((start[:, :2] >= low) & (start[:, :2] <= high)).all(axis=1))
+        start, kinds = start[on], np.full((len(on), 1), family)
+        every = np.repeat(moves, len(on), axis=0)
+        made = refined(start[:, None], kinds, every, given, STEPS, SETTLED)
+        for n, (i, j) in enumerate(steps[on].tolist()):
+            cost = float(made.cost[n])
+            if cost > best + DEEP:
+                continue
+            best = min(best, cost)
+            atoms.append(start[n])
+            costs.append(cost)
+            hessians.append(made.hessian[n])
+            for way in range(9):
+                visit(i + way // 3 - 1, j + way % 3 - 1, start[n])
+    inner, half = inverses(np.array(hessians).reshape(-1, 6, 6), free)
+    return np.array(atoms).reshape(-1, 6), inner, -np.array(costs) - half - RARER[family]

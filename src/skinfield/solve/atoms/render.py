@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ from skinfield.solve.atoms.render_kernels import (
     NODE,
     WEIGHT,
     Mesh,
-    Surface,
     Workspace,
     _blend,
     held,
@@ -27,7 +26,6 @@ from skinfield.solve.atoms.render_kernels import (
     points_along,
     pressure_std,
     render,
-    surface_of,
 )
 from skinfield.solve.atoms.render_tables import (
     FOLD,
@@ -35,6 +33,7 @@ from skinfield.solve.atoms.render_tables import (
     LARGEST,
     OUTER,
     DisplacementTable,
+    PressureTable,
     displacement_table,
     pressure_table,
 )
@@ -44,20 +43,8 @@ NEAR = 2.0  # thicknesses around a drawn-out atom in which each of its points co
 FAR_POINTS = 4  # along the segment, for nodes farther away
 
 
-class Moves(NamedTuple):
-    """A `DisplacementTable` as compiled functions take it."""
-
-    displacement: Floats
-    reach: float
-
-
-def moves_of(table: DisplacementTable) -> Moves:
-    """Arrays of a table."""
-    return Moves(table.displacement, table.reach)
-
-
 @inner
-def _near(atom: Floats, radius: float, surface: Surface, mesh: Mesh, box: Any) -> None:
+def _near(atom: Floats, radius: float, surface: PressureTable, mesh: Mesh, box: Any) -> None:
     """First row and column and those behind the last, of the nodes near an atom."""
     wide = abs(atom[4] * np.cos(atom[5])) + radius + NEAR * surface.thickness
     high = abs(atom[4] * np.sin(atom[5])) + radius + NEAR * surface.thickness
@@ -72,8 +59,8 @@ def _radial_terms(
     radius: float,
     force: float,
     family: int,
-    surface: Surface,
-    moves: Moves,
+    surface: PressureTable,
+    moves: DisplacementTable,
     terms: Floats,
     room: Floats,
 ) -> None:
@@ -162,8 +149,8 @@ def _add_round(
 def displacement(
     atoms: Floats,
     family: Any,
-    surface: Surface,
-    moves: Moves,
+    surface: PressureTable,
+    moves: DisplacementTable,
     mesh: Mesh,
     frames: Floats,
     out: Floats,
@@ -214,15 +201,15 @@ class AtomRenderer:
 
     def __init__(self, grid: Grid, layer: Layer, mechanics: Mechanics) -> None:
         self.grid, self._layer, self._mechanics = grid, layer, mechanics
-        self._surface = surface_of(pressure_table(layer, cast(Hashable, mechanics)))
+        self._surface = pressure_table(layer, cast(Hashable, mechanics))
         self._mesh = mesh_of(grid)
         self._space = Workspace(len(grid))
         self._builder = ContactBuilder(grid, self._surface, self._space)
 
     @cached_property
-    def _moves(self) -> Moves:
+    def _moves(self) -> DisplacementTable:
         """What displacements are made of: tabulated when the first one is asked for."""
-        return moves_of(displacement_table(self._layer, cast(Hashable, self._mechanics)))
+        return displacement_table(self._layer, cast(Hashable, self._mechanics))
 
     @cached_property
     def _frames(self) -> Floats:

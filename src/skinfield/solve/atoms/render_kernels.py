@@ -41,14 +41,6 @@ def _along() -> tuple[Floats, Floats]:
 NODE, WEIGHT = _along()
 
 
-class Surface(NamedTuple):
-    """A `PressureTable` as compiled functions take it."""
-
-    pressure: Floats
-    first_log: float
-    thickness: float
-
-
 class Mesh(NamedTuple):
     """A `Grid` as compiled functions take it."""
 
@@ -59,18 +51,13 @@ class Mesh(NamedTuple):
     columns: int
 
 
-def surface_of(table: PressureTable) -> Surface:
-    """Arrays of a table."""
-    return Surface(table.pressure, table.first_log, table.thickness)
-
-
 def mesh_of(grid: Grid) -> Mesh:
     """Where the cells are."""
     return Mesh(float(grid.origin[0]), float(grid.origin[1]), grid.pitch, *grid.shape)
 
 
 @inner
-def held(radius: float, surface: Surface) -> float:
+def held(radius: float, surface: PressureTable) -> float:
     """The radius, brought to where it is tabulated."""
     return min(max(radius, SMALLEST * surface.thickness), LARGEST * surface.thickness)
 
@@ -84,7 +71,7 @@ def points_along(radius: float, half: float) -> int:
 
 
 @inner
-def _blend(radius: float, surface: Surface, basis: Floats) -> int:
+def _blend(radius: float, surface: PressureTable, basis: Floats) -> int:
     """Cubic B-splines (4,) over ln(radius); returns the first of the four nodes."""
     place = (np.log(radius / surface.thickness) - surface.first_log) / LOG_STEP
     at = int(place)
@@ -98,7 +85,7 @@ def _blend(radius: float, surface: Surface, basis: Floats) -> int:
 
 
 @inner
-def pressure_terms(radius: float, family: int, surface: Surface, room: Floats) -> None:
+def pressure_terms(radius: float, family: int, surface: PressureTable, room: Floats) -> None:
     """Coefficients of the pressure of 1 N, times pi a², into `room` (2 TERMS,)."""
     basis = room[TERMS:]
     first = _blend(radius, surface, basis)
@@ -241,7 +228,7 @@ def box_of(atom: Floats, radius: float, mesh: Mesh, box: Any) -> bool:
 def add_pressure(
     atom: Floats,
     family: int,
-    surface: Surface,
+    surface: PressureTable,
     mesh: Mesh,
     out: Floats,
     box: Any,
@@ -276,25 +263,8 @@ def add_pressure(
 
 
 @inner
-def pressure(
-    atoms: Floats,
-    family: Any,
-    surface: Surface,
-    mesh: Mesh,
-    out: Floats,
-    box: Any,
-    cells: Floats,
-    room: Floats,
-) -> None:
-    """Write the mean pressure on each cell, (K,) Pa."""
-    out[:] = 0.0
-    for n in range(len(atoms)):
-        add_pressure(atoms[n], family[n], surface, mesh, out, box, cells, room)
-
-
-@inner
 def _pressure_at(
-    atoms: Floats, family: Any, surface: Surface, x: float, y: float, room: Floats
+    atoms: Floats, family: Any, surface: PressureTable, x: float, y: float, room: Floats
 ) -> float:
     """Pressure of atoms at a place, Pa; at the edge of a flat end that of its middle."""
     total = 0.0
@@ -322,7 +292,7 @@ def _pressure_at(
 def render(
     atoms: Floats,
     family: Any,
-    surface: Surface,
+    surface: PressureTable,
     mesh: Mesh,
     out: Floats,
     box: Any,
@@ -333,7 +303,9 @@ def render(
 
     It is the highest on an atom's middle or on a cell: at the edge of a flat end there is none.
     """
-    pressure(atoms, family, surface, mesh, out, box, cells, room)
+    out[:] = 0.0
+    for n in range(len(atoms)):
+        add_pressure(atoms[n], family[n], surface, mesh, out, box, cells, room)
     peak = 0.0
     for k in range(len(out)):
         peak = max(peak, out[k])
@@ -402,7 +374,7 @@ def pressure_std(
     atoms: Floats,
     family: Any,
     covariance: Floats,
-    surface: Surface,
+    surface: PressureTable,
     mesh: Mesh,
     out: Floats,
     boxes: Any,

@@ -11,15 +11,14 @@ in polar coordinates about the point that moves, so that neither pole nor edge i
 """
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from skinfield.elastic import Layer, Mechanics
 from skinfield.errors import Floats
-from skinfield.solve.atoms.table import BALL, FLAT, unit_pressure
+from skinfield.solve.atoms.table import BALL, FLAT, splines, unit_pressure
 
 LOG_STEP = 0.2  # of ln(a/h)
 SMALLEST, LARGEST = 0.15, 8.0  # radii in thicknesses that are rendered as they are
@@ -36,8 +35,7 @@ NEAREST, FARTHEST = 1e-3, 1e3  # thicknesses from it between which its response 
 Kernel = Callable[[Floats], Floats]
 
 
-@dataclass(frozen=True, eq=False)
-class PressureTable:
+class PressureTable(NamedTuple):
     """Cubic B-splines over ln(a/h), the nodes `LOG_STEP` apart.
 
     Attributes
@@ -54,8 +52,7 @@ class PressureTable:
     thickness: float
 
 
-@dataclass(frozen=True, eq=False)
-class DisplacementTable:
+class DisplacementTable(NamedTuple):
     """The same of the displacement: it takes much longer to make, and not all need it.
 
     Attributes
@@ -81,7 +78,7 @@ def _logs() -> Floats:
 @lru_cache(maxsize=8)
 def pressure_table(layer: Layer, mechanics: Mechanics) -> PressureTable:
     """Tabulate, once for each layer."""
-    coefficients = _splines(_all_pressure_terms(layer, cast(Hashable, mechanics)))
+    coefficients = splines(_all_pressure_terms(layer, cast(Hashable, mechanics)), (1,))
     return PressureTable(coefficients, float(_logs()[0]), layer.thickness)
 
 
@@ -95,7 +92,9 @@ def displacement_table(layer: Layer, mechanics: Mechanics) -> DisplacementTable:
         for a, terms in zip(np.exp(_logs()), coefficients.transpose(1, 0, 2), strict=True)
     ]
     finite = np.isfinite(mechanics.reach(layer))
-    return DisplacementTable(_splines(np.stack(moved, axis=1)), REACH * h if finite else np.inf)
+    return DisplacementTable(
+        splines(np.stack(moved, axis=1), (1,)), REACH * h if finite else np.inf
+    )
 
 
 @lru_cache(maxsize=8)
@@ -105,13 +104,6 @@ def _all_pressure_terms(layer: Layer, mechanics: Mechanics) -> Floats:
     return np.array(
         [[_pressure_terms(layer, mechanics, family, a) for a in radii] for family in (BALL, FLAT)]
     )
-
-
-def _splines(values: Floats) -> Floats:
-    """Coefficients of cubic B-splines through values, along axis 1."""
-    from scipy.ndimage import spline_filter1d
-
-    return np.ascontiguousarray(spline_filter1d(values, 3, axis=1, mode="mirror"))
 
 
 def exponents(family: int) -> Floats:

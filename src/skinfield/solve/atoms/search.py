@@ -233,18 +233,15 @@ def without(problem: Problem, found: AtomSet, index: int) -> AtomSet:
     return problem.refined(found.atoms[keep], found.family[keep])
 
 
-def as_round(problem: Problem, found: AtomSet, index: int, family: int) -> AtomSet:
-    """The set with one atom round, and of a family."""
+def as_family(
+    problem: Problem, found: AtomSet, index: int, family: int, *, is_round: bool = False
+) -> AtomSet:
+    """The set with one atom of another family, as long as it was or round."""
     atoms, kinds = found.atoms.copy(), found.family.copy()
-    atoms[index, 4:], kinds[index] = 0.0, family
-    return problem.refined(atoms, kinds)
-
-
-def as_family(problem: Problem, found: AtomSet, index: int, family: int) -> AtomSet:
-    """The set with one atom of another family, as long as it was."""
-    kinds = found.family.copy()
     kinds[index] = family
-    return problem.refined(found.atoms, kinds)
+    if is_round:
+        atoms[index, 4:] = 0.0
+    return problem.refined(atoms, kinds)
 
 
 def as_line(problem: Problem, found: AtomSet, members: list[int], family: int) -> AtomSet:
@@ -411,14 +408,13 @@ def _alternatives(problem: Problem, found: AtomSet, index: int) -> Iterator[Atom
     """The set with one atom of the other family, round, or as two."""
     if problem.late or index >= len(found):
         return
-    if found.family[index] == RING:
-        yield as_round(problem, found, index, BALL)
-        yield as_round(problem, found, index, FLAT)
-        return
-    yield as_family(problem, found, index, BALL + FLAT - int(found.family[index]))
-    if not found.long[index] and problem.misfit(found) > ODD:
-        yield from _bodies(problem, found, [index])
-    if found.long[index] and not problem.late:
-        yield as_round(problem, found, index, BALL)
-        yield as_round(problem, found, index, FLAT)
+    if found.family[index] != RING:
+        yield as_family(problem, found, index, BALL + FLAT - int(found.family[index]))
+        if not found.long[index] and problem.misfit(found) > ODD:
+            yield from _bodies(problem, found, [index])
+        if not found.long[index] or problem.late:
+            return
+    yield as_family(problem, found, index, BALL, is_round=True)
+    yield as_family(problem, found, index, FLAT, is_round=True)
+    if found.long[index]:
         yield split(problem, found, index)

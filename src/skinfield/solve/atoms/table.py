@@ -279,16 +279,16 @@ def atom_table(physics: Physics) -> AtomTable:
     values, strain = make(physics, np.exp(logs) * h, distances * h)
     curvature = [np.log(curvature_force(physics.layer, a)) for a in np.exp(logs) * h]
     return AtomTable(
-        coefficients=_splines(values, (1, 3)),
-        strain=_splines(np.log(strain), (1,)) if nonlinear else strain,
-        curvature=_splines(np.array(curvature), (0,)),
+        coefficients=splines(values, (1, 3)),
+        strain=splines(np.log(strain), (1,)) if nonlinear else strain,
+        curvature=splines(np.array(curvature), (0,)),
         first_log=float(logs[0]),
         thickness=h,
         pad_diameter=physics.pad_diameter,
     )
 
 
-def _splines(values: Floats, axes: tuple[int, ...]) -> Floats:
+def splines(values: Floats, axes: tuple[int, ...]) -> Floats:
     """Coefficients of cubic B-splines through values, of the same shape."""
     from scipy.ndimage import spline_filter1d
 

@@ -20,16 +20,12 @@ from skinfield.errors import (
 from skinfield.skin import Patch
 from skinfield.solve.detection.detection import Detection, FalseAlarms, detection
 from skinfield.solve.detection.dictionary import Bank, Noise, round_touches, spread_of
-from skinfield.solve.detection.statistics import Lookback, MarginalLikelihood, Statistic
+from skinfield.solve.detection.statistics import Lookback, MarginalLikelihood, Matches, Statistic
 
 
 def halved(readings: int) -> tuple[int, ...]:
     """Lengths from 1 up to `readings`, each about half of the next."""
-    lengths = []
-    while readings >= 1:
-        lengths.append(readings)
-        readings //= 2
-    return tuple(lengths[::-1])
+    return tuple(readings >> step for step in reversed(range(readings.bit_length())))
 
 
 class DetectorStream:
@@ -82,16 +78,8 @@ class DetectorStream:
         used = [min(length, self._held) for length in self.lengths]
         sums = np.stack([self._whitened[:n].sum(axis=0) for n in used])
         matches = self.lookback.matches(sums[None], self._spread(used), used)
-        return detection(
-            self.lookback,
-            matches,
-            self.detector.positions,
-            float(self.detector.statistic(matches)[0]),
-            self.threshold,
-            self.detector.touch_rate,
-            self.detector.patch.pitch,
-            self._valid[: self._held],
-        )
+        valid = self._valid[: self._held]
+        return self.detector.detection(self.lookback, matches, self.threshold, valid)
 
     def _take(self, reading: "ArrayLike", stamp_ns: int) -> None:
         table = self.detector.checked(reading)
@@ -247,16 +235,15 @@ class Detector:
         lookback = replace(self.lookback, lengths=(len(table),))
         sums = lookback.bank.whitened(table).sum(axis=0)
         matches = lookback.matches(sums[None, None], self._spread(valid))
-        return detection(
-            lookback,
-            matches,
-            self.positions,
-            float(self.statistic(matches)[0]),
-            self.threshold,
-            self.touch_rate,
-            self.patch.pitch,
-            valid,
-        )
+        return self.detection(lookback, matches, self.threshold, valid)
+
+    def detection(
+        self, lookback: Lookback, matches: Matches, threshold: float, valid: NDArray[np.bool_]
+    ) -> Detection:
+        """What one row of matches says; `valid` (T, L) are the values that are there."""
+        statistic = float(self.statistic(matches)[0])
+        touch = self.positions, statistic, threshold, self.touch_rate, self.patch.pitch
+        return detection(lookback, matches, *touch, valid)
 
     def statistics(self, readings: ArrayLike, count: int = 1) -> Floats:
         """Statistic (N,) of N decisions at once, each of the mean of some readings.

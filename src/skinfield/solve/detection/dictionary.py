@@ -173,8 +173,10 @@ class Noise:
                 f"noise_std[{row}] is {std[row]}, expected a finite number above 0: no reading is "
                 "exact; give the standard deviation of a quiet taxel"
             )
-        switch = isinstance(common_mode, bool | np.bool_)
-        common = (np.inf if common_mode else 0.0) if switch else _number(common_mode)
+        try:
+            common = np.inf if common_mode is True else float(common_mode)
+        except (TypeError, ValueError):
+            common = np.nan
         if not common >= 0.0:
             raise InputError(
                 f"common_mode is {common_mode!r}, expected False, True, or the standard deviation "
@@ -274,14 +276,6 @@ class Bank:
             offset = self.noise.common * rng.standard_normal((count, 1))
             noise += offset * self.noise.offset
         return self.whitened(noise * self.noise.std)
-
-
-def _number(value: object) -> float:
-    """A number, or NaN for what is none."""
-    try:
-        return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        return np.nan
 
 
 def spread_of(information: Floats) -> Floats:

@@ -1,46 +1,31 @@
 """Plan of a sheet: the ordering of taxels, their Gram matrix, and the profiles that fit."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import Floats, InputError, Ints, check_range
+from skinfield.skin import Grid, Patch
 from skinfield.solve.linear import PITCHES, GaussianField, Tikhonov, taxel_distance
-from skinfield.solve.sheet.response import GROUP, WIDEST, Stamp, Stamps
+from skinfield.solve.sheet.response import GROUP, WIDEST, Stamp, Stamps, stamps_on
 
 
-@dataclass(frozen=True, eq=False)
-class Lattice:
-    """Cells that hold the stamps of all taxels.
+def lattice_of(patch: Patch, pitch: float, before: int, after: int) -> Grid:
+    """Cells over a patch's taxels and what stamps reach beyond.
 
-    Attributes
-    ----------
-    shape : (rows, columns)
-    pitch : float, m
-        Side of a cell.
-    origin : (2,) array, m
-        Centre of cell (0, 0) in the sheet's plane.
+    Stamps begin `before` - 1 cells before that of a taxel; their last column is `after` cells
+    behind it. The outermost taxels stand half a cell away from where that would not hold, as
+    nothing is checked when stamps are written.
     """
-
-    shape: tuple[int, int]
-    pitch: float
-    origin: Floats
-
-    @classmethod
-    def around(cls, low: Floats, high: Floats, pitch: float, before: int, after: int) -> "Lattice":
-        """Cells over the rectangle low .. high (2,) m and what stamps reach beyond.
-
-        Stamps begin `before` - 1 cells before that of a taxel; their last column is `after` cells
-        behind it. The outermost taxels stand half a cell away from where that would not hold, as
-        nothing is checked when stamps are written.
-        """
-        columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
-        shape = (rows + 2 * before + 1, columns + before + after + 1)
-        return cls(shape, pitch, low - (before - 0.5) * pitch)
+    low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
+    columns, rows = np.floor((high - low) / pitch).astype(int).tolist()
+    shape = (rows + 2 * before + 1, columns + before + after + 1)
+    return Grid(patch, shape, pitch, low - (before - 0.5) * pitch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +183,8 @@ class SheetPlan:
 
     Attributes
     ----------
-    lattice : Lattice
+    lattice : Grid
+        Of cells that hold the stamps of all taxels.
     placing : Placing
         The taxels' order; what follows is in it.
     stamps : Stamps
@@ -219,30 +205,29 @@ class SheetPlan:
 
     def __init__(
         self,
-        places: Floats,
+        patch: Patch,
         noise_std: Floats,
         layer: Layer,
         mechanics: Mechanics,
         quantity: Quantity,
         solver: GaussianField | Tikhonov,
         pitch: float,
-        pad_diameter: float,
         cut: float,
         precision: type[np.floating[Any]],
     ) -> None:
         check_range("pitch", pitch, 1e-6, 1.0, "the side of a cell, in metres")
         check_range("cut", cut, 1e-6, 0.1, "a share of a response's peak")
-        low, high = places.min(axis=0), places.max(axis=0)
-        _check_extent(len(places), (high - low) / pitch)
+        places = patch.plane
+        _check_extent(len(places), np.ptp(places, axis=0) / pitch)
         self.length_scale = _length_scale(solver, places, pitch)
-        self.stamps = stamps = Stamps.of(
-            mechanics, layer, quantity, pitch, pad_diameter, cut, self.length_scale / pitch
-        )
+        physics = cast(Hashable, mechanics), layer, cast(Hashable, quantity)
+        length = self.length_scale / pitch
+        self.stamps = stamps = stamps_on(*physics, pitch, patch.pad_diameter, cut, length)
         spread = stamps.spread
         both = (spread, stamps.read)
         before = max(stamp.reach for stamp in both)
         after = max(stamp.width - stamp.reach for stamp in both)
-        self.lattice = Lattice.around(low, high, pitch, before, after)
+        self.lattice = lattice_of(patch, pitch, before, after)
         height = stamps.neighbours / STRIPS
         self.placing = Placing.of((places - self.lattice.origin) / pitch, height)
         for stamp in both:
@@ -282,7 +267,7 @@ def _length_scale(solver: object, places: Floats, pitch: float) -> float:
     return PITCHES * min(taxel_distance(places, LOCAL * pitch), LOCAL * pitch)
 
 
-def _check_inside(lattice: Lattice, placing: Placing, stamp: Stamp) -> None:
+def _check_inside(lattice: Grid, placing: Placing, stamp: Stamp) -> None:
     """Raise InputError unless a stamp of every taxel lies on the lattice.
 
     Compiled code writes stamps unchecked. A cell is farther than rounding from where this fails,

@@ -9,8 +9,7 @@ them reach some 1e-4 of the peak. What a taxel at any offset from the lattice do
 around is then known from tables of one variable, which stay in the nearest cache.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -24,28 +23,9 @@ FINE = 16  # samples per cell of a kernel
 WIDEST = 32  # cells from a taxel to the end of its stamp
 
 
-@dataclass(frozen=True, eq=False)
-class Kernel:
-    """What a taxel feels of a pressure on one cell, on a lattice finer than the cells.
-
-    Attributes
-    ----------
-    quadrant : (FINE reach + 1, FINE reach + 1) array, unit of the reading per Pa
-        By the offset in x and y from 0, in steps of 1 / FINE of a cell.
-    reach : int
-        Cells from the taxel to where it ends.
-    dropped : float
-        Largest value beyond, as a share of the peak.
-    """
-
-    quadrant: Floats
-    reach: int
-    dropped: float
-
-    @property
-    def lattice(self) -> Floats:
-        """Values at whole offsets, -reach to reach along both axes."""
-        return mirrored(self.quadrant[::FINE, ::FINE])
+# A kernel is what a taxel feels of a pressure on one cell, in the unit of the reading per Pa: a
+# quadrant (FINE reach + 1, FINE reach + 1) by the offset in x and y from 0, in steps of 1 / FINE
+# of a cell, to `reach` cells from the taxel, where it ends.
 
 
 class Response:
@@ -70,19 +50,12 @@ class Response:
         matrix = self._quantity.matrix(*self._physics, self._cell, places, self._pad)
         return np.asarray(matrix[:, 0])
 
-    def kernel(self, cut: float) -> Kernel:
+    def kernel(self, cut: float) -> Floats:
         """Sampled as far as it exceeds `cut` of its peak."""
         ray = np.arange(4 * WIDEST * 2 + 1) / 4.0
-        values = np.abs(
-            np.concatenate(
-                [
-                    self(np.column_stack([ray, 0 * ray])),
-                    self(np.column_stack([ray, ray])),
-                ]
-            )
-        ).reshape(2, -1)
-        away = np.maximum.reduceat(np.maximum(*values), np.arange(0, len(ray) - 1, 4))
-        peak = float(values.max())
+        along, aside = (np.abs(self(np.column_stack([ray, share * ray]))) for share in (0, 1))
+        away = np.maximum.reduceat(np.maximum(along, aside), np.arange(0, len(ray) - 1, 4))
+        peak = float(max(along.max(), aside.max()))
         reach = int(np.flatnonzero(away > cut * peak)[-1]) + 1
         if reach > WIDEST:
             raise InputError(
@@ -94,39 +67,38 @@ class Response:
         i, j = np.tril_indices(count)
         quadrant = np.empty((count, count))
         quadrant[i, j] = quadrant[j, i] = self(np.column_stack([i, j]) / FINE)
-        return Kernel(quadrant, reach, float(away[reach:].max() / peak))
+        return quadrant
 
 
-def smoothed_kernel(kernel: Kernel, correlation: Floats, cut: float) -> Kernel:
+def smoothed_kernel(kernel: Floats, correlation: Floats, cut: float) -> Floats:
     """A kernel convolved with a prior's correlation (2 n + 1, 2 n + 1) of cells, cut anew."""
     from scipy.signal import fftconvolve
 
     spread = np.zeros(((len(correlation) - 1) * FINE + 1,) * 2)
     spread[::FINE, ::FINE] = correlation
-    full = fftconvolve(mirrored(kernel.quadrant), spread)
-    quadrant = full[len(full) // 2 :, len(full) // 2 :]
+    full = fftconvolve(mirrored(kernel), spread)
+    quadrant: Floats = full[len(full) // 2 :, len(full) // 2 :]
     peak = float(np.abs(quadrant).max())
     away = np.abs(quadrant).max(axis=0)
     reach = int(np.ceil(np.flatnonzero(away > cut * peak)[-1] / FINE))
-    reach = max(reach, kernel.reach)  # so that the lattice holds both
+    reach = max(reach, len(kernel) // FINE)  # so that the lattice holds both
     if reach > WIDEST:
         raise InputError(
             f"the prior carries a taxel's reading {reach} cells away, expected at most {WIDEST}: "
             "use a shorter length_scale, larger cells or a larger cut"
         )
     end = reach * FINE
-    beyond = float(away[end + 1 :].max(initial=0.0))
-    return Kernel(quadrant[: end + 1, : end + 1], reach, beyond / peak)
+    return quadrant[: end + 1, : end + 1]
 
 
-def neighbour_reach(read: Kernel, spread: Kernel, cut: float) -> float:
+def neighbour_reach(read: Floats, spread: Floats, cut: float) -> float:
     """Cells beyond which two taxels read less than `cut` of each other's pressure.
 
     As a share of what each reads of its own, for taxels in the middle of cells.
     """
     from scipy.signal import fftconvolve
 
-    product = np.abs(fftconvolve(read.lattice, spread.lattice))
+    product = np.abs(fftconvolve(mirrored(read[::FINE, ::FINE]), mirrored(spread[::FINE, ::FINE])))
     middle = len(product) // 2
     row, column = np.indices(product.shape) - middle
     far = np.hypot(row, column)
@@ -152,27 +124,20 @@ class Stamp:
         Profiles at the cells 1 - reach .. reach of a taxel that stands 0 .. 1 past cell 0.
     sign : (parts,) array
         Of each part.
-    reach : int
-        Cells from the taxel to the end.
-    dropped, misfit : float
-        Largest value beyond the reach, and largest error within, as shares of the peak.
     """
 
     table: Floats
     sign: Floats
-    reach: int
-    dropped: float
-    misfit: float
+
+    @property
+    def reach(self) -> int:
+        """Cells from the taxel to the end."""
+        return int(self.table.shape[2]) // 2
 
     @property
     def width(self) -> int:
         """Cells along x that are written to: a multiple of `LANES`."""
         return -(-2 * self.reach // LANES) * LANES
-
-    @property
-    def bound(self) -> float:
-        """Largest error of a stamp on any cell, as a share of its peak."""
-        return max(self.dropped, self.misfit)
 
     def at(self, offsets: Floats) -> Floats:
         """Values (N, 2 reach, 2 reach), by row and column, of taxels (N, 2) cells past cell 0."""
@@ -185,44 +150,40 @@ class Stamp:
         )
 
 
-def stamp_of(kernel: Kernel, tolerance: float) -> Stamp:
-    """Fewest parts that fit the kernel to `tolerance` of its peak."""
+def stamp_of(kernel: Floats, tolerance: float) -> tuple[Stamp, float]:
+    """Fewest parts that fit the kernel to `tolerance` of its peak, and how far they are off it."""
     from scipy.interpolate import CubicSpline
     from scipy.linalg import eigh
 
-    quadrant = kernel.quadrant
-    weight = np.full(len(quadrant), np.sqrt(2.0))
+    weight = np.full(len(kernel), np.sqrt(2.0))
     weight[0] = 1.0  # what lies on an axis counts once in the whole plane
-    value, vector = eigh(quadrant * np.outer(weight, weight))
+    value, vector = eigh(kernel * np.outer(weight, weight))
     order = np.argsort(-np.abs(value))
-    peak = np.abs(quadrant).max()
+    peak, reach = np.abs(kernel).max(), len(kernel) // FINE
     for parts in range(GROUP, MOST + 1, GROUP):
         chosen = order[:parts]
         profile = vector[:, chosen] / weight[:, None] * np.sqrt(np.abs(value[chosen]))
         sign = np.sign(value[chosen])
-        misfit = float(np.abs((profile * sign) @ profile.T - quadrant).max() / peak)
+        misfit = float(np.abs((profile * sign) @ profile.T - kernel).max() / peak)
         if misfit <= tolerance:
             break
     both = np.concatenate([profile[:0:-1], profile])
-    place = np.arange(-kernel.reach * FINE, kernel.reach * FINE + 1) / FINE
-    cell = np.arange(1 - kernel.reach, kernel.reach + 1)
+    place = np.arange(-reach * FINE, reach * FINE + 1) / FINE
+    cell = np.arange(1 - reach, reach + 1)
     offset = np.arange(STEPS + 1) / STEPS
     table = CubicSpline(place, both)(cell - offset[:, None])  # (STEPS + 1, 2 reach, parts)
-    return Stamp(
-        np.ascontiguousarray(np.moveaxis(table, -1, 1)), sign, kernel.reach, kernel.dropped, misfit
-    )
+    return Stamp(np.ascontiguousarray(np.moveaxis(table, -1, 1)), sign), misfit
 
 
-def compared(stamp: Stamp, response: Response, peak: float) -> Stamp:
-    """The stamp, its misfit measured at offsets between all samples, against the kernel itself."""
+def misfit_between_samples(stamp: Stamp, response: Response, peak: float) -> float:
+    """How far a stamp is off the kernel itself, of its peak, at offsets between all samples."""
     index = np.arange(1, TRIALS + 1)
     inside = np.column_stack([index * 0.7548776662, index * 0.5698402910]) % 1.0  # evenly spread
     width = 2 * stamp.reach
     row, column = (index * 7) % width, (index * 11) % width
     offset = np.column_stack([column, row]) + (1 - stamp.reach) - inside
     made = stamp.at(inside)[index - 1, row, column]
-    misfit = float(np.abs(made - response(offset)).max() / peak)
-    return replace(stamp, misfit=max(stamp.misfit, misfit))
+    return float(np.abs(made - response(offset)).max() / peak)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,31 +204,9 @@ class Stamps:
     spread: Stamp
     neighbours: float
 
-    @classmethod
-    def of(
-        cls,
-        mechanics: Mechanics,
-        layer: Layer,
-        quantity: Quantity,
-        pitch: float,
-        pad_diameter: float,
-        cut: float,
-        length: float,
-    ) -> "Stamps":
-        """Stamps on cells of side `pitch` m for a prior of some length in cells, 0 for none.
-
-        They are kept for the next sheet, where the objects can be hashed.
-        """
-        make: Callable[..., Stamps] = _stamps
-        try:
-            hash((mechanics, quantity))
-        except TypeError:
-            make = _stamps.__wrapped__
-        return make(mechanics, layer, quantity, pitch, pad_diameter, cut, length)
-
 
 @lru_cache(maxsize=16)
-def _stamps(
+def stamps_on(
     mechanics: Mechanics,
     layer: Layer,
     quantity: Quantity,
@@ -276,20 +215,22 @@ def _stamps(
     cut: float,
     length: float,
 ) -> Stamps:
+    """Stamps on cells of side `pitch` m for a prior of some length in cells, 0 for none."""
     response = Response(mechanics, layer, quantity, pitch, pad_diameter)
     kernel = response.kernel(cut)
-    peak = float(np.abs(kernel.quadrant).max())
-    read = compared(stamp_of(kernel, MISFIT * cut), response, peak)
-    if read.misfit > cut:
+    peak = float(np.abs(kernel).max())
+    read, misfit = stamp_of(kernel, MISFIT * cut)
+    misfit = max(misfit, misfit_between_samples(read, response, peak))
+    if misfit > cut:
         raise InputError(
             f"the response of {quantity!r} on {mechanics!r} has edges: {MOST} products fit it to "
-            f"{read.misfit:.1e} of its peak only, expected to the cut of {cut:g}; use a larger "
+            f"{misfit:.1e} of its peak only, expected to the cut of {cut:g}; use a larger "
             "cut, pads that average, or loads that are uniform over a cell"
         )
     if length == 0.0:
         return Stamps(read, read, neighbour_reach(kernel, kernel, cut))
     wide = smoothed_kernel(kernel, correlation(length), cut)
-    return Stamps(read, stamp_of(wide, MISFIT * cut), neighbour_reach(kernel, wide, cut))
+    return Stamps(read, stamp_of(wide, MISFIT * cut)[0], neighbour_reach(kernel, wide, cut))
 
 
 def correlation(length: float) -> Floats:

@@ -1,7 +1,6 @@
 """Sheet of thousands to millions of taxels: arguments, and conjugate gradients that solve it."""
 
 import time
-from dataclasses import dataclass, field
 from functools import cached_property
 from time import perf_counter_ns
 from typing import Any
@@ -30,7 +29,7 @@ from skinfield.errors import (
     check_shape,
 )
 from skinfield.estimate import Contact, ContactFinder, Estimate
-from skinfield.skin import Grid, Patch
+from skinfield.skin import Patch
 from skinfield.solve.linear import GaussianField, Tikhonov
 from skinfield.solve.sheet.contacts import WindowNoise, contacts_on, highest_std
 from skinfield.solve.sheet.plan import TOO_DENSE, Gram, SheetPlan, parts_of
@@ -88,7 +87,6 @@ FORGET = 16  # steps in which a slow one is forgotten
 LARGEST_SQUARE = 1e34  # square of the whitened readings: products of single precision end at 3e38
 
 
-@dataclass
 class Conjugate:
     """Solver of D (W A Q A^T W + I) D u = b, whose diagonal is made 1 by D.
 
@@ -115,20 +113,13 @@ class Conjugate:
         What a step took lately, at its slowest.
     """
 
-    gram: Gram
-    order: Ints
-    scale: NDArray[Any]
-    answer: NDArray[Any] = field(init=False)
-    valid: NDArray[Any] = field(init=False)
-    iterations: int = field(init=False, default=0)
-    step_ns: int = field(init=False, default=0)
-    relative_residual: float = field(init=False, default=0.0)
-
-    def __post_init__(self) -> None:
-        empty = np.zeros_like(self.scale)
-        self.answer, self.valid = empty, np.ones_like(empty)
-        self._target, self._residual = empty.copy(), empty.copy()
-        self._way, self._moved = empty.copy(), empty.copy()
+    def __init__(self, gram: Gram, order: Ints, scale: NDArray[Any]) -> None:
+        self.gram, self.order, self.scale = gram, order, scale
+        self.iterations, self.step_ns, self.relative_residual = 0, 0, 0.0
+        self.valid = np.ones_like(scale)
+        self.answer, self._target, self._residual, self._way, self._moved = (
+            np.zeros_like(scale) for _ in range(5)
+        )
 
     def reset(self) -> None:
         """Forget the reading before."""
@@ -286,27 +277,24 @@ class Sheet:
         check_skin(self.patch, self.layer, self.mechanics, self.quantity)
         self.finder = ContactFinder() if finder is None else finder
         check_offers("finder", self.finder, ("__call__", "sigmas"), "one such as ContactFinder()")
-        places = self.patch.plane
         noise = self.quantity.typical_noise if noise_std is None else noise_std
-        self.noise_std = checked_noise(noise, len(places))
+        self.noise_std = checked_noise(noise, len(self.patch))
         solver = GaussianField() if solver is None else solver
         self.plan = SheetPlan(
-            places,
+            self.patch,
             self.noise_std,
             self.layer,
             self.mechanics,
             self.quantity,
             solver,
             pitch,
-            pad_diameter,
             cut,
             precision,
         )
-        lattice = self.plan.lattice
-        self.grid = Grid(self.patch, lattice.shape, lattice.pitch, lattice.origin)
+        self.grid = self.plan.lattice
         self._conjugate = Conjugate(self.plan.gram, self.plan.placing.order, self.plan.scale)
         self._stamping_ns, self._deadline_met = 0, True
-        self._weights = np.zeros(len(places), dtype=precision)
+        self._weights = np.zeros(len(self.patch), dtype=precision)
         self._spread = parts_of(self.plan.stamps.spread, precision)
         self._read = parts_of(self.plan.stamps.read, precision)
         self._rehearse()
