@@ -20,18 +20,12 @@ class ModulusFit:
         With its standard error from the scatter of the points.
     offset : float, Pa
         Stress of the fit at zero strain: slack or zero error of the machine.
-    strain_range : tuple of float
-        Of the points used.
-    residual : float, Pa
-        Root mean square of what the fit leaves.
     points : int
     """
 
     modulus: float
     std: float
     offset: float
-    strain_range: tuple[float, float]
-    residual: float
     points: int
 
 
@@ -54,29 +48,20 @@ def initial_modulus(strain: ArrayLike, stress: ArrayLike, *, up_to: float = 0.5)
     InputError
         If fewer than 4 points lie in the range, or the fitted modulus is not above zero.
     """
+    from scipy.stats import linregress
+
     strain, stress = as_floats("strain", strain), as_floats("stress", stress)
     used = (np.abs(strain) <= up_to) & (strain > -1.0) & np.isfinite(stress)
-    if used.sum() < 4:
+    if len(np.unique(strain[used])) < 4:
         raise InputError(
-            f"{int(used.sum())} points have a strain up to {up_to!r}, expected at least 4: "
+            f"{int(used.sum())} points have a strain up to {up_to!r}, expected at least 4 strains: "
             "raise up_to, or give a finer test"
         )
     x, y = strain[used], stress[used]
-    shape = ((1.0 + x) - (1.0 + x) ** -2) / 3.0
-    centred = shape - shape.mean()
-    power = float(centred @ centred)
-    slope = float(centred @ y) / power if power > 0 else 0.0
+    fit = linregress(((1.0 + x) - (1.0 + x) ** -2) / 3.0, y)
+    slope = float(fit.slope)
     check_positive("the fitted modulus", slope, "stress must rise with strain, in tension")
-    left = y - y.mean() - slope * centred
-    scatter = float(left @ left) / (len(x) - 2)
-    return ModulusFit(
-        modulus=slope,
-        std=float(np.sqrt(scatter / power)),
-        offset=float(y.mean() - slope * shape.mean()),
-        strain_range=(float(x.min()), float(x.max())),
-        residual=float(np.sqrt(np.mean(left**2))),
-        points=len(x),
-    )
+    return ModulusFit(slope, float(fit.stderr), float(fit.intercept), len(x))
 
 
 _STRAIN = "Engineering Strain"

@@ -1,4 +1,4 @@
-"""Smoothing filters: exponential, moving median, chains of filters, and what a step becomes."""
+"""Filters of readings over time: exponential, Kalman, moving median, chains of filters."""
 
 import math
 from dataclasses import dataclass
@@ -62,14 +62,10 @@ class NoFilter:
         check_positive("rate", rate, "readings per second")
         return 1.0
 
-    def prepare(self, taxels: int, rate: float) -> "NoFilterState":
-        """A state without memory."""
+    def prepare(self, taxels: int, rate: float) -> "NoFilter":
+        """Itself: it has no memory."""
         check_positive("rate", rate, "readings per second")
-        return NoFilterState()
-
-
-class NoFilterState:
-    """No memory."""
+        return self
 
     def apply(self, reading: Floats, out: Floats) -> None:
         """Copy `reading` (L,) to `out` (L,)."""
@@ -160,23 +156,29 @@ class Exponential:
 
     def delay(self, rate: float) -> float:
         """Lag behind a ramp, s: (1 - a) / a readings."""
-        weight = self.weight(rate)
-        return (1.0 - weight) / weight / rate
+        return _delay(self.weight(rate), rate)
 
     def noise_factor(self, rate: float) -> float:
         """√(a / (2 - a)) for independent readings."""
-        weight = self.weight(rate)
-        return math.sqrt(weight / (2.0 - weight))
+        return _noise_factor(self.weight(rate))
 
     def prepare(self, taxels: int, rate: float) -> "ExponentialState":
         """State for `taxels` taxels at `rate` readings per second."""
-        return ExponentialState(self.weight(rate), taxels)
+        return ExponentialState(np.full(taxels, self.weight(rate)), taxels)
+
+
+def _delay(weight: float, rate: float) -> float:
+    return (1.0 - weight) / weight / rate
+
+
+def _noise_factor(weight: float) -> float:
+    return math.sqrt(weight / (2.0 - weight))
 
 
 class ExponentialState:
-    """Memory of an exponential filter."""
+    """Memory of a filter with a weight (L,) of new readings."""
 
-    def __init__(self, weight: float, taxels: int) -> None:
+    def __init__(self, weight: Floats, taxels: int) -> None:
         self._weight = weight
         self._level = np.full(taxels, np.nan)
         self._step = np.empty(taxels)
@@ -198,6 +200,84 @@ class ExponentialState:
     def reset(self) -> None:
         """Forget all readings."""
         self._level.fill(np.nan)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RandomWalk:
+    """Kalman filter per taxel: the level walks at random, every reading adds noise.
+
+    Run in, it is an exponential filter whose weight follows from the two figures; before that, and
+    after invalid readings, it weighs new readings more, as it knows less.
+
+    Parameters
+    ----------
+    noise_std : float or (L,) array, counts
+        Of one reading, such as ``calibration.noise_std``; NaN where a taxel is not alive.
+    process_std : float, counts/√s
+        How far the level walks within a second (standard deviation).
+    """
+
+    noise_std: Floats | float
+    process_std: float
+
+    def __post_init__(self) -> None:
+        noise = np.array(as_floats("noise_std", self.noise_std))
+        bad = ~((noise > 0) & np.isfinite(noise) | np.isnan(noise))
+        if noise.ndim > 1 or bad.any() or np.isnan(noise).all():
+            raise InputError(
+                f"noise_std is {self.noise_std!r}, expected one number above 0 or one per taxel, "
+                "such as calibration.noise_std: the filter weighs every reading by it"
+            )
+        noise.setflags(write=False)
+        object.__setattr__(self, "noise_std", noise)
+        check_positive("process_std", self.process_std, "how far the level walks in a second")
+
+    def weights(self, rate: float) -> Floats:
+        """Weight of a new reading once run in, per entry of `noise_std`."""
+        check_positive("rate", rate, "readings per second")
+        walk, noise = self.process_std**2 / rate, np.square(self.noise_std)
+        ahead = (walk + np.sqrt(walk**2 + 4.0 * walk * noise)) / 2.0
+        return np.asarray(ahead / (ahead + noise))
+
+    def delay(self, rate: float) -> float:
+        """Lag behind a ramp, s, of the slowest taxel: (1 - K) / K readings at weight K."""
+        return _delay(float(np.nanmin(self.weights(rate))), rate)
+
+    def noise_factor(self, rate: float) -> float:
+        """√(K / (2 - K)) for independent readings, of the taxel that gains least."""
+        return _noise_factor(float(np.nanmax(self.weights(rate))))
+
+    def prepare(self, taxels: int, rate: float) -> "RandomWalkState":
+        """State for `taxels` taxels at `rate` readings per second."""
+        check_positive("rate", rate, "readings per second")
+        noise = np.asarray(self.noise_std)
+        if noise.ndim == 1 and len(noise) != taxels:
+            raise InputError(
+                f"noise_std has {len(noise)} values, expected 1 or {taxels}: one per taxel"
+            )
+        variance = np.array(np.broadcast_to(noise**2, (taxels,)))
+        return RandomWalkState(variance, self.process_std**2 / rate)
+
+
+class RandomWalkState(ExponentialState):
+    """Level and its variance, per taxel."""
+
+    def __init__(self, noise: Floats, walk: float) -> None:
+        super().__init__(np.empty(len(noise)), len(noise))
+        self._noise, self._walk, self._variance = noise, walk, noise.copy()
+
+    def apply(self, reading: Floats, out: Floats) -> None:
+        """Write the filtered `reading` (L,) into `out` (L,); NaN stays NaN."""
+        variance, weight = self._variance, self._weight
+        np.isnan(self._level, out=self._mask)
+        np.copyto(variance, self._noise, where=self._mask)
+        np.add(variance, self._walk, out=variance)
+        np.add(variance, self._noise, out=weight)
+        np.divide(variance, weight, out=weight)
+        super().apply(reading, out)
+        np.copyto(weight, 0.0, where=self._mask)
+        np.subtract(1.0, weight, out=weight)
+        np.multiply(variance, weight, out=variance)
 
 
 @dataclass(frozen=True)
@@ -308,9 +388,6 @@ class MovingMedianState:
         self._next = 0
 
 
-_RUN_IN = 4000
-
-
 def filtered(settings: Filter, counts: ArrayLike, rate: float) -> Floats:
     """All readings (T, L) of a recording through a fresh filter, as streaming would.
 
@@ -327,27 +404,3 @@ def filtered(settings: Filter, counts: ArrayLike, rate: float) -> Floats:
     for reading, row in zip(counts, out, strict=True):
         state.apply(reading, row)
     return out
-
-
-def step_response(settings: Filter, rate: float, seconds: float, *, taxels: int = 1) -> Floats:
-    """Output for readings that go from 0 to 1 and stay, (N, taxels), from the first 1 on.
-
-    The filter has run in on zeros before. `taxels` is their number where the settings hold a
-    noise per taxel.
-    """
-    check_positive("rate", rate, "readings per second")
-    check_positive("seconds", seconds, "how much of the response to return")
-    readings = max(1, round(seconds * rate))
-    counts = np.concatenate([np.zeros((_RUN_IN, taxels)), np.ones((readings, taxels))])
-    return filtered(settings, counts, rate)[_RUN_IN:]
-
-
-def rise_time(settings: Filter, rate: float, *, taxels: int = 1, within: float = 10.0) -> float:
-    """Seconds from a step until half of it has come through, of the slowest taxel.
-
-    Infinite if that takes more than `within` seconds.
-    """
-    reached = step_response(settings, rate, within, taxels=taxels) >= 0.5
-    if not reached.any(axis=0).all():
-        return float("inf")
-    return float(np.max(np.argmax(reached, axis=0)) / rate)
