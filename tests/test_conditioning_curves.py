@@ -21,7 +21,6 @@ def test_modulus_of_a_rubber_is_found_under_offset_and_scatter():
     assert fit.modulus == pytest.approx(50e3, abs=4 * fit.std)
     assert fit.offset == pytest.approx(-900, abs=400)
     assert fit.std < 1500
-    assert fit.strain_range == (0.05, 0.5)
     with pytest.raises(InputError, match=r"2 points have a strain up to 0\.07"):
         initial_modulus(strain, rubber(strain), up_to=0.07)
     with pytest.raises(InputError, match="stress must rise"):
@@ -76,4 +75,4 @@ def test_ecoflex_00_30(shared_data):
     assert len(test.strain) == 705
     fit = initial_modulus(test.strain, test.stress)
     assert 45e3 < fit.modulus < 60e3
-    assert fit.residual < 400
+    assert fit.points == 20

@@ -5,10 +5,11 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from closed_forms import rectangle_displacement
 
 import skinfield as sf
 from skinfield.elastic import LatticeConvolution
-from skinfield.elastic.cell_integrals import inverse_distance_integrals, rectangle_displacement
+from skinfield.elastic.cell_integrals import inverse_distance_integrals
 from skinfield.elastic.contact import (
     ContactProblem,
     ShearProblem,

@@ -72,8 +72,11 @@ class Quantity(Protocol):
         ...
 
 
-def _offsets(grid: Grid, taxels: Floats) -> Floats:
-    return (taxels[:, None, :] - grid.plane[None, :, :]).reshape(-1, 2)
+def _response(of: Callable[..., Floats], layer: Layer, grid: Grid, taxels: Floats, pad: float,
+              **options: bool) -> Floats:  # fmt: skip
+    """Of taxels (L, 2) m to a pressure on each node, (L, K)."""
+    offsets = (taxels[:, None, :] - grid.plane[None, :, :]).reshape(-1, 2)
+    return of(layer, offsets, grid.pitch, pad, **options).reshape(len(taxels), len(grid))
 
 
 @dataclass(frozen=True)
@@ -98,8 +101,7 @@ class BaseStress:
     ) -> Floats:
         """See `Quantity.matrix`; Pa per Pa."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        stress = mechanics.base_stress(layer, _offsets(grid, taxels), grid.pitch, pad)
-        return stress.reshape(len(taxels), len(grid))
+        return _response(mechanics.base_stress, layer, grid, taxels, pad)
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """`readings`: stress is linear in the load at small strain."""
@@ -130,8 +132,7 @@ class Gap:
     ) -> Floats:
         """See `Quantity.matrix`; 1/Pa."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        inwards = mechanics.indentation(layer, _offsets(grid, taxels), grid.pitch, pad)
-        return inwards.reshape(len(taxels), len(grid)) / layer.thickness
+        return _response(mechanics.indentation, layer, grid, taxels, pad) / layer.thickness
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """`readings`: the gap is linear in the load at small strain."""
@@ -144,15 +145,14 @@ class Capacitance:
 
     The field lines between the electrodes smooth the indentation w by
     :math:`\hat S = kh/\sinh kh`; to first order the reading is the pad's mean of S w/h, and
-    `forward` has the field in the deformed gap. Without `pad_averaged` it is S w/h above the
-    centre.
+    `simulate.Press.capacitance` has the field in the deformed gap. Without `pad_averaged` it is
+    S w/h above the centre.
 
     Parameters
     ----------
     order : None, 1, 2 or 3
-        None for the field in the deformed gap itself, or the terms of the series in the strain
-        that `forward` sums instead. The series falls short where the surface comes down by more
-        than some tenths of the thickness, but has an answer for a surface of any steepness.
+        None for readings of the field in the deformed gap itself, or the terms of the series in
+        the strain that made them: those of the first are linear.
     pad_averaged : bool
         Average over the pad; else the density of charge at its centre.
     """
@@ -175,9 +175,8 @@ class Capacitance:
     ) -> Floats:
         """See `Quantity.matrix`; 1/Pa, the series' first term."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        offsets = _offsets(grid, taxels)
-        inwards = mechanics.indentation(layer, offsets, grid.pitch, pad, electrostatic=True)
-        return inwards.reshape(len(taxels), len(grid)) / layer.thickness
+        inwards = _response(mechanics.indentation, layer, grid, taxels, pad, electrostatic=True)
+        return inwards / layer.thickness
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """Strain c / (1 + c), exact for a uniform gap, C/C0 = 1/(1 - w/h); order 1: `readings`.
@@ -189,33 +188,6 @@ class Capacitance:
             return readings
         np.add(readings, 1.0, out=out)
         return np.divide(readings, out, out=out)
-
-    def forward(
-        self,
-        mechanics: Mechanics,
-        layer: Layer,
-        grid: Grid,
-        pressure: Floats,
-        taxels: Floats,
-        pad_diameter: float,
-    ) -> Floats:
-        """Reading of each taxel, nonlinear in the pressure.
-
-        Parameters
-        ----------
-        pressure : (K,) array, Pa
-        taxels : (L, 2) array, m
-            In the plane.
-
-        Returns
-        -------
-        (L,) array, ΔC/C₀
-        """
-        from skinfield.elastic.electrostatics import capacitance_change, gap_strain
-
-        pad = pad_diameter if self.pad_averaged else 0.0
-        strain = gap_strain(mechanics, layer, grid, pressure, taxels, pad)
-        return capacitance_change(strain, layer.thickness, taxels, pad, self.order)
 
 
 @dataclass(frozen=True, eq=False)

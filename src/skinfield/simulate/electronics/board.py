@@ -8,12 +8,7 @@ from numpy.typing import ArrayLike
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, as_floats, check_positive
-from skinfield.signal import (
-    Convention,
-    CySkinCount,
-    ICubByte,
-    rest_capacitance,
-)
+from skinfield.signal import Convention, CySkinCount, ICubByte, rest_capacitance
 
 PAD_CAPACITANCE = rest_capacitance(Layer(), 4e-3)
 """F, of a round 4 mm pad under 2 mm of silicone: 0.167 pF."""
@@ -72,10 +67,8 @@ class ICubBoard:
     rest_capacitance: float = PAD_CAPACITANCE
     farads_per_count: float = AD7147_FARADS
 
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "count"
+    unit = "count"
+    step = 1.0
 
     @property
     def size(self) -> int:
@@ -91,11 +84,6 @@ class ICubBoard:
     def gain(self) -> float:
         """See `Board.gain`."""
         return self.convention.gain(self.rest_capacitance, self.farads_per_count)
-
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 1.0
 
     def counts_from_level(self, level: Floats) -> Floats:
         """See `Board.counts_from_level`: the converter rounds, the board shifts and clamps."""
@@ -118,23 +106,12 @@ class CySkinBoard:
     convention: CySkinCount = field(default_factory=CySkinCount)
     gain: float = 30e3
 
+    unit = "count"
+    rest = 0.0  # the board takes the baseline off
+    step = 1.0
+
     def __post_init__(self) -> None:
         check_positive("gain", self.gain, "counts per unit of ΔC/C₀; pressure raises the count")
-
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "count"
-
-    @property
-    def rest(self) -> float:
-        """See `Board.rest`."""
-        return self.convention.rest
-
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 1.0
 
     def counts_from_level(self, level: Floats) -> Floats:
         """See `Board.counts_from_level`."""
@@ -145,27 +122,11 @@ class CySkinBoard:
 class LinearBoard:
     """No steps and no clamps: readings are ΔC/C₀ as they are."""
 
-    convention: None = None
-
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "dC/C0"
-
-    @property
-    def rest(self) -> float:
-        """See `Board.rest`."""
-        return 0.0
-
-    @property
-    def gain(self) -> float:
-        """See `Board.gain`."""
-        return 1.0
-
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 0.0
+    convention = None
+    unit = "dC/C0"
+    rest = 0.0
+    gain = 1.0
+    step = 0.0
 
     def counts_from_level(self, level: ArrayLike) -> Floats:
         """See `Board.counts_from_level`."""

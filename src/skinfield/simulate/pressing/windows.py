@@ -383,7 +383,8 @@ class Sliding:
         """Displacement (2, N) m of a traction (2, N) Pa."""
         pictures = [self.indenting.pictures(component) for component in traction]
         moved = [
-            near.total(np.stack(part)) for near, *part in zip(self.near, *pictures, strict=True)
+            near(np.stack(part), total=True)
+            for near, *part in zip(self.near, *pictures, strict=True)
         ]
         for others, part in zip(self.others, pictures, strict=False):
             moved = [a + b for a, b in zip(moved, others(part), strict=True)]
