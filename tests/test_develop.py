@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.skin.flattening import FlatSurface, Surface
+from skinfield.skin.flattening import Surface
 from skinfield.skin.geometry import arc_length, facing_from_positions, links_between, parts_of
 
 RADIUS, PITCH = 30e-3, 5e-3
@@ -250,7 +250,7 @@ def test_taxels_keep_their_places_and_normals() -> None:
 
 def test_flat_patches_keep_their_own_axes() -> None:
     patch = sf.layouts.hexagon72()
-    assert isinstance(patch.surface, FlatSurface)
+    assert patch.surface.is_flat
     np.testing.assert_allclose(patch.plane, patch.positions[:, :2], atol=1e-15)
     lifted = sf.Patch(patch.positions + np.array([0, 0, 7e-3]), normals=patch.normals)
     np.testing.assert_allclose(lifted.plane, patch.plane, atol=1e-15)

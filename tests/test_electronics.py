@@ -197,17 +197,6 @@ def test_cross_talk_shows_on_the_stages_before_and_after_and_nowhere_else():
     assert np.flatnonzero(shown[1]).tolist() == [24, 25]  # the first stage of its converter
 
 
-def test_a_matrix_of_cross_talk_is_added():
-    matrix = np.zeros((72, 72))
-    matrix[3, 60] = -0.1
-    made = replace(ideal_electronics(), cross_talk=CrossTalk(matrix=matrix))
-    assert made == replace(ideal_electronics(), cross_talk=CrossTalk(matrix=matrix.tolist()))
-    assert made != ideal_electronics() == ideal_electronics()
-    shown = made.manufacture(HEXAGON, rng()).counts(np.eye(72)[60:61], None, rng())[0]
-    assert shown[[3, 60]] == pytest.approx([-0.1, 1.0])
-    assert np.count_nonzero(shown) == 2
-
-
 def test_wiring_follows_modules_and_channels():
     wired = wiring(HEXAGON)
     assert (wired.converter == HEXAGON.module).all()
@@ -245,14 +234,6 @@ def test_wiring_follows_modules_and_channels():
             "temperature has shape",
         ),
         (lambda: untouched(Electronics(), 3)[0].sample_times(0.0, rng()), "duration is 0.0"),
-        (
-            lambda: untouched(Electronics(cross_talk=CrossTalk(matrix=np.eye(5))), 3),
-            "matrix has shape",
-        ),
-        (
-            lambda: untouched(Electronics(), 3)[0].with_defects({Defect.DEAD: [72]}),
-            r"rows of <Defect.DEAD: 2> are \[72\], expected whole numbers from 0 to 71",
-        ),
     ],
 )
 def test_errors_say_what_was_expected(make, words):

@@ -42,7 +42,10 @@ def recorded(electronics, seconds, *, press=None, patch=HEXAGON, seed=0, defects
     """Array, sampling and recording of a skin that `press`, of time in s, changes by ΔC/C₀."""
     array = electronics.manufacture(patch, rng(seed))
     if defects:
-        array = array.with_defects(defects)
+        planted = array.defect.copy()
+        for kind, rows in defects.items():
+            planted[rows] = kind
+        array = replace(array, defect=planted)
     sampling = array.sample_times(seconds, rng(seed + 1), start_ns=1_700_000_000_000_000_000)
     instants = sampling.instants
     change = np.zeros(instants.shape) if press is None else press(instants)

@@ -59,7 +59,7 @@ def cached_surface_kernel(
     odd_x[0, 1:] = odd_x[1:, 0] = True  # one index is x, the other is not
     odd_y = np.zeros((3, 3), dtype=bool)
     odd_y[1, ::2] = odd_y[::2, 1] = True
-    every = [mirrored(part[ij], odd_x[ij], odd_y[ij]) for ij in np.ndindex(3, 3)]
+    every = [mirrored(part[ij], bool(odd_x[ij]), bool(odd_y[ij])) for ij in np.ndindex(3, 3)]
     return np.stack(every).reshape(3, 3, *every[0].shape)
 
 

@@ -215,8 +215,9 @@ def _kinds(verdict: NDArray[np.int8], since: NDArray[np.int64] | None = None) ->
     for kind, meaning in _MEANING.items():
         rows = np.flatnonzero(verdict == kind)
         if len(rows):
-            stuck = since is not None and kind == Verdict.STUCK
-            start = f", the first from reading {since[rows].min()}" if stuck else ""
+            start = ""
+            if since is not None and kind == Verdict.STUCK:
+                start = f", the first from reading {since[rows].min()}"
             text = rows_text(rows)
             found.append(f"{len(rows)} of {len(verdict)} taxels {meaning}{start}: {text}")
     return found

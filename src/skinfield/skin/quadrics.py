@@ -2,11 +2,15 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.skin.geometry import flat_frames
+
+if TYPE_CHECKING:
+    from skinfield.skin.quadrics_kernel import Parts
 
 BLENDED = 8  # quadrics around a point that have a say in it
 FLEX = 2.5  # pitches from its taxel up to which a quadric bends; beyond, it runs on straight
@@ -63,10 +67,10 @@ class Quadrics:
         return np.asarray(frames(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
 
     @cached_property
-    def _parts(self) -> tuple[Floats, ...]:
+    def _parts(self) -> "Parts":
         """Of one layout, so that the kernels are compiled once."""
-        parts = self.plane, self.position, self.normal, self.slope, self.bend, self.turn
-        return tuple(map(_plain, parts))
+        placed = _plain(self.plane), _plain(self.position), _plain(self.normal)
+        return *placed, _plain(self.slope), _plain(self.bend), _plain(self.turn)
 
 
 def quadrics_through(plane: Floats, positions: Floats, normals: Floats, pairs: Ints) -> Quadrics:

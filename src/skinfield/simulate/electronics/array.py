@@ -1,8 +1,7 @@
 """Taxel array as made: gain, baseline, drift, noise and defect of each taxel; known electronics."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
 
@@ -24,6 +23,7 @@ from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Samplin
 from skinfield.simulate.electronics.noise import Noise
 from skinfield.simulate.electronics.thermal import ThermalDrift, ThermalPads
 from skinfield.skin import Patch
+from skinfield.skin.reading import Recording
 
 
 class Defect(IntEnum):
@@ -181,26 +181,6 @@ class TaxelArray:
             basis="the truth of simulated electronics",
         )
 
-    def with_defects(self, rows: Mapping[Defect, ArrayLike]) -> "TaxelArray":
-        """Array in which the taxels of the given rows have the given defects as well.
-
-        Raises
-        ------
-        InputError
-            If a row is none of the patch's.
-        """
-        defect = self.defect.copy()
-        for kind, which in rows.items():
-            chosen = np.asarray(which)
-            inside = chosen.dtype.kind in "iu" and ((chosen >= 0) & (chosen < len(self))).all()
-            if chosen.size and not inside:
-                raise InputError(
-                    f"rows of {kind!r} are {which!r}, expected whole numbers from 0 to "
-                    f"{len(self) - 1}: rows of patch {self.patch.name!r}"
-                )
-            defect[chosen.astype(np.int64)] = kind
-        return replace(self, defect=defect)
-
     def sample_times(
         self, duration: float, rng: np.random.Generator, *, start_ns: int = 0
     ) -> Sampling:
@@ -295,6 +275,56 @@ class TaxelArray:
         return counts
 
 
+def recording(
+    array: TaxelArray,
+    sampling: Sampling,
+    change: ArrayLike,
+    temperature: ArrayLike | None,
+    rng: np.random.Generator,
+    *,
+    source: str = "simulated",
+) -> Recording:
+    """Recording of the taxels of `array`.
+
+    Parameters
+    ----------
+    array : TaxelArray
+    sampling : Sampling
+        From `array.sample_times`.
+    change : (T, L) array
+        ΔC/C₀ at `sampling.instants`.
+    temperature : (T,) array, K, or None
+    rng : numpy Generator
+    source : str
+        What the recording says about where it is from.
+
+    Returns
+    -------
+    Recording
+        One column per taxel, by uid; one row per reading that was logged.
+
+    Raises
+    ------
+    InputError
+        If every reading was lost on the way, or `change` has not a row per cycle.
+    """
+    counts = array.counts(change, temperature, rng)
+    check_shape("change", counts, (len(sampling), len(array)), "one row per cycle of sampling")
+    rows, stamps = sampling.logged
+    if not len(rows):
+        raise InputError(
+            f"delivered is False for all {len(sampling)} readings, expected some: record longer, "
+            "or lower lost_readings"
+        )
+    return Recording(
+        stamps,
+        counts[rows],
+        array.patch.uid.copy(),
+        array.electronics.board.unit,
+        source,
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Electronics:
     """From the change of capacitance to counts in time. Everything but the board is off at first.
@@ -351,11 +381,9 @@ class Electronics:
         Raises
         ------
         InputError
-            If the patch has not the taxels that the matrix of the cross-talk, or the thermal pads,
-            ask for.
+            If the patch has not the taxels that the thermal pads ask for.
         """
         wired, taxels = wiring(patch), len(patch)
-        self.cross_talk.check_patch(patch)
         pads = self.thermal_pads
         if pads is not None:
             pads.check_wiring(wired)

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
-from skinfield.simulate.indenters.body import Body, Rounded
+from skinfield.simulate.indenters.body import Indenter, Rounded
 
 Profile = tuple[float, float, float]  # half width, height of the tip, rise of the flank per width
 
@@ -52,7 +52,7 @@ def lowest_of_profile(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sphere(Body):
+class Sphere(Indenter):
     """A ball, or the half-sphere of the paper. It is the same however it is turned or tilted.
 
     Parameters
@@ -61,7 +61,7 @@ class Sphere(Body):
     position : (x, y), m
         Of its centre in the plane.
     rotation, tilt, force, depth, shear
-        See `Body`.
+        See `Indenter`.
     """
 
     radius: float
@@ -108,8 +108,6 @@ class _Long(Rounded):
     length: float
     width: float
 
-    _rise = 0.0  # of the flanks
-
     def __post_init__(self) -> None:
         super().__post_init__()
         check_positive("length", self.length, f"of the {self.kind} along its x, in metres")
@@ -118,7 +116,7 @@ class _Long(Rounded):
 
     @property
     def _profile(self) -> Profile:
-        return self.width / 2 - self.edge_radius, self.edge_radius, self._rise
+        return self.width / 2 - self.edge_radius, self.edge_radius, 0.0
 
     def nearest(self, points: Floats) -> Floats:
         """See `Rounded.nearest`."""
@@ -143,7 +141,7 @@ class Cylinder(_Round):
     radius : float, m
         Of the whole cylinder, rounded edge included.
     edge_radius, position, rotation, tilt, force, depth, shear
-        See `Rounded` and `Body`. Its reference point is the middle of its face.
+        See `Rounded` and `Indenter`. Its reference point is the middle of its face.
     """
 
     radius: float
@@ -172,7 +170,7 @@ class Cone(_Round):
     edge_radius : float, m
         Of its tip, which becomes a ball, and of its rim.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is its tip.
+        See `Indenter`. Its reference point is its tip.
     """
 
     half_angle: float
@@ -203,7 +201,7 @@ class Wedge(_Long):
     edge_radius : float, m
         Of the edge and of its ends.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is the middle of its edge.
+        See `Indenter`. Its reference point is the middle of its edge.
     """
 
     half_angle: float
@@ -214,8 +212,9 @@ class Wedge(_Long):
         check_half_angle(self.half_angle, "wedge")
 
     @property
-    def _rise(self) -> float:
-        return float(1 / np.tan(self.half_angle))
+    def _profile(self) -> Profile:
+        half_width, tip, _ = super()._profile
+        return half_width, tip, 1 / np.tan(self.half_angle)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,7 +226,7 @@ class Bar(_Long):
     length, width : float, m
         Of its face along the turned x and y, rounded edges included.
     edge_radius, position, rotation, tilt, force, depth, shear
-        See `Rounded` and `Body`. Its reference point is the middle of its face.
+        See `Rounded` and `Indenter`. Its reference point is the middle of its face.
     """
 
     kind: ClassVar[str] = "bar"
@@ -244,7 +243,7 @@ class Rod(Rounded):
     edge_radius : float, m
         Of the edges of its ends; as large as `radius`, its ends are half-spheres.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is its lowest point below its middle.
+        See `Indenter`. Its reference point is its lowest point below its middle.
     """
 
     radius: float
@@ -289,7 +288,7 @@ class Ring(Rounded):
     edge_radius : float, m
         Of its edges; at half of the wall's thickness the ring is round like an O-ring.
     position, rotation, tilt, force, depth, shear
-        See `Rounded` and `Body`. Its reference point is the middle of its face.
+        See `Rounded` and `Indenter`. Its reference point is the middle of its face.
     """
 
     inner_radius: float

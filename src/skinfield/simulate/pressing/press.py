@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -407,7 +406,7 @@ def base_stress_below_cells(press: Press) -> Floats:
 
 def press_ladder(
     layer: Layer,
-    indenter: Any,
+    indenter: Indenter,
     forces: ArrayLike | Sequence[float],
     extent: float = 60e-3,
     cell: float = 0.5e-3,
@@ -420,8 +419,7 @@ def press_ladder(
     ----------
     layer : Layer
     indenter : Indenter
-        A frozen dataclass, such as all of `skinfield.simulate`; its own force or depth is ignored,
-        its shear is kept.
+        Its own force or depth is ignored, its shear is not.
     forces : (N,) floats, N
         In any order. They are solved from the smallest, each from the one before.
     extent, cell, mechanics, friction

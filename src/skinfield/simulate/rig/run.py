@@ -4,15 +4,13 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.simulate.electronics.array import TaxelArray
+from skinfield.simulate.electronics.array import TaxelArray, recording
 from skinfield.simulate.electronics.delivery import Sampling
-from skinfield.simulate.electronics.recording import recording
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.press import Press, press, press_ladder
 from skinfield.simulate.rig.scenario import LoadSeries, Pose, Scenario
@@ -193,8 +191,7 @@ def _loads(scenario: Scenario, indenter: Indenter) -> list[Press]:
     """Presses at the loads, by force or depth."""
     if scenario.loads.forces:
         return _pressed(scenario, indenter, scenario.loads.forces)
-    body: Any = indenter
-    bodies = [replace(body, force=None, depth=depth) for depth in scenario.loads.depths]
+    bodies = [replace(indenter, force=None, depth=depth) for depth in scenario.loads.depths]
     solving, layer = scenario.solving, scenario.layer
     return [
         press(layer, [each], solving.extent, solving.cell, scenario.mechanics) for each in bodies
@@ -244,7 +241,7 @@ def programme(scenario: Scenario) -> Programme:
     distinct = tuple(dict.fromkeys(poses))
     presses = len(poses) * loads
     steps = int(np.floor(profile.duration(presses) / STEP + 1e-9))
-    time = STEP * np.arange(steps + 1)
+    time: Floats = STEP * np.arange(steps + 1, dtype=np.float64)
     row = np.floor((time - profile.rest) / profile.period + 1e-9).astype(np.int64)
     return Programme(
         distinct,
