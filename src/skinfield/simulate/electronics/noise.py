@@ -8,6 +8,9 @@ import numpy as np
 from skinfield.errors import Floats, check_range
 from skinfield.simulate.electronics.delivery import Wiring
 
+BLOCK = 32
+"""Taxels whose spectra are in memory at once."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Noise:
@@ -81,5 +84,9 @@ def unit_flicker(shape: tuple[int, int], rng: np.random.Generator) -> Floats:
     # White noise of variance 1 has a one-sided density of 2 per cycle per sample.
     weight = np.zeros((len(cycles), 1))
     weight[1:, 0] = np.sqrt(1.0 / (np.pi * cycles[1:]) / 2.0)
-    spectrum = np.fft.rfft(rng.standard_normal((length, shape[1])), axis=0)
-    return np.asarray(np.fft.irfft(weight * spectrum, n=length, axis=0)[: shape[0]])
+    out = np.empty(shape)
+    for first in range(0, shape[1], BLOCK):
+        part = out[:, first : first + BLOCK]
+        spectrum = np.fft.rfft(rng.standard_normal((length, part.shape[1])), axis=0)
+        part[:] = np.fft.irfft(weight * spectrum, n=length, axis=0)[: shape[0]]
+    return out
