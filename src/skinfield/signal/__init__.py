@@ -46,7 +46,3 @@ from skinfield.signal.source import Stream as Stream
 from skinfield.signal.source import counters as counters
 from skinfield.signal.stationary import QuietStretch as QuietStretch
 from skinfield.signal.stationary import quiet_stretch as quiet_stretch
-from skinfield.signal.tensile_test import ModulusFit as ModulusFit
-from skinfield.signal.tensile_test import TensileTest as TensileTest
-from skinfield.signal.tensile_test import initial_modulus as initial_modulus
-from skinfield.signal.tensile_test import load_tensile_test as load_tensile_test

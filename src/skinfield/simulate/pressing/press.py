@@ -21,7 +21,6 @@ from skinfield.errors import (
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
-from skinfield.simulate.pressing import readout as deformed
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, resultants
 from skinfield.simulate.pressing.windows import Skin
@@ -184,14 +183,14 @@ class Press:
         There the two agree to the residual, but for squares that a sharp edge crosses: of those the
         solution knows the covered part.
         """
-        sunk = deformed.indentation(self._skin, self.touches).ravel()
+        sunk = readout.indentation(self._skin, self.touches).ravel()
         known = self.contact & np.isfinite(self._above)
         return np.where(known, -self._above, sunk)
 
     @cached_property
     def displacement(self) -> Floats:
         """Of the surface at the cells' centres, (K, 3) m; negative z is into the skin."""
-        out = deformed.sheared(self._skin, self.touches)
+        out = readout.sheared(self._skin, self.touches)
         out[2] -= self._sunk.reshape(self.grid.shape)
         return np.asarray(np.moveaxis(out, 0, -1).reshape(-1, 3))
 
@@ -230,7 +229,7 @@ class Press:
         `skinfield.elastic.electrostatics`, which falls short where the press is deep.
         """
         places = readout.points_of(positions, pad_diameter)
-        strain = deformed.gap_strain(self._skin, self.touches, places, pad_diameter)
+        strain = readout.gap_strain(self._skin, self.touches, places, pad_diameter)
         return capacitance_change(strain, self.layer.thickness, places, pad_diameter, order)
 
     def readings(self, positions: ArrayLike, pad_diameter: float, quantity: str) -> Floats:
@@ -284,18 +283,18 @@ def press(
         For indenters that cover no cell, lie behind others, touch the border of `extent`, sink as
         deep as the layer is thick, or would slide.
     """
-    check_positive("extent", extent, "side of the square of skin, in metres")
-    check_positive("cell", cell, "side of a cell, in metres")
     if not isinstance(indenters, Sequence):
         raise InputError(f"indenters is {indenters!r}, expected a list of them, if only of one")
     if not indenters:
         raise InputError("indenters is empty, expected at least one: nothing would press")
-    skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
+    skin = skin_of(layer, extent, cell, mechanics)
     return pressed(settle(skin, indenters), indenters, friction)
 
 
-def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> Skin:
-    """Grid of square cells around the origin on a medium."""
+def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics | None) -> Skin:
+    """Grid of square cells around the origin on a medium; see `press`."""
+    check_positive("extent", extent, "side of the square of skin, in metres")
+    check_positive("cell", cell, "side of a cell, in metres")
     count = int(np.ceil(extent / cell - 1e-9))
     if count**2 > MOST_CELLS:
         raise InputError(
@@ -303,26 +302,33 @@ def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> S
             f"of {extent:g} m: touches are solved on finer squares by themselves"
         )
     origin = np.full(2, -(count - 1) / 2 * cell)
-    return Skin(Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin), layer, mechanics)
+    grid = Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin)
+    return Skin(grid, layer, BondedLayer() if mechanics is None else mechanics)
 
 
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
     """A press from its normal contact, with the tangential stage where there is shear."""
-    touches, sheared = bare(settled), None
-    if any(any(indenter.shear) for indenter in indenters):
-        touches, sheared = add_shear(settled, touches, indenters, friction)
-    skin = settled.coverings.skin
-    return Press(
+    skin, contact, touches = settled.coverings.skin, settled.contact, bare(settled)
+    found = Press(
         skin.grid,
         skin.layer,
         skin.mechanics,
         tuple(indenters),
-        settled.contact.approach,
-        np.zeros((len(indenters), 2)) if sheared is None else sheared.translation,
+        contact.approach,
+        np.zeros((len(indenters), 2)),
         touches,
-        settled.contact.residual,
-        0.0 if sheared is None else sheared.residual,
-        0.0 if sheared is None else sheared.slipping_share,
+        contact.residual,
+    )
+    if not any(any(indenter.shear) for indenter in indenters):
+        return found
+    touches, shear = add_shear(settled, touches, indenters, friction)
+    area = settled.coverings.area
+    return replace(
+        found,
+        translation=shear.translation,
+        touches=touches,
+        shear_residual=shear.residual,
+        slipping_share=float(area[shear.slipping].sum() / area[contact.pressure > 0].sum()),
     )
 
 
@@ -441,9 +447,7 @@ def press_ladder(
         raise InputError("forces is empty, expected at least one force in newtons")
     for index, load in enumerate(loads):
         check_positive(f"forces[{index}]", float(load), "into the skin, in newtons")
-    check_positive("extent", extent, "side of the square of skin, in metres")
-    check_positive("cell", cell, "side of a cell, in metres")
-    skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
+    skin = skin_of(layer, extent, cell, mechanics)
     found: dict[int, Press] = {}
     before: Settled | None = None
     for index in np.argsort(loads, kind="stable"):
