@@ -125,15 +125,6 @@ def test_whatever_happens_a_board_sends_what_it_can(board, seed, size, noise):
         assert sent.max() <= board.convention.highest
 
 
-def test_under_high_load_boards_clamp():
-    array = Electronics(board=ICubBoard()).manufacture(HEXAGON, rng())
-    counts = array.counts(np.array([[3.0] * 72, [-0.9] * 72]), None, rng())
-    assert (counts == [[0.0], [255.0]]).all()
-    array = Electronics(board=CySkinBoard()).manufacture(HEXAGON, rng())
-    counts = array.counts(np.array([[3.0] * 72, [-0.9] * 72]), None, rng())
-    assert (counts == [[65535.0], [0.0]]).all()
-
-
 def test_the_ideal_readings_are_the_change_itself():
     array = ideal_electronics(rate=100.0).manufacture(HEXAGON, rng())
     change = rng(1).normal(size=(5, 72))

@@ -29,7 +29,6 @@ from skinfield.errors import (
     Floats,
     InputError,
     as_floats,
-    check_finite,
     check_positive,
     check_shape,
 )
@@ -139,8 +138,14 @@ def surface_displacement(offset: Floats, layer: Layer) -> Floats:
     As a difference of two places it is not reciprocal: the parts that couple normal and tangential
     are odd in the offset and equal, where `BondedLayer` has them opposite.
     """
-    offset = _checked(offset)
-    _check_apart(offset)
+    offset = as_floats("offset", offset)
+    check_shape("offset", offset, (None, 2), "one in-plane (x, y) per place of observation")
+    rows = np.flatnonzero(~offset.any(axis=1))
+    if len(rows):
+        raise InputError(
+            f"offset[{rows[0]}] is {offset[rows[0]]}, expected a place away from the force: on it "
+            "the displacement is infinite, use coincident_displacement"
+        )
     x, y = offset.T
     elastic = (layer.young_modulus, layer.poisson_ratio)
     above = displacement_kernel(x, y, 0.0, *elastic)
@@ -201,22 +206,6 @@ def coincident_displacement(layer: Layer, cell_area: float, psi: float | None = 
     value = exact_psi(layer.thickness / depth) if psi is None else psi
     normal = 2.0 * (1.0 + nu) * (2.0 - nu) / (np.pi * layer.young_modulus * depth) * value
     return np.diag([normal / 2.0, normal / 2.0, normal])
-
-
-def _checked(offset: Floats) -> Floats:
-    offset = as_floats("offset", offset)
-    check_shape("offset", offset, (None, 2), "one in-plane (x, y) per place of observation")
-    check_finite("offset", offset, "a place that is not there has no displacement")
-    return offset
-
-
-def _check_apart(offset: Floats) -> None:
-    rows = np.flatnonzero(~offset.any(axis=1))
-    if len(rows):
-        raise InputError(
-            f"offset[{rows[0]}] is {offset[rows[0]]}, expected a place away from the force: on it "
-            "the displacement is infinite, use coincident_displacement"
-        )
 
 
 CUTOFF = 46.0  # every transform below falls as exp(-alpha)
@@ -327,7 +316,7 @@ class HalfSpace:
         """Effective displacement, m/N, with the coincident terms at and, if asked, near zero."""
         psi = self.psi
         if callable(psi):
-            psi = psi(layer.thickness / np.sqrt(1.5 * cell**2 / np.pi))
+            psi = psi(layer.thickness / virtual_depth(cell**2))
         own = coincident_displacement(layer, cell**2, psi)
         apart = np.hypot(*offset.T) > 1e-9 * cell
         delta = np.empty((len(offset), 3, 3))

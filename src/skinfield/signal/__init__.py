@@ -32,7 +32,6 @@ from skinfield.signal.filters import Filter as Filter
 from skinfield.signal.filters import FilterState as FilterState
 from skinfield.signal.filters import MovingMedian as MovingMedian
 from skinfield.signal.filters import NoFilter as NoFilter
-from skinfield.signal.filters import RandomWalk as RandomWalk
 from skinfield.signal.filters import filtered as filtered
 from skinfield.signal.scale import ScaleFit as ScaleFit
 from skinfield.signal.scale import column_of as column_of

@@ -219,7 +219,6 @@ def valid_from_counts(
     counts: ArrayLike,
     convention: Convention | None = None,
     *,
-    taxels: int | None = None,
     alive: Bools | None = None,
 ) -> Bools:
     """Validity of each count of a reading (L,) or of readings (T, L), same shape.
@@ -233,8 +232,6 @@ def valid_from_counts(
     counts : array, counts
     convention : Convention, optional
         Knows range and clamps.
-    taxels : int, optional
-        Expected length of the last axis; default that of `alive`, if given.
     alive : (L,) bool array, optional
         As a calibration has it.
 
@@ -244,7 +241,7 @@ def valid_from_counts(
         If the length is another, or no count is a number.
     """
     array = as_floats("counts", counts)
-    width = taxels if taxels is not None else None if alive is None else len(alive)
+    width = None if alive is None else len(alive)
     if array.ndim not in (1, 2) or (width is not None and array.shape[-1] != width):
         raise InputError(
             f"counts has shape {array.shape}, expected "

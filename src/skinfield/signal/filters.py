@@ -1,4 +1,4 @@
-"""Filters of readings over time: exponential, Kalman, moving median, chains of filters."""
+"""Filters of readings over time: exponential, moving median, chains of filters."""
 
 import math
 from dataclasses import dataclass
@@ -100,16 +100,9 @@ class Chain:
 
     def noise_factor(self, rate: float) -> float:
         """Measured on white noise, to about 2 %: a filter leaves coloured noise to the next."""
-        own = max(np.size(getattr(each, "noise_std", 0.0)) for each in self.filters)
-        taxels = own if own > 1 else 200
         memory = int(50 * (1 + self.delay(rate) * rate))
-        readings = max(memory, min(200_000 // taxels, 10_000))
-        state, out = self.prepare(taxels, rate), np.empty(taxels)
-        noise, power = np.random.default_rng(0), np.zeros(taxels)
-        for n in range(memory + readings):
-            state.apply(noise.standard_normal(taxels), out)
-            power += out**2 * (n >= memory)
-        return float(np.sqrt(np.nanmax(power) if own > 1 else np.mean(power)) / readings**0.5)
+        noise = np.random.default_rng(0).standard_normal((memory + max(memory, 1000), 200))
+        return float(filtered(self, noise, rate)[memory:].std())
 
     def prepare(self, taxels: int, rate: float) -> "ChainState":
         """The states of all filters."""
@@ -156,29 +149,23 @@ class Exponential:
 
     def delay(self, rate: float) -> float:
         """Lag behind a ramp, s: (1 - a) / a readings."""
-        return _delay(self.weight(rate), rate)
+        weight = self.weight(rate)
+        return (1.0 - weight) / weight / rate
 
     def noise_factor(self, rate: float) -> float:
         """√(a / (2 - a)) for independent readings."""
-        return _noise_factor(self.weight(rate))
+        weight = self.weight(rate)
+        return math.sqrt(weight / (2.0 - weight))
 
     def prepare(self, taxels: int, rate: float) -> "ExponentialState":
         """State for `taxels` taxels at `rate` readings per second."""
-        return ExponentialState(np.full(taxels, self.weight(rate)), taxels)
-
-
-def _delay(weight: float, rate: float) -> float:
-    return (1.0 - weight) / weight / rate
-
-
-def _noise_factor(weight: float) -> float:
-    return math.sqrt(weight / (2.0 - weight))
+        return ExponentialState(self.weight(rate), taxels)
 
 
 class ExponentialState:
-    """Memory of a filter with a weight (L,) of new readings."""
+    """Memory of an exponential filter."""
 
-    def __init__(self, weight: Floats, taxels: int) -> None:
+    def __init__(self, weight: float, taxels: int) -> None:
         self._weight = weight
         self._level = np.full(taxels, np.nan)
         self._step = np.empty(taxels)
@@ -200,84 +187,6 @@ class ExponentialState:
     def reset(self) -> None:
         """Forget all readings."""
         self._level.fill(np.nan)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RandomWalk:
-    """Kalman filter per taxel: the level walks at random, every reading adds noise.
-
-    Run in, it is an exponential filter whose weight follows from the two figures; before that, and
-    after invalid readings, it weighs new readings more, as it knows less.
-
-    Parameters
-    ----------
-    noise_std : float or (L,) array, counts
-        Of one reading, such as ``calibration.noise_std``; NaN where a taxel is not alive.
-    process_std : float, counts/√s
-        How far the level walks within a second (standard deviation).
-    """
-
-    noise_std: Floats | float
-    process_std: float
-
-    def __post_init__(self) -> None:
-        noise = np.array(as_floats("noise_std", self.noise_std))
-        bad = ~((noise > 0) & np.isfinite(noise) | np.isnan(noise))
-        if noise.ndim > 1 or bad.any() or np.isnan(noise).all():
-            raise InputError(
-                f"noise_std is {self.noise_std!r}, expected one number above 0 or one per taxel, "
-                "such as calibration.noise_std: the filter weighs every reading by it"
-            )
-        noise.setflags(write=False)
-        object.__setattr__(self, "noise_std", noise)
-        check_positive("process_std", self.process_std, "how far the level walks in a second")
-
-    def weights(self, rate: float) -> Floats:
-        """Weight of a new reading once run in, per entry of `noise_std`."""
-        check_positive("rate", rate, "readings per second")
-        walk, noise = self.process_std**2 / rate, np.square(self.noise_std)
-        ahead = (walk + np.sqrt(walk**2 + 4.0 * walk * noise)) / 2.0
-        return np.asarray(ahead / (ahead + noise))
-
-    def delay(self, rate: float) -> float:
-        """Lag behind a ramp, s, of the slowest taxel: (1 - K) / K readings at weight K."""
-        return _delay(float(np.nanmin(self.weights(rate))), rate)
-
-    def noise_factor(self, rate: float) -> float:
-        """√(K / (2 - K)) for independent readings, of the taxel that gains least."""
-        return _noise_factor(float(np.nanmax(self.weights(rate))))
-
-    def prepare(self, taxels: int, rate: float) -> "RandomWalkState":
-        """State for `taxels` taxels at `rate` readings per second."""
-        check_positive("rate", rate, "readings per second")
-        noise = np.asarray(self.noise_std)
-        if noise.ndim == 1 and len(noise) != taxels:
-            raise InputError(
-                f"noise_std has {len(noise)} values, expected 1 or {taxels}: one per taxel"
-            )
-        variance = np.array(np.broadcast_to(noise**2, (taxels,)))
-        return RandomWalkState(variance, self.process_std**2 / rate)
-
-
-class RandomWalkState(ExponentialState):
-    """Level and its variance, per taxel."""
-
-    def __init__(self, noise: Floats, walk: float) -> None:
-        super().__init__(np.empty(len(noise)), len(noise))
-        self._noise, self._walk, self._variance = noise, walk, noise.copy()
-
-    def apply(self, reading: Floats, out: Floats) -> None:
-        """Write the filtered `reading` (L,) into `out` (L,); NaN stays NaN."""
-        variance, weight = self._variance, self._weight
-        np.isnan(self._level, out=self._mask)
-        np.copyto(variance, self._noise, where=self._mask)
-        np.add(variance, self._walk, out=variance)
-        np.add(variance, self._noise, out=weight)
-        np.divide(variance, weight, out=weight)
-        super().apply(reading, out)
-        np.copyto(weight, 0.0, where=self._mask)
-        np.subtract(1.0, weight, out=weight)
-        np.multiply(variance, weight, out=variance)
 
 
 @dataclass(frozen=True)
