@@ -1,9 +1,10 @@
 """Observation model: what the taxels read of a pressure, the linear map that solvers invert."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,38 +39,35 @@ def check_skin(patch: object, layer: object, mechanics: object, quantity: object
     check_offers("quantity", quantity, needs, "one of Capacitance(), BaseStress() and Gap()")
 
 
-class Quantity(Protocol):
-    """A linear map from pressure to readings, and what undoes the reading's known nonlinearity."""
+class Quantity(ABC):
+    """A linear map from pressure to readings, and what undoes the reading's known nonlinearity.
 
-    @property
-    def symbol(self) -> str:
-        """As it stands on the axis of a figure."""
-        ...
+    Attributes
+    ----------
+    symbol : str
+        As it stands on the axis of a figure.
+    unit : str
+        Of a reading; "1" for a ratio.
+    typical_noise : float
+        Standard deviation of one reading where nobody has measured it, in `unit`.
+    lowest : float
+        No reading can be as low as this, in `unit`; minus infinity where any can.
+    """
 
-    @property
-    def unit(self) -> str:
-        """Of a reading; "1" for a ratio."""
-        ...
+    symbol: ClassVar[str]
+    unit: ClassVar[str] = "1"
+    typical_noise: ClassVar[float] = 0.002
+    lowest: ClassVar[float] = -np.inf
 
-    @property
-    def typical_noise(self) -> float:
-        """Standard deviation of one reading where nobody has measured it, in `unit`."""
-        ...
-
-    @property
-    def lowest(self) -> float:
-        """No reading can be as low as this, in `unit`; minus infinity where any can."""
-        ...
-
+    @abstractmethod
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats:
         """Readings of taxels at (L, 2) m of the plane per Pa on each node: (L, K)."""
-        ...
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """Readings of a linear sensor: `readings` themselves, or written into `out`."""
-        ...
+        return readings
 
 
 def _response(of: Callable[..., Floats], layer: Layer, grid: Grid, taxels: Floats, pad: float,
@@ -80,7 +78,7 @@ def _response(of: Callable[..., Floats], layer: Layer, grid: Grid, taxels: Float
 
 
 @dataclass(frozen=True)
-class BaseStress:
+class BaseStress(Quantity):
     """Normal stress on the base in Pa: what the paper takes a taxel to measure.
 
     Parameters
@@ -94,7 +92,6 @@ class BaseStress:
     symbol = "stress"
     unit = "Pa"
     typical_noise = 400.0
-    lowest = -np.inf
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
@@ -103,13 +100,9 @@ class BaseStress:
         pad = pad_diameter if self.pad_averaged else 0.0
         return _response(mechanics.base_stress, layer, grid, taxels, pad)
 
-    def linearise(self, readings: Floats, out: Floats) -> Floats:
-        """`readings`: stress is linear in the load at small strain."""
-        return readings
-
 
 @dataclass(frozen=True)
-class Gap:
+class Gap(Quantity):
     """Mean indentation over the pad divided by the thickness: the strain of the gap.
 
     With a Poisson's ratio of 0.5 it is blind to uniform pressure and negative beside a contact.
@@ -123,9 +116,6 @@ class Gap:
     pad_averaged: bool = True
 
     symbol = "indentation / thickness"
-    unit = "1"
-    typical_noise = 0.002
-    lowest = -np.inf
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
@@ -134,13 +124,9 @@ class Gap:
         pad = pad_diameter if self.pad_averaged else 0.0
         return _response(mechanics.indentation, layer, grid, taxels, pad) / layer.thickness
 
-    def linearise(self, readings: Floats, out: Floats) -> Floats:
-        """`readings`: the gap is linear in the load at small strain."""
-        return readings
-
 
 @dataclass(frozen=True)
-class Capacitance:
+class Capacitance(Quantity):
     r"""Relative change of capacitance, :math:`\Delta C / C_0`, of a pad under a ground plane.
 
     The field lines between the electrodes smooth the indentation w by
@@ -161,8 +147,6 @@ class Capacitance:
     pad_averaged: bool = True
 
     symbol = "ΔC/C₀"
-    unit = "1"
-    typical_noise = 0.002
     lowest = -1.0  # a pad cannot lose all its capacitance
 
     def __post_init__(self) -> None:

@@ -18,7 +18,6 @@ from skinfield.signal.calibration import load_calibration as load_calibration
 from skinfield.signal.calibration import save_calibration as save_calibration
 from skinfield.signal.can import CanDecoder as CanDecoder
 from skinfield.signal.can import CanMessages as CanMessages
-from skinfield.signal.capacitance import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
 from skinfield.signal.capacitance import rest_capacitance as rest_capacitance
 from skinfield.signal.capacitance import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
@@ -29,11 +28,9 @@ from skinfield.signal.faults import find_faults as find_faults
 from skinfield.signal.filters import Chain as Chain
 from skinfield.signal.filters import Exponential as Exponential
 from skinfield.signal.filters import Filter as Filter
-from skinfield.signal.filters import FilterState as FilterState
 from skinfield.signal.filters import MovingMedian as MovingMedian
 from skinfield.signal.filters import NoFilter as NoFilter
 from skinfield.signal.filters import filtered as filtered
-from skinfield.signal.scale import ScaleFit as ScaleFit
 from skinfield.signal.scale import column_of as column_of
 from skinfield.signal.scale import fit_scale as fit_scale
 from skinfield.signal.source import Count as Count
@@ -43,5 +40,4 @@ from skinfield.signal.source import Retry as Retry
 from skinfield.signal.source import Source as Source
 from skinfield.signal.source import Stream as Stream
 from skinfield.signal.source import counters as counters
-from skinfield.signal.stationary import QuietStretch as QuietStretch
 from skinfield.signal.stationary import quiet_stretch as quiet_stretch

@@ -1,7 +1,7 @@
 """Flattening of a curved patch: unrolled from its middle, relaxed, and the way back."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -220,8 +220,7 @@ def _shortest_ways(
     return far[0], np.maximum(before[0], -1).astype(np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class _Steps:
+class _Steps(NamedTuple):
     """Links as steps (2E,) towards a taxel, sorted by it: those to t are first[t] : first[t + 1].
 
     `along` (2E, 3) m is tangent at the start and as long as the link, `turn` (2E, 3, 3) the
@@ -289,25 +288,23 @@ def _crowded(plane: Floats, positions: Floats, pairs: Ints, reach: float) -> tup
     return close[tight], least[tight]
 
 
-@dataclass(frozen=True, eq=False)
-class _Misfit:
+class _Misfit(NamedTuple):
     """Relative errors (E,) of the lengths of pairs (E, 2), slopes (E, 2) by the second end."""
 
     pairs: Ints
     error: Floats
     slope: Floats
 
-    @property
-    def total(self) -> float:
-        return float(self.error @ self.error)
-
-
-def _misfit(plane: Floats, positions: Floats, pairs: Ints, length: Floats, reach: float) -> _Misfit:
-    crowded, least = _crowded(plane, positions, pairs, reach)
-    pairs, length = np.concatenate([pairs, crowded]), np.concatenate([length, least])
-    distance, offset = _distance(plane, pairs)
-    slope = offset / np.maximum(distance * length, 1e-15)[:, None]
-    return _Misfit(pairs, distance / length - 1.0, slope)
+    @classmethod
+    def of(
+        cls, plane: Floats, positions: Floats, pairs: Ints, length: Floats, reach: float
+    ) -> "_Misfit":
+        """Of neighbours, and of those that are crowded within `reach`."""
+        crowded, least = _crowded(plane, positions, pairs, reach)
+        pairs, length = np.concatenate([pairs, crowded]), np.concatenate([length, least])
+        distance, offset = _distance(plane, pairs)
+        slope = offset / np.maximum(distance * length, 1e-15)[:, None]
+        return cls(pairs, distance / length - 1.0, slope)
 
 
 def _newton_step(misfit: _Misfit, count: int, damping: float) -> Floats:
@@ -329,11 +326,11 @@ def _newton_step(misfit: _Misfit, count: int, damping: float) -> Floats:
 
 def _least_squares(plane: Floats, positions: Floats, pairs: Ints, length: Floats) -> Floats:
     reach, damping = float(np.median(length)), 1e-3
-    misfit = _misfit(plane, positions, pairs, length, reach)
+    misfit = _Misfit.of(plane, positions, pairs, length, reach)
     for _ in range(STEPS):
         step = _newton_step(misfit, len(plane), damping)
-        trial = _misfit(plane + step, positions, pairs, length, reach)
-        if trial.total < misfit.total:
+        trial = _Misfit.of(plane + step, positions, pairs, length, reach)
+        if trial.error @ trial.error < misfit.error @ misfit.error:
             plane, misfit, damping = plane + step, trial, max(damping * 0.2, 1e-6)
             if np.abs(step).max() < 1e-4 * reach:
                 break

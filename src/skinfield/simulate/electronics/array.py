@@ -214,28 +214,21 @@ class TaxelArray:
         InputError
             If a shape is another, or a number is not finite.
         """
-        change = self._changes(change)
-        noise, joints, losses, pads = rng.spawn(4)
-        rate = self.electronics.delivery.rate
-        level = self._cold_level(change) + self._warmed(len(change), temperature, pads)
-        level += self.electronics.noise.sample(
-            self.white_noise, self.wiring, len(level), rate, noise
-        )
-        counts = self._spoiled(level, joints)
-        return self.electronics.delivery.lose(counts, self.wiring, losses)
-
-    def _changes(self, change: ArrayLike) -> Floats:
         change = as_floats("change", change)
         check_shape("change", change, (None, len(self)), "ΔC/C₀, one row per reading")
         if not len(change):
             raise InputError(f"change has shape {change.shape}, expected at least one reading")
         check_finite("change", change, "what a taxel feels is known, even if it does not answer")
-        return change
-
-    def _cold_level(self, change: Floats) -> Floats:
-        """What the converter is offered at the reference temperature, (T, L) counts."""
-        shown = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
-        return np.asarray(self.baseline + self.gain * shown)
+        noise, joints, losses, pads = rng.spawn(4)
+        rate = self.electronics.delivery.rate
+        felt = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
+        level = self.baseline + self.gain * felt
+        level = level + self._warmed(len(change), temperature, pads)
+        level += self.electronics.noise.sample(
+            self.white_noise, self.wiring, len(level), rate, noise
+        )
+        counts = self._spoiled(level, joints)
+        return self.electronics.delivery.lose(counts, self.wiring, losses)
 
     def _warmed(
         self, readings: int, temperature: ArrayLike | None, rng: np.random.Generator

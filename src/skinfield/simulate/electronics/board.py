@@ -1,52 +1,18 @@
-"""Boards: from a level in counts, as a continuous number, to what is sent."""
+"""Boards: from a level, the count that one without steps and clamps would send, to what is sent."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, as_floats, check_positive
-from skinfield.signal import Convention, CySkinCount, ICubByte, rest_capacitance
+from skinfield.signal import CySkinCount, ICubByte, rest_capacitance
 
 PAD_CAPACITANCE = rest_capacitance(Layer(), 4e-3)
 """F, of a round 4 mm pad under 2 mm of silicone: 0.167 pF."""
 AD7147_FARADS = 16e-12 / 65536
 """F per count of the converter on these boards: 16 bits over about 16 pF, 0.244 fF."""
-
-
-class Board(Protocol):
-    """A maker's board. A *level* is the count that a board without steps and clamps would send."""
-
-    @property
-    def convention(self) -> Convention | None:
-        """What its counts mean, for whoever reads them."""
-        ...
-
-    @property
-    def unit(self) -> str:
-        """Of its counts, one of `skinfield.skin.reading.UNITS`."""
-        ...
-
-    @property
-    def rest(self) -> float:
-        """Level of an unloaded taxel whose baseline is exact."""
-        ...
-
-    @property
-    def gain(self) -> float:
-        """Counts per unit of ΔC/C₀, sign included, of a taxel of nominal gain."""
-        ...
-
-    @property
-    def step(self) -> float:
-        """Distance of neighbouring counts; 0 where there are no steps."""
-        ...
-
-    def counts_from_level(self, level: Floats) -> Floats:
-        """What is sent: in steps, and within the clamps. NaN stays NaN."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,16 +43,16 @@ class ICubBoard:
 
     @property
     def rest(self) -> float:
-        """See `Board.rest`: in the middle of the differences that are sent as `no_load`."""
+        """Level of an unloaded taxel: amid the differences that are sent as `no_load`."""
         return self.convention.no_load + (self.size - 1) / (2.0 * self.size)
 
     @property
     def gain(self) -> float:
-        """See `Board.gain`."""
+        """Counts per unit of ΔC/C₀, negative, of a taxel of nominal gain."""
         return self.convention.gain(self.rest_capacitance, self.farads_per_count)
 
     def counts_from_level(self, level: Floats) -> Floats:
-        """See `Board.counts_from_level`: the converter rounds, the board shifts and clamps."""
+        """What is sent: the converter rounds, the board shifts and clamps. NaN stays NaN."""
         difference = np.rint((self.rest - as_floats("level", level)) * self.size)
         return self.convention.counts_from_difference(difference)
 
@@ -114,7 +80,7 @@ class CySkinBoard:
         check_positive("gain", self.gain, "counts per unit of ΔC/C₀; pressure raises the count")
 
     def counts_from_level(self, level: Floats) -> Floats:
-        """See `Board.counts_from_level`."""
+        """What is sent; NaN stays NaN."""
         return self.convention.counts_from_difference(level)
 
 
@@ -129,5 +95,9 @@ class LinearBoard:
     step = 0.0
 
     def counts_from_level(self, level: ArrayLike) -> Floats:
-        """See `Board.counts_from_level`."""
+        """What is sent; NaN stays NaN."""
         return as_floats("level", level)
+
+
+Board = ICubBoard | CySkinBoard | LinearBoard
+"""Convention of its counts, their unit, level at rest and gain (counts per unit of ΔC/C₀), step."""

@@ -1,6 +1,6 @@
 """Bodies given by triangles or by heights on a lattice."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
@@ -271,16 +271,8 @@ class HeightMap(Indenter):
         c, d = index[1:, 1:][quads], index[1:, :-1][quads]
         faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
         vertices = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
-        return Mesh(
-            vertices=vertices,
-            faces=faces,
-            position=self.position,
-            rotation=self.rotation,
-            tilt=self.tilt,
-            force=self.force,
-            depth=self.depth,
-            shear=self.shear,
-        )
+        pose: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(Indenter)}
+        return Mesh(vertices=vertices, faces=faces, **pose)
 
     def _corners(self, row: Floats, column: Floats) -> Floats:
         """Heights at middles, sides and corners of pixels, the same from each pixel that meets."""
