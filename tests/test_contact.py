@@ -93,17 +93,6 @@ def test_a_given_depth_and_its_force_are_one_contact() -> None:
     np.testing.assert_allclose(pushed.pressure, deep.pressure, atol=1e-3 * deep.pressure.max())
 
 
-def test_the_cone_of_love_and_sneddon() -> None:
-    """F = (2/pi) E* d² cot(slope), contact radius (2/pi) d cot(slope); its tip is singular."""
-    slope, depth = 0.2, 0.6e-3
-    heights = np.tan(slope) * np.hypot(BENCH.x, BENCH.y)
-    found = BENCH.solve(heights, np.nan, depths=depth)
-    force = 2 / np.pi * MODULUS * depth**2 / np.tan(slope)
-    assert found.pressure.sum() * BENCH.cell**2 == pytest.approx(force, rel=4e-3)
-    a = 2 / np.pi * depth / np.tan(slope)
-    assert np.sqrt((found.pressure > 0).sum() / np.pi) * BENCH.cell == pytest.approx(a, rel=0.015)
-
-
 def covered(bench: Bench, radius: float, x0: float, y0: float, points: int = 21) -> np.ndarray:
     shift = ((np.arange(points) + 0.5) / points - 0.5) * bench.cell
     x = bench.x[..., None, None] - x0 + shift

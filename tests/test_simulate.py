@@ -53,23 +53,6 @@ def test_the_bonded_base_carries_most_of_a_press() -> None:
     assert half.approach[0] != pytest.approx(layer.approach[0], rel=0.02)  # eq. (17) is no layer
 
 
-def test_bad_indenters_are_named() -> None:
-    with pytest.raises(InputError, match="radius is -1, expected a finite number above 0"):
-        Sphere(radius=-1)
-    with pytest.raises(InputError, match=r"indenters\[0\] at \(1.0, 0.0\) m covers no cell"):
-        press(LAYER, [Sphere(radius=1e-3, position=(1.0, 0.0))])
-    with pytest.raises(InputError, match="indenters is empty"):
-        press(LAYER, [])
-    with pytest.raises(InputError, match=r"indenters\[1\] at \(0.0, 0.0\) m lies behind"):
-        press(LAYER, [BALL, BALL])
-    with pytest.raises(
-        InputError, match=r"indenters\[0\] with 100 N sinks .* into a layer of 2 mm"
-    ):
-        press(LAYER, [Sphere(radius=6e-3, force=100.0)], 30e-3, 1e-3)
-    with pytest.raises(InputError, match="quantity is 'volts', expected one of"):
-        press(LAYER, [BALL], 20e-3, 1e-3).readings([[0, 0]], 4e-3, "volts")
-
-
 @pytest.mark.parametrize(
     ("radius", "force", "depth", "edge"),
     [(6e-3, 0.2, 0.2953, 1.71), (6e-3, 0.5, 0.4554, 2.20), (6e-3, 1.0, 0.6258, 2.63),
@@ -260,13 +243,6 @@ def test_a_body_at_a_depth_that_the_skin_stays_clear_of_does_not_touch() -> None
     assert found.residual <= 1e-6
 
 
-def test_too_many_cells_are_refused_before_memory_is() -> None:
-    with pytest.raises(InputError, match=r"cell is 1e-06 m, expected 3e-05 m or more in an extent"):
-        press(LAYER, [BALL], cell=1e-6)
-    with pytest.raises(InputError, match=r"indenters\[0\] with 0.003 m sinks 3 mm"):
-        press(LAYER, [Sphere(radius=6e-3, depth=3e-3)], 20e-3)
-
-
 def test_bodies_over_each_other_meet_the_skin_with_the_lower_one() -> None:
     """Two balls half in each other: wherever both are above the skin, it stays below both."""
     balls = [Sphere(radius=6e-3), Sphere(radius=3e-3, position=(2e-3, 0.0), force=0.3)]
@@ -318,11 +294,6 @@ def test_a_touch_that_the_square_of_skin_cuts_off_is_refused(body) -> None:
         press(LAYER, [Sphere(radius=2e-3, position=(-12e-3, 10e-3), force=0.1), body])
 
 
-def test_one_indenter_that_is_no_list_is_named() -> None:
-    with pytest.raises(InputError, match=r"indenters is Sphere\(.*expected a list"):
-        press(LAYER, Sphere(radius=6e-3))
-
-
 @pytest.mark.parametrize("read", ["base_stress", "base_traction", "gap_change", "capacitance"])
 @pytest.mark.parametrize(
     ("positions", "pad", "message"),
@@ -344,3 +315,37 @@ def test_pads_that_cannot_be_are_named(press_of_a_ball, read, positions, pad, me
 @pytest.fixture(scope="module")
 def press_of_a_ball():
     return press(LAYER, [BALL], extent=16e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Sphere(radius=-1), "radius is -1, expected a finite number above 0"),
+        (lambda: press(LAYER, [Sphere(radius=1e-3, position=(1.0, 0.0))]),
+         r"indenters\[0\] at \(1.0, 0.0\) m covers no cell"),
+        (lambda: press(LAYER, []), "indenters is empty"),
+        (lambda: press(LAYER, BALL), r"indenters is Sphere\(.*expected a list"),
+        (lambda: press(LAYER, [BALL, BALL]), r"indenters\[1\] at \(0.0, 0.0\) m lies behind"),
+        (lambda: press(LAYER, [Sphere(radius=6e-3, force=100.0)], 30e-3, 1e-3),
+         r"indenters\[0\] with 100 N sinks .* into a layer of 2 mm"),
+        (lambda: press(LAYER, [Sphere(radius=6e-3, depth=3e-3)], 20e-3),
+         r"indenters\[0\] with 0.003 m sinks 3 mm"),
+        (lambda: press(LAYER, [Sphere(radius=6e-3, position=(14e-3, 0.0))], 20e-3, 1e-3),
+         r"touches the border of the 0\.02 m of skin"),
+        (lambda: press(LAYER, [BALL], cell=1e-6),
+         r"cell is 1e-06 m, expected 3e-05 m or more in an extent"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_pressed_is_named(make, message) -> None:
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_what_cannot_be_read_is_named(press_of_a_ball) -> None:
+    with pytest.raises(InputError, match="quantity is 'volts', expected one of"):
+        press_of_a_ball.readings([[0, 0]], 4e-3, "volts")
+    with pytest.raises(InputError, match=r"positions lie up to 25 m .* give positions in metres"):
+        press_of_a_ball.capacitance([[25.0, -10.0], [0.0, 0.0]], 4e-3)
+    for order in (0, 4, 2.5):
+        with pytest.raises(InputError, match=r"order is .*, expected 1, 2 or 3 terms"):
+            press_of_a_ball.capacitance([[0.0, 0.0]], 4e-3, order)
