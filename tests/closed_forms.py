@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from skinfield.elastic.cell_integrals import inverse_distance_integrals, matrices, surface_tensor
 from skinfield.elastic.half_space import displacement_kernel, traction_kernel
+
+
+def rectangle_displacement(offset, cell, modulus, nu):
+    """Of the half-space's surface under unit traction on a rectangle, (N, 3, 3)."""
+    return matrices(surface_tensor(nu, inverse_distance_integrals(offset, cell))) / modulus
 
 
 def effective_modulus(young_modulus: float, poisson_ratio: float) -> float:

@@ -38,6 +38,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "tomli_w": {"settings"},
     "threadpoolctl": {"cli"},
     "matplotlib": {"plot", "lab"},
+    "contourpy": {"simulate"},
     "mpl_toolkits": {"plot"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},

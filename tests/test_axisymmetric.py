@@ -2,7 +2,6 @@
 
 import csv
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +21,8 @@ from skinfield.elastic.axisymmetric import (
     kappa,
     punch,
 )
-from skinfield.elastic.hankel import LayerTransfer, gauss_legendre
+from skinfield.elastic.hankel import LayerTransfer
 from skinfield.errors import InputError
-from skinfield.simulate import Cylinder, Sphere, press
 
 A = 10e-3  # radius of most contacts, m
 BODIES = [
@@ -222,115 +220,12 @@ def test_bad_values_are_named() -> None:
         indent_by_force(layer, ball, -1.0)
 
 
-H, E = 1e-3, 1e5
-PUNCHES = {
-    0.45: "kappa_computed_nu0.45",
-    0.5: "kappa_computed_nu0.50",
-    0.3: "kappa_computed_nu0.30",
-}
-
-
 def test_hayes_own_numbers_are_met_within_their_accuracy(shared_data: Path) -> None:
     """The table of 1972 is exact to 0.1 % up to a = 0.6 h and falls 3 % short at a = 8 h."""
     for row in punch_rows(shared_data):
         a = row["a_over_h"]
         excess = kappa(a, 0.45) / row["kappa_hayes_table_nu0.45(found)"] - 1
         assert -1e-4 < excess < 2e-3 + 3.6e-3 * a
-
-
-def pressed_kappa(a: float, nu: float, middle: float) -> float:
-    """Of a punch on cells of a quarter of the thickness, as the defaults of `press` are."""
-    punch = Cylinder(radius=a * H, force=1e-9, position=(middle * H, 0.4 * middle * H))
-    pressed = press(Layer(H, E, nu), [punch], extent=(2.5 * a + 4) * H, cell=0.25 * H)
-    return 1e-9 * (1 - nu**2) / (2 * E * a * H * pressed.approach[0])
-
-
-@pytest.mark.parametrize(
-    ("a", "nu"),
-    [(0.2, 0.5), (0.4, 0.3), (0.6, 0.45), (1.0, 0.45), (1.5, 0.5), (2.0, 0.3), (3.0, 0.5)],
-)
-@pytest.mark.parametrize("middle", [0.0, 0.083])
-def test_flat_punch_pressed(shared_data: Path, a: float, nu: float, middle: float) -> None:
-    """A circle's sharp edge on square cells, wherever its middle is: 6e-4 at most."""
-    row = next(row for row in punch_rows(shared_data) if row["a_over_h"] == a)
-    assert pressed_kappa(a, nu, middle) == pytest.approx(row[PUNCHES[nu]], rel=6e-4)
-
-
-@dataclass(frozen=True)
-class PressedParaboloid:
-    radius: float
-    force: float | None
-    depth: float | None = None
-    position: tuple[float, float] = (0.0, 0.0)
-    lowest: tuple[float, float] = (0.0, 0.0)
-    rotation: float = 0.0
-    tilt: tuple[float, float] = (0.0, 0.0)
-    shear: tuple[float, float] = (0.0, 0.0)
-    kind: str = "paraboloid"
-
-    def height(self, x, y):
-        return (x**2 + y**2) / (2 * self.radius)
-
-
-def test_paraboloid_pressed(shared_data: Path) -> None:
-    """On cells of h/4 and any contact: depth within 6e-4, the contact's radius within 6e-3."""
-    for row in paraboloid_rows(shared_data):
-        a, depth = row["a_over_h"] * H, row["delta_over_h"] * H
-        force = row["F_over_FHertz_exact"] * 16 / 9 * E * np.sqrt(20 * a * depth**3)
-        pressed = press(Layer(H, E, 0.5), [PressedParaboloid(20 * a, force)], 10 * H, 0.25 * H)
-        assert pressed.force == pytest.approx(force, rel=1e-12)
-        assert pressed.approach[0] == pytest.approx(depth, rel=6e-4)
-        assert np.sqrt(pressed.contact_area / np.pi) == pytest.approx(a, rel=6e-3)
-        given = press(Layer(H, E, 0.5), [PressedParaboloid(20 * a, None, depth)], 10 * H, 0.25 * H)
-        assert given.force == pytest.approx(force, rel=1e-3)
-
-
-@pytest.mark.parametrize("nu", [0.3, 0.5])
-def test_sphere_on_a_thick_layer_is_hertz(nu: float) -> None:
-    """Depth, radius, peak and profile; the layer is a hundred contact radii thick."""
-    radius, force = 10e-3, 5e-3
-    stiff = E / (1 - nu**2)
-    a = (0.75 * force * radius / stiff) ** (1 / 3)
-    pressed = press(Layer(100 * a, E, nu), [Sphere(radius=radius, force=force)], 2.6 * a, a / 20)
-    # The bonded base lifts the whole contact by its share of the far field, F (...) / (E h).
-    raised = 2 * (1 - nu**2) / E * force / (2 * np.pi) * _rest(nu) / (100 * a)
-    assert pressed.approach[0] == pytest.approx(a**2 / radius + raised, rel=2e-3)
-    r = np.hypot(*pressed.grid.plane.T)
-    hertz = 1.5 * force / (np.pi * a**2) * np.sqrt(np.maximum(1 - (r / a) ** 2, 0.0))
-    inside = r < 0.9 * a
-    np.testing.assert_allclose(pressed.pressure[inside], hertz[inside], rtol=0.01)
-
-
-def _rest(nu: float) -> float:
-    """Integral of the layer's normal response less the half-space's, at the load."""
-    k, share = gauss_legendre(0.0, 26.0, panels=60)
-    return float(share @ LayerTransfer(nu).normal_rest(k))
-
-
-def test_pressing_is_complementary() -> None:
-    """Where it touches the surface follows the body; elsewhere it stays below; no pull."""
-    layer, ball = Layer(2e-3, 150e3, 0.5), Sphere(radius=6e-3, force=0.7, position=(0.4e-3, 0.0))
-    pressed = press(layer, [ball], extent=12e-3, cell=0.25e-3)
-    x, y = pressed.grid.plane.T
-    gap = ball.height(x, y) - pressed.approach[0] - pressed.displacement[:, 2]
-    np.testing.assert_allclose(gap, pressed.gap, rtol=1e-12, atol=1e-15)
-    assert pressed.pressure.min() == 0.0
-    assert np.abs(gap[pressed.contact]).max() < 1e-6 * pressed.approach[0]
-    assert gap[~pressed.contact].min() > -1e-6 * pressed.approach[0]
-
-
-@pytest.mark.parametrize(
-    "bodies",
-    [
-        [Sphere(radius=6e-3, force=1e-4)],
-        [Sphere(radius=1e-3, force=0.05, position=(0.9e-3, 0.1e-3))],
-        [Sphere(radius=4e-3, force=0.1), Sphere(radius=1e-3, force=1e-5, position=(8e-3, 0.0))],
-    ],
-)
-def test_bodies_on_one_coarse_cell_are_carried(bodies: list[Sphere]) -> None:
-    pressed = press(Layer(2e-3, 150e3, 0.5), bodies, extent=30e-3, cell=2e-3)
-    assert pressed.force == pytest.approx(sum(body.force for body in bodies), rel=1e-12)
-    assert np.isfinite(pressed.approach).all()
 
 
 def test_a_squeezed_paraboloid_in_numbers() -> None:

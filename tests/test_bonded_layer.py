@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from closed_forms import rectangle_displacement
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import FourierSum
 
 from skinfield.elastic import BondedLayer, HalfSpace, Layer
-from skinfield.elastic.cell_integrals import rectangle_displacement
 from skinfield.errors import InputError
 
 FREE, COVERED = BondedLayer(), BondedLayer(inextensible_cover=True)

@@ -4,18 +4,17 @@ import mpmath
 import mpmath as mp
 import numpy as np
 import pytest
-from closed_forms import point_displacement
+from closed_forms import point_displacement, rectangle_displacement
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from layer_reference import mean_inverse_distance as by_rings
 
 from skinfield.elastic.cell_integrals import (
-    RectangleIntegrals,
+    InverseDistances,
     disc_potential,
     inverse_distance_integrals,
     mean_inverse,
     mean_inverse_distance,
-    rectangle_displacement,
     rectangle_normal_displacement,
     rectangle_stress,
 )
@@ -64,7 +63,7 @@ def gauss_square(count: int):
     return np.column_stack([x, y]), np.outer(weight, weight).ravel() / 4
 
 
-@pytest.mark.parametrize("name", RectangleIntegrals._fields)
+@pytest.mark.parametrize("name", InverseDistances._fields)
 @pytest.mark.parametrize("offset", [(2.0, 1.0), (-1.5, 3.0), (0.0, -2.0)])
 def test_integrals_are_those_of_their_kernels(name: str, offset) -> None:
     node, weight = gauss_square(40)
@@ -74,7 +73,7 @@ def test_integrals_are_those_of_their_kernels(name: str, offset) -> None:
     assert got == pytest.approx(want, abs=1e-14)
 
 
-@pytest.mark.parametrize("name", RectangleIntegrals._fields)
+@pytest.mark.parametrize("name", InverseDistances._fields)
 @pytest.mark.parametrize(
     ("cells", "error"), [(0.3, 1e-14), (1.0, 1e-13), (3.0, 1e-12), (30, 1e-10)]
 )
@@ -87,7 +86,7 @@ def test_integrals_keep_their_digits_near_and_far(name: str, cells: float, error
         assert abs(miss) < error * got.inverse[row]
 
 
-@pytest.mark.parametrize("name", RectangleIntegrals._fields)
+@pytest.mark.parametrize("name", InverseDistances._fields)
 def test_integrals_hold_at_centre_edges_and_corners(name: str) -> None:
     offset = np.array([[0, 0], [0.5, 0.5], [-0.5, 0.5], [0.5, 0.0], [0.0, -0.5], [0.5, 0.2]])
     got = getattr(inverse_distance_integrals(offset, 1.0), name)

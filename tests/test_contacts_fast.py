@@ -16,7 +16,7 @@ from hypothesis.extra import numpy as hnp
 from skinfield.errors import InputError
 from skinfield.estimate import Contact, ContactFinder, ModelError, PressureNoise
 from skinfield.estimate.regions_kernel import sort_falling
-from skinfield.skin import Grid, Patch, quadrics
+from skinfield.skin import Grid
 
 NAMES = [field.name for field in fields(Contact)]
 LATE = {"covariance", "area_std", "outline"}
@@ -234,22 +234,3 @@ def test_an_error_of_ones_own_is_asked() -> None:
     pressure = bumps(grid, np.random.default_rng(1), 1)
     (contact,) = FINDERS[0](grid, pressure, noise, Flat(), ModelError(place=2.0))
     assert contact.covariance == pytest.approx(np.eye(3) * len(contact.cells) + np.diag([4, 4, 0]))
-
-
-@pytest.mark.parametrize("count", [3, 9, 60])
-def test_places_on_curved_skins_are_the_same_one_by_one_and_together(
-    count: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Compiled for a few points, with NumPy for many; far beyond the skin and on taxels too."""
-    rng = np.random.default_rng(count)
-    height, around = rng.uniform(-0.02, 0.02, count), rng.uniform(-0.8, 0.8, count)
-    normals = np.stack([np.cos(around), np.sin(around), 0 * around], axis=1)
-    patch = Patch(0.04 * normals + height[:, None] * (0, 0, 1), normals=normals)
-    surface, plane = patch.surface, patch.plane
-    assert not surface.is_flat
-    points = np.vstack([plane, rng.uniform(2 * plane.min(0), 2 * plane.max(0), (50, 2))])
-    few = surface.position_from_plane(points), surface.frame_from_plane(points)
-    monkeypatch.setattr(quadrics, "FEW", 0)
-    many = surface.position_from_plane(points), surface.frame_from_plane(points)
-    assert few[0] == pytest.approx(many[0], abs=1e-12)
-    assert few[1] == pytest.approx(many[1], abs=1e-9)

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 import skinfield as sf
 from skinfield.errors import Floats
-from skinfield.skin.flattening import FlatSurface, Surface
-from skinfield.skin.geometry import arc_length, facing_from_positions, links_between, parts_of
+from skinfield.skin.flattening import Surface
+from skinfield.skin.geometry import facing_from_positions, links_between, parts_of
 
 RADIUS, PITCH = 30e-3, 5e-3
 
@@ -122,17 +122,6 @@ def test_seen_from_inside_the_picture_is_mirrored() -> None:
     turn, _, other = np.linalg.svd(ends.T @ (true - true.mean(axis=0)))
     assert np.linalg.det(turn @ other) == pytest.approx(-1.0)
     check_way_back(inside)
-
-
-def test_arc_length_is_that_of_the_cylinder() -> None:
-    angle, rise = np.meshgrid(np.linspace(0.02, 0.6, 8), np.linspace(0, 20e-3, 8))
-    angle, rise = angle.ravel(), rise.ravel()
-    normal = np.column_stack([np.sin(angle), 0 * angle, np.cos(angle)])
-    chord = RADIUS * (normal - [0, 0, 1]) + rise[:, None] * [0, 1, 0]
-    up = np.broadcast_to([0.0, 0.0, 1.0], normal.shape)
-    np.testing.assert_allclose(
-        arc_length(chord, up, normal), np.hypot(RADIUS * angle, rise), rtol=2e-4
-    )
 
 
 # --- skin that cannot be flat ---------------------------------------------------------------
@@ -250,7 +239,7 @@ def test_taxels_keep_their_places_and_normals() -> None:
 
 def test_flat_patches_keep_their_own_axes() -> None:
     patch = sf.layouts.hexagon72()
-    assert isinstance(patch.surface, FlatSurface)
+    assert patch.surface.is_flat
     np.testing.assert_allclose(patch.plane, patch.positions[:, :2], atol=1e-15)
     lifted = sf.Patch(patch.positions + np.array([0, 0, 7e-3]), normals=patch.normals)
     np.testing.assert_allclose(lifted.plane, patch.plane, atol=1e-15)

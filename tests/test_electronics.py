@@ -125,15 +125,6 @@ def test_whatever_happens_a_board_sends_what_it_can(board, seed, size, noise):
         assert sent.max() <= board.convention.highest
 
 
-def test_under_high_load_boards_clamp():
-    array = Electronics(board=ICubBoard()).manufacture(HEXAGON, rng())
-    counts = array.counts(np.array([[3.0] * 72, [-0.9] * 72]), None, rng())
-    assert (counts == [[0.0], [255.0]]).all()
-    array = Electronics(board=CySkinBoard()).manufacture(HEXAGON, rng())
-    counts = array.counts(np.array([[3.0] * 72, [-0.9] * 72]), None, rng())
-    assert (counts == [[65535.0], [0.0]]).all()
-
-
 def test_the_ideal_readings_are_the_change_itself():
     array = ideal_electronics(rate=100.0).manufacture(HEXAGON, rng())
     change = rng(1).normal(size=(5, 72))
@@ -197,17 +188,6 @@ def test_cross_talk_shows_on_the_stages_before_and_after_and_nowhere_else():
     assert np.flatnonzero(shown[1]).tolist() == [24, 25]  # the first stage of its converter
 
 
-def test_a_matrix_of_cross_talk_is_added():
-    matrix = np.zeros((72, 72))
-    matrix[3, 60] = -0.1
-    made = replace(ideal_electronics(), cross_talk=CrossTalk(matrix=matrix))
-    assert made == replace(ideal_electronics(), cross_talk=CrossTalk(matrix=matrix.tolist()))
-    assert made != ideal_electronics() == ideal_electronics()
-    shown = made.manufacture(HEXAGON, rng()).counts(np.eye(72)[60:61], None, rng())[0]
-    assert shown[[3, 60]] == pytest.approx([-0.1, 1.0])
-    assert np.count_nonzero(shown) == 2
-
-
 def test_wiring_follows_modules_and_channels():
     wired = wiring(HEXAGON)
     assert (wired.converter == HEXAGON.module).all()
@@ -245,14 +225,6 @@ def test_wiring_follows_modules_and_channels():
             "temperature has shape",
         ),
         (lambda: untouched(Electronics(), 3)[0].sample_times(0.0, rng()), "duration is 0.0"),
-        (
-            lambda: untouched(Electronics(cross_talk=CrossTalk(matrix=np.eye(5))), 3),
-            "matrix has shape",
-        ),
-        (
-            lambda: untouched(Electronics(), 3)[0].with_defects({Defect.DEAD: [72]}),
-            r"rows of <Defect.DEAD: 2> are \[72\], expected whole numbers from 0 to 71",
-        ),
     ],
 )
 def test_errors_say_what_was_expected(make, words):

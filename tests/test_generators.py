@@ -129,19 +129,6 @@ def test_too_many_modules_name_the_limit_of_the_electronics() -> None:
         sf.layouts.triangle_lattice(0)
 
 
-@pytest.mark.parametrize(
-    ("cells", "message"),
-    [
-        ([(0, 0), (0, 0)], "each cell once"),
-        ([(0.5, 0)], "whole numbers"),
-        ([(0, 0, 0)], r"cells has shape \(1, 3\), expected \(any, 2\)"),
-    ],
-)
-def test_wrong_cells_say_what_is_wrong(cells: list[tuple[int, int]], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        sf.layouts.triangle_lattice(cells)
-
-
 def test_wrong_templates_say_what_is_wrong() -> None:
     make = sf.layouts.ModuleTemplate
     with pytest.raises(InputError, match="taxels is empty"):

@@ -131,12 +131,6 @@ def test_position_and_rotation_only_carry_the_shape_in_the_plane(name: str) -> N
     assert same.mean() > 0.999
 
 
-def test_an_edge_radius_of_the_whole_cylinder_is_a_half_sphere() -> None:
-    cap, ball = Cylinder(radius=5 * MM, edge_radius=5 * MM), Sphere(radius=5 * MM)
-    inside = np.hypot(X, Y) < 4.99 * MM
-    assert cap.height(X, Y)[inside] == pytest.approx(ball.height(X, Y)[inside], abs=1e-13)
-
-
 def test_triangles_are_found_over_every_place() -> None:
     """Against every triangle tried on every place."""
     rng = np.random.default_rng(0)

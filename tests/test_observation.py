@@ -14,13 +14,9 @@ from skinfield.elastic import (
     Layer,
     ObservationModel,
 )
-from skinfield.elastic.electrostatics import (
-    GapStrain,
-    capacitance_change,
-    charge_series,
-    gap_strain,
-)
+from skinfield.elastic.electrostatics import GapStrain, _series, _Waves, capacitance_change
 from skinfield.errors import InputError
+from skinfield.simulate import Sphere, press
 from skinfield.skin import Grid, Patch
 from skinfield.skin.generators import cylinder, hexagon72
 
@@ -109,29 +105,25 @@ def test_a_ripple_of_the_gap_matches_perturbation_theory_to_second_order() -> No
     x = np.arange(-300, 301) * step
     k = 2 * np.pi * waves / (601 * step)
     strain = GapStrain(np.tile(e * np.cos(k * x), (301, 1)), np.array([x[0], -30e-3]), step)
-    series = charge_series(strain, 2e-3, 2) - strain.values
+    series = _series(strain.values, 2, _Waves.of(strain, 2e-3)) - strain.values
     middle = series[150, 200:401]  # whole waves in the middle, away from the sheet's end
     expected = (e * np.cos(k * x[200:401])) ** 2 * k * 2e-3 / np.tanh(k * 2e-3)
     assert middle == pytest.approx(expected, abs=2e-3 * expected.max())
 
 
-def test_the_first_term_of_forward_is_the_matrix() -> None:
+def test_the_first_term_of_a_press_is_the_matrix() -> None:
     patch = hexagon72()
-    grid = Grid.window(patch, (-0.006, -0.006), (0.006, 0.006), pitch=0.6e-3)
-    pressure = 3e4 * np.maximum(0, 1 - ((grid.plane - 1e-3) ** 2).sum(axis=1) / 3e-3**2)
-    linear = Capacitance().matrix(BondedLayer(), LAYER, grid, patch.plane, 4e-3) @ pressure
-    first = Capacitance(order=1).forward(BondedLayer(), LAYER, grid, pressure, patch.plane, 4e-3)
-    assert first == pytest.approx(linear, abs=2e-4 * np.abs(linear).max())
-    third = Capacitance().forward(BondedLayer(), LAYER, grid, pressure, patch.plane, 4e-3)
-    assert third.max() > 1.1 * first.max()
+    made = press(LAYER, [Sphere(radius=6e-3, force=0.5)], extent=8e-3, cell=0.2e-3)
+    matrix = Capacitance().matrix(BondedLayer(), LAYER, made.grid, patch.plane, 4e-3)
+    linear = matrix @ made.pressure
+    first = made.capacitance(patch.plane, 4e-3, order=1)
+    assert first == pytest.approx(linear, abs=2e-3 * np.abs(linear).max())
+    assert made.capacitance(patch.plane, 4e-3, order=3).max() > 1.1 * first.max()
 
 
 def test_a_gap_that_closes_is_refused() -> None:
-    grid = Grid.window(DOT, (-0.004, -0.004), (0.004, 0.004), pitch=1e-3)
-    with pytest.raises(
-        InputError, match=r"indentation reaches .* of the thickness, expected below 1"
-    ):
-        gap_strain(BondedLayer(), LAYER, grid, np.full(len(grid), 5e5), DOT.plane)
+    with pytest.raises(InputError, match=r"indentation reaches 1\.20 of the thickness, expected"):
+        flat_strain(1.2)
 
 
 def test_linearised_capacitance_is_the_strain_of_a_uniform_gap() -> None:

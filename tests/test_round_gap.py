@@ -15,9 +15,10 @@ from skinfield.elastic.axisymmetric import (
 from skinfield.elastic.electrostatics import (
     SHALLOW,
     GapStrain,
+    _series,
+    _Waves,
     capacitance_change,
     charge_below,
-    charge_series,
 )
 from skinfield.elastic.hankel import RadialKernel, bessel, electrostatic, gauss_legendre, jinc
 from skinfield.elastic.round_gap import BEYOND, RoundGap
@@ -211,7 +212,7 @@ def test_what_the_third_order_leaves_falls_with_the_fourth_power() -> None:
     left = []
     for depth in (0.04, 0.08):
         strain = dent(depth)
-        spectrum = np.fft.rfft2(charge_series(strain, H, 3))
+        spectrum = np.fft.rfft2(_series(strain.values, 3, _Waves.of(strain, H)))
         k = (
             2
             * np.pi
@@ -248,7 +249,7 @@ def test_a_reading_is_the_sum_of_the_pads_kernel_over_the_surface() -> None:
     axis = (np.arange(181) - 90) * STEP
     for order in (1, 2, 3):
         found = capacitance_change(strain, H, places, 4e-3, order)
-        series = charge_series(strain, H, order)
+        series = _series(strain.values, order, _Waves.of(strain, H))
         for (x, y), reading in zip(places, found, strict=True):
             weight = kernel(np.hypot(axis - x, (axis - y)[:, None]) / H)
             assert reading == pytest.approx(np.sum(weight * series) * (STEP / H) ** 2, abs=1e-7)

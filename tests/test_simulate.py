@@ -13,36 +13,6 @@ LAYER = sf.Layer(2e-3, 100e3, 0.5)
 BALL = Sphere(radius=6e-3, force=1.0)
 
 
-def test_a_ball_on_the_layer_has_the_published_depth_and_stress() -> None:
-    """A finite-element solution of the same contact: 0.6258 mm, 56.3 kPa at the base, 2.63 mm."""
-    found = press(LAYER, [BALL], extent=16e-3, cell=0.2e-3)
-    assert found.approach == pytest.approx([0.6258e-3], rel=1e-3)
-    assert found.base_stress([[0, 0]], 0.0) == pytest.approx([56.3e3], rel=2e-3)
-    assert np.sqrt(found.contact_area / np.pi) == pytest.approx(2.63e-3, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("force", "change"), [(0.5, 0.1258), (1.0, 0.2389)]
-)  # of a solution of Laplace's equation between the deformed electrodes
-def test_the_capacitance_of_a_centred_pad_is_that_of_the_deformed_gap(
-    force: float, change: float
-) -> None:
-    found = press(LAYER, [Sphere(radius=6e-3, force=force)], extent=16e-3, cell=0.2e-3)
-    assert found.capacitance([[0, 0]], 4e-3) == pytest.approx([change], rel=0.03)
-    assert found.capacitance([[0, 0]], 4e-3, order=1)[0] < 0.75 * change
-
-
-def test_a_small_contact_on_a_thick_layer_is_hertz() -> None:
-    thick, radius = sf.Layer(100e-3, 100e3, 0.5), 6e-3
-    modulus = 100e3 / 0.75
-    found = press(thick, [Sphere(radius=radius, force=0.05)], extent=6e-3, cell=0.06e-3)
-    edge = (3 * 0.05 * radius / (4 * modulus)) ** (1 / 3)
-    assert np.sqrt(found.contact_area / np.pi) == pytest.approx(edge, rel=0.02)
-    assert found.pressure.max() == pytest.approx(1.5 * 0.05 / (np.pi * edge**2), rel=0.02)
-    # A sphere, not a paraboloid, and a layer of 100 mm: 2 % in depth.
-    assert found.approach == pytest.approx([edge**2 / radius], rel=0.025)
-
-
 def test_forces_are_exact_and_pressure_only_pushes() -> None:
     balls = [Sphere(radius=6e-3, force=1.0, position=(-8e-3, 0)),
              Cylinder(radius=3e-3, force=0.4, position=(8e-3, 3e-3))]  # fmt: skip
@@ -81,23 +51,6 @@ def test_the_bonded_base_carries_most_of_a_press() -> None:
     assert thick.approach[0] > 2.5 * layer.approach[0]
     half = press(LAYER, [BALL], 20e-3, 0.5e-3, mechanics=HalfSpace(point_forces=False))
     assert half.approach[0] != pytest.approx(layer.approach[0], rel=0.02)  # eq. (17) is no layer
-
-
-def test_bad_indenters_are_named() -> None:
-    with pytest.raises(InputError, match="radius is -1, expected a finite number above 0"):
-        Sphere(radius=-1)
-    with pytest.raises(InputError, match=r"indenters\[0\] at \(1.0, 0.0\) m covers no cell"):
-        press(LAYER, [Sphere(radius=1e-3, position=(1.0, 0.0))])
-    with pytest.raises(InputError, match="indenters is empty"):
-        press(LAYER, [])
-    with pytest.raises(InputError, match=r"indenters\[1\] at \(0.0, 0.0\) m lies behind"):
-        press(LAYER, [BALL, BALL])
-    with pytest.raises(
-        InputError, match=r"indenters\[0\] with 100 N sinks .* into a layer of 2 mm"
-    ):
-        press(LAYER, [Sphere(radius=6e-3, force=100.0)], 30e-3, 1e-3)
-    with pytest.raises(InputError, match="quantity is 'volts', expected one of"):
-        press(LAYER, [BALL], 20e-3, 1e-3).readings([[0, 0]], 4e-3, "volts")
 
 
 @pytest.mark.parametrize(
@@ -290,13 +243,6 @@ def test_a_body_at_a_depth_that_the_skin_stays_clear_of_does_not_touch() -> None
     assert found.residual <= 1e-6
 
 
-def test_too_many_cells_are_refused_before_memory_is() -> None:
-    with pytest.raises(InputError, match=r"cell is 1e-06 m, expected 3e-05 m or more in an extent"):
-        press(LAYER, [BALL], cell=1e-6)
-    with pytest.raises(InputError, match=r"indenters\[0\] with 0.003 m sinks 3 mm"):
-        press(LAYER, [Sphere(radius=6e-3, depth=3e-3)], 20e-3)
-
-
 def test_bodies_over_each_other_meet_the_skin_with_the_lower_one() -> None:
     """Two balls half in each other: wherever both are above the skin, it stays below both."""
     balls = [Sphere(radius=6e-3), Sphere(radius=3e-3, position=(2e-3, 0.0), force=0.3)]
@@ -348,11 +294,6 @@ def test_a_touch_that_the_square_of_skin_cuts_off_is_refused(body) -> None:
         press(LAYER, [Sphere(radius=2e-3, position=(-12e-3, 10e-3), force=0.1), body])
 
 
-def test_one_indenter_that_is_no_list_is_named() -> None:
-    with pytest.raises(InputError, match=r"indenters is Sphere\(.*expected a list"):
-        press(LAYER, Sphere(radius=6e-3))
-
-
 @pytest.mark.parametrize("read", ["base_stress", "base_traction", "gap_change", "capacitance"])
 @pytest.mark.parametrize(
     ("positions", "pad", "message"),
@@ -374,3 +315,37 @@ def test_pads_that_cannot_be_are_named(press_of_a_ball, read, positions, pad, me
 @pytest.fixture(scope="module")
 def press_of_a_ball():
     return press(LAYER, [BALL], extent=16e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Sphere(radius=-1), "radius is -1, expected a finite number above 0"),
+        (lambda: press(LAYER, [Sphere(radius=1e-3, position=(1.0, 0.0))]),
+         r"indenters\[0\] at \(1.0, 0.0\) m covers no cell"),
+        (lambda: press(LAYER, []), "indenters is empty"),
+        (lambda: press(LAYER, BALL), r"indenters is Sphere\(.*expected a list"),
+        (lambda: press(LAYER, [BALL, BALL]), r"indenters\[1\] at \(0.0, 0.0\) m lies behind"),
+        (lambda: press(LAYER, [Sphere(radius=6e-3, force=100.0)], 30e-3, 1e-3),
+         r"indenters\[0\] with 100 N sinks .* into a layer of 2 mm"),
+        (lambda: press(LAYER, [Sphere(radius=6e-3, depth=3e-3)], 20e-3),
+         r"indenters\[0\] with 0.003 m sinks 3 mm"),
+        (lambda: press(LAYER, [Sphere(radius=6e-3, position=(14e-3, 0.0))], 20e-3, 1e-3),
+         r"touches the border of the 0\.02 m of skin"),
+        (lambda: press(LAYER, [BALL], cell=1e-6),
+         r"cell is 1e-06 m, expected 3e-05 m or more in an extent"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_pressed_is_named(make, message) -> None:
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_what_cannot_be_read_is_named(press_of_a_ball) -> None:
+    with pytest.raises(InputError, match="quantity is 'volts', expected one of"):
+        press_of_a_ball.readings([[0, 0]], 4e-3, "volts")
+    with pytest.raises(InputError, match=r"positions lie up to 25 m .* give positions in metres"):
+        press_of_a_ball.capacitance([[25.0, -10.0], [0.0, 0.0]], 4e-3)
+    for order in (0, 4, 2.5):
+        with pytest.raises(InputError, match=r"order is .*, expected 1, 2 or 3 terms"):
+            press_of_a_ball.capacitance([[0.0, 0.0]], 4e-3, order)

@@ -6,10 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
-from skinfield.elastic import Layer
 from skinfield.elastic.viscoelastic import PronySeries, StandardLinearSolid, lagged
 from skinfield.errors import InputError
-from skinfield.simulate import Sphere, press
 
 SOLID = StandardLinearSolid(relaxed_fraction=0.7, time_constant=0.8)
 SERIES = PronySeries(((0.1, 0.05), (0.15, 0.6), (0.2, 9.0)))
@@ -179,16 +177,6 @@ def test_contact_is_exact_while_it_grows_and_off_by_a_stated_part_while_it_shrin
     assert by_depth[grows].max() < 1e-6
     assert 0.9 * of_force < by_area[~grows].max() < of_force
     assert 0.9 * of_depth < by_depth[~grows].max() < of_depth
-
-
-def test_a_layer_is_stiff_at_once_and_soft_in_the_end():
-    def depth(modulus, force):
-        ball = Sphere(radius=6e-3, force=force)
-        return press(Layer(young_modulus=modulus), [ball], extent=10e-3, cell=0.5e-3).approach[0]
-
-    at_once, in_the_end = SOLID.effective_force([0.0, 1e4], [1.0, 1.0])
-    assert depth(100e3, at_once) == pytest.approx(depth(100e3 / 0.7, 1.0), rel=1e-6)
-    assert depth(100e3, in_the_end) == pytest.approx(depth(100e3, 1.0), rel=1e-6)
 
 
 def test_a_lag_follows_its_closed_form_from_any_start():

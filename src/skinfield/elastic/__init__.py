@@ -6,7 +6,6 @@ from skinfield.elastic.elastomer import Mechanics as Mechanics
 from skinfield.elastic.half_space import HalfSpace as HalfSpace
 from skinfield.elastic.lattice import LatticeConvolution as LatticeConvolution
 from skinfield.elastic.lattice import displacement_kernel as displacement_kernel
-from skinfield.elastic.lattice import indentation_kernel as indentation_kernel
 from skinfield.elastic.observation import BaseStress as BaseStress
 from skinfield.elastic.observation import Capacitance as Capacitance
 from skinfield.elastic.observation import Deformation as Deformation

@@ -11,10 +11,14 @@ from skinfield.elastic.cell_integrals import (
     integrate_over_cell,
     integrate_with_pole,
     inverse_distance_integrals,
+    inverse_distances,
+    matrices,
     mean_inverse,
     mean_inverse_distance,
+    surface_tensor,
+    tensor,
 )
-from skinfield.elastic.elastomer import Layer
+from skinfield.elastic.elastomer import Layer, in_thicknesses
 from skinfield.elastic.hankel import (
     CoveredTransfer,
     LayerTransfer,
@@ -22,7 +26,7 @@ from skinfield.elastic.hankel import (
     electrostatic,
     jinc,
 )
-from skinfield.errors import Floats, check_finite, check_positive, check_range, check_shape
+from skinfield.errors import Floats
 
 REACH = 32.0  # thicknesses; the slowest kernel falls as exp(-0.739 r/h), to 1e-12 here
 SLOW_CUTOFF = 46.0  # transforms that fall as exp(-alpha)
@@ -76,39 +80,16 @@ class BondedLayer:
     def base_stress(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
     ) -> Floats:
-        """Normal stress on the base under a unit pressure on one cell.
-
-        Parameters
-        ----------
-        layer : Layer
-        offset : (N, 2) array, m
-            From the cell's centre to the taxels.
-        cell : float, m
-            Side of the cell.
-        pad_diameter : float, m
-            Of the round pad that averages; 0 for a point.
-
-        Returns
-        -------
-        (N,) array, Pa/Pa
-            Positive in compression.
-        """
-        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        """See `Mechanics.base_stress`."""
+        offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
         kernel = self._kernel(layer, "base_normal", 0, pad)
         return _integrate(lambda x, y: kernel(np.hypot(x, y)), offset, cell, pad)
 
     def base_traction(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
     ) -> Floats:
-        """Traction on the base under a unit traction on one cell, as `base_stress`.
-
-        Returns
-        -------
-        (N, 3, 3) array, Pa/Pa
-            [n, i, j]: component i that the layer exerts on the plane of the base (outward normal
-            +z, tension positive) per component j on the surface.
-        """
-        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        """See `Mechanics.base_traction`."""
+        offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
         normal = self._kernel(layer, "base_normal", 0, pad)
         shear_from_normal = self._kernel(layer, "base_shear_from_normal", 1, pad)
         if self.inextensible_cover:
@@ -116,9 +97,9 @@ class BondedLayer:
             def covered(x: Floats, y: Floats) -> Floats:
                 rho = np.hypot(x, y)
                 one, zero = -shear_from_normal(rho), np.zeros(np.shape(rho))
-                return _tensor([zero, zero, zero, zero, x * one, y * one, zero, zero, normal(rho)])
+                return tensor([zero, zero, zero, zero, x * one, y * one, zero, zero, normal(rho)])
 
-            return _matrix(_integrate(covered, offset, cell, pad))
+            return matrices(_integrate(covered, offset, cell, pad))
         shear = self._in_plane(layer, ("base_shear", 1.0), ("base_antiplane", 1.0), pad)
         normal_from_shear = self._kernel(layer, "base_normal_from_shear", 1, pad)
 
@@ -126,39 +107,28 @@ class BondedLayer:
             rho = np.hypot(x, y)
             xx, xy, yy = shear(x, y, rho)
             down, up = -shear_from_normal(rho), normal_from_shear(rho)
-            return _tensor([xx, xy, xy, yy, x * down, y * down, x * up, y * up, normal(rho)])
+            return tensor([xx, xy, xy, yy, x * down, y * down, x * up, y * up, normal(rho)])
 
-        return _matrix(_integrate(kernel, offset, cell, pad))
+        return matrices(_integrate(kernel, offset, cell, pad))
 
     def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
-        """Displacement of the surface under a unit traction on one cell.
-
-        Parameters
-        ----------
-        layer, offset, cell
-            See `base_stress`.
-
-        Returns
-        -------
-        (N, 3, 3) array, m/Pa
-            [n, i, j]: component i per component j; symmetric under exchange of source and point.
-        """
+        """See `Mechanics.surface_displacement`; symmetric if source and point change places."""
         if self.inextensible_cover:
             out = np.zeros((len(offset), 3, 3))
             out[:, 2, 2] = self.indentation(layer, offset, cell)
             return out
         nu = float(layer.poisson_ratio)
-        offset, cell, _ = _scaled(layer, offset, cell, 0.0)
+        offset, cell, _ = in_thicknesses(layer, offset, cell, 0.0)
         total = integrate_with_pole(
             self._displacement_rest(layer),
-            lambda x, y: _half_space(nu, *_inverse_distances(x, y)),
-            lambda place, side: _half_space(nu, *inverse_distance_integrals(place, side)),
+            lambda x, y: surface_tensor(nu, inverse_distances(x, y)),
+            lambda place, side: surface_tensor(nu, inverse_distance_integrals(place, side)),
             offset,
             cell,
             depth=1.0,
             reach=REACH,
         )
-        return _matrix(total) * (layer.thickness / layer.young_modulus)
+        return matrices(total) * (layer.thickness / layer.young_modulus)
 
     def indentation(
         self,
@@ -168,22 +138,10 @@ class BondedLayer:
         pad_diameter: float = 0.0,
         electrostatic: bool = False,
     ) -> Floats:
-        """Displacement into the skin above a pad, under a unit pressure on one cell.
-
-        Parameters
-        ----------
-        layer, offset, cell, pad_diameter
-            See `base_stress`.
-        electrostatic : bool
-            Smooth as the field lines between the electrodes do (`radial.electrostatic`).
-
-        Returns
-        -------
-        (N,) array, m/Pa
-        """
+        """See `Mechanics.indentation`."""
         nu = layer.poisson_ratio
         scale = 2 * (1 - nu**2) * layer.thickness / layer.young_modulus
-        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
         name = "normal" if electrostatic else "normal_rest"
         kernel = self._kernel(layer, name, 0, pad, smooth=electrostatic)
         smooth: Kernel = lambda x, y: kernel(np.hypot(x, y))  # noqa: E731
@@ -204,7 +162,7 @@ class BondedLayer:
         return scale * total
 
     def _displacement_rest(self, layer: Layer) -> Kernel:
-        """The layer's displacement less the half-space's, smooth: entries as in `_tensor`."""
+        """The layer's displacement less the half-space's, smooth: entries as in `tensor`."""
         nu = layer.poisson_ratio
         along, across_k = 2 * (1 - nu**2), 2 * (1 + nu)
         shear = self._in_plane(layer, ("tangential_rest", along), ("antiplane_rest", across_k))
@@ -216,7 +174,7 @@ class BondedLayer:
             xx, xy, yy = shear(x, y, rho)
             across = (1 + nu) * coupling(rho)
             deep = 2 * (1 - nu**2) * normal(rho)
-            return _tensor([xx, xy, xy, yy, -x * across, -y * across, x * across, y * across, deep])
+            return tensor([xx, xy, xy, yy, -x * across, -y * across, x * across, y * across, deep])
 
         return kernel
 
@@ -224,7 +182,7 @@ class BondedLayer:
         self, layer: Layer, name: str, order: int, pad: float = 0.0, smooth: bool = False
     ) -> RadialKernel:
         nu = float(layer.poisson_ratio)
-        return _table(nu, self.inextensible_cover, name, order, round(pad, 12), smooth)
+        return _table(nu, self.inextensible_cover, name, order, pad, smooth)
 
     def _in_plane(
         self,
@@ -248,52 +206,3 @@ class BondedLayer:
 
 def _integrate(function: Kernel, offset: Floats, cell: float, pad: float) -> Floats:
     return integrate_over_cell(function, offset, cell, depth=1.0, reach=REACH + pad, rim=pad)
-
-
-def _inverse_distances(x: Floats, y: Floats) -> tuple[Floats, ...]:
-    """The integrands of `inverse_distance_integrals`."""
-    square = x**2 + y**2
-    one = 1 / np.sqrt(square)
-    return (
-        one,
-        x**2 / square * one,
-        x * y / square * one,
-        y**2 / square * one,
-        x / square,
-        y / square,
-    )
-
-
-def _half_space(
-    nu: float, one: Floats, xx: Floats, xy: Floats, yy: Floats, x: Floats, y: Floats
-) -> Floats:
-    """Displacement of the half-space's surface (Boussinesq, Cerruti), E = 1: as in `_tensor`."""
-    half = (1 + nu) / np.pi
-    up = half * (1 - 2 * nu) / 2
-    first = [half * ((1 - nu) * one + nu * xx), half * nu * xy]
-    second = [half * nu * xy, half * ((1 - nu) * one + nu * yy)]
-    return _tensor([*first, *second, up * x, up * y, -up * x, -up * y, half * (1 - nu) * one])
-
-
-def _scaled(
-    layer: Layer, offset: Floats, cell: float, pad_diameter: float
-) -> tuple[Floats, float, float]:
-    """Check, and express lengths in thicknesses; the pad becomes its radius."""
-    offset = np.asarray(offset, dtype=np.float64)
-    check_shape("offset", offset, (None, 2), "from the cell's centre to each point, in the plane")
-    check_finite("offset", offset, "a point without a place feels nothing")
-    check_positive("cell", cell, "the side of the loaded square, in metres")
-    check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
-    h = layer.thickness
-    return offset / h, cell / h, pad_diameter / 2 / h
-
-
-def _tensor(entries: list[Floats]) -> Floats:
-    """Stack the entries 00, 01, 10, 11, 02, 12, 20, 21, 22 of a tensor kernel."""
-    return np.stack(np.broadcast_arrays(*entries))
-
-
-def _matrix(entries: Floats) -> Floats:
-    """(9, N) entries in the order of `_tensor`, as matrices (N, 3, 3)."""
-    xx, xy, yx, yy, xz, yz, zx, zy, zz = entries
-    return np.stack([xx, xy, xz, yx, yy, yz, zx, zy, zz], axis=-1).reshape(-1, 3, 3)

@@ -3,7 +3,7 @@
 All vectors point from the loaded place to the place of observation; z points out of the skin.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -165,15 +165,51 @@ def _integrate_over_square(
 Sides = float | tuple[float, float]
 
 
-class RectangleIntegrals(NamedTuple):
-    """Integrals over a rectangle of the kernels of the half-space's surface; each (N,), m."""
+class InverseDistances(NamedTuple):
+    """The kernels of the half-space's surface, or their integrals over a rectangle in m."""
 
-    inverse: Floats  # of 1/r
-    xx: Floats  # of x²/r³
-    xy: Floats  # of xy/r³
-    yy: Floats  # of y²/r³
-    x: Floats  # of x/r²
-    y: Floats  # of y/r²
+    inverse: Floats  # 1/r
+    xx: Floats  # x²/r³
+    xy: Floats  # xy/r³
+    yy: Floats  # y²/r³
+    x: Floats  # x/r²
+    y: Floats  # y/r²
+
+
+def inverse_distances(x: Floats, y: Floats) -> InverseDistances:
+    """The kernels themselves, of arrays of any one shape."""
+    square = x**2 + y**2
+    one = 1 / np.sqrt(square)
+    over = one / square
+    return InverseDistances(one, x**2 * over, x * y * over, y**2 * over, x / square, y / square)
+
+
+def tensor(entries: Sequence[Floats]) -> Floats:
+    """Stack the entries 00, 01, 10, 11, 02, 12, 20, 21, 22 of a tensor kernel."""
+    return np.stack(np.broadcast_arrays(*entries))
+
+
+def matrices(entries: Floats) -> Floats:
+    """(9, N) entries in the order of `tensor`, as matrices (N, 3, 3)."""
+    return entries[[0, 1, 4, 2, 3, 5, 6, 7, 8]].T.reshape(-1, 3, 3)
+
+
+def surface_tensor(poisson_ratio: float, kernels: InverseDistances) -> Floats:
+    r"""Displacement of the half-space's surface under a unit traction, for E = 1, as in `tensor`.
+
+    Boussinesq's and Cerruti's point solutions (Johnson, Contact Mechanics, 3.2 and 3.6), or their
+    integrals. With tangential components i, j:
+
+    .. math::
+
+        u_{ij} = \frac{1+\nu}{\pi E} \int \frac{(1-\nu)\delta_{ij}}{r} + \frac{\nu x_i x_j}{r^3},
+        \quad u_{zz} = \frac{1-\nu^2}{\pi E} \int \frac1r, \quad
+        u_{iz} = -u_{zi} = \frac{(1+\nu)(1-2\nu)}{2 \pi E} \int \frac{x_i}{r^2}
+    """
+    nu, scale = poisson_ratio, (1 + poisson_ratio) / np.pi
+    one, x, y = (1 - nu) * kernels.inverse, (0.5 - nu) * kernels.x, (0.5 - nu) * kernels.y
+    xy = nu * kernels.xy
+    return scale * tensor([one + nu * kernels.xx, xy, xy, one + nu * kernels.yy, x, y, -x, -y, one])
 
 
 def corners(offset: Floats, cell: Sides) -> tuple[Floats, Floats, Floats]:
@@ -208,7 +244,7 @@ def length_asinh(length: Floats, other: Floats, depth: float = 0.0) -> Floats:
     return length * np.arcsinh(other / np.where(below == 0.0, 1.0, below))
 
 
-def inverse_distance_integrals(offset: Floats, cell: Sides) -> RectangleIntegrals:
+def inverse_distance_integrals(offset: Floats, cell: Sides) -> InverseDistances:
     r"""Integrals of 1/r, x²/r³, xy/r³, y²/r³, x/r², y/r² over a loaded rectangle.
 
     Parameters
@@ -220,7 +256,7 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> RectangleIntegral
 
     Returns
     -------
-    RectangleIntegrals
+    InverseDistances
         A tuple of six (N,) arrays, m. Exact at the centre, on edges and on corners.
 
     Notes
@@ -246,7 +282,7 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> RectangleIntegral
         return np.asarray(np.sum(sign * antiderivative, axis=0))
 
     xx, yy = total(over_y), total(over_x)
-    return RectangleIntegrals(
+    return InverseDistances(
         inverse=xx + yy,
         xx=xx,
         xy=total(-np.sqrt(square)),
@@ -254,51 +290,6 @@ def inverse_distance_integrals(offset: Floats, cell: Sides) -> RectangleIntegral
         x=total(y * log + angle_x),
         y=total(x * log + angle_y),
     )
-
-
-def rectangle_displacement(
-    offset: Floats, cell: Sides, young_modulus: float, poisson_ratio: float
-) -> Floats:
-    r"""Displacement of the half-space's surface under unit traction on a rectangle.
-
-    Parameters
-    ----------
-    offset : (N, 2) array, m
-        From the rectangle's centre to the point of observation.
-    cell : float or (float, float), m
-        Side of a square, or both sides of a rectangle.
-    young_modulus : float, Pa
-    poisson_ratio : float
-
-    Returns
-    -------
-    (N, 3, 3) array, m/Pa
-        Component i of the displacement per component j of the traction, z outwards.
-
-    Notes
-    -----
-    Boussinesq's and Cerruti's point solutions (Johnson, Contact Mechanics, 3.2 and 3.6),
-    integrated. With tangential components i, j:
-
-    .. math::
-
-        u_{ij} = \frac{1+\nu}{\pi E} \int \frac{(1-\nu)\delta_{ij}}{r} + \frac{\nu x_i x_j}{r^3},
-        \quad u_{zz} = \frac{1-\nu^2}{\pi E} \int \frac1r, \quad
-        u_{iz} = -u_{zi} = \frac{(1+\nu)(1-2\nu)}{2 \pi E} \int \frac{x_i}{r^2}
-    """
-    check_positive("young_modulus", young_modulus, "the elastomer's stiffness in Pa")
-    over = inverse_distance_integrals(offset, cell)
-    nu = poisson_ratio
-    scale = (1.0 + nu) / (np.pi * young_modulus)
-    u = np.empty((len(over.inverse), 3, 3))
-    u[:, 0, 0] = (1.0 - nu) * over.inverse + nu * over.xx
-    u[:, 1, 1] = (1.0 - nu) * over.inverse + nu * over.yy
-    u[:, 0, 1] = u[:, 1, 0] = nu * over.xy
-    u[:, 2, 2] = (1.0 - nu) * over.inverse
-    u[:, 0, 2] = (0.5 - nu) * over.x
-    u[:, 1, 2] = (0.5 - nu) * over.y
-    u[:, 2, :2] = -u[:, :2, 2]
-    return np.asarray(scale * u)
 
 
 def rectangle_stress(offset: Floats, cell: Sides, depth: float) -> Floats:
@@ -344,7 +335,7 @@ def rectangle_normal_displacement(
     Parameters
     ----------
     offset, cell
-        See `rectangle_displacement`.
+        See `inverse_distance_integrals`.
     depth : float, m
         Of the plane of observation below the surface, positive into the skin; 0 is the surface.
     young_modulus : float, Pa

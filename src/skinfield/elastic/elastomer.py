@@ -3,7 +3,14 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from skinfield.errors import Floats, check_positive, check_range
+from skinfield.errors import (
+    Floats,
+    as_floats,
+    check_finite,
+    check_positive,
+    check_range,
+    check_shape,
+)
 
 
 @dataclass(frozen=True)
@@ -37,22 +44,53 @@ class Layer:
 
 
 class Mechanics(Protocol):
-    """Any model of the elastomer; `BondedLayer` and `HalfSpace` are two."""
+    """Any model of the elastomer; `BondedLayer` and `HalfSpace` are two.
+
+    Loads are uniform over a square cell with a side of `cell` m, and `offset` (N, 2) m leads from
+    the cell's centre to the points of observation.
+    """
 
     def base_stress(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
     ) -> Floats:
-        """Normal stress at taxels, (N,) Pa, per Pa of pressure on a cell at `offset` (N, 2) m."""
+        """Normal stress on the base under a unit pressure on one cell, as a round pad averages it.
+
+        Parameters
+        ----------
+        layer : Layer
+        offset : (N, 2) array, m
+        cell : float, m
+        pad_diameter : float, m
+            0 for a point.
+
+        Returns
+        -------
+        (N,) array, Pa/Pa
+            Positive in compression.
+        """
         ...
 
     def base_traction(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
     ) -> Floats:
-        """Traction on the base, (N, 3, 3) Pa, per Pa of traction on a cell at `offset`."""
+        """Traction on the base under a unit traction on one cell, as `base_stress`.
+
+        Returns
+        -------
+        (N, 3, 3) array, Pa/Pa
+            [n, i, j]: component i that the layer exerts on the plane of the base (outward normal
+            +z, tension positive) per component j on the surface.
+        """
         ...
 
     def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
-        """Displacement of the surface, (N, 3, 3) m, per Pa of traction on a cell."""
+        """Displacement of the surface under a unit traction on one cell.
+
+        Returns
+        -------
+        (N, 3, 3) array, m/Pa
+            [n, i, j]: component i per component j.
+        """
         ...
 
     def indentation(
@@ -63,9 +101,34 @@ class Mechanics(Protocol):
         pad_diameter: float = 0.0,
         electrostatic: bool = False,
     ) -> Floats:
-        """Inward displacement averaged over a pad, (N,) m, per Pa of pressure on a cell."""
+        """Displacement into the skin above a pad, under a unit pressure on one cell.
+
+        Parameters
+        ----------
+        layer, offset, cell, pad_diameter
+            See `base_stress`.
+        electrostatic : bool
+            Smooth as the field lines between the electrodes do (`hankel.electrostatic`).
+
+        Returns
+        -------
+        (N,) array, m/Pa
+        """
         ...
 
     def reach(self, layer: Layer) -> float:
         """Distance in m beyond which responses are negligible; infinite if they never are."""
         ...
+
+
+def in_thicknesses(
+    layer: Layer, offset: Floats, cell: float, pad_diameter: float
+) -> tuple[Floats, float, float]:
+    """Check lengths in m, and express them in thicknesses; the pad becomes its radius."""
+    offset = as_floats("offset", offset)
+    check_shape("offset", offset, (None, 2), "from the cell's centre to each point, in the plane")
+    check_finite("offset", offset, "a point without a place feels nothing")
+    check_positive("cell", cell, "the side of the loaded square, in metres")
+    check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
+    h = layer.thickness
+    return offset / h, cell / h, round(pad_diameter / 2 / h, 12)

@@ -28,15 +28,13 @@ respect to the potential there.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.elastomer import Layer, Mechanics
 from skinfield.elastic.hankel import electrostatic, jinc
-from skinfield.elastic.lattice import cached_indentation_kernel
 from skinfield.errors import Floats, InputError
-from skinfield.skin import Grid
 
 MODES = 6  # polynomials in zeta, up to degree 7
 TOLERANCE = 1e-4  # of the potential's change, in the energy's norm of the flat gap
@@ -71,8 +69,7 @@ def charge_below(strain: Floats, step: float) -> Floats:
     return np.asarray(gap.inverse(gap.at_rest[0] + gap.response(change)[0]) - 1.0)
 
 
-@dataclass(frozen=True, eq=False)
-class _Modes:
+class _Modes(NamedTuple):
     """Integrals over zeta; row and column 0 are of 1 - zeta, the rest of the modes."""
 
     mass: Floats
@@ -117,10 +114,6 @@ class _Gap:
     step: float
 
     @cached_property
-    def modes(self) -> _Modes:
-        return _modes(MODES)
-
-    @cached_property
     def waves(self) -> tuple[Spectra, Spectra]:
         """Factors of the derivatives along x and y; what alternates has none."""
         from scipy import fft
@@ -159,7 +152,7 @@ class _Gap:
     @cached_property
     def at_rest(self) -> Spectra:
         """Derivative of the energy with respect to all modes where there is 1 - zeta alone."""
-        modes, (along, across) = self.modes, self.slope
+        modes, (along, across) = _modes(MODES), self.slope
         spread = self.divergence(along, across)
         steep, narrow = self.forward(self.steepness), self.forward(1 / self.gap)
         return np.stack(
@@ -173,7 +166,7 @@ class _Gap:
 
     def response(self, change: Spectra) -> Spectra:
         """What the modes add to that derivative, (MODES + 1, ...) from (MODES, ...)."""
-        modes, (gx, gy), (kx, ky) = self.modes, self.slope, self.waves
+        modes, (gx, gy), (kx, ky) = _modes(MODES), self.slope, self.waves
         value = self.inverse(change)
         along, across = self.inverse(kx * change), self.inverse(ky * change)
         mixed = _mix(modes.mixed[:, 1:], value)
@@ -187,7 +180,7 @@ class _Gap:
     def solve(self) -> Spectra:
         """Spectra of the modes by conjugate gradients."""
         kx, ky = self.waves
-        flat = 1 / (self.modes.eigenvalues[:, None, None] - kx**2 - ky**2).real
+        flat = 1 / (_modes(MODES).eigenvalues[:, None, None] - kx**2 - ky**2).real
         rest = -self.at_rest[1:]
         found = np.zeros_like(rest)
         step = lifted = flat * rest
@@ -255,40 +248,6 @@ class GapStrain:
             )
 
 
-def gap_strain(
-    mechanics: Mechanics,
-    layer: Layer,
-    grid: Grid,
-    pressure: Floats,
-    around: Floats,
-    pad_diameter: float = 0.0,
-) -> GapStrain:
-    """Indentation under a pressure (K,) Pa on the cells of a grid, finely sampled.
-
-    The mesh covers the grid and pads at the points `around` (N, 2) m of the plane, with a margin.
-    """
-    from scipy.signal import fftconvolve
-
-    h = layer.thickness
-    split = max(int(np.ceil(grid.pitch / (h / STEPS))), 1)
-    step = grid.pitch / split
-    rows, columns = (n * split for n in grid.shape)
-    dense = np.zeros((rows, columns))  # cells carry one impulse at their centre
-    dense[::split, ::split] = pressure.reshape(grid.shape)
-    far = np.concatenate([grid.plane[[0, -1]], around])
-    margin = MARGIN * h + pad_diameter / 2
-    before = np.ceil((grid.origin - far.min(axis=0) + margin) / step).astype(int)
-    beyond = far.max(axis=0) - grid.plane[-1] + margin + grid.pitch
-    after = np.ceil(beyond / step).astype(int)
-    half_columns = columns + int(max(before[0], after[0]))
-    half_rows = rows + int(max(before[1], after[1]))
-    kernel = cached_indentation_kernel(mechanics, layer, grid.pitch, step, half_rows, half_columns)
-    full = fftconvolve(dense, kernel, mode="full")
-    top, left = half_rows - before[1], half_columns - before[0]
-    window = full[top : half_rows + rows + after[1], left : half_columns + columns + after[0]]
-    return GapStrain(window / h, grid.origin - before * step, step)
-
-
 def capacitance_change(
     strain: GapStrain,
     thickness: float,
@@ -328,11 +287,6 @@ def capacitance_change(
     spectrum *= jinc(waves.kh, pad_diameter / 2 / thickness)
     means = fft.irfft2(spectrum, waves.shape)[tuple(slice(n) for n in strain.values.shape)]
     return np.asarray(ndimage.map_coordinates(means, place.T[::-1], order=5, mode="nearest"))
-
-
-def charge_series(strain: GapStrain, thickness: float, order: int) -> Floats:
-    """The series in square brackets above, on the mesh of the strain."""
-    return _series(strain.values, order, _Waves.of(strain, thickness))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,20 +16,20 @@ import numpy as np
 from skinfield.elastic.cell_integrals import (
     disc_potential,
     integrate_over_cell,
+    inverse_distance_integrals,
+    matrices,
     mean_inverse_distance,
-    rectangle_displacement,
     rectangle_normal_displacement,
     rectangle_stress,
+    surface_tensor,
 )
-from skinfield.elastic.elastomer import Layer
+from skinfield.elastic.elastomer import Layer, in_thicknesses
 from skinfield.elastic.hankel import RadialKernel, electrostatic, jinc
 from skinfield.errors import (
     Floats,
     InputError,
     as_floats,
-    check_finite,
     check_positive,
-    check_range,
     check_shape,
 )
 
@@ -138,8 +138,14 @@ def surface_displacement(offset: Floats, layer: Layer) -> Floats:
     As a difference of two places it is not reciprocal: the parts that couple normal and tangential
     are odd in the offset and equal, where `BondedLayer` has them opposite.
     """
-    offset = _checked(offset)
-    _check_apart(offset)
+    offset = as_floats("offset", offset)
+    check_shape("offset", offset, (None, 2), "one in-plane (x, y) per place of observation")
+    rows = np.flatnonzero(~offset.any(axis=1))
+    if len(rows):
+        raise InputError(
+            f"offset[{rows[0]}] is {offset[rows[0]]}, expected a place away from the force: on it "
+            "the displacement is infinite, use coincident_displacement"
+        )
     x, y = offset.T
     elastic = (layer.young_modulus, layer.poisson_ratio)
     above = displacement_kernel(x, y, 0.0, *elastic)
@@ -202,22 +208,6 @@ def coincident_displacement(layer: Layer, cell_area: float, psi: float | None = 
     return np.diag([normal / 2.0, normal / 2.0, normal])
 
 
-def _checked(offset: Floats) -> Floats:
-    offset = as_floats("offset", offset)
-    check_shape("offset", offset, (None, 2), "one in-plane (x, y) per place of observation")
-    check_finite("offset", offset, "a place that is not there has no displacement")
-    return offset
-
-
-def _check_apart(offset: Floats) -> None:
-    rows = np.flatnonzero(~offset.any(axis=1))
-    if len(rows):
-        raise InputError(
-            f"offset[{rows[0]}] is {offset[rows[0]]}, expected a place away from the force: on it "
-            "the displacement is infinite, use coincident_displacement"
-        )
-
-
 CUTOFF = 46.0  # every transform below falls as exp(-alpha)
 NEAR = 32.0  # thicknesses that tables span; beyond, a pad is a ring
 
@@ -258,24 +248,8 @@ class HalfSpace:
     def base_stress(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
     ) -> Floats:
-        """Normal stress on the base under a unit pressure on one cell.
-
-        Parameters
-        ----------
-        layer : Layer
-        offset : (N, 2) array, m
-            From the cell's centre to the taxels.
-        cell : float, m
-            Side of the cell.
-        pad_diameter : float, m
-            Of the round pad that averages; 0 for a point.
-
-        Returns
-        -------
-        (N,) array, Pa/Pa
-            Positive in compression.
-        """
-        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        """See `Mechanics.base_stress`."""
+        offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
         if pad == 0.0 and not self.point_forces:
             return rectangle_stress(offset, cell, 1.0)
         return self._spread(_stress(pad), offset, cell)
@@ -283,15 +257,8 @@ class HalfSpace:
     def base_traction(
         self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0
     ) -> Floats:
-        """Traction on the base under a unit traction on one cell, as `base_stress`.
-
-        Returns
-        -------
-        (N, 3, 3) array, Pa/Pa
-            [n, i, j]: component i that the skin exerts on the plane of the base (outward normal
-            +z, tension positive) per component j on the surface.
-        """
-        offset, cell, pad = _scaled(layer, offset, cell, pad_diameter)
+        """See `Mechanics.base_traction`."""
+        offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
         total = np.zeros((len(offset), 3, 3))
         for ring, weight in zip(*_disc_rule(pad), strict=True):
             around = (offset[None] + ring[:, None]).reshape(-1, 2)
@@ -300,24 +267,14 @@ class HalfSpace:
         return total
 
     def surface_displacement(self, layer: Layer, offset: Floats, cell: float) -> Floats:
-        """Effective displacement of the surface, eq. (17), under a unit traction on one cell.
-
-        Parameters
-        ----------
-        layer, offset, cell
-            See `base_stress`.
-
-        Returns
-        -------
-        (N, 3, 3) array, m/Pa
-            [n, i, j]: component i per component j.
-        """
+        """See `Mechanics.surface_displacement`; effective, eq. (17)."""
         elastic = (layer.young_modulus, layer.poisson_ratio)
         if self.point_forces:
-            _scaled(layer, offset, cell, 0.0)
+            in_thicknesses(layer, offset, cell, 0.0)
             return cell**2 * self._of_point_forces(layer, np.asarray(offset, np.float64), cell)
-        scaled, side, _ = _scaled(layer, offset, cell, 0.0)
-        above = rectangle_displacement(scaled, side, *elastic)
+        scaled, side, _ = in_thicknesses(layer, offset, cell, 0.0)
+        over = inverse_distance_integrals(scaled, side)
+        above = matrices(surface_tensor(layer.poisson_ratio, over)) / layer.young_modulus
         below = self._spread_tensor(
             lambda x, y: displacement_kernel(x, y, 1.0, *elastic), scaled, side
         )
@@ -331,21 +288,9 @@ class HalfSpace:
         pad_diameter: float = 0.0,
         electrostatic: bool = False,
     ) -> Floats:
-        """Effective displacement into the skin above a pad, under a unit pressure on one cell.
-
-        Parameters
-        ----------
-        layer, offset, cell, pad_diameter
-            See `base_stress`.
-        electrostatic : bool
-            Smooth as the field lines between the electrodes do (`radial.electrostatic`).
-
-        Returns
-        -------
-        (N,) array, m/Pa
-        """
+        """See `Mechanics.indentation`; effective, eq. (17)."""
         nu, h = layer.poisson_ratio, layer.thickness
-        metres, (offset, cell, pad) = cell, _scaled(layer, offset, cell, pad_diameter)
+        metres, (offset, cell, pad) = cell, in_thicknesses(layer, offset, cell, pad_diameter)
         scale = 2.0 * (1.0 - nu**2) * h / layer.young_modulus
         if electrostatic:
             return scale * self._spread(_smoothed_gap(nu, pad), offset, cell)
@@ -371,7 +316,7 @@ class HalfSpace:
         """Effective displacement, m/N, with the coincident terms at and, if asked, near zero."""
         psi = self.psi
         if callable(psi):
-            psi = psi(layer.thickness / np.sqrt(1.5 * cell**2 / np.pi))
+            psi = psi(layer.thickness / virtual_depth(cell**2))
         own = coincident_displacement(layer, cell**2, psi)
         apart = np.hypot(*offset.T) > 1e-9 * cell
         delta = np.empty((len(offset), 3, 3))
@@ -475,15 +420,3 @@ def _disc_rule(radius: float) -> tuple[Floats, Floats]:
     node, weight = np.polynomial.legendre.leggauss(count)
     r, angle = radius * np.sqrt((node + 1.0) / 2.0), np.arange(2 * count) * np.pi / count
     return np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1), weight / 2.0
-
-
-def _scaled(
-    layer: Layer, offset: Floats, cell: float, pad_diameter: float
-) -> tuple[Floats, float, float]:
-    """Check, and express lengths in thicknesses; the pad becomes its radius."""
-    offset = np.asarray(offset, dtype=np.float64)
-    check_shape("offset", offset, (None, 2), "from the cell's centre to each point, in the plane")
-    check_positive("cell", cell, "the side of the loaded square, in metres")
-    check_range("pad_diameter", pad_diameter, 0.0, 1.0, "0 is a point; give it in metres")
-    h = layer.thickness
-    return offset / h, cell / h, round(pad_diameter / 2.0 / h, 12)

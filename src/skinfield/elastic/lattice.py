@@ -26,15 +26,6 @@ def mirrored(quadrant: Floats, odd_x: bool = False, odd_y: bool = False) -> Floa
     return np.concatenate([lower, upper])
 
 
-def indentation_kernel(
-    mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
-) -> Floats:
-    """Indentation (2 half_rows + 1, 2 half_columns + 1) m per Pa on a cell, every `step` m."""
-    offsets = lattice(half_rows, half_columns, step)
-    quadrant = mechanics.indentation(layer, offsets, cell)
-    return mirrored(quadrant.reshape(half_rows + 1, half_columns + 1))
-
-
 def displacement_kernel(
     mechanics: Mechanics, layer: Layer, cell: float, half_rows: int, half_columns: int
 ) -> Floats:
@@ -47,10 +38,10 @@ def displacement_kernel(
 def cached_indentation_kernel(
     mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
 ) -> Floats:
-    """As `indentation_kernel`, from a table that is kept for the next call.
+    """Indentation (2 half_rows + 1, 2 half_columns + 1) m per Pa on a cell, every `step` m.
 
-    The table is for a modulus of 1 Pa, as every linear medium with one modulus scales with it, and
-    for a medium that is the same in all directions.
+    It is cut from a table for later calls, which is for a modulus of 1 Pa, as every linear medium
+    with one modulus scales with it, and for a medium that is the same in all directions.
     """
     size = _size(max(half_rows, half_columns) + 1)
     table = _cached(_indentation_table, mechanics, layer, cell, step, size)
@@ -68,12 +59,8 @@ def cached_surface_kernel(
     odd_x[0, 1:] = odd_x[1:, 0] = True  # one index is x, the other is not
     odd_y = np.zeros((3, 3), dtype=bool)
     odd_y[1, ::2] = odd_y[::2, 1] = True
-    return np.stack(
-        [
-            np.stack([mirrored(part[i, j], odd_x[i, j], odd_y[i, j]) for j in range(3)])
-            for i in range(3)
-        ]
-    )
+    every = [mirrored(part[ij], bool(odd_x[ij]), bool(odd_y[ij])) for ij in np.ndindex(3, 3)]
+    return np.stack(every).reshape(3, 3, *every[0].shape)
 
 
 def _cached(
@@ -145,20 +132,16 @@ class LatticeConvolution:
         periodic[..., row[:, None], column] = kernel
         self._spectrum = fft.rfft2(periodic)
 
-    def __call__(self, values: Floats) -> Floats:
-        """Convolve a field (rows, columns): (..., rows, columns)."""
+    def __call__(self, values: Floats, total: bool = False) -> Floats:
+        """Convolve a field (rows, columns): (..., rows, columns).
+
+        With `total` fields (J, rows, columns): the sum over j of kernel [..., j] and field j.
+        """
         from scipy import fft
 
         rows, columns = self.shape
         product = fft.rfft2(values, self._padded) * self._spectrum
-        return np.asarray(fft.irfft2(product, self._padded)[..., :rows, :columns])
-
-    def total(self, values: Floats) -> Floats:
-        """Sum over j of kernel [..., j] convolved with field j of (J, rows, columns)."""
-        from scipy import fft
-
-        rows, columns = self.shape
-        product = np.sum(fft.rfft2(values, self._padded) * self._spectrum, axis=-3)
+        product = product.sum(axis=-3) if total else product
         return np.asarray(fft.irfft2(product, self._padded)[..., :rows, :columns])
 
 

@@ -1,9 +1,10 @@
 """Observation model: what the taxels read of a pressure, the linear map that solvers invert."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,46 +39,46 @@ def check_skin(patch: object, layer: object, mechanics: object, quantity: object
     check_offers("quantity", quantity, needs, "one of Capacitance(), BaseStress() and Gap()")
 
 
-class Quantity(Protocol):
-    """A linear map from pressure to readings, and what undoes the reading's known nonlinearity."""
+class Quantity(ABC):
+    """A linear map from pressure to readings, and what undoes the reading's known nonlinearity.
 
-    @property
-    def symbol(self) -> str:
-        """As it stands on the axis of a figure."""
-        ...
+    Attributes
+    ----------
+    symbol : str
+        As it stands on the axis of a figure.
+    unit : str
+        Of a reading; "1" for a ratio.
+    typical_noise : float
+        Standard deviation of one reading where nobody has measured it, in `unit`.
+    lowest : float
+        No reading can be as low as this, in `unit`; minus infinity where any can.
+    """
 
-    @property
-    def unit(self) -> str:
-        """Of a reading; "1" for a ratio."""
-        ...
+    symbol: ClassVar[str]
+    unit: ClassVar[str] = "1"
+    typical_noise: ClassVar[float] = 0.002
+    lowest: ClassVar[float] = -np.inf
 
-    @property
-    def typical_noise(self) -> float:
-        """Standard deviation of one reading where nobody has measured it, in `unit`."""
-        ...
-
-    @property
-    def lowest(self) -> float:
-        """No reading can be as low as this, in `unit`; minus infinity where any can."""
-        ...
-
+    @abstractmethod
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats:
         """Readings of taxels at (L, 2) m of the plane per Pa on each node: (L, K)."""
-        ...
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """Readings of a linear sensor: `readings` themselves, or written into `out`."""
-        ...
+        return readings
 
 
-def _offsets(grid: Grid, taxels: Floats) -> Floats:
-    return (taxels[:, None, :] - grid.plane[None, :, :]).reshape(-1, 2)
+def _response(of: Callable[..., Floats], layer: Layer, grid: Grid, taxels: Floats, pad: float,
+              **options: bool) -> Floats:  # fmt: skip
+    """Of taxels (L, 2) m to a pressure on each node, (L, K)."""
+    offsets = (taxels[:, None, :] - grid.plane[None, :, :]).reshape(-1, 2)
+    return of(layer, offsets, grid.pitch, pad, **options).reshape(len(taxels), len(grid))
 
 
 @dataclass(frozen=True)
-class BaseStress:
+class BaseStress(Quantity):
     """Normal stress on the base in Pa: what the paper takes a taxel to measure.
 
     Parameters
@@ -91,23 +92,17 @@ class BaseStress:
     symbol = "stress"
     unit = "Pa"
     typical_noise = 400.0
-    lowest = -np.inf
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats:
         """See `Quantity.matrix`; Pa per Pa."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        stress = mechanics.base_stress(layer, _offsets(grid, taxels), grid.pitch, pad)
-        return stress.reshape(len(taxels), len(grid))
-
-    def linearise(self, readings: Floats, out: Floats) -> Floats:
-        """`readings`: stress is linear in the load at small strain."""
-        return readings
+        return _response(mechanics.base_stress, layer, grid, taxels, pad)
 
 
 @dataclass(frozen=True)
-class Gap:
+class Gap(Quantity):
     """Mean indentation over the pad divided by the thickness: the strain of the gap.
 
     With a Poisson's ratio of 0.5 it is blind to uniform pressure and negative beside a contact.
@@ -121,38 +116,29 @@ class Gap:
     pad_averaged: bool = True
 
     symbol = "indentation / thickness"
-    unit = "1"
-    typical_noise = 0.002
-    lowest = -np.inf
 
     def matrix(
         self, mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats:
         """See `Quantity.matrix`; 1/Pa."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        inwards = mechanics.indentation(layer, _offsets(grid, taxels), grid.pitch, pad)
-        return inwards.reshape(len(taxels), len(grid)) / layer.thickness
-
-    def linearise(self, readings: Floats, out: Floats) -> Floats:
-        """`readings`: the gap is linear in the load at small strain."""
-        return readings
+        return _response(mechanics.indentation, layer, grid, taxels, pad) / layer.thickness
 
 
 @dataclass(frozen=True)
-class Capacitance:
+class Capacitance(Quantity):
     r"""Relative change of capacitance, :math:`\Delta C / C_0`, of a pad under a ground plane.
 
     The field lines between the electrodes smooth the indentation w by
     :math:`\hat S = kh/\sinh kh`; to first order the reading is the pad's mean of S w/h, and
-    `forward` has the field in the deformed gap. Without `pad_averaged` it is S w/h above the
-    centre.
+    `simulate.Press.capacitance` has the field in the deformed gap. Without `pad_averaged` it is
+    S w/h above the centre.
 
     Parameters
     ----------
     order : None, 1, 2 or 3
-        None for the field in the deformed gap itself, or the terms of the series in the strain
-        that `forward` sums instead. The series falls short where the surface comes down by more
-        than some tenths of the thickness, but has an answer for a surface of any steepness.
+        None for readings of the field in the deformed gap itself, or the terms of the series in
+        the strain that made them: those of the first are linear.
     pad_averaged : bool
         Average over the pad; else the density of charge at its centre.
     """
@@ -161,8 +147,6 @@ class Capacitance:
     pad_averaged: bool = True
 
     symbol = "ΔC/C₀"
-    unit = "1"
-    typical_noise = 0.002
     lowest = -1.0  # a pad cannot lose all its capacitance
 
     def __post_init__(self) -> None:
@@ -175,9 +159,8 @@ class Capacitance:
     ) -> Floats:
         """See `Quantity.matrix`; 1/Pa, the series' first term."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        offsets = _offsets(grid, taxels)
-        inwards = mechanics.indentation(layer, offsets, grid.pitch, pad, electrostatic=True)
-        return inwards.reshape(len(taxels), len(grid)) / layer.thickness
+        inwards = _response(mechanics.indentation, layer, grid, taxels, pad, electrostatic=True)
+        return inwards / layer.thickness
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """Strain c / (1 + c), exact for a uniform gap, C/C0 = 1/(1 - w/h); order 1: `readings`.
@@ -189,33 +172,6 @@ class Capacitance:
             return readings
         np.add(readings, 1.0, out=out)
         return np.divide(readings, out, out=out)
-
-    def forward(
-        self,
-        mechanics: Mechanics,
-        layer: Layer,
-        grid: Grid,
-        pressure: Floats,
-        taxels: Floats,
-        pad_diameter: float,
-    ) -> Floats:
-        """Reading of each taxel, nonlinear in the pressure.
-
-        Parameters
-        ----------
-        pressure : (K,) array, Pa
-        taxels : (L, 2) array, m
-            In the plane.
-
-        Returns
-        -------
-        (L,) array, ΔC/C₀
-        """
-        from skinfield.elastic.electrostatics import capacitance_change, gap_strain
-
-        pad = pad_diameter if self.pad_averaged else 0.0
-        strain = gap_strain(mechanics, layer, grid, pressure, taxels, pad)
-        return capacitance_change(strain, layer.thickness, taxels, pad, self.order)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ beside the rim of a flat end.
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,7 @@ MANTISSA = 0x000FFFFFFFFFFFFF  # bits of a double
 ROOT, LN2 = 0x0006A09E667F3BCD, math.log(2.0)  # mantissa of sqrt(2)
 
 
-@dataclass(frozen=True, eq=False)
-class Rules:
+class Rules(NamedTuple):
     """Quadrature along an element, as four rules one after the other.
 
     `FAR` points; `NEAR` points; `NEAR` points for a logarithm at its start, and as many for one at

@@ -18,14 +18,6 @@ from skinfield.signal.calibration import load_calibration as load_calibration
 from skinfield.signal.calibration import save_calibration as save_calibration
 from skinfield.signal.can import CanDecoder as CanDecoder
 from skinfield.signal.can import CanMessages as CanMessages
-from skinfield.signal.capacitance import VACUUM_PERMITTIVITY as VACUUM_PERMITTIVITY
-from skinfield.signal.capacitance import CapacitanceConverter as CapacitanceConverter
-from skinfield.signal.capacitance import capacitance_from_gap as capacitance_from_gap
-from skinfield.signal.capacitance import gap_from_capacitance as gap_from_capacitance
-from skinfield.signal.capacitance import pad_area as pad_area
-from skinfield.signal.capacitance import (
-    relative_capacitance_from_strain as relative_capacitance_from_strain,
-)
 from skinfield.signal.capacitance import rest_capacitance as rest_capacitance
 from skinfield.signal.capacitance import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
@@ -33,17 +25,12 @@ from skinfield.signal.capacitance import (
 from skinfield.signal.faults import Faults as Faults
 from skinfield.signal.faults import Verdict as Verdict
 from skinfield.signal.faults import find_faults as find_faults
-from skinfield.signal.filters.kalman import RandomWalk as RandomWalk
-from skinfield.signal.filters.smoothing import Chain as Chain
-from skinfield.signal.filters.smoothing import Exponential as Exponential
-from skinfield.signal.filters.smoothing import Filter as Filter
-from skinfield.signal.filters.smoothing import FilterState as FilterState
-from skinfield.signal.filters.smoothing import MovingMedian as MovingMedian
-from skinfield.signal.filters.smoothing import NoFilter as NoFilter
-from skinfield.signal.filters.smoothing import filtered as filtered
-from skinfield.signal.filters.smoothing import rise_time as rise_time
-from skinfield.signal.filters.smoothing import step_response as step_response
-from skinfield.signal.scale import ScaleFit as ScaleFit
+from skinfield.signal.filters import Chain as Chain
+from skinfield.signal.filters import Exponential as Exponential
+from skinfield.signal.filters import Filter as Filter
+from skinfield.signal.filters import MovingMedian as MovingMedian
+from skinfield.signal.filters import NoFilter as NoFilter
+from skinfield.signal.filters import filtered as filtered
 from skinfield.signal.scale import column_of as column_of
 from skinfield.signal.scale import fit_scale as fit_scale
 from skinfield.signal.source import Count as Count
@@ -53,9 +40,4 @@ from skinfield.signal.source import Retry as Retry
 from skinfield.signal.source import Source as Source
 from skinfield.signal.source import Stream as Stream
 from skinfield.signal.source import counters as counters
-from skinfield.signal.stationary import QuietStretch as QuietStretch
 from skinfield.signal.stationary import quiet_stretch as quiet_stretch
-from skinfield.signal.tensile_test import ModulusFit as ModulusFit
-from skinfield.signal.tensile_test import TensileTest as TensileTest
-from skinfield.signal.tensile_test import initial_modulus as initial_modulus
-from skinfield.signal.tensile_test import load_tensile_test as load_tensile_test

@@ -1,6 +1,7 @@
 """Baseline, noise and drift of each taxel, from a stretch in which nothing moves."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,11 +145,7 @@ def estimate_baseline(
         stretch=stretch,
         loaded=loaded,
         quiet=stretch.still and bool(loaded.mean() <= _FEW),
-        notes=(
-            *_notes_on_motion(stretch, span),
-            *_notes_on_load(loaded, span, convention),
-            *_notes_on_signal(correlation, floor, present),
-        ),
+        notes=tuple(_notes(stretch, span, loaded, convention, correlation, floor, present)),
         basis=f"{source}{': ' * bool(source)}median of {span} ({len(window) / rate:.1f} s), "
         "drift removed",
     )
@@ -194,45 +191,44 @@ def _loaded(baseline: Floats, noise: Floats, convention: Convention | None) -> B
     return np.asarray(pressed > np.maximum(_LOADED * noise, 5.0))
 
 
-def _notes_on_motion(stretch: QuietStretch, span: str) -> list[str]:
+def _notes(
+    stretch: QuietStretch,
+    span: str,
+    loaded: Bools,
+    convention: Convention | None,
+    correlation: float,
+    floor: Bools,
+    present: Bools,
+) -> Iterator[str]:
+    """What the caller must know."""
     if not stretch.still:
-        return [
+        yield (
             f"the recording is not still: even in {span}, {int(stretch.moving.sum())} of "
             f"{len(stretch.moving)} taxels spread over more than {MOVING:g} times their noise"
-        ]
-    if stretch.moving.any():
+        )
+    elif stretch.moving.any():
         rows = ", ".join(str(row) for row in np.flatnonzero(stretch.moving))
-        return [f"in {span} all is still but taxels {rows}"]
-    return []
-
-
-def _notes_on_load(loaded: Bools, span: str, convention: Convention | None) -> list[str]:
+        yield f"in {span} all is still but taxels {rows}"
     if convention is None or not np.isfinite(convention.rest):
-        return ["whether the skin was unloaded cannot be told: no convention says its rest"]
-    if loaded.any():
-        return [
+        yield "whether the skin was unloaded cannot be told: no convention says its rest"
+    elif loaded.any():
+        yield (
             f"in {span} {int(loaded.sum())} of {len(loaded)} taxels rest on the pressed side of "
             f"{convention.rest:g}, by more than {_LOADED:g} times their noise: something lies on "
             "the skin, or its rest is another"
-        ]
-    return []
-
-
-def _notes_on_signal(correlation: float, floor: Bools, present: Bools) -> list[str]:
-    notes = []
+        )
     if correlation > 1.5:
-        notes.append(
+        yield (
             f"{correlation:.1f} readings carry as much as one independent one (the port repeats "
             "its values, or the noise is slow): averages and filters gain less than they state"
         )
     if floor.any():
-        notes.append(
+        yield (
             f"{int(floor.sum())} taxels rest on the floor of the scale: their noise is taken "
             "from the readings above the median"
         )
     if not present.all():
-        notes.append(
+        yield (
             f"{int((~present).sum())} of {len(present)} taxels answer too rarely "
             "and have no baseline"
         )
-    return notes

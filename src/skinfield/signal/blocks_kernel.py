@@ -14,9 +14,8 @@ from skinfield.signal.block import Octets, Words
 BYTES, SHORTS, FLOATS, STATUS, SOURCE, LOST = 1, 2, 3, 4, 5, 6  # as `Kind`
 OUT_OF_RANGE = 4  # as `Status`
 HEADER_WORDS = 2
-LATE_NS = (
-    1_000_000_000  # counts older than their channel's by less are late; by more, a clock was set
-)
+# Counts older than their channel's by less are late; by more, a clock was set.
+LATE_NS = 1_000_000_000
 FULL = -1
 
 
@@ -42,6 +41,23 @@ def payload_words(kind: int, count: int) -> int:
     if kind == 10:
         return (count + 7) >> 3
     return -1
+
+
+@inner(inline="always")
+def count_at(
+    octets: Octets,
+    shorts: NDArray[np.uint16],
+    singles: NDArray[np.float32],
+    kind: int,
+    payload: int,
+    i: int,
+) -> float:
+    """Count `i` of a block whose payload begins at word `payload`."""
+    if kind == BYTES:
+        return np.float64(octets[8 * payload + i])
+    if kind == SHORTS:
+        return np.float64(shorts[4 * payload + i])
+    return np.float64(singles[2 * payload + i])
 
 
 @njit
@@ -134,59 +150,18 @@ def apply_blocks(
         if kind <= STATUS:
             if first + count > channels:
                 return -at - 1
-            take(
-                words,
-                octets,
-                shorts,
-                singles,
-                at,
-                first,
-                count,
-                kind,
-                bits,
-                counts,
-                stamps,
-                status,
-                fresh,
-            )
+            stamp, payload = words[at], at + HEADER_WORDS
+            for i in range(count):
+                to = first + i
+                if kind == STATUS:
+                    beyond = (octets[8 * payload + (i >> 3)] >> (i & 7)) & 1
+                    status[to] = bits | (OUT_OF_RANGE if beyond else 0)
+                elif not 0 < stamps[to] - stamp < LATE_NS:  # else it was overtaken on its way
+                    counts[to] = count_at(octets, shorts, singles, kind, payload, i)
+                    stamps[to] = stamp
+                    fresh[to] = 1
+                    if bits:
+                        status[to] = bits
         applied += 1 if kind <= LOST else 0
         at += HEADER_WORDS + size
     return applied
-
-
-@njit
-def take(
-    words: Words,
-    octets: Octets,
-    shorts: NDArray[np.uint16],
-    singles: NDArray[np.float32],
-    at: int,
-    first: int,
-    count: int,
-    kind: int,
-    bits: int,
-    counts: Floats,
-    stamps: Ints,
-    status: Octets,
-    fresh: Octets,
-) -> None:
-    """Apply one block of counts or of status, whose bounds were checked."""
-    stamp, payload = words[at], at + HEADER_WORDS
-    if kind == STATUS:
-        for i in range(count):
-            beyond = (octets[8 * payload + (i >> 3)] >> (i & 7)) & 1
-            status[first + i] = bits | (OUT_OF_RANGE if beyond else 0)
-        return
-    for i in range(count):
-        if 0 < stamps[first + i] - stamp < LATE_NS:
-            continue  # it was overtaken on its way
-        if kind == BYTES:
-            counts[first + i] = np.float64(octets[8 * payload + i])
-        elif kind == SHORTS:
-            counts[first + i] = np.float64(shorts[4 * payload + i])
-        else:
-            counts[first + i] = np.float64(singles[2 * payload + i])
-        stamps[first + i] = stamp
-        fresh[first + i] = 1
-        if bits:
-            status[first + i] = bits

@@ -74,6 +74,10 @@ class ICubByte:
     no_load: int = 240
     shift: int = 2
 
+    lowest = 0.0  # the clamp under high load
+    highest = 255.0  # the clamp under far less load than at rest
+    direction = -1  # pressure lowers the byte
+
     def __post_init__(self) -> None:
         if not 1 <= self.no_load <= 254 or self.no_load != int(self.no_load):
             raise InputError(
@@ -87,24 +91,9 @@ class ICubByte:
             )
 
     @property
-    def lowest(self) -> float:
-        """0, the clamp under high load."""
-        return 0.0
-
-    @property
-    def highest(self) -> float:
-        """255, the clamp under far less load than at rest."""
-        return 255.0
-
-    @property
     def rest(self) -> float:
         """The byte of an unloaded taxel."""
         return float(self.no_load)
-
-    @property
-    def direction(self) -> int:
-        """-1: pressure lowers the byte."""
-        return -1
 
     def saturated(self, counts: Floats) -> Bools:
         """Where a byte is at either clamp."""
@@ -137,7 +126,20 @@ class ICubByte:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CySkinCount:
+class _Word:
+    """An unsigned word per taxel, higher under pressure."""
+
+    highest: float = 65535.0
+
+    lowest = 0.0
+    direction = 1
+
+    def __post_init__(self) -> None:
+        check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CySkinCount(_Word):
     """An unsigned word per taxel, baseline already taken off, higher under pressure.
 
     The board clips at 0, so about half of the readings of an unloaded taxel are exactly 0:
@@ -149,25 +151,7 @@ class CySkinCount:
         The largest word that is sent, 65535 for 16 bits.
     """
 
-    highest: float = 65535.0
-
-    def __post_init__(self) -> None:
-        check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
-
-    @property
-    def lowest(self) -> float:
-        """0, where the board clips."""
-        return 0.0
-
-    @property
-    def rest(self) -> float:
-        """0: the board takes the baseline off."""
-        return 0.0
-
-    @property
-    def direction(self) -> int:
-        """+1: pressure raises the count."""
-        return 1
+    rest = 0.0  # the board takes the baseline off
 
     def saturated(self, counts: Floats) -> Bools:
         """Where a word is the largest one."""
@@ -179,7 +163,7 @@ class CySkinCount:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlainCount:
+class PlainCount(_Word):
     """A word per taxel that rests wherever it does, higher under pressure: a converter's own count.
 
     What a board of one's own sends that takes no baseline off. A baseline must be measured.
@@ -190,25 +174,7 @@ class PlainCount:
         The largest word that is sent, 65535 for 16 bits.
     """
 
-    highest: float = 65535.0
-
-    def __post_init__(self) -> None:
-        check_positive("highest", self.highest, "the largest word, 65535 for 16 bits")
-
-    @property
-    def lowest(self) -> float:
-        """0: no word is less."""
-        return 0.0
-
-    @property
-    def rest(self) -> float:
-        """NaN: each taxel's own."""
-        return float("nan")
-
-    @property
-    def direction(self) -> int:
-        """+1: pressure raises the count."""
-        return 1
+    rest = float("nan")  # each taxel's own
 
     def saturated(self, counts: Floats) -> Bools:
         """Where a word is the least or the largest one: nothing is connected, or off the scale."""
@@ -253,7 +219,6 @@ def valid_from_counts(
     counts: ArrayLike,
     convention: Convention | None = None,
     *,
-    taxels: int | None = None,
     alive: Bools | None = None,
 ) -> Bools:
     """Validity of each count of a reading (L,) or of readings (T, L), same shape.
@@ -267,8 +232,6 @@ def valid_from_counts(
     counts : array, counts
     convention : Convention, optional
         Knows range and clamps.
-    taxels : int, optional
-        Expected length of the last axis; default that of `alive`, if given.
     alive : (L,) bool array, optional
         As a calibration has it.
 
@@ -278,7 +241,7 @@ def valid_from_counts(
         If the length is another, or no count is a number.
     """
     array = as_floats("counts", counts)
-    width = taxels if taxels is not None else None if alive is None else len(alive)
+    width = None if alive is None else len(alive)
     if array.ndim not in (1, 2) or (width is not None and array.shape[-1] != width):
         raise InputError(
             f"counts has shape {array.shape}, expected "

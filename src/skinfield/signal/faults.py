@@ -192,14 +192,7 @@ def _sentences(
     clamped: Bools,
     decided: bool,
 ) -> tuple[str, ...]:
-    found = []
-    for kind, meaning in _MEANING.items():
-        rows = np.flatnonzero(verdict == kind)
-        if len(rows):
-            start = f", the first from reading {since[rows].min()}" if kind == Verdict.STUCK else ""
-            found.append(
-                f"{len(rows)} of {len(verdict)} taxels {meaning}{start}: {rows_text(rows)}"
-            )
+    found = _kinds(verdict, since)
     touched = np.flatnonzero(clamped.any(axis=0) & (verdict != Verdict.SATURATED))
     if len(touched):
         most = int(clamped.sum(axis=0)[touched].max())
@@ -214,6 +207,20 @@ def _sentences(
             "or too short a one"
         )
     return tuple(found)
+
+
+def _kinds(verdict: NDArray[np.int8], since: NDArray[np.int64] | None = None) -> list[str]:
+    """A sentence on the taxels of each kind of fault."""
+    found = []
+    for kind, meaning in _MEANING.items():
+        rows = np.flatnonzero(verdict == kind)
+        if len(rows):
+            start = ""
+            if since is not None and kind == Verdict.STUCK:
+                start = f", the first from reading {since[rows].min()}"
+            text = rows_text(rows)
+            found.append(f"{len(rows)} of {len(verdict)} taxels {meaning}{start}: {text}")
+    return found
 
 
 def rows_text(rows: NDArray[np.int64]) -> str:
@@ -257,7 +264,10 @@ def merged_faults(found: Sequence[Faults], lengths: Sequence[int]) -> Faults:
         [max(int(found[b].since[taxel]), 0) for taxel, b in enumerate(since)], np.int64
     )
     first = np.where(verdict == Verdict.STUCK, at, np.where(verdict == Verdict.OK, -1, 0))
-    return Faults(verdict, first, bool(decided.any()), _summary(verdict, decided))
+    sentences = _kinds(verdict)
+    if not decided.any():
+        sentences.append("the taxels change too rarely to tell a dead one from a quiet one")
+    return Faults(verdict, first, bool(decided.any()), tuple(sentences))
 
 
 def _stuck_for_good(verdicts: NDArray[np.int8], decided: Bools) -> tuple[Bools, NDArray[np.int64]]:
@@ -269,14 +279,3 @@ def _stuck_for_good(verdicts: NDArray[np.int8], decided: Bools) -> tuple[Bools, 
     stops = verdicts[before, np.arange(verdicts.shape[1])] == Verdict.STUCK
     stuck = (silent < count) & (stops | (silent >= SILENT))
     return stuck, np.where(stops, before, np.minimum(before + 1, count - 1))
-
-
-def _summary(verdict: NDArray[np.int8], decided: Bools) -> tuple[str, ...]:
-    said = []
-    for kind, meaning in _MEANING.items():
-        rows = np.flatnonzero(verdict == kind)
-        if len(rows):
-            said.append(f"{len(rows)} of {len(verdict)} taxels {meaning}: {rows_text(rows)}")
-    if not decided.any():
-        said.append("the taxels change too rarely to tell a dead one from a quiet one")
-    return tuple(said)

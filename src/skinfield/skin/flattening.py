@@ -1,7 +1,7 @@
 """Flattening of a curved patch: unrolled from its middle, relaxed, and the way back."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,63 +14,65 @@ OFF_PLANE = 0.01  # of the extent: taxels farther from their plane than this mak
 TILT = np.cos(np.radians(2.0))  # and so do normals that lean more than this
 
 
-class Surface(Protocol):
-    """What a patch's surface offers: taxels in a plane, and points of the plane back in 3D."""
+@dataclass(frozen=True, eq=False)
+class Flat:
+    """A rigid plane in space: a point (3,) m of it and an orthonormal frame (3, 3)."""
 
-    @property
-    def plane(self) -> Floats:
-        """Taxel centres in the developed plane, (L, 2) m; seen from outside, x right and y up."""
-        ...
+    origin: Floats
+    frame: Floats
+
+    def positions(self, points: Floats) -> Floats:
+        """Points of the plane (N, 2) m in space (N, 3) m."""
+        return np.asarray(self.origin + points @ self.frame[:, :2].T, dtype=np.float64)
+
+    def frames(self, points: Floats) -> Floats:
+        """The frame at each point, (N, 3, 3)."""
+        return np.broadcast_to(self.frame, (len(points), 3, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A patch's taxels in a plane, as nearly isometric as it goes, and the way back to 3D.
+
+    Attributes
+    ----------
+    plane : (L, 2) array, m
+        Taxel centres in the developed plane; seen from outside, x right and y up.
+    shape : Flat or Quadrics
+        The way back.
+    distortion : float
+        How far lengths in the plane are from those on the skin, as a part of 1: the 99th
+        percentile of abs(length in the plane / length on the skin - 1) over neighbouring taxels;
+        0 where the patch is flat.
+    severed : int
+        Pairs of neighbouring taxels that lie apart in the plane, because it had to be cut.
+    """
+
+    plane: Floats
+    shape: Flat | Quadrics
+    distortion: float = 0.0
+    severed: int = 0
 
     @property
     def is_flat(self) -> bool:
         """Whether the taxels lie in one plane and the way back is a rigid motion."""
-        ...
-
-    @property
-    def distortion(self) -> float:
-        """How far lengths in the plane are from those on the skin, as a part of 1.
-
-        The 99th percentile of abs(length in the plane / length on the skin - 1) over neighbouring
-        taxels; 0 where the patch is flat.
-        """
-        ...
-
-    @property
-    def severed(self) -> int:
-        """Pairs of neighbouring taxels that lie apart in the plane, because it had to be cut."""
-        ...
+        return isinstance(self.shape, Flat)
 
     def position_from_plane(self, plane: Floats) -> Floats:
-        """Points of the developed plane (N, 2) m, as points in the patch's frame (N, 3) m."""
-        ...
+        """Points of the developed plane (N, 2) m, as points in the patch's frame (N, 3) m.
+
+        Taxels come out where they are; between them the skin is smooth, and it runs on for some
+        pitches beyond its border as it bends there, then straight.
+        """
+        return self.shape.positions(np.asarray(plane, dtype=np.float64))
 
     def frame_from_plane(self, plane: Floats) -> Floats:
         """Local frames (N, 3, 3) at points of the plane (N, 2) m: columns tangent, tangent, normal.
 
         The tangents are the images of the plane's two axes, orthonormalised; the normal points
-        out of the skin; right-handed.
+        out of the skin, as that of the taxels does; right-handed.
         """
-        ...
-
-
-class FlatSurface:
-    """A rigid plane: an orthonormal frame and an origin."""
-
-    is_flat = True
-    distortion = 0.0
-    severed = 0
-
-    def __init__(self, plane: Floats, origin: Floats, frame: Floats) -> None:
-        self.plane, self.origin, self.frame = plane, origin, frame
-
-    def position_from_plane(self, plane: Floats) -> Floats:
-        """See `Surface.position_from_plane`."""
-        return np.asarray(self.origin + plane @ self.frame[:, :2].T, dtype=np.float64)
-
-    def frame_from_plane(self, plane: Floats) -> Floats:
-        """See `Surface.frame_from_plane`."""
-        return np.broadcast_to(self.frame, (len(plane), 3, 3))
+        return self.shape.frames(np.asarray(plane, dtype=np.float64))
 
 
 def surface_through(positions: Floats, normals: Floats) -> Surface:
@@ -90,7 +92,7 @@ def surface_through(positions: Floats, normals: Floats) -> Surface:
     origin = float(centre @ normal) * normal
     plane = (positions - origin) @ frame[:, :2]
     plane.setflags(write=False)
-    return FlatSurface(plane, origin, frame)
+    return Surface(plane, Flat(origin, frame))
 
 
 def _is_line(centred: Floats, spread: float) -> bool:
@@ -218,8 +220,7 @@ def _shortest_ways(
     return far[0], np.maximum(before[0], -1).astype(np.int64)
 
 
-@dataclass(frozen=True, eq=False)
-class _Steps:
+class _Steps(NamedTuple):
     """Links as steps (2E,) towards a taxel, sorted by it: those to t are first[t] : first[t + 1].
 
     `along` (2E, 3) m is tangent at the start and as long as the link, `turn` (2E, 3, 3) the
@@ -287,25 +288,23 @@ def _crowded(plane: Floats, positions: Floats, pairs: Ints, reach: float) -> tup
     return close[tight], least[tight]
 
 
-@dataclass(frozen=True, eq=False)
-class _Misfit:
+class _Misfit(NamedTuple):
     """Relative errors (E,) of the lengths of pairs (E, 2), slopes (E, 2) by the second end."""
 
     pairs: Ints
     error: Floats
     slope: Floats
 
-    @property
-    def total(self) -> float:
-        return float(self.error @ self.error)
-
-
-def _misfit(plane: Floats, positions: Floats, pairs: Ints, length: Floats, reach: float) -> _Misfit:
-    crowded, least = _crowded(plane, positions, pairs, reach)
-    pairs, length = np.concatenate([pairs, crowded]), np.concatenate([length, least])
-    distance, offset = _distance(plane, pairs)
-    slope = offset / np.maximum(distance * length, 1e-15)[:, None]
-    return _Misfit(pairs, distance / length - 1.0, slope)
+    @classmethod
+    def of(
+        cls, plane: Floats, positions: Floats, pairs: Ints, length: Floats, reach: float
+    ) -> "_Misfit":
+        """Of neighbours, and of those that are crowded within `reach`."""
+        crowded, least = _crowded(plane, positions, pairs, reach)
+        pairs, length = np.concatenate([pairs, crowded]), np.concatenate([length, least])
+        distance, offset = _distance(plane, pairs)
+        slope = offset / np.maximum(distance * length, 1e-15)[:, None]
+        return cls(pairs, distance / length - 1.0, slope)
 
 
 def _newton_step(misfit: _Misfit, count: int, damping: float) -> Floats:
@@ -327,11 +326,11 @@ def _newton_step(misfit: _Misfit, count: int, damping: float) -> Floats:
 
 def _least_squares(plane: Floats, positions: Floats, pairs: Ints, length: Floats) -> Floats:
     reach, damping = float(np.median(length)), 1e-3
-    misfit = _misfit(plane, positions, pairs, length, reach)
+    misfit = _Misfit.of(plane, positions, pairs, length, reach)
     for _ in range(STEPS):
         step = _newton_step(misfit, len(plane), damping)
-        trial = _misfit(plane + step, positions, pairs, length, reach)
-        if trial.total < misfit.total:
+        trial = _Misfit.of(plane + step, positions, pairs, length, reach)
+        if trial.error @ trial.error < misfit.error @ misfit.error:
             plane, misfit, damping = plane + step, trial, max(damping * 0.2, 1e-6)
             if np.abs(step).max() < 1e-4 * reach:
                 break
@@ -341,41 +340,6 @@ def _least_squares(plane: Floats, positions: Floats, pairs: Ints, length: Floats
 
 
 GAP = 3.0  # median links between parts that are laid side by side
-
-
-@dataclass(frozen=True, eq=False)
-class DevelopedSurface:
-    """A curved skin laid flat, as nearly isometric as it goes; see `Surface`.
-
-    Parameters
-    ----------
-    plane : (L, 2) array, m
-        Taxel centres in the developed plane.
-    distortion : float
-        99th percentile of abs(length in the plane / length on the skin - 1) over neighbours.
-    severed : int
-        Pairs of neighbours that the cut tore apart.
-    shape : Quadrics
-        The way back.
-    """
-
-    plane: Floats
-    distortion: float
-    severed: int
-    shape: Quadrics
-    is_flat = False
-
-    def position_from_plane(self, plane: Floats) -> Floats:
-        """See `Surface.position_from_plane`.
-
-        Taxels come out where they are; between them the skin is smooth, and it runs on for some
-        pitches beyond its border as it bends there, then straight.
-        """
-        return self.shape.positions(np.asarray(plane, dtype=np.float64))
-
-    def frame_from_plane(self, plane: Floats) -> Floats:
-        """See `Surface.frame_from_plane`; the normals of the taxels are kept."""
-        return self.shape.frames(np.asarray(plane, dtype=np.float64))
 
 
 def develop(positions: Floats, normals: Floats) -> Surface:
@@ -406,7 +370,7 @@ def develop(positions: Floats, normals: Floats) -> Surface:
     laid = plane[back]
     laid.setflags(write=False)
     severed = int(np.count_nonzero(links.near & ~held))
-    return DevelopedSurface(laid, _distortion(plane, links), severed, shape)
+    return Surface(laid, shape, _distortion(plane, links), severed)
 
 
 def _merged(normals: Floats, point: Ints, fallback: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Patches from numbers: hexagon, triangular modules, arrays, cylinders, spheres; by name too."""
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -201,14 +201,14 @@ def triangle_modules(
 
 
 def triangle_lattice(
-    cells: int | Sequence[tuple[int, int]] = 6,
+    modules: int = 6,
     side: float = 30e-3,
     *,
     template: ModuleTemplate = ICUB_TRIANGLE,
     name: str = "triangles",
     max_modules: int = MAX_MODULES,
 ) -> Patch:
-    """Flat patch of modules that fill cells of a lattice of triangles.
+    """Flat patch of the modules nearest to the origin in a lattice of triangles: 6 are a hexagon.
 
     Cell (column, row) is the triangle between x = (column - 1) side / 2 and (column + 1) side / 2
     in the strip between y = row h and (row + 1) h, h = √3/2 side. It stands on its base where
@@ -216,8 +216,7 @@ def triangle_lattice(
 
     Parameters
     ----------
-    cells : int or sequence of (column, row)
-        Which; a number takes those nearest to the origin: 6 make a hexagon.
+    modules : int
     side : float, m
         Of a cell.
     template : ModuleTemplate
@@ -226,7 +225,7 @@ def triangle_lattice(
         See `triangle_modules`.
     """
     check_positive("side", side, "of a triangle of the lattice, in metres")
-    places = _nearest_cells(cells) if isinstance(cells, int) else _checked_cells(cells)
+    places = _nearest_cells(modules)
     stands = (places.sum(axis=1) % 2).astype(bool)
     height = side * 0.75**0.5
     y = (places[:, 1] + np.where(stands, 1 / 3, 2 / 3)) * height
@@ -264,16 +263,6 @@ def ten_pad_triangle() -> Patch:
 
 def _ring(radius: float, bearings: Floats) -> Floats:
     return radius * np.column_stack([np.cos(bearings), np.sin(bearings)])
-
-
-def _checked_cells(cells: Sequence[tuple[int, int]]) -> Floats:
-    places = as_floats("cells", cells)
-    check_shape("cells", places, (None, 2), "(column, row) of each module")
-    if (places != np.round(places)).any():
-        raise InputError(f"cells is {cells!r}, expected whole numbers (column, row)")
-    if len(np.unique(places, axis=0)) < len(places):
-        raise InputError(f"cells is {cells!r}, expected each cell once: modules cannot overlap")
-    return places
 
 
 def _nearest_cells(count: int) -> Floats:
@@ -411,17 +400,12 @@ def _uids(count: int) -> NDArray[np.uint64]:
     return np.asarray(row // 12 << 4 | row % 12 + 1, dtype=np.uint64)
 
 
-def _counted_lattice(modules: int = 6, side: float = 30e-3) -> Patch:
-    """Patch of `modules` 12-taxel triangles around the origin; see `triangle_lattice`."""
-    return triangle_lattice(modules, side)
-
-
 GENERATORS: dict[str, Callable[..., Patch]] = {
     "hexagon72": hexagon72,
     "icub_hexagon": icub_hexagon,
     "icub_triangle": icub_triangle,
     "ten_pad_triangle": ten_pad_triangle,
-    "triangle_lattice": _counted_lattice,
+    "triangle_lattice": triangle_lattice,
     "rectangular": rectangular,
     "cylinder": cylinder,
     "sphere_cap": sphere_cap,
@@ -474,6 +458,8 @@ def _parameters(name: str) -> dict[str, Parameter]:
     """Flags of a generator; whole numbers are counts, ``…_angle`` is in degrees, the rest in mm."""
     flags: dict[str, Parameter] = {}
     for argument, parameter in inspect.signature(GENERATORS[name]).parameters.items():
+        if parameter.kind is parameter.KEYWORD_ONLY:
+            continue
         if parameter.annotation is int:
             flags[argument] = (argument, int, 1)
         elif argument.endswith("_angle"):

@@ -110,13 +110,10 @@ class Patch:
     @cached_property
     def pitch(self) -> float:
         """Median distance from a taxel to its nearest neighbour, m; the pad's diameter if alone."""
-        from scipy.spatial import cKDTree
+        from skinfield.skin.geometry import nearest_distance
 
-        distinct = self._distinct[0]
-        if len(distinct) < 2:
-            return self.pad_diameter
-        distance = np.asarray(cKDTree(distinct).query(distinct, k=2)[0])
-        return float(np.median(distance[:, 1]))
+        pitch = float(np.median(nearest_distance(self._distinct[0])))
+        return pitch if np.isfinite(pitch) else self.pad_diameter
 
     @cached_property
     def triangles(self) -> Ints:

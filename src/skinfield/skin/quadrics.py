@@ -1,19 +1,20 @@
 """The shape of a curved skin around each taxel: the way from its plane back into space."""
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from skinfield.errors import Floats, Ints
 from skinfield.skin.geometry import flat_frames
 
+if TYPE_CHECKING:
+    from skinfield.skin.quadrics_kernel import Parts
+
 BLENDED = 8  # quadrics around a point that have a say in it
 FLEX = 2.5  # pitches from its taxel up to which a quadric bends; beyond, it runs on straight
 TRUST = 0.25  # weight of a normal against that of a position, both in pitches
-FEW = 200  # points up to which compiled code is worth loading
-PAIRS = 400_000  # of a point and a taxel up to which it is quicker, though it looks at all taxels
 RIDGE = 1e-3  # holds the terms that the neighbours leave open: isometric, and without curvature
 
 
@@ -55,59 +56,21 @@ class Quadrics:
 
     def positions(self, points: Floats) -> Floats:
         """Points of the plane (N, 2) m in space (N, 3) m."""
-        if self._are_few(points):
-            return np.asarray(_compiled().positions(*self._compact(points)))
-        row, weight, offset = self._around(points)
-        bent = self._bent(offset)
-        x = self.position[row] + np.einsum("nkij,nkj->nki", self.slope[row], offset)
-        x += np.einsum("nkij,nkj->nki", self.bend[row], _squares(bent))
-        runs_on = _gradient(self.bend[row], bent)
-        x += np.einsum("nkij,nkj->nki", runs_on, offset - bent)
-        return np.asarray(np.einsum("nk,nki->ni", weight, x))
+        from skinfield.skin.quadrics_kernel import positions
+
+        return np.asarray(positions(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
 
     def frames(self, points: Floats) -> Floats:
         """Tangent, tangent and outward normal (N, 3, 3) at points of the plane (N, 2) m."""
-        if self._are_few(points):
-            return np.asarray(_compiled().frames(*self._compact(points)))
-        row, weight, offset = self._around(points)
-        bent = self._bent(offset)
-        normal = self.normal[row] + np.einsum("nkij,nkj->nki", self.turn[row], bent)
-        normal = np.einsum("nk,nki->ni", weight, normal)
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        normal = np.where(length > 1e-6, normal, self.normal[row[:, 0]])
-        normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-        tangents = self.slope[row] + _gradient(self.bend[row], bent)
-        return _frames_along(np.einsum("nk,nkij->nij", weight, tangents), normal)
+        from skinfield.skin.quadrics_kernel import frames
 
-    def _are_few(self, points: Floats) -> bool:
-        return 0 < len(points) <= FEW and len(points) * len(self.plane) <= PAIRS
-
-    def _compact(self, points: Floats) -> tuple[Floats, tuple[Floats, ...], int, float]:
-        """Arguments of the compiled code: of one layout, so that it is compiled once."""
-        return _plain(points), self._parts, BLENDED, FLEX * self.pitch
+        return np.asarray(frames(_plain(points), self._parts, BLENDED, FLEX * self.pitch))
 
     @cached_property
-    def _parts(self) -> tuple[Floats, ...]:
-        parts = self.plane, self.position, self.normal, self.slope, self.bend, self.turn
-        return tuple(map(_plain, parts))
-
-    def _around(self, points: Floats) -> tuple[Ints, Floats, Floats]:
-        """Rows (N, k) of the nearest taxels, their weights, and offsets (N, k, 2) from them."""
-        from scipy.spatial import cKDTree
-
-        count = min(BLENDED + 1, len(self.plane))
-        found = cKDTree(self.plane).query(points, k=list(range(1, count + 1)))
-        distance, row = map(np.asarray, found)
-        edge = distance[:, -1:] * (1.0 if count > BLENDED else 1.5) + 1e-12
-        distance = np.maximum(distance, 1e-12)
-        weight = (np.maximum(edge - distance, 0.0) / (edge * distance)) ** 2
-        weight /= weight.sum(axis=1, keepdims=True)
-        return np.asarray(row, np.int64), weight, points[:, None] - self.plane[row]
-
-    def _bent(self, offset: Floats) -> Floats:
-        """Part of the offsets (N, k, 2) over which a quadric bends."""
-        length = np.linalg.norm(offset, axis=2, keepdims=True)
-        return np.asarray(offset * np.minimum(1.0, FLEX * self.pitch / np.maximum(length, 1e-12)))
+    def _parts(self) -> "Parts":
+        """Of one layout, so that the kernels are compiled once."""
+        placed = _plain(self.plane), _plain(self.position), _plain(self.normal)
+        return *placed, _plain(self.slope), _plain(self.bend), _plain(self.turn)
 
 
 def quadrics_through(plane: Floats, positions: Floats, normals: Floats, pairs: Ints) -> Quadrics:
@@ -140,14 +103,6 @@ def quadrics_through(plane: Floats, positions: Floats, normals: Floats, pairs: I
 def _squares(offset: Floats) -> Floats:
     x, y = offset[..., 0], offset[..., 1]
     return np.stack([x * x / 2, x * y, y * y / 2], axis=-1)
-
-
-def _gradient(bend: Floats, offset: Floats) -> Floats:
-    """Derivative (..., 3, 2) by δ of B [δ₁²/2, δ₁δ₂, δ₂²/2]."""
-    x, y = offset[..., None, 0], offset[..., None, 1]
-    return np.stack(
-        [bend[..., 0] * x + bend[..., 1] * y, bend[..., 1] * x + bend[..., 2] * y], axis=-1
-    )
 
 
 def _frames_along(tangents: Floats, normal: Floats) -> Floats:
@@ -211,11 +166,3 @@ def _fit_turn(pairs: Ints, offset: Floats, weight: Floats, normals: Floats) -> F
 
 def _plain(array: Floats) -> Floats:
     return np.require(array, np.float64, ("C", "W"))
-
-
-@lru_cache(maxsize=1)
-def _compiled() -> Any:
-    """The kernels, loaded when first needed."""
-    from skinfield.skin import quadrics_kernel
-
-    return quadrics_kernel

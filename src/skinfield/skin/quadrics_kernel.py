@@ -1,4 +1,4 @@
-"""Blended quadrics at a few points, compiled: contacts ask for one place at a time.
+"""Blended quadrics at points of the plane, compiled: contacts ask for one place at a time.
 
 `parts` are plane (M, 2), position and normal (M, 3), slope (M, 3, 2), bend (M, 3, 3) and turn
 (M, 3, 2) of the taxels; see `Quadrics`.

@@ -12,6 +12,7 @@ from skinfield.signal.blocks_kernel import (
     HEADER_WORDS,
     SHORTS,
     STATUS,
+    count_at,
     payload_words,
 )
 
@@ -90,23 +91,6 @@ def scan(
                     status[column[first + i]] = bits
         at += HEADER_WORDS + size
     return at, rows
-
-
-@inner(inline="always")
-def count_at(
-    octets: Octets,
-    shorts: NDArray[np.uint16],
-    singles: NDArray[np.float32],
-    kind: int,
-    payload: int,
-    i: int,
-) -> float:
-    """Count `i` of a block whose payload begins at word `payload`."""
-    if kind == BYTES:
-        return np.float64(octets[8 * payload + i])
-    if kind == SHORTS:
-        return np.float64(shorts[4 * payload + i])
-    return np.float64(singles[2 * payload + i])
 
 
 @inner

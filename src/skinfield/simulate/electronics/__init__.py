@@ -7,6 +7,7 @@ from skinfield.simulate.electronics.array import TaxelArray as TaxelArray
 from skinfield.simulate.electronics.array import cyskin_electronics as cyskin_electronics
 from skinfield.simulate.electronics.array import icub_electronics as icub_electronics
 from skinfield.simulate.electronics.array import ideal_electronics as ideal_electronics
+from skinfield.simulate.electronics.array import recording as recording
 from skinfield.simulate.electronics.board import Board as Board
 from skinfield.simulate.electronics.board import CySkinBoard as CySkinBoard
 from skinfield.simulate.electronics.board import ICubBoard as ICubBoard
@@ -15,6 +16,5 @@ from skinfield.simulate.electronics.delivery import CrossTalk as CrossTalk
 from skinfield.simulate.electronics.delivery import Delivery as Delivery
 from skinfield.simulate.electronics.delivery import Sampling as Sampling
 from skinfield.simulate.electronics.noise import Noise as Noise
-from skinfield.simulate.electronics.recording import recording as recording
 from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
 from skinfield.simulate.electronics.thermal import ThermalPads as ThermalPads

@@ -1,8 +1,7 @@
 """Taxel array as made: gain, baseline, drift, noise and defect of each taxel; known electronics."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
 
@@ -24,6 +23,7 @@ from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Samplin
 from skinfield.simulate.electronics.noise import Noise
 from skinfield.simulate.electronics.thermal import ThermalDrift, ThermalPads
 from skinfield.skin import Patch
+from skinfield.skin.reading import Recording
 
 
 class Defect(IntEnum):
@@ -181,26 +181,6 @@ class TaxelArray:
             basis="the truth of simulated electronics",
         )
 
-    def with_defects(self, rows: Mapping[Defect, ArrayLike]) -> "TaxelArray":
-        """Array in which the taxels of the given rows have the given defects as well.
-
-        Raises
-        ------
-        InputError
-            If a row is none of the patch's.
-        """
-        defect = self.defect.copy()
-        for kind, which in rows.items():
-            chosen = np.asarray(which)
-            inside = chosen.dtype.kind in "iu" and ((chosen >= 0) & (chosen < len(self))).all()
-            if chosen.size and not inside:
-                raise InputError(
-                    f"rows of {kind!r} are {which!r}, expected whole numbers from 0 to "
-                    f"{len(self) - 1}: rows of patch {self.patch.name!r}"
-                )
-            defect[chosen.astype(np.int64)] = kind
-        return replace(self, defect=defect)
-
     def sample_times(
         self, duration: float, rng: np.random.Generator, *, start_ns: int = 0
     ) -> Sampling:
@@ -234,28 +214,21 @@ class TaxelArray:
         InputError
             If a shape is another, or a number is not finite.
         """
-        change = self._changes(change)
-        noise, joints, losses, pads = rng.spawn(4)
-        rate = self.electronics.delivery.rate
-        level = self._cold_level(change) + self._warmed(len(change), temperature, pads)
-        level += self.electronics.noise.sample(
-            self.white_noise, self.wiring, len(level), rate, noise
-        )
-        counts = self._spoiled(level, joints)
-        return self.electronics.delivery.lose(counts, self.wiring, losses)
-
-    def _changes(self, change: ArrayLike) -> Floats:
         change = as_floats("change", change)
         check_shape("change", change, (None, len(self)), "ΔC/C₀, one row per reading")
         if not len(change):
             raise InputError(f"change has shape {change.shape}, expected at least one reading")
         check_finite("change", change, "what a taxel feels is known, even if it does not answer")
-        return change
-
-    def _cold_level(self, change: Floats) -> Floats:
-        """What the converter is offered at the reference temperature, (T, L) counts."""
-        shown = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
-        return np.asarray(self.baseline + self.gain * shown)
+        noise, joints, losses, pads = rng.spawn(4)
+        rate = self.electronics.delivery.rate
+        felt = self.electronics.cross_talk.seen_by_taxels(change, self.wiring)
+        level = self.baseline + self.gain * felt
+        level = level + self._warmed(len(change), temperature, pads)
+        level += self.electronics.noise.sample(
+            self.white_noise, self.wiring, len(level), rate, noise
+        )
+        counts = self._spoiled(level, joints)
+        return self.electronics.delivery.lose(counts, self.wiring, losses)
 
     def _warmed(
         self, readings: int, temperature: ArrayLike | None, rng: np.random.Generator
@@ -293,6 +266,56 @@ class TaxelArray:
             counts[stop:, taxel] = counts[min(stop, len(counts) - 1), taxel]
         counts[:, self.defect == Defect.ABSENT] = np.nan
         return counts
+
+
+def recording(
+    array: TaxelArray,
+    sampling: Sampling,
+    change: ArrayLike,
+    temperature: ArrayLike | None,
+    rng: np.random.Generator,
+    *,
+    source: str = "simulated",
+) -> Recording:
+    """Recording of the taxels of `array`.
+
+    Parameters
+    ----------
+    array : TaxelArray
+    sampling : Sampling
+        From `array.sample_times`.
+    change : (T, L) array
+        ΔC/C₀ at `sampling.instants`.
+    temperature : (T,) array, K, or None
+    rng : numpy Generator
+    source : str
+        What the recording says about where it is from.
+
+    Returns
+    -------
+    Recording
+        One column per taxel, by uid; one row per reading that was logged.
+
+    Raises
+    ------
+    InputError
+        If every reading was lost on the way, or `change` has not a row per cycle.
+    """
+    counts = array.counts(change, temperature, rng)
+    check_shape("change", counts, (len(sampling), len(array)), "one row per cycle of sampling")
+    rows, stamps = sampling.logged
+    if not len(rows):
+        raise InputError(
+            f"delivered is False for all {len(sampling)} readings, expected some: record longer, "
+            "or lower lost_readings"
+        )
+    return Recording(
+        stamps,
+        counts[rows],
+        array.patch.uid.copy(),
+        array.electronics.board.unit,
+        source,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -351,11 +374,9 @@ class Electronics:
         Raises
         ------
         InputError
-            If the patch has not the taxels that the matrix of the cross-talk, or the thermal pads,
-            ask for.
+            If the patch has not the taxels that the thermal pads ask for.
         """
         wired, taxels = wiring(patch), len(patch)
-        self.cross_talk.check_patch(patch)
         pads = self.thermal_pads
         if pads is not None:
             pads.check_wiring(wired)

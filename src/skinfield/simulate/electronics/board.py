@@ -1,57 +1,18 @@
-"""Boards: from a level in counts, as a continuous number, to what is sent."""
+"""Boards: from a level, the count that one without steps and clamps would send, to what is sent."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.elastic import Layer
 from skinfield.errors import Floats, as_floats, check_positive
-from skinfield.signal import (
-    Convention,
-    CySkinCount,
-    ICubByte,
-    rest_capacitance,
-)
+from skinfield.signal import CySkinCount, ICubByte, rest_capacitance
 
 PAD_CAPACITANCE = rest_capacitance(Layer(), 4e-3)
 """F, of a round 4 mm pad under 2 mm of silicone: 0.167 pF."""
 AD7147_FARADS = 16e-12 / 65536
 """F per count of the converter on these boards: 16 bits over about 16 pF, 0.244 fF."""
-
-
-class Board(Protocol):
-    """A maker's board. A *level* is the count that a board without steps and clamps would send."""
-
-    @property
-    def convention(self) -> Convention | None:
-        """What its counts mean, for whoever reads them."""
-        ...
-
-    @property
-    def unit(self) -> str:
-        """Of its counts, one of `skinfield.skin.reading.UNITS`."""
-        ...
-
-    @property
-    def rest(self) -> float:
-        """Level of an unloaded taxel whose baseline is exact."""
-        ...
-
-    @property
-    def gain(self) -> float:
-        """Counts per unit of ΔC/C₀, sign included, of a taxel of nominal gain."""
-        ...
-
-    @property
-    def step(self) -> float:
-        """Distance of neighbouring counts; 0 where there are no steps."""
-        ...
-
-    def counts_from_level(self, level: Floats) -> Floats:
-        """What is sent: in steps, and within the clamps. NaN stays NaN."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,10 +33,8 @@ class ICubBoard:
     rest_capacitance: float = PAD_CAPACITANCE
     farads_per_count: float = AD7147_FARADS
 
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "count"
+    unit = "count"
+    step = 1.0
 
     @property
     def size(self) -> int:
@@ -84,21 +43,16 @@ class ICubBoard:
 
     @property
     def rest(self) -> float:
-        """See `Board.rest`: in the middle of the differences that are sent as `no_load`."""
+        """Level of an unloaded taxel: amid the differences that are sent as `no_load`."""
         return self.convention.no_load + (self.size - 1) / (2.0 * self.size)
 
     @property
     def gain(self) -> float:
-        """See `Board.gain`."""
+        """Counts per unit of ΔC/C₀, negative, of a taxel of nominal gain."""
         return self.convention.gain(self.rest_capacitance, self.farads_per_count)
 
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 1.0
-
     def counts_from_level(self, level: Floats) -> Floats:
-        """See `Board.counts_from_level`: the converter rounds, the board shifts and clamps."""
+        """What is sent: the converter rounds, the board shifts and clamps. NaN stays NaN."""
         difference = np.rint((self.rest - as_floats("level", level)) * self.size)
         return self.convention.counts_from_difference(difference)
 
@@ -118,26 +72,15 @@ class CySkinBoard:
     convention: CySkinCount = field(default_factory=CySkinCount)
     gain: float = 30e3
 
+    unit = "count"
+    rest = 0.0  # the board takes the baseline off
+    step = 1.0
+
     def __post_init__(self) -> None:
         check_positive("gain", self.gain, "counts per unit of ΔC/C₀; pressure raises the count")
 
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "count"
-
-    @property
-    def rest(self) -> float:
-        """See `Board.rest`."""
-        return self.convention.rest
-
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 1.0
-
     def counts_from_level(self, level: Floats) -> Floats:
-        """See `Board.counts_from_level`."""
+        """What is sent; NaN stays NaN."""
         return self.convention.counts_from_difference(level)
 
 
@@ -145,28 +88,16 @@ class CySkinBoard:
 class LinearBoard:
     """No steps and no clamps: readings are ΔC/C₀ as they are."""
 
-    convention: None = None
-
-    @property
-    def unit(self) -> str:
-        """See `Board.unit`."""
-        return "dC/C0"
-
-    @property
-    def rest(self) -> float:
-        """See `Board.rest`."""
-        return 0.0
-
-    @property
-    def gain(self) -> float:
-        """See `Board.gain`."""
-        return 1.0
-
-    @property
-    def step(self) -> float:
-        """See `Board.step`."""
-        return 0.0
+    convention = None
+    unit = "dC/C0"
+    rest = 0.0
+    gain = 1.0
+    step = 0.0
 
     def counts_from_level(self, level: ArrayLike) -> Floats:
-        """See `Board.counts_from_level`."""
+        """What is sent; NaN stays NaN."""
         return as_floats("level", level)
+
+
+Board = ICubBoard | CySkinBoard | LinearBoard
+"""Convention of its counts, their unit, level at rest and gain (counts per unit of ΔC/C₀), step."""

@@ -1,19 +1,16 @@
 """Delivery of readings: conversion times of the converters, arrival, and loss."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from skinfield.errors import (
     Floats,
     InputError,
     Ints,
-    as_floats,
-    check_finite,
     check_positive,
     check_range,
-    check_shape,
 )
 from skinfield.skin import Patch
 
@@ -69,29 +66,12 @@ class CrossTalk:
     ----------
     neighbours : float
         Of those at the stages before and after it at the same converter. 0: none.
-    matrix : (L, L) array, optional
-        Added to that: row i is what taxel i picks up of each other one. Kept as rows of a tuple,
-        so that settings can be compared.
     """
 
     neighbours: float = 0.0
-    matrix: ArrayLike | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         check_range("neighbours", self.neighbours, 0.0, 0.5, "a part of the neighbour's change")
-        if self.matrix is not None:
-            matrix = np.array(as_floats("matrix", self.matrix))
-            check_finite("matrix", matrix, "what taxels pick up of each other")
-            check_shape("matrix", matrix, (None, None), "a row and a column per taxel")
-            object.__setattr__(self, "matrix", tuple(map(tuple, matrix.tolist())))
-
-    def check_patch(self, patch: Patch) -> None:
-        """Raise InputError unless the matrix is one of the patch's taxels."""
-        if self.matrix is not None:
-            size = (len(patch), len(patch))
-            check_shape(
-                "matrix", np.asarray(self.matrix), size, "a row and a column per taxel of the patch"
-            )
 
     def seen_by_taxels(self, change: Floats, wiring: Wiring) -> Floats:
         """What taxels show, (T, L), of changes (T, L)."""
@@ -100,8 +80,6 @@ class CrossTalk:
             before, after = wiring.neighbours.T
             shown[:, before] += self.neighbours * change[:, after]
             shown[:, after] += self.neighbours * change[:, before]
-        if self.matrix is not None:
-            shown += change @ np.asarray(self.matrix).T
         return shown
 
 

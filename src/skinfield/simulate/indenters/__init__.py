@@ -1,12 +1,1 @@
-"""Rigid bodies that press on the skin: a file for each shape."""
-
-from skinfield.simulate.indenters.body import Indenter as Indenter
-from skinfield.simulate.indenters.shapes import Bar as Bar
-from skinfield.simulate.indenters.shapes import Cone as Cone
-from skinfield.simulate.indenters.shapes import Cylinder as Cylinder
-from skinfield.simulate.indenters.shapes import Ring as Ring
-from skinfield.simulate.indenters.shapes import Rod as Rod
-from skinfield.simulate.indenters.shapes import Sphere as Sphere
-from skinfield.simulate.indenters.shapes import Wedge as Wedge
-from skinfield.simulate.indenters.surfaces import HeightMap as HeightMap
-from skinfield.simulate.indenters.surfaces import Mesh as Mesh
+"""Rigid bodies that press on the skin: pose and load, shapes, and bodies of triangles."""

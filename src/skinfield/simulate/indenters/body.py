@@ -1,8 +1,8 @@
-"""Rigid bodies: what the contact solver asks of one, pose and load, sharp and rounded edges."""
+"""Rigid bodies: pose and load, sharp and rounded edges."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,66 +16,16 @@ from skinfield.errors import (
     check_shape,
 )
 
-
-class Indenter(Protocol):
-    """A rigid body above the skin, pushed down by a force or to a depth.
-
-    Its pose: the body is tilted about its reference point, then turned about the skin's normal,
-    then carried to its position. As the skin is the same everywhere, position and rotation only
-    move the whole press in the plane.
-    """
-
-    @property
-    def kind(self) -> str:
-        """What it is, in words for tables: "ball"."""
-        ...
-
-    @property
-    def position(self) -> tuple[float, float]:
-        """Its reference point in the plane, m."""
-        ...
-
-    @property
-    def rotation(self) -> float:
-        """Of the tilted body about the skin's outward normal, rad."""
-        ...
-
-    @property
-    def tilt(self) -> tuple[float, float]:
-        """Rotation vector about the body's own x and y, rad: its length is the angle."""
-        ...
-
-    @property
-    def force(self) -> float | None:
-        """Into the skin, N; None where the depth is given. One of the two is given, never both."""
-        ...
-
-    @property
-    def depth(self) -> float | None:
-        """Of its lowest point below the undeformed surface, m; None where the force is given."""
-        ...
-
-    @property
-    def shear(self) -> tuple[float, float]:
-        """Tangential force on the skin along x and y of the plane, N."""
-        ...
-
-    @property
-    def lowest(self) -> tuple[float, float]:
-        """Where its lowest point is in the plane, m; the middle of a face or edge that is level."""
-        ...
-
-    def height(self, x: Floats, y: Floats) -> Floats:
-        """Height of its lower surface above its lowest point, m; infinite where it is not."""
-        ...
-
-
 STEEPEST = np.radians(80.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body:
-    """Pose and load of a rigid body; shapes add their own sizes and `height`.
+class Indenter(ABC):
+    """A rigid body above the skin, pushed down by a force or to a depth.
+
+    The body is tilted about its reference point, then turned about the skin's normal, then carried
+    to its position. As the skin is the same everywhere, position and rotation only move the whole
+    press in the plane. Shapes add their own sizes, `height`, and `kind`: what they are, in words.
 
     Parameters
     ----------
@@ -98,6 +48,7 @@ class Body:
         For a value that is out of range, or for both a force and a depth.
     """
 
+    kind: ClassVar[str]
     position: tuple[float, float] = (0.0, 0.0)
     rotation: float = 0.0
     tilt: tuple[float, float] = (0.0, 0.0)
@@ -136,8 +87,12 @@ class Body:
 
     @property
     def lowest(self) -> tuple[float, float]:
-        """See `Indenter.lowest`."""
+        """Where its lowest point is in the plane, m; the middle of a face or edge that is level."""
         return self.position
+
+    @abstractmethod
+    def height(self, x: Floats, y: Floats) -> Floats:
+        """Height of its lower surface above its lowest point, m; infinite where it is not."""
 
     def own_plane(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Places of the plane as seen from the reference point along the turned x and y, m."""
@@ -168,7 +123,7 @@ TOUCH = 1e-15
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rounded(Body, ABC):
+class Rounded(Indenter):
     """A rigid body with edges of one radius.
 
     Parameters
@@ -176,7 +131,7 @@ class Rounded(Body, ABC):
     edge_radius : float, m
         Of its edges; 0 for sharp ones.
     position, rotation, tilt, force, depth, shear
-        See `Body`.
+        See `Indenter`.
     """
 
     edge_radius: float = 0.0

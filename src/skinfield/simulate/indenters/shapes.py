@@ -1,12 +1,15 @@
 """Shapes of indenters: ball, flat cylinder, cone, wedge, bar, rod, ring."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_positive
-from skinfield.simulate.indenters.body import Body, Rounded
+from skinfield.simulate.indenters.body import Indenter, Rounded
+
+Profile = tuple[float, float, float]  # half width, height of the tip, rise of the flank per width
 
 
 def check_half_angle(half_angle: float, shape: str) -> None:
@@ -49,7 +52,7 @@ def lowest_of_profile(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sphere(Body):
+class Sphere(Indenter):
     """A ball, or the half-sphere of the paper. It is the same however it is turned or tilted.
 
     Parameters
@@ -58,7 +61,7 @@ class Sphere(Body):
     position : (x, y), m
         Of its centre in the plane.
     rotation, tilt, force, depth, shear
-        See `Body`.
+        See `Indenter`.
     """
 
     radius: float
@@ -75,77 +78,13 @@ class Sphere(Body):
         return np.where(square < self.radius**2, self.radius - below, np.inf)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cylinder(Rounded):
-    """A flat-ended cylinder; tilted, it touches with its rim.
-
-    Parameters
-    ----------
-    radius : float, m
-        Of the whole cylinder, rounded edge included.
-    edge_radius, position, rotation, tilt, force, depth, shear
-        See `Rounded` and `Body`. Its reference point is the middle of its face.
-    """
-
-    radius: float
-    kind: ClassVar[str] = "flat cylinder"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("radius", self.radius, "of the cylinder, in metres")
-        self.check_edge(self.radius)
-
-    def nearest(self, points: Floats) -> Floats:
-        """See `Rounded.nearest`."""
-        core = self.radius - self.edge_radius
-        from_axis = np.hypot(points[:, 0], points[:, 1])
-        inward = np.minimum(1.0, core / np.maximum(from_axis, 1e-300))
-        return np.stack(
-            [
-                points[:, 0] * inward,
-                points[:, 1] * inward,
-                np.maximum(points[:, 2], self.edge_radius),
-            ],
-            axis=1,
-        )
-
-    def core_support(self, up: Floats) -> Floats:
-        """See `Rounded.core_support`."""
-        core = self.radius - self.edge_radius
-        lean = float(np.hypot(up[0], up[1]))
-        outward = core / lean if lean > 0.0 else 0.0
-        return np.array([-up[0] * outward, -up[1] * outward, self.edge_radius])
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cone(Rounded):
-    """A cone that stands on its point, with a cylinder of the same radius above it.
-
-    Parameters
-    ----------
-    half_angle : float, rad
-        Between its axis and its flank; 80 degrees is blunt, 20 degrees is a spike.
-    radius : float, m
-        Of its base.
-    edge_radius : float, m
-        Of its tip, which becomes a ball, and of its rim.
-    position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is its tip.
-    """
-
-    half_angle: float
-    radius: float
-    kind: ClassVar[str] = "cone"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("radius", self.radius, "of the cone's base, in metres")
-        check_half_angle(self.half_angle, "cone")
-        self.check_edge(self.radius)
+class _Round(Rounded):
+    """A body of revolution about its z."""
 
     @property
-    def _profile(self) -> tuple[float, float, float]:
-        return self.radius - self.edge_radius, self.edge_radius, 1 / np.tan(self.half_angle)
+    @abstractmethod
+    def _profile(self) -> Profile:
+        """Of the core, as `nearest_in_profile` has it."""
 
     def nearest(self, points: Floats) -> Floats:
         """See `Rounded.nearest`."""
@@ -163,7 +102,94 @@ class Cone(Rounded):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wedge(Rounded):
+class _Long(Rounded):
+    """A body with one profile across its length, cut off upright at both ends."""
+
+    length: float
+    width: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive("length", self.length, f"of the {self.kind} along its x, in metres")
+        check_positive("width", self.width, f"of the {self.kind} across, in metres")
+        self.check_edge(min(self.length, self.width) / 2)
+
+    @property
+    def _profile(self) -> Profile:
+        return self.width / 2 - self.edge_radius, self.edge_radius, 0.0
+
+    def nearest(self, points: Floats) -> Floats:
+        """See `Rounded.nearest`."""
+        across, up = nearest_in_profile(np.abs(points[:, 1]), points[:, 2], *self._profile)
+        end = self.length / 2 - self.edge_radius
+        along = np.clip(points[:, 0], -end, end)
+        return np.stack([along, np.copysign(across, points[:, 1]), up], axis=1)
+
+    def core_support(self, up: Floats) -> Floats:
+        """See `Rounded.core_support`."""
+        across, above = lowest_of_profile(float(up[1]), float(up[2]), *self._profile)
+        end = self.length / 2 - self.edge_radius
+        return np.array([-np.sign(up[0]) * end, across, above])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cylinder(_Round):
+    """A flat-ended cylinder; tilted, it touches with its rim.
+
+    Parameters
+    ----------
+    radius : float, m
+        Of the whole cylinder, rounded edge included.
+    edge_radius, position, rotation, tilt, force, depth, shear
+        See `Rounded` and `Indenter`. Its reference point is the middle of its face.
+    """
+
+    radius: float
+    kind: ClassVar[str] = "flat cylinder"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive("radius", self.radius, "of the cylinder, in metres")
+        self.check_edge(self.radius)
+
+    @property
+    def _profile(self) -> Profile:
+        return self.radius - self.edge_radius, self.edge_radius, 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cone(_Round):
+    """A cone that stands on its point, with a cylinder of the same radius above it.
+
+    Parameters
+    ----------
+    half_angle : float, rad
+        Between its axis and its flank; 80 degrees is blunt, 20 degrees is a spike.
+    radius : float, m
+        Of its base.
+    edge_radius : float, m
+        Of its tip, which becomes a ball, and of its rim.
+    position, rotation, tilt, force, depth, shear
+        See `Indenter`. Its reference point is its tip.
+    """
+
+    half_angle: float
+    radius: float
+    kind: ClassVar[str] = "cone"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_positive("radius", self.radius, "of the cone's base, in metres")
+        check_half_angle(self.half_angle, "cone")
+        self.check_edge(self.radius)
+
+    @property
+    def _profile(self) -> Profile:
+        return self.radius - self.edge_radius, self.edge_radius, 1 / np.tan(self.half_angle)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wedge(_Long):
     """A wedge that stands on its straight edge, which lies along the turned x.
 
     Parameters
@@ -175,44 +201,24 @@ class Wedge(Rounded):
     edge_radius : float, m
         Of the edge and of its ends.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is the middle of its edge.
+        See `Indenter`. Its reference point is the middle of its edge.
     """
 
     half_angle: float
-    length: float
-    width: float
     kind: ClassVar[str] = "wedge"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_positive("length", self.length, "of the wedge's edge, in metres")
-        check_positive("width", self.width, "of the wedge, in metres")
         check_half_angle(self.half_angle, "wedge")
-        self.check_edge(min(self.length, self.width) / 2)
 
     @property
-    def _profile(self) -> tuple[float, float, float]:
-        half_width = self.width / 2 - self.edge_radius
-        return half_width, self.edge_radius, 1 / np.tan(self.half_angle)
-
-    @property
-    def _end(self) -> float:
-        return self.length / 2 - self.edge_radius
-
-    def nearest(self, points: Floats) -> Floats:
-        """See `Rounded.nearest`."""
-        across, up = nearest_in_profile(np.abs(points[:, 1]), points[:, 2], *self._profile)
-        along = np.clip(points[:, 0], -self._end, self._end)
-        return np.stack([along, np.copysign(across, points[:, 1]), up], axis=1)
-
-    def core_support(self, up: Floats) -> Floats:
-        """See `Rounded.core_support`."""
-        across, above = lowest_of_profile(float(up[1]), float(up[2]), *self._profile)
-        return np.array([-np.sign(up[0]) * self._end, across, above])
+    def _profile(self) -> Profile:
+        half_width, tip, _ = super()._profile
+        return half_width, tip, 1 / np.tan(self.half_angle)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bar(Rounded):
+class Bar(_Long):
     """A bar with a flat rectangular face; tilted, it touches with an edge or a corner.
 
     Parameters
@@ -220,32 +226,10 @@ class Bar(Rounded):
     length, width : float, m
         Of its face along the turned x and y, rounded edges included.
     edge_radius, position, rotation, tilt, force, depth, shear
-        See `Rounded` and `Body`. Its reference point is the middle of its face.
+        See `Rounded` and `Indenter`. Its reference point is the middle of its face.
     """
 
-    length: float
-    width: float
     kind: ClassVar[str] = "bar"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_positive("length", self.length, "of the bar, in metres")
-        check_positive("width", self.width, "of the bar, in metres")
-        self.check_edge(min(self.length, self.width) / 2)
-
-    @property
-    def _corner(self) -> Floats:
-        return np.array([self.length, self.width]) / 2 - self.edge_radius
-
-    def nearest(self, points: Floats) -> Floats:
-        """See `Rounded.nearest`."""
-        found = np.maximum(points, self.edge_radius)
-        found[:, :2] = np.clip(points[:, :2], -self._corner, self._corner)
-        return found
-
-    def core_support(self, up: Floats) -> Floats:
-        """See `Rounded.core_support`."""
-        return np.array([*(-np.sign(up[:2]) * self._corner), self.edge_radius])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -259,7 +243,7 @@ class Rod(Rounded):
     edge_radius : float, m
         Of the edges of its ends; as large as `radius`, its ends are half-spheres.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is its lowest point below its middle.
+        See `Indenter`. Its reference point is its lowest point below its middle.
     """
 
     radius: float
@@ -304,7 +288,7 @@ class Ring(Rounded):
     edge_radius : float, m
         Of its edges; at half of the wall's thickness the ring is round like an O-ring.
     position, rotation, tilt, force, depth, shear
-        See `Rounded` and `Body`. Its reference point is the middle of its face.
+        See `Rounded` and `Indenter`. Its reference point is the middle of its face.
     """
 
     inner_radius: float

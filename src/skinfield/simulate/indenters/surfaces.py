@@ -1,6 +1,6 @@
 """Bodies given by triangles or by heights on a lattice."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
@@ -15,7 +15,7 @@ from skinfield.errors import (
     check_positive,
     check_shape,
 )
-from skinfield.simulate.indenters.body import Body
+from skinfield.simulate.indenters.body import Indenter
 
 RIM = 1e-9
 """Share of a triangle by which it reaches past its edges: rounding must not part neighbours."""
@@ -112,7 +112,7 @@ def corners_of(vertices: Floats, faces: Ints) -> Floats:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Mesh(Body):
+class Mesh(Indenter):
     """A body given by triangles; what it shows to the skin is the lowest of them at each place.
 
     Parameters
@@ -123,7 +123,7 @@ class Mesh(Body):
         Rows of `vertices`. The sense of going around is of no matter, and the surface need not be
         closed.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is the origin of `vertices`.
+        See `Indenter`. Its reference point is the origin of `vertices`.
     """
 
     vertices: Floats
@@ -172,7 +172,7 @@ class Mesh(Body):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class HeightMap(Body):
+class HeightMap(Indenter):
     """A body given by its height on a lattice, linear between the samples along x and along y.
 
     A sample stands for the square of one pixel around it. Where a sample is NaN or infinite there
@@ -186,7 +186,7 @@ class HeightMap(Body):
     pixel : float, m
         Distance between samples.
     position, rotation, tilt, force, depth, shear
-        See `Body`. Its reference point is the middle of the map at its lowest height.
+        See `Indenter`. Its reference point is the middle of the map at its lowest height.
     """
 
     heights: Floats
@@ -271,16 +271,8 @@ class HeightMap(Body):
         c, d = index[1:, 1:][quads], index[1:, :-1][quads]
         faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
         vertices = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
-        return Mesh(
-            vertices=vertices,
-            faces=faces,
-            position=self.position,
-            rotation=self.rotation,
-            tilt=self.tilt,
-            force=self.force,
-            depth=self.depth,
-            shear=self.shear,
-        )
+        pose: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(Indenter)}
+        return Mesh(vertices=vertices, faces=faces, **pose)
 
     def _corners(self, row: Floats, column: Floats) -> Floats:
         """Heights at middles, sides and corners of pixels, the same from each pixel that meets."""

@@ -210,9 +210,9 @@ def check_border(settled: Settled) -> None:
     ):
         border = np.zeros(pressure.shape, dtype=bool)
         border[0] |= window.row == 0
-        border[-1] |= window.row + window.rows == grid.shape[0]
+        border[-1] |= window.end[0] == grid.shape[0]
         border[:, 0] |= window.column == 0
-        border[:, -1] |= window.column + window.columns == grid.shape[1]
+        border[:, -1] |= window.end[1] == grid.shape[1]
         cut_off = border & (pressure > 0)
         if cut_off.any():
             side = grid.shape[0] * grid.pitch
@@ -301,20 +301,16 @@ def _solve(
     tolerance: float = TOLERANCE,
 ) -> Settled:
     indenting = Indenting(coverings.skin, coverings.windows)
-    number = [(np.nan if i.force is None else i.force, np.nan if i.depth is None else i.depth)
-              for i in indenters]  # fmt: skip
-    forces, depths = np.array(number, dtype=np.float64).T
     problem = ContactProblem(
         indenting,
         indenting.own(),
         coverings.chosen(coverings.each),
         coverings.bodies,
         coverings.area,
-        forces,
-        depths,
+        np.array([body.force for body in indenters], dtype=np.float64),  # None is NaN
+        np.array([body.depth for body in indenters], dtype=np.float64),
     )
-    softness = coverings.softness
-    contact = solve_contact(problem, start, softness, tolerance)
+    contact = solve_contact(problem, start, coverings.softness, tolerance)
     return Settled(coverings, indenting, contact, whole)
 
 
@@ -341,9 +337,10 @@ def _windows(settled: Settled, margin: int) -> list[Window]:
         if not mask.any():  # the body may touch within a cell, or not at all
             masks = [picture > 0 for picture in settled.indenting.pictures(coverings.nearest(body))]
         parts = settled.indenting.pictures(coverings.coverage)
-        for index, window in enumerate(touched(coverings.windows, masks)):
+        for whole, mask, part in zip(coverings.windows, masks, parts, strict=True):
+            window = touched(whole, mask)
             if window is not None:
-                across = width(masks[index], parts[index]) / coverings.windows[index].split
+                across = width(mask, part) / whole.split
                 found.append((window.grown(margin, grid.shape), across))
     return cut(merged(found))
 
@@ -377,9 +374,9 @@ def _leaks(settled: Settled) -> bool:
         sunk += skin.far(skin.carried(window, pressure))[PAD:-PAD, PAD:-PAD]
         for inner, line in (
             (window.row > 0, pressure[0]),
-            (window.row + window.rows < shape[0], pressure[-1]),
+            (window.end[0] < shape[0], pressure[-1]),
             (window.column > 0, pressure[:, 0]),
-            (window.column + window.columns < shape[1], pressure[:, -1]),
+            (window.end[1] < shape[1], pressure[:, -1]),
         ):
             if inner and line.any():
                 return True

@@ -1,10 +1,8 @@
 """Press on the skin with everything known: the truth that reconstructions are judged against."""
 
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,13 +21,10 @@ from skinfield.errors import (
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
-from skinfield.simulate.pressing import readout as deformed
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.tractions import Touch, add_shear, bare, resultants
 from skinfield.simulate.pressing.windows import Skin
 from skinfield.skin import Grid, Patch
-
-Edge = tuple[int, int, int]  # row and column of its first node, and 0 along x or 1 along y
 
 
 def outlines(share: Floats, y: Floats, x: Floats) -> list[Floats]:
@@ -48,22 +43,12 @@ def outlines(share: Floats, y: Floats, x: Floats) -> list[Floats]:
         Closed, the first point repeated as the last; what is above one half lies to the left, so
         holes run the other way round. The largest first.
     """
-    high = np.pad(share, 1) - 0.5
+    from contourpy import contour_generator
+
     step = float(x[1] - x[0]) if len(x) > 1 else float(y[1] - y[0]) if len(y) > 1 else 1.0
-    origin = np.array([x[0] - step, y[0] - step])
-    follow = _segments(high)
-    polygons = []
-    while follow:
-        start = next(iter(follow))
-        way = [start]
-        while True:
-            ahead = follow[way[-1]].pop()
-            if not follow[way[-1]]:
-                del follow[way[-1]]
-            way.append(ahead)
-            if ahead == start:
-                break
-        polygons.append(origin + step * _crossings(high, way))
+    lines = contour_generator(z=np.pad(share, 1)).lines(0.5)
+    corner = np.array([x[0] - step, y[0] - step])
+    polygons = [corner + step * np.asarray(line) for line in lines]
     return sorted(polygons, key=lambda polygon: -abs(enclosed(polygon)))
 
 
@@ -71,41 +56,6 @@ def enclosed(polygon: Floats) -> float:
     """Area within a closed polygon (N, 2), positive where it runs counter-clockwise."""
     x, y = polygon.T
     return float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) / 2)
-
-
-def _crossings(high: Floats, way: list[Edge]) -> Floats:
-    """Where the line crosses edges of the lattice, (N, 2) as column and row."""
-    row, column, upright = np.array(way).T
-    here = high[row, column]
-    there = high[row + upright, column + 1 - upright]
-    part = here / (here - there)
-    return np.column_stack([column + part * (1 - upright), row + part * upright])
-
-
-def _segments(high: Floats) -> dict[Edge, list[Edge]]:
-    """From the edge where the line enters a square of four nodes to that where it leaves."""
-    inside = high > 0
-    corners = _numbered(inside)
-    follow: dict[Edge, list[Edge]] = defaultdict(list)
-    for row, column in zip(*np.nonzero((corners > 0) & (corners < 15)), strict=True):
-        r, c = int(row), int(column)
-        bottom, top, left, right = (r, c, 0), (r + 1, c, 0), (r, c, 1), (r, c + 1, 1)
-        cases: dict[int, list[tuple[Edge, Edge]]] = {
-            1: [(bottom, left)], 2: [(right, bottom)], 3: [(right, left)],
-            4: [(top, right)], 5: [(bottom, left), (top, right)], 6: [(top, bottom)],
-            7: [(top, left)], 8: [(left, top)], 9: [(bottom, top)],
-            10: [(right, bottom), (left, top)], 11: [(right, top)], 12: [(left, right)],
-            13: [(bottom, right)], 14: [(left, bottom)],
-        }  # fmt: skip
-        for enters, leaves in cases[int(corners[row, column])]:
-            follow[enters].append(leaves)
-    return dict(follow)
-
-
-def _numbered(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Which corners of each square are inside: 1 lower left, 2 lower right, 4 upper right, 8."""
-    weights = (inside[:-1, :-1], inside[:-1, 1:], inside[1:, 1:], inside[1:, :-1])
-    return np.asarray(sum(part.astype(np.int64) << bit for bit, part in enumerate(weights)))
 
 
 MOST_CELLS = 4_000_000
@@ -233,14 +183,14 @@ class Press:
         There the two agree to the residual, but for squares that a sharp edge crosses: of those the
         solution knows the covered part.
         """
-        sunk = deformed.indentation(self._skin, self.touches).ravel()
+        sunk = readout.indentation(self._skin, self.touches).ravel()
         known = self.contact & np.isfinite(self._above)
         return np.where(known, -self._above, sunk)
 
     @cached_property
     def displacement(self) -> Floats:
         """Of the surface at the cells' centres, (K, 3) m; negative z is into the skin."""
-        out = deformed.sheared(self._skin, self.touches)
+        out = readout.sheared(self._skin, self.touches)
         out[2] -= self._sunk.reshape(self.grid.shape)
         return np.asarray(np.moveaxis(out, 0, -1).reshape(-1, 3))
 
@@ -279,7 +229,7 @@ class Press:
         `skinfield.elastic.electrostatics`, which falls short where the press is deep.
         """
         places = readout.points_of(positions, pad_diameter)
-        strain = deformed.gap_strain(self._skin, self.touches, places, pad_diameter)
+        strain = readout.gap_strain(self._skin, self.touches, places, pad_diameter)
         return capacitance_change(strain, self.layer.thickness, places, pad_diameter, order)
 
     def readings(self, positions: ArrayLike, pad_diameter: float, quantity: str) -> Floats:
@@ -333,18 +283,18 @@ def press(
         For indenters that cover no cell, lie behind others, touch the border of `extent`, sink as
         deep as the layer is thick, or would slide.
     """
-    check_positive("extent", extent, "side of the square of skin, in metres")
-    check_positive("cell", cell, "side of a cell, in metres")
     if not isinstance(indenters, Sequence):
         raise InputError(f"indenters is {indenters!r}, expected a list of them, if only of one")
     if not indenters:
         raise InputError("indenters is empty, expected at least one: nothing would press")
-    skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
+    skin = skin_of(layer, extent, cell, mechanics)
     return pressed(settle(skin, indenters), indenters, friction)
 
 
-def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> Skin:
-    """Grid of square cells around the origin on a medium."""
+def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics | None) -> Skin:
+    """Grid of square cells around the origin on a medium; see `press`."""
+    check_positive("extent", extent, "side of the square of skin, in metres")
+    check_positive("cell", cell, "side of a cell, in metres")
     count = int(np.ceil(extent / cell - 1e-9))
     if count**2 > MOST_CELLS:
         raise InputError(
@@ -352,26 +302,33 @@ def skin_of(layer: Layer, extent: float, cell: float, mechanics: Mechanics) -> S
             f"of {extent:g} m: touches are solved on finer squares by themselves"
         )
     origin = np.full(2, -(count - 1) / 2 * cell)
-    return Skin(Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin), layer, mechanics)
+    grid = Grid(Patch(np.zeros((1, 2))), (count, count), cell, origin)
+    return Skin(grid, layer, BondedLayer() if mechanics is None else mechanics)
 
 
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
     """A press from its normal contact, with the tangential stage where there is shear."""
-    touches, sheared = bare(settled), None
-    if any(any(indenter.shear) for indenter in indenters):
-        touches, sheared = add_shear(settled, touches, indenters, friction)
-    skin = settled.coverings.skin
-    return Press(
+    skin, contact, touches = settled.coverings.skin, settled.contact, bare(settled)
+    found = Press(
         skin.grid,
         skin.layer,
         skin.mechanics,
         tuple(indenters),
-        settled.contact.approach,
-        np.zeros((len(indenters), 2)) if sheared is None else sheared.translation,
+        contact.approach,
+        np.zeros((len(indenters), 2)),
         touches,
-        settled.contact.residual,
-        0.0 if sheared is None else sheared.residual,
-        0.0 if sheared is None else sheared.slipping_share,
+        contact.residual,
+    )
+    if not any(any(indenter.shear) for indenter in indenters):
+        return found
+    touches, shear = add_shear(settled, touches, indenters, friction)
+    area = settled.coverings.area
+    return replace(
+        found,
+        translation=shear.translation,
+        touches=touches,
+        shear_residual=shear.residual,
+        slipping_share=float(area[shear.slipping].sum() / area[contact.pressure > 0].sum()),
     )
 
 
@@ -455,7 +412,7 @@ def base_stress_below_cells(press: Press) -> Floats:
 
 def press_ladder(
     layer: Layer,
-    indenter: Any,
+    indenter: Indenter,
     forces: ArrayLike | Sequence[float],
     extent: float = 60e-3,
     cell: float = 0.5e-3,
@@ -468,8 +425,7 @@ def press_ladder(
     ----------
     layer : Layer
     indenter : Indenter
-        A frozen dataclass, such as all of `skinfield.simulate`; its own force or depth is ignored,
-        its shear is kept.
+        Its own force or depth is ignored, its shear is not.
     forces : (N,) floats, N
         In any order. They are solved from the smallest, each from the one before.
     extent, cell, mechanics, friction
@@ -491,9 +447,7 @@ def press_ladder(
         raise InputError("forces is empty, expected at least one force in newtons")
     for index, load in enumerate(loads):
         check_positive(f"forces[{index}]", float(load), "into the skin, in newtons")
-    check_positive("extent", extent, "side of the square of skin, in metres")
-    check_positive("cell", cell, "side of a cell, in metres")
-    skin = skin_of(layer, extent, cell, BondedLayer() if mechanics is None else mechanics)
+    skin = skin_of(layer, extent, cell, mechanics)
     found: dict[int, Press] = {}
     before: Settled | None = None
     for index in np.argsort(loads, kind="stable"):

@@ -1,5 +1,7 @@
 """Readings of a press: what pads at the base, or above it, see of it."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -36,7 +38,7 @@ def sheared(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
     far_kernel = skin.far_surface
     for touch in touches:
         split = min(touch.window.split, SHEARED)
-        window = Window(*_corner(touch.window), split)
+        window = replace(touch.window, split=split)
         traction = resplit(touch.traction, touch.window.split, split)
         wide = window.grown(NEAR, skin.grid.shape)
         near_kernel = skin.near_surface(wide)
@@ -49,10 +51,6 @@ def sheared(skin: Skin, touches: tuple[Touch, ...]) -> Floats:
             far[:, *wide.cells] = wide.centres(near)
             total[rows] += far
     return total
-
-
-def _corner(window: Window) -> tuple[int, int, int, int]:
-    return window.row, window.column, window.rows, window.columns
 
 
 def gap_strain(
@@ -102,13 +100,9 @@ def _sampled(values: Floats, ratio: int) -> Floats:
 
 def _around(window: Window, cells: int) -> Window:
     """With so many cells more on every side, beyond the grid, too."""
-    return Window(
-        window.row - cells,
-        window.column - cells,
-        window.rows + 2 * cells,
-        window.columns + 2 * cells,
-        window.split,
-    )
+    row, column = window.row - cells, window.column - cells
+    rows, columns = window.rows + 2 * cells, window.columns + 2 * cells
+    return Window(row, column, rows, columns, window.split)
 
 
 def _on_mesh(window: Window, split: int, low: NDArray[np.int64]) -> tuple[slice, slice]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.contact import RIM, ShearProblem, rim, solve_slip, solve_stick
+from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_slip, solve_stick
 from skinfield.errors import Floats, check_positive
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.contact import Settled
@@ -106,15 +106,6 @@ def resultants(skin: Skin, touches: tuple[Touch, ...], bodies: int) -> tuple[Flo
     return forces, moments
 
 
-@dataclass(frozen=True, eq=False)
-class Sheared:
-    """What the tangential stage adds: translations (bodies, 2) m, its residual, share of slip."""
-
-    translation: Floats
-    residual: float
-    slipping_share: float
-
-
 def bare(settled: Settled) -> tuple[Touch, ...]:
     """Touches with pressure alone."""
     coverings, pictures = settled.coverings, settled.indenting.pictures
@@ -135,8 +126,8 @@ def add_shear(
     touches: tuple[Touch, ...],
     indenters: Sequence[Indenter],
     friction: float | None,
-) -> tuple[tuple[Touch, ...], Sheared]:
-    """Tangential tractions under the shears of all indenters at once."""
+) -> tuple[tuple[Touch, ...], Shear]:
+    """Tangential tractions under the shears of all indenters at once, and their solution."""
     coverings, contact = settled.coverings, settled.contact
     sliding = Sliding(coverings.skin, coverings.windows)
     touching = contact.pressure > 0
@@ -155,10 +146,9 @@ def add_shear(
     else:
         check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
         shear = solve_slip(problem, friction * contact.pressure)
-    along = [sliding.indenting.pictures(component) for component in shear.traction]
+    along = [settled.indenting.pictures(component) for component in shear.traction]
     loaded = tuple(
         replace(touch, traction=np.stack([x, y, touch.traction[2]]))
         for touch, x, y in zip(touches, *along, strict=True)
     )
-    share = float(coverings.area[shear.slipping].sum() / coverings.area[touching].sum())
-    return loaded, Sheared(shear.translation, shear.residual, share)
+    return loaded, shear

@@ -1,5 +1,6 @@
 """Windows of finer squares where bodies touch, and the displacements that loads on them cause."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -55,9 +56,14 @@ class Window:
         return self.shape[0] * self.shape[1]
 
     @property
+    def end(self) -> tuple[int, int]:
+        """Row and column behind its last cell."""
+        return self.row + self.rows, self.column + self.columns
+
+    @property
     def cells(self) -> tuple[slice, slice]:
         """Its cells in a picture (rows, columns) of the grid."""
-        return slice(self.row, self.row + self.rows), slice(self.column, self.column + self.columns)
+        return slice(self.row, self.end[0]), slice(self.column, self.end[1])
 
     def steps(self) -> tuple[Floats, Floats]:
         """Centres of the squares along y and x, in cells from the grid's first node."""
@@ -76,8 +82,7 @@ class Window:
     def grown(self, margin: int, shape: tuple[int, int]) -> "Window":
         """With so many cells more on every side, as far as the grid of `shape` goes."""
         row, column = max(self.row - margin, 0), max(self.column - margin, 0)
-        last = min(self.row + self.rows + margin, shape[0])
-        right = min(self.column + self.columns + margin, shape[1])
+        last, right = (min(n + margin, most) for n, most in zip(self.end, shape, strict=True))
         return Window(row, column, last - row, right - column, self.split)
 
     def embedded(self, values: Floats, larger: "Window") -> Floats:
@@ -104,25 +109,14 @@ def resplit(values: Floats, split: int, wanted: int) -> Floats:
     return np.repeat(np.repeat(values, factor, axis=-2), factor, axis=-1)
 
 
-def touched(windows: list[Window], masks: list[NDArray[np.bool_]]) -> list[Window | None]:
-    """Smallest window of cells around each mask of squares; None around none."""
-    out: list[Window | None] = []
-    for window, mask in zip(windows, masks, strict=True):
-        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
-        if not len(rows):
-            out.append(None)
-            continue
-        top, left = rows[0] // window.split, columns[0] // window.split
-        bottom, right = rows[-1] // window.split, columns[-1] // window.split
-        out.append(
-            Window(
-                int(window.row + top),
-                int(window.column + left),
-                int(bottom - top + 1),
-                int(right - left + 1),
-            )
-        )
-    return out
+def touched(window: Window, mask: NDArray[np.bool_]) -> Window | None:
+    """Smallest window of cells around a mask of squares; None around none."""
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) // window.split for axis in (1, 0))
+    if not len(rows):
+        return None
+    top, left = int(rows[0]), int(columns[0])
+    high, wide = int(rows[-1]) - top + 1, int(columns[-1]) - left + 1
+    return Window(window.row + top, window.column + left, high, wide)
 
 
 def width(mask: NDArray[np.bool_], coverage: Floats) -> float:
@@ -144,16 +138,11 @@ def merged(found: list[tuple[Window, float]]) -> list[tuple[Window, float]]:
         one, width = found[index]
         for other_index in range(index + 1, len(found)):
             other, narrower = found[other_index]
-            gap = max(
-                max(one.row, other.row) - min(one.row + one.rows, other.row + other.rows),
-                max(one.column, other.column)
-                - min(one.column + one.columns, other.column + other.columns),
-            )
-            if gap < APART:
-                row, column = min(one.row, other.row), min(one.column, other.column)
-                bottom = max(one.row + one.rows, other.row + other.rows)
-                right = max(one.column + one.columns, other.column + other.columns)
-                joined = Window(row, column, bottom - row, right - column)
+            first = np.minimum([one.row, one.column], [other.row, other.column])
+            last = np.maximum(one.end, other.end)
+            size = np.array([one.rows + other.rows, one.columns + other.columns])
+            if (last - first - size).max() < APART:
+                joined = Window(*first.tolist(), *(last - first).tolist())
                 found[index] = (joined, min(width, narrower))
                 del found[other_index]
                 index = -1
@@ -214,28 +203,20 @@ class Skin:
 
     def near(self, window: Window) -> LatticeConvolution:
         """Pressure on a window's squares to indentation there."""
-        side = self.side(window)
-        rows, columns = window.shape
-        kernel = cached_indentation_kernel(
-            self.mechanics, self.layer, side, side, rows - 1, columns - 1
-        )
-        return LatticeConvolution(kernel)
+        return LatticeConvolution(self._within(cached_indentation_kernel, window))
 
     def near_surface(self, window: Window) -> Floats:
         """Kernel (3, 3, ...) of displacement per traction on a window's squares."""
-        side = self.side(window)
-        rows, columns = window.shape
-        return cached_surface_kernel(self.mechanics, self.layer, side, side, rows - 1, columns - 1)
+        return self._within(cached_surface_kernel, window)
+
+    def _within(self, kernel: Callable[..., Floats], window: Window) -> Floats:
+        side, (rows, columns) = self.side(window), window.shape
+        return kernel(self.mechanics, self.layer, side, side, rows - 1, columns - 1)
 
     @cached_property
     def far_kernel(self) -> Floats:
         """Indentation at the padded grid's nodes per force at them, m/N."""
-        point = self.grid.pitch / POINT
-        rows, columns = (n + 2 * PAD for n in self.grid.shape)
-        kernel = cached_indentation_kernel(
-            self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
-        )
-        return np.asarray(kernel / point**2)
+        return self._at_nodes(cached_indentation_kernel)
 
     @cached_property
     def far(self) -> LatticeConvolution:
@@ -245,12 +226,12 @@ class Skin:
     @cached_property
     def far_surface(self) -> Floats:
         """Kernel (3, 3, ...) of displacement per force at the padded grid's nodes."""
-        point = self.grid.pitch / POINT
-        rows, columns = (n + 2 * PAD for n in self.grid.shape)
-        kernel = cached_surface_kernel(
-            self.mechanics, self.layer, point, self.grid.pitch, rows - 1, columns - 1
-        )
-        return np.asarray(kernel / point**2)
+        return self._at_nodes(cached_surface_kernel)
+
+    def _at_nodes(self, kernel: Callable[..., Floats]) -> Floats:
+        pitch, (rows, columns) = self.grid.pitch, (n + 2 * PAD - 1 for n in self.grid.shape)
+        point = pitch / POINT
+        return kernel(self.mechanics, self.layer, point, pitch, rows, columns) / point**2
 
     def nodes(self, window: Window) -> tuple[slice, slice]:
         """The padded grid's nodes that a window's stencils use."""
@@ -383,7 +364,8 @@ class Sliding:
         """Displacement (2, N) m of a traction (2, N) Pa."""
         pictures = [self.indenting.pictures(component) for component in traction]
         moved = [
-            near.total(np.stack(part)) for near, *part in zip(self.near, *pictures, strict=True)
+            near(np.stack(part), total=True)
+            for near, *part in zip(self.near, *pictures, strict=True)
         ]
         for others, part in zip(self.others, pictures, strict=False):
             moved = [a + b for a, b in zip(moved, others(part), strict=True)]

@@ -1,22 +1,19 @@
 """Recording on the rig, from the programme of presses to counts, with the truth beside it."""
 
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import Viscoelastic
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.simulate.electronics.array import TaxelArray
+from skinfield.simulate.electronics.array import TaxelArray, recording
 from skinfield.simulate.electronics.delivery import Sampling
-from skinfield.simulate.electronics.recording import recording
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.pressing.press import Press, press, press_ladder
-from skinfield.simulate.rig.scenario import Loads, LoadSeries, Pose, Profile, Scenario
+from skinfield.simulate.rig.scenario import LoadSeries, Pose, Scenario
 from skinfield.skin.reading import Recording
 
 
@@ -171,66 +168,41 @@ class Ladder:
 def solve_ladder(scenario: Scenario, indenter: Indenter, poses: Sequence[Pose]) -> Ladder:
     """Press an indenter of the scenario up to its highest load."""
     loads = _loads(scenario, indenter)
-    highest = max(found.force for found in loads)
-    rungs = _solve(scenario, indenter, _steps(loads, highest, scenario.solving.rungs))
-    every = sorted([*loads, *rungs], key=lambda found: found.force)
-    kept = [every[0]]
-    kept += [b for a, b in pairwise(every) if b.force > a.force * 1.0001]
+    highest = max(load.force for load in loads)
+    steps = np.sqrt(highest) * np.arange(1, scenario.solving.rungs) / scenario.solving.rungs
+    distance = np.abs(steps[:, None] - np.sqrt([load.force for load in loads])).min(axis=1)
+    rungs = steps[distance > 0.25 * steps[0]] ** 2  # the loads stand for those near to them
+    every = sorted([*loads, *_pressed(scenario, indenter, rungs)], key=lambda each: each.force)
+    used = every[:1]
+    used += [b for a, b in pairwise(every) if b.force > a.force * 1.0001]
     plane = scenario.patch.plane
-    seen = np.concatenate([pose.taxels(plane) for pose in poses])
-    change = [found.capacitance(seen, scenario.patch.pad_diameter) for found in kept]
-    none = np.zeros(1)
+    taxels = np.concatenate([pose.taxels(plane) for pose in poses])
+    change = [each.capacitance(taxels, scenario.patch.pad_diameter) for each in used]
     return Ladder(
-        np.concatenate([none, [found.force for found in kept]]),
-        np.concatenate([none, [float(found.approach[0]) for found in kept]]),
-        np.concatenate([none, [found.contact_area for found in kept]]),
-        np.stack([np.zeros(len(seen)), *change]).reshape(len(kept) + 1, len(poses), len(plane)),
+        np.array([0.0, *(each.force for each in used)]),
+        np.array([0.0, *(each.approach[0] for each in used)]),
+        np.array([0.0, *(each.contact_area for each in used)]),
+        np.stack([np.zeros(len(taxels)), *change]).reshape(len(used) + 1, len(poses), len(plane)),
         tuple(loads),
     )
-
-
-def press_with(scenario: Scenario, indenter: Indenter, force: float) -> Press:
-    """One press at the origin."""
-    return _solve(scenario, indenter, np.array([force]))[0]
 
 
 def _loads(scenario: Scenario, indenter: Indenter) -> list[Press]:
     """Presses at the loads, by force or depth."""
     if scenario.loads.forces:
-        return _solve(scenario, indenter, np.array(scenario.loads.forces))
-    body: Any = indenter
-    solving = scenario.solving
+        return _pressed(scenario, indenter, scenario.loads.forces)
+    bodies = [replace(indenter, force=None, depth=depth) for depth in scenario.loads.depths]
+    solving, layer = scenario.solving, scenario.layer
     return [
-        press(
-            scenario.layer,
-            [replace(body, force=None, depth=depth)],
-            solving.extent,
-            solving.cell,
-            scenario.mechanics,
-        )
-        for depth in scenario.loads.depths
+        press(layer, [each], solving.extent, solving.cell, scenario.mechanics) for each in bodies
     ]
 
 
-def _solve(scenario: Scenario, indenter: Indenter, forces: Floats) -> list[Press]:
-    solving = scenario.solving
-    return press_ladder(
-        scenario.layer,
-        indenter,
-        forces.tolist(),
-        solving.extent,
-        solving.cell,
-        scenario.mechanics,
-    )
-
-
-def _steps(loads: Sequence[Press], highest: float, count: int) -> Floats:
-    """Even steps of √force, without those that a load stands near to."""
-    steps = np.sqrt(highest) * np.arange(1, count) / count
-    taken = np.sqrt([found.force for found in loads])
-    distance = np.abs(steps[:, None] - taken).min(axis=1)
-    kept: NDArray[np.bool_] = distance > 0.25 * steps[0]
-    return np.asarray(steps[kept] ** 2)
+def _pressed(
+    scenario: Scenario, indenter: Indenter, forces: Floats | Sequence[float]
+) -> list[Press]:
+    solving, layer = scenario.solving, scenario.layer
+    return press_ladder(layer, indenter, forces, solving.extent, solving.cell, scenario.mechanics)
 
 
 STEP = 2e-3  # s, of the series
@@ -239,7 +211,7 @@ FORGOTTEN = 25.0  # retardation times after which a press is over: exp(-25) is 1
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """Presses of a recording: every load at every pose.
+    """Presses of a recording, every load at every pose, and when they are.
 
     Attributes
     ----------
@@ -247,81 +219,69 @@ class Programme:
         Distinct ones.
     pose, load : (P,) int arrays
         Of each press.
-    profile : Profile
+    start : (P,) array, s
+        When each press comes down.
+    time : (S,) array, s
+        Of the series.
+    press : (S,) int array
+        Row of the press under way, -1 before the first and after the last.
     """
 
     poses: tuple[Pose, ...]
     pose: Ints
     load: Ints
-    profile: Profile
-
-    @property
-    def start(self) -> Floats:
-        """When each press comes down, (P,) s."""
-        return self.profile.starts(len(self.pose))
-
-    @property
-    def time(self) -> Floats:
-        """Of the series, (S,) s."""
-        duration = self.profile.duration(len(self.pose))
-        steps = int(np.floor(duration / STEP + 1e-9))
-        return np.asarray(STEP * np.arange(steps + 1), dtype=np.float64)
-
-    def under_way(self, time: Floats) -> Ints:
-        """Row of the press at times (S,), -1 before the first and after the last."""
-        row = np.floor((time - self.profile.rest) / self.profile.period + 1e-9).astype(np.int64)
-        return np.where((row < 0) | (row >= len(self.pose)), -1, row)
+    start: Floats
+    time: Floats
+    press: Ints
 
 
-def programme(poses: Sequence[Pose], loads: Loads, profile: Profile) -> Programme:
-    """Every load at every pose, in order."""
+def programme(scenario: Scenario) -> Programme:
+    """Every load at every pose of a scenario, in order."""
+    poses, loads, profile = scenario.poses, len(scenario.loads), scenario.profile
     distinct = tuple(dict.fromkeys(poses))
-    rows = np.array([distinct.index(pose) for pose in poses])
-    count = len(loads)
+    presses = len(poses) * loads
+    steps = int(np.floor(profile.duration(presses) / STEP + 1e-9))
+    time: Floats = STEP * np.arange(steps + 1, dtype=np.float64)
+    row = np.floor((time - profile.rest) / profile.period + 1e-9).astype(np.int64)
     return Programme(
         distinct,
-        np.repeat(rows, count).astype(np.int64),
-        np.tile(np.arange(count), len(poses)).astype(np.int64),
-        profile,
+        np.repeat([distinct.index(pose) for pose in poses], loads).astype(np.int64),
+        np.tile(np.arange(loads), len(poses)).astype(np.int64),
+        profile.starts(presses),
+        time,
+        np.where((row < 0) | (row >= presses), -1, row),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Pressed:
-    """Loads at one pose while it matters: samples `window` of the series.
+def _loaded(
+    scenario: Scenario, plan: Programme, ladder: Ladder, pose: int
+) -> tuple[slice, Floats, Floats]:
+    """Samples of the series in which loads at one pose matter, with forces (W,) N.
 
-    `force` is that into the skin, `effective` that of the elastic solution, (W,) N.
+    Those into the skin, and the effective ones of the elastic solution: what is left of a press
+    fades under the next one at the same place.
     """
-
-    pose: int
-    window: slice
-    force: Floats
-    effective: Floats
-
-
-def pressed(
-    plan: Programme, loads: Loads, ladder: Ladder, elastomer: Viscoelastic
-) -> Iterator[Pressed]:
-    """Loads at each pose; what is left of a press fades under the next one at the same place."""
-    time, profile = plan.time, plan.profile
+    time, profile, loads, elastomer = (
+        plan.time,
+        scenario.profile,
+        scenario.loads,
+        scenario.elastomer,
+    )
     fades = FORGOTTEN * max((late for _, late in elastomer.retardation), default=0.0)
-    amount = np.array(loads.forces or loads.depths)
-    for pose in range(len(plan.poses)):
-        starts, heights = plan.start[plan.pose == pose], amount[plan.load[plan.pose == pose]]
-        first = int(np.searchsorted(time, starts[0]))
-        last = int(np.searchsorted(time, starts[-1] + profile.period + fades, side="right"))
-        own = time[first:last]
-        commanded = np.zeros(len(own))
-        for start, height in zip(starts, heights, strict=True):
-            part = slice(*np.searchsorted(own, [start, start + profile.period]))
-            commanded[part] += height * profile.load(own[part] - start)
-        if loads.forces:
-            force = commanded
-        else:  # the skin is left behind where it would have to pull
-            force = np.maximum(elastomer.relaxing_force(own, ladder.force_at(commanded)), 0.0)
-            force[commanded <= 0.0] = 0.0
-        effective = np.maximum(elastomer.effective_force(own, force), 0.0)
-        yield Pressed(pose, slice(first, last), force, effective)
+    mine = plan.pose == pose
+    starts, heights = plan.start[mine], np.array(loads.forces or loads.depths)[plan.load[mine]]
+    first, last = np.searchsorted(time, [starts[0], starts[-1] + profile.period + fades])
+    window = slice(int(first), int(last))
+    own = time[window]
+    force = np.zeros(len(own))
+    for start, height in zip(starts, heights, strict=True):
+        part = slice(*np.searchsorted(own, [start, start + profile.period]))
+        force[part] += height * profile.load(own[part] - start)
+    if loads.depths:  # the skin is left behind where it would have to pull
+        up = force <= 0.0
+        force = np.maximum(elastomer.relaxing_force(own, ladder.force_at(force)), 0.0)
+        force[up] = 0.0
+    return window, force, np.maximum(elastomer.effective_force(own, force), 0.0)
 
 
 SAME = 1e-4  # forces that differ by less, relative to each other, have one field
@@ -366,94 +326,73 @@ def run_rig(scenario: Scenario) -> RigRun:
         )
     tool = scenario.tools[0]
     skin = scenario.electronics.manufacture(scenario.patch, scenario.random(0))
-    plan = programme(scenario.poses, scenario.loads, scenario.profile)
+    plan = programme(scenario)
     ladder = solve_ladder(scenario, tool.indenter, plan.poses)
     chance = scenario.random(2, zlib.crc32(tool.name.encode()), scenario.first_repeat)
     clock, noise, cell = chance.spawn(3)
-    time = plan.time
-    sampling = skin.sample_times(float(time[-1]), clock)
-    series, change = _felt(scenario, plan, ladder, sampling)
+    end, warm = float(plan.time[-1]), scenario.temperature
+    sampling = skin.sample_times(end, clock)
+    force, effective, change = _felt(scenario, plan, ladder, sampling)
+    part = np.clip(sampling.time / end, 0.0, 1.0)
     sent = recording(
         skin,
         sampling,
         change,
-        _warmth(scenario, sampling.time / time[-1]),
+        warm.start + (warm.end - warm.start) * part,
         noise,
         source=f"virtual rig {scenario.name}, {tool.name}",
     )
-    load_cell = scenario.load_cell.measure(time, series.force, cell)
+    load_cell = scenario.load_cell.measure(plan.time, force, cell)
     rows = sampling.logged[0]
-    truth = _truth(scenario, plan, ladder, series, sampling.time[rows], change[rows])
+    truth = _truth(scenario, plan, ladder, force, effective, sampling.time[rows], change[rows])
     return RigRun(scenario, sent, load_cell, skin, truth)
-
-
-def _warmth(scenario: Scenario, part: Floats) -> Floats:
-    """Temperature at parts of the recording, K."""
-    warm = scenario.temperature
-    return np.asarray(warm.start + (warm.end - warm.start) * np.clip(part, 0.0, 1.0))
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """Force and effective force of the pose that is pressed, and the press under way, (S,)."""
-
-    time: Floats
-    force: Floats
-    effective: Floats
-    press: Ints
 
 
 def _felt(
     scenario: Scenario, plan: Programme, ladder: Ladder, sampling: Sampling
-) -> tuple[Series, Floats]:
-    """What happens over time, and ΔC/C₀ (T, L) of the taxels when they are converted."""
+) -> tuple[Floats, Floats, Floats]:
+    """Force and effective force (S,) N of the series, and ΔC/C₀ (T, L) of taxels as converted."""
     time = plan.time
-    press = plan.under_way(time)
-    series = Series(time, np.zeros(len(time)), np.zeros(len(time)), press)
+    force, effective = np.zeros(len(time)), np.zeros(len(time))
     skews, column = np.unique(sampling.skew, return_inverse=True)
     change = np.zeros((len(sampling), len(sampling.skew)))
-    last_pressed = plan.pose[np.maximum.accumulate(press)]
-    before = np.cumsum(press >= 0) == 0
-    for part in pressed(plan, scenario.loads, ladder, scenario.elastomer):
-        own = part.window
-        series.force[own] += part.force
-        mine = (last_pressed[own] == part.pose) & ~before[own]
-        series.effective[own] = np.where(mine, part.effective, series.effective[own])
+    last_press = np.maximum.accumulate(plan.press)
+    last_pose = np.where(last_press < 0, -1, plan.pose[last_press])
+    for pose in range(len(plan.poses)):
+        own, pushed, felt = _loaded(scenario, plan, ladder, pose)
+        force[own] += pushed
+        effective[own] = np.where(last_pose[own] == pose, felt, effective[own])
         rows = slice(*np.searchsorted(sampling.time, [time[own][0] - skews[-1], time[own][-1]]))
-        force = _at(part, time, sampling.time[rows, None] + skews)
-        change[rows] += ladder.change_at(part.pose, force, column.astype(np.int64))
-    return series, change
-
-
-def _at(part: Pressed, time: Floats, instants: Floats) -> Floats:
-    """Effective force at instants (T, S), N."""
-    return np.interp(instants, time[part.window], part.effective, left=0.0, right=0.0)
+        instants = sampling.time[rows, None] + skews
+        at = np.interp(instants, time[own], felt, left=0.0, right=0.0)
+        change[rows] += ladder.change_at(pose, at, column.astype(np.int64))
+    return force, effective, change
 
 
 def _truth(
     scenario: Scenario,
     plan: Programme,
     ladder: Ladder,
-    series: Series,
+    force: Floats,
+    effective: Floats,
     reading_time: Floats,
     change: Floats,
 ) -> Truth:
-    profile, time, start = scenario.profile, series.time, plan.start
-    depth = ladder.depth_at(series.effective)
-    area = np.where(series.force > 0, ladder.area_at(series.effective), 0.0)
+    profile, time, start, loads = scenario.profile, plan.time, plan.start, ladder.loads
+    depth = ladder.depth_at(effective)
+    area = np.where(force > 0, ladder.area_at(effective), 0.0)
     hold_end = start + profile.approach + profile.ramp + profile.hold
-    at_end = np.minimum(np.rint(hold_end / time[1]).astype(np.int64), len(time) - 1)
-    effective = series.effective[at_end]
-    reached = np.array([effective[plan.load == load].max() for load in range(len(scenario.loads))])
+    at_end = np.minimum(np.rint(hold_end / STEP).astype(np.int64), len(time) - 1)
+    reached = np.array([effective[at_end][plan.load == load].max() for load in range(len(loads))])
     pose = [plan.poses[row] for row in plan.pose]
     return Truth(
         time_s=time,
-        force_N=series.force,
-        effective_force_N=series.effective,
+        force_N=force,
+        effective_force_N=effective,
         depth_m=depth,
-        height_m=_height(scenario, plan, series, depth),
+        height_m=_height(scenario, plan, force, depth),
         contact_area_m2=area,
-        press=series.press,
+        press=plan.press,
         press_x_m=np.array([p.x for p in pose]),
         press_y_m=np.array([p.y for p in pose]),
         press_angle_rad=np.array([p.angle for p in pose]),
@@ -463,41 +402,37 @@ def _truth(
         press_hold_s=start + profile.approach + profile.ramp,
         press_release_s=hold_end,
         press_end_s=hold_end + profile.release,
-        press_force_N=series.force[at_end],
-        press_effective_force_N=effective,
+        press_force_N=force[at_end],
+        press_effective_force_N=effective[at_end],
         press_depth_m=depth[at_end],
         press_area_m2=area[at_end],
-        load_force_N=np.array([found.force for found in ladder.loads]),
+        load_force_N=np.array([load.force for load in loads]),
         load_effective_force_N=reached,
-        plane_m=ladder.loads[0].grid.plane,
-        cell_m=ladder.loads[0].grid.pitch,
-        pressure_Pa=np.stack([found.pressure for found in ladder.loads]),
-        displacement_m=_displacements(scenario, ladder, reached),
+        plane_m=loads[0].grid.plane,
+        cell_m=loads[0].grid.pitch,
+        pressure_Pa=np.stack([load.pressure for load in loads]),
+        displacement_m=np.stack(
+            [_at(scenario, *each) for each in zip(loads, reached, strict=True)]
+        ),
         reading_time_s=reading_time,
         reading_change=change,
-        reading_force_N=np.interp(reading_time, time, series.force),
+        reading_force_N=np.interp(reading_time, time, force),
     )
 
 
-def _displacements(scenario: Scenario, ladder: Ladder, reached: Floats) -> Floats:
-    """Of the surface at the end of the hold at each load, (loads, K, 3) m."""
-    pairs = zip(ladder.loads, reached, strict=True)
-    return np.stack([_displacement(scenario, found, float(force)) for found, force in pairs])
+def _at(scenario: Scenario, load: Press, force: float) -> Floats:
+    """Displacement (K, 3) m of the elastic solution at a force, from that of a load if it fits."""
+    if abs(force - load.force) > SAME * load.force:
+        load = _pressed(scenario, scenario.tools[0].indenter, [float(force)])[0]
+    return load.displacement
 
 
-def _displacement(scenario: Scenario, found: Press, force: float) -> Floats:
-    """Displacement (K, 3) m of the elastic solution at a force, from the one `found` if it fits."""
-    if abs(force - found.force) > SAME * found.force:
-        found = press_with(scenario, scenario.tools[0].indenter, force)
-    return found.displacement
-
-
-def _height(scenario: Scenario, plan: Programme, series: Series, depth: Floats) -> Floats:
+def _height(scenario: Scenario, plan: Programme, force: Floats, depth: Floats) -> Floats:
     """Of the indenter's lowest point above the undeformed surface, (S,) m."""
-    profile, row = scenario.profile, series.press
-    since = series.time - plan.start[np.maximum(row, 0)]
+    profile, row = scenario.profile, plan.press
+    since = plan.time - plan.start[np.maximum(row, 0)]
     high = np.where(row >= 0, profile.height(since), profile.clearance)
     if scenario.loads.forces:
-        return np.asarray(high - np.where(series.force > 0, depth, 0.0))
+        return np.asarray(high - np.where(force > 0, depth, 0.0))
     depths = np.array(scenario.loads.depths)[plan.load[np.maximum(row, 0)]]
     return np.asarray(high - np.where(row >= 0, depths * profile.load(since), 0.0))

@@ -14,6 +14,7 @@ from skinfield.errors import (
     InputError,
     Ints,
     as_floats,
+    check_count,
     check_finite,
     check_positive,
     check_range,
@@ -247,7 +248,7 @@ class OverTaxels:
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
         """See `Places.poses`."""
-        groups = np.array(self.taxels, np.int64)[:, None]
+        groups = [(row,) for row in self.taxels]
         return _over_groups(patch, groups, np.arange(len(patch))[:, None], self.angle)
 
 
@@ -260,9 +261,7 @@ class BetweenTwo:
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
         """See `Places.poses`."""
-        return _over_groups(
-            patch, np.array(self.pairs, np.int64).reshape(-1, 2), patch.neighbours, self.angle
-        )
+        return _over_groups(patch, self.pairs, patch.neighbours, self.angle)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -274,8 +273,7 @@ class BetweenThree:
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
         """See `Places.poses`."""
-        groups = np.array(self.triples, np.int64).reshape(-1, 3)
-        return _over_groups(patch, groups, patch.triangles, self.angle)
+        return _over_groups(patch, self.triples, patch.triangles, self.angle)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -296,7 +294,7 @@ class Random:
     turned: bool = False
 
     def __post_init__(self) -> None:
-        _check_count("count", self.count)
+        check_count("count", self.count, 1, 10_000, "places to press at")
         check_range("within", self.within, 1e-9, 1.0, "of the centre of some taxel, in metres")
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
@@ -326,8 +324,8 @@ class Raster:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_count("rows", self.rows)
-        _check_count("columns", self.columns)
+        check_count("rows", self.rows, 1, 10_000, "places to press at")
+        check_count("columns", self.columns, 1, 10_000, "places to press at")
         check_range("step", self.step, 1e-9, 1.0, "between places, in metres")
 
     def poses(self, patch: Patch, rng: np.random.Generator) -> list[Pose]:
@@ -342,39 +340,34 @@ class Raster:
         ]
 
 
-def _check_count(name: str, value: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise InputError(f"{name} is {value!r}, expected a whole number from 1 to 10000")
-    check_range(name, value, 1, 10_000, "a whole number")
+def _over_groups(
+    patch: Patch, wanted: Sequence[tuple[int, ...]], every: Ints, angle: float
+) -> list[Pose]:
+    """Poses in the middle of groups of taxels, or of the most central of all groups (N, G).
 
-
-def _over_groups(patch: Patch, given: Ints, all_: Sequence[int] | Ints, angle: float) -> list[Pose]:
-    """Poses in the middle of groups (N, G) of taxels, or of the most central of all groups."""
-    if not len(given):
-        groups = np.asarray(all_)
-        if not len(groups):
-            raise InputError(
-                f"patch {patch.name!r} has no such taxels next to each other, expected some: "
-                "name them, or choose other places"
-            )
-        groups = _close(patch, groups)
+    That one is of taxels that are a pitch from each other, if there are such.
+    """
+    if wanted:
+        groups = np.array(wanted, np.int64)
+    elif len(every):
+        corners = patch.plane[every]
+        wide = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1).max(axis=(1, 2))
+        close = wide <= NEXT * patch.pitch
+        groups = every[close] if close.any() else every
         middles = patch.plane[groups].mean(axis=1)
         far = np.hypot(*(middles - patch.plane.mean(axis=0)).T)
-        given = groups[[int(np.argmin(np.round(far, 9)))]]
-    if (given < 0).any() or (given >= len(patch)).any():
+        groups = groups[[int(np.argmin(np.round(far, 9)))]]
+    else:
         raise InputError(
-            f"taxels holds {given.tolist()}, expected rows from 0 to {len(patch) - 1} of patch "
+            f"patch {patch.name!r} has no such taxels next to each other, expected some: "
+            "name them, or choose other places"
+        )
+    if (groups < 0).any() or (groups >= len(patch)).any():
+        raise InputError(
+            f"taxels holds {groups.tolist()}, expected rows from 0 to {len(patch) - 1} of patch "
             f"{patch.name!r}"
         )
-    return [Pose(float(x), float(y), angle) for x, y in patch.plane[given].mean(axis=1)]
-
-
-def _close(patch: Patch, groups: Ints) -> Ints:
-    """Groups (N, G) of which all are a pitch from each other; all groups, where there is none."""
-    corners = patch.plane[groups]
-    wide = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=-1).max(axis=(1, 2))
-    close = wide <= NEXT * patch.pitch
-    return groups[close] if close.any() else groups
+    return [Pose(float(x), float(y), angle) for x, y in patch.plane[groups].mean(axis=1)]
 
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+=,-]{0,39}", re.ASCII)
@@ -454,9 +447,7 @@ class Solving:
     def __post_init__(self) -> None:
         check_range("extent", self.extent, 1e-4, 1.0, "side of the square of skin, in metres")
         check_range("cell", self.cell, self.extent / 2000, self.extent / 4, "in metres")
-        if isinstance(self.rungs, bool) or not isinstance(self.rungs, int | np.integer):
-            raise InputError(f"rungs is {self.rungs!r}, expected a whole number from 4 to 200")
-        check_range("rungs", self.rungs, 4, 200, "loads at which a press is solved")
+        check_count("rungs", self.rungs, 4, 200, "loads at which a press is solved")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -516,13 +507,9 @@ class Scenario:
 
     def __post_init__(self) -> None:
         _check_name(self.name)
-        for name, low, high in (
-            ("seed", 0, 2**63 - 1), ("repeats", 1, 10_000), ("first_repeat", 0, 10_000),
-        ):  # fmt: skip
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | np.integer):
-                raise InputError(f"{name} is {value!r}, expected a whole number")
-            check_range(name, int(value), low, high, "a whole number")
+        check_count("seed", self.seed, 0, 2**63 - 1, "of all that is random")
+        check_count("repeats", self.repeats, 1, 10_000, "recordings per tool")
+        check_count("first_repeat", self.first_repeat, 0, 10_000, "number of the first recording")
         names = [tool.name for tool in self.tools]
         if not names or len(set(names)) < len(names):
             raise InputError(f"tools are named {names}, expected one or more, of different names")

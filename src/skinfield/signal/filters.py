@@ -1,4 +1,4 @@
-"""Smoothing filters: exponential, moving median, chains of filters, and what a step becomes."""
+"""Filters of readings over time: exponential, moving median, chains of filters."""
 
 import math
 from dataclasses import dataclass
@@ -62,14 +62,10 @@ class NoFilter:
         check_positive("rate", rate, "readings per second")
         return 1.0
 
-    def prepare(self, taxels: int, rate: float) -> "NoFilterState":
-        """A state without memory."""
+    def prepare(self, taxels: int, rate: float) -> "NoFilter":
+        """Itself: it has no memory."""
         check_positive("rate", rate, "readings per second")
-        return NoFilterState()
-
-
-class NoFilterState:
-    """No memory."""
+        return self
 
     def apply(self, reading: Floats, out: Floats) -> None:
         """Copy `reading` (L,) to `out` (L,)."""
@@ -104,16 +100,9 @@ class Chain:
 
     def noise_factor(self, rate: float) -> float:
         """Measured on white noise, to about 2 %: a filter leaves coloured noise to the next."""
-        own = max(np.size(getattr(each, "noise_std", 0.0)) for each in self.filters)
-        taxels = own if own > 1 else 200
         memory = int(50 * (1 + self.delay(rate) * rate))
-        readings = max(memory, min(200_000 // taxels, 10_000))
-        state, out = self.prepare(taxels, rate), np.empty(taxels)
-        noise, power = np.random.default_rng(0), np.zeros(taxels)
-        for n in range(memory + readings):
-            state.apply(noise.standard_normal(taxels), out)
-            power += out**2 * (n >= memory)
-        return float(np.sqrt(np.nanmax(power) if own > 1 else np.mean(power)) / readings**0.5)
+        noise = np.random.default_rng(0).standard_normal((memory + max(memory, 1000), 200))
+        return float(filtered(self, noise, rate)[memory:].std())
 
     def prepare(self, taxels: int, rate: float) -> "ChainState":
         """The states of all filters."""
@@ -308,9 +297,6 @@ class MovingMedianState:
         self._next = 0
 
 
-_RUN_IN = 4000
-
-
 def filtered(settings: Filter, counts: ArrayLike, rate: float) -> Floats:
     """All readings (T, L) of a recording through a fresh filter, as streaming would.
 
@@ -327,27 +313,3 @@ def filtered(settings: Filter, counts: ArrayLike, rate: float) -> Floats:
     for reading, row in zip(counts, out, strict=True):
         state.apply(reading, row)
     return out
-
-
-def step_response(settings: Filter, rate: float, seconds: float, *, taxels: int = 1) -> Floats:
-    """Output for readings that go from 0 to 1 and stay, (N, taxels), from the first 1 on.
-
-    The filter has run in on zeros before. `taxels` is their number where the settings hold a
-    noise per taxel.
-    """
-    check_positive("rate", rate, "readings per second")
-    check_positive("seconds", seconds, "how much of the response to return")
-    readings = max(1, round(seconds * rate))
-    counts = np.concatenate([np.zeros((_RUN_IN, taxels)), np.ones((readings, taxels))])
-    return filtered(settings, counts, rate)[_RUN_IN:]
-
-
-def rise_time(settings: Filter, rate: float, *, taxels: int = 1, within: float = 10.0) -> float:
-    """Seconds from a step until half of it has come through, of the slowest taxel.
-
-    Infinite if that takes more than `within` seconds.
-    """
-    reached = step_response(settings, rate, within, taxels=taxels) >= 0.5
-    if not reached.any(axis=0).all():
-        return float("inf")
-    return float(np.max(np.argmax(reached, axis=0)) / rate)
