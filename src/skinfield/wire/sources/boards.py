@@ -13,7 +13,7 @@ from skinfield.wire.cyskin.modules import CySkinBoard, checked_boards, port_of
 from skinfield.wire.cyskin.shared_memory import HEADER_KEY, SharedMemoryReader
 from skinfield.wire.cyskin.wire import CySkinWire
 from skinfield.wire.icub.codec import ICubDecoder
-from skinfield.wire.icub.commands import BOARD_CHANNELS, BOARDS, MessageClass
+from skinfield.wire.icub.commands import BOARD_CHANNELS, BOARDS
 from skinfield.wire.icub.configuration import ICubConfiguration
 from skinfield.wire.sources.managed_stream import CySkinSupervision, ICubSupervision, ManagedStream
 from skinfield.wire.sources.streams import LinkedStream
@@ -31,15 +31,12 @@ class ICubCan:
         Of `wire.icub.load_configuration` (the robot's own files) or `configuration_for`.
     buses : tuple of BusSettings
         One for each bus of the configuration.
-    classes : tuple of MessageClass
-        That carry readings.
     configure : bool
         False only listens: another host tells the boards what to do.
     """
 
     configuration: ICubConfiguration
     buses: tuple[BusSettings, ...] = (BusSettings(),)
-    classes: tuple[MessageClass, ...] = (MessageClass.ANALOG, MessageClass.SKIN)
     configure: bool = True
 
     def __post_init__(self) -> None:
@@ -65,7 +62,7 @@ class ICubCan:
         return ManagedStream(
             ports,
             self.buses,
-            [ICubDecoder(boards, p, classes=self.classes, period=period) for p in places],
+            [ICubDecoder(boards, p, period=period) for p in places],
             [ICubSupervision(self.configuration, place) for place in places]
             if self.configure
             else (),
