@@ -76,7 +76,6 @@ def test_datagrams_of_udp_hold_structs_of_linux() -> None:
             stamps = [stamp for _, _, stamp in received]
             assert stamps == sorted(stamps)
             assert before <= stamps[0] <= stamps[-1] <= time.time_ns()
-            assert bus.octets == 16 * len(messages)
             assert bus.malformed == bus.errors == bus.overflowed == 0
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skinfield.errors import InputError, check_count, check_type
 from skinfield.signal.can import CanMessages
+from skinfield.wire.links import BreakingLink
 
 PORT = 43113  # of UDP, as python-can's bus over multicast has it
 INTERFACES = "udp, socketcan or one of python-can's"
@@ -54,7 +55,7 @@ class BusSettings:
         return f"{self.interface}:{self.channel or self.port}"
 
 
-class Bus:
+class Bus(BreakingLink):
     """An open bus; no call waits. A bus that breaks is down until `reopen` says it is back.
 
     Parameters
@@ -73,16 +74,14 @@ class Bus:
         Datagrams that were no message of classic CAN.
     errors : int
         Messages by which the bus reports an error.
-    octets : int
-        Bytes received.
     note : str
         What should be known of it, in words.
     """
 
     def __init__(self, settings: BusSettings) -> None:
-        self.settings = settings
-        self.up, self.fault, self.note = False, "", ""
-        self.overflowed = self.malformed = self.errors = self.octets = 0
+        super().__init__(settings.label)
+        self.settings, self.note = settings, ""
+        self.overflowed = self.malformed = self.errors = 0
         self._one = CanMessages(1)
 
     def receive(self, into: CanMessages, first: int = 0) -> int:
@@ -111,27 +110,6 @@ class Bus:
     def send_many(self, messages: CanMessages, count: int, first: int = 0) -> int:
         """Send rows `first` to `first + count`; how many the system took, the first ones."""
         raise NotImplementedError
-
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when something arrives; may be none."""
-        raise NotImplementedError
-
-    def reopen(self) -> bool:
-        """Try to get a bus back that is down; whether it is up now."""
-        raise NotImplementedError
-
-    def _broke(self, error: Exception) -> None:
-        self._release()
-        self.fault = f"{self.settings.label}: {getattr(error, 'strerror', None) or error}"
-
-    def _release(self) -> None:
-        """Let go of what is open."""
-        raise NotImplementedError
-
-    def close(self) -> None:
-        """Let go of it; a second time does nothing."""
-        self._release()
-        self.fault = "closed"
 
 
 MULTICAST_GROUP = "239.74.163.2"  # of python-can's bus over multicast

@@ -6,7 +6,7 @@ From the public sources of robotology (icub-main, icub-firmware, icub-firmware-s
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
-from skinfield.errors import InputError, check_count, check_type
+from skinfield.errors import check_count, check_type
 
 BOARDS = 16  # addresses of a bus
 TRIANGLES = 16  # of a board

@@ -75,9 +75,7 @@ class BoardSettings:
         commands = [self.board.data]
         for state, run in groupby(range(TRIANGLES), key=lambda t: self.triangles[t]):
             numbers = list(run)
-            commands.append(
-                SetTriangles(first=numbers[0], last=numbers[-1], **vars(state)).data
-            )
+            commands.append(SetTriangles(first=numbers[0], last=numbers[-1], **vars(state)).data)
         identifier = host_message(self.address, self.board)[0]
         return tuple((identifier, data) for data in commands)
 

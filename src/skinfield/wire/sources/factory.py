@@ -289,18 +289,18 @@ def packet(request: SourceRequest) -> Source:
     unit, command = read.get("unit", "count"), not read.get("listen", False)
     if bus == "serial":
         path, baud = request.one_channel(PacketSerial.path), read.get("baud", PacketSerial.baud)
-        return PacketSerial(devices, path, baud, names, unit, command)
+        return PacketSerial(devices, path, baud, names=names, unit=unit, command=command)
     if bus == "tcp":
         host, port = host_and_port(request.one_channel(""), "127.0.0.1", TCP_PORT)
-        return PacketTcp(devices, host, port, names, unit, command)
+        return PacketTcp(devices, host, port, names=names, unit=unit, command=command)
     if bus != "udp":
         raise InputError(f"bus is {bus!r}, expected one of {', '.join(STREAMS)}: for packets")
     where = request.one_channel("")
     host, port = host_and_port(where, "127.0.0.1", UDP_PORT)
     if listens(where, host):
-        return PacketUdp(devices, host, port, "", names, unit)
+        return PacketUdp(devices, host, port, names=names, unit=unit)
     peer = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-    return PacketUdp(devices, own_address(host), 0, peer, names, unit)
+    return PacketUdp(devices, own_address(host), 0, peer, names=names, unit=unit, command=command)
 
 
 def replay(request: SourceRequest) -> Source:

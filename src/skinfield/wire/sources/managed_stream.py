@@ -15,6 +15,7 @@ Not more than `AT_ONCE` messages are sent in one poll; what a bus does not take 
 
 from collections import deque
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from time import time_ns
 
 import numpy as np
@@ -117,7 +118,7 @@ class BoardSupervision:
         """Whether a board that sends is known to have forgotten its settings."""
         return False
 
-    def attend(self, bus: Bus, now_ns: int, at_once: int = AT_ONCE) -> None:
+    def attend(self, bus: Bus, now_ns: int) -> None:
         """Look who is silent, and send what is to be sent."""
         if now_ns < self._look - 2e9 * LOOK:  # the clock was set back
             np.minimum(self.heard_ns, now_ns, out=self.heard_ns)
@@ -127,8 +128,10 @@ class BoardSupervision:
             if not self._queue:
                 for row in range(len(self._each)):
                     self._examine(row, now_ns)
-        if self._queue:
-            self._send(bus, at_once)
+        for _ in range(min(AT_ONCE, len(self._queue))):
+            if not bus.send(*self._queue[0]):
+                break
+            self._queue.popleft()
 
     def _examine(self, row: int, now_ns: int) -> None:
         if now_ns - self._last_ns(row) <= self._silence and not self._forgot(row):
@@ -138,12 +141,6 @@ class BoardSupervision:
             self._due[row] = now_ns + round(1e9 * self._pause[row])
             self._pause[row] = min(2 * self._pause[row], LAST_PAUSE)
             self.reconfigured += 1
-
-    def _send(self, bus: Bus, at_once: int) -> None:
-        for _ in range(min(at_once, len(self._queue))):
-            if not bus.send(*self._queue[0]):
-                return
-            self._queue.popleft()
 
     def stop(self, bus: Bus) -> None:
         """Tell all boards to stop."""
@@ -203,72 +200,49 @@ ROOM = 2048  # messages of one poll of a bus: 0.2 s of a full bus of 1 Mbit/s
 ROUNDS = 8  # of a poll, so that a flood cannot keep the cycle from its other work
 
 
-class CanStream(LinkedStream):
-    """Buses, each with the decoder of its messages.
-
-    Parameters
-    ----------
-    ports : sequence of Port
-    buses : sequence of Bus
-    decoders : sequence of CanDecoder
-        One for each bus; all decode to the same ports.
-    """
+class Line:
+    """One bus of a stream, with the decoder of its messages and who attends to its boards."""
 
     def __init__(
-        self, ports: Sequence[Port], buses: Sequence[Bus], decoders: Sequence[CanDecoder]
+        self, bus: Bus, decoder: CanDecoder, supervision: BoardSupervision | None, counts: Ints
     ) -> None:
-        super().__init__(ports, buses)
-        self.buses = tuple(buses)
-        self._decoders = tuple(decoders)
-        self._rows = tuple(CanMessages(ROOM) for _ in buses)
-        self._first, self._count = [0] * len(self.buses), [0] * len(self.buses)
-        self._overflowed, self._malformed = [0] * len(self.buses), [0] * len(self.buses)
-        self._warm()
+        self.bus, self.decoder, self.supervision = bus, decoder, supervision
+        self._rows, self._counts = CanMessages(ROOM), counts
+        self._first = self._count = self._overflowed = self._malformed = 0
+        decoder.decode(self._rows, 0, Blocks(1024), 0, counts, 0)  # compiles
+        self._heard(0)
 
-    def _warm(self) -> None:
-        """Compile before the first message."""
-        blocks = Blocks(1024)
-        for rows, decoder in zip(self._rows, self._decoders, strict=True):
-            decoder.decode(rows, 0, blocks, 0, self.counters, 0)
-            self._heard(0, rows, 0)
+    def _heard(self, count: int) -> None:
+        if self.supervision is not None:
+            self.supervision.heard(self._rows, count)
 
-    def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        taken = 0
-        for place, bus in enumerate(self.buses):
-            taken += self._take_bus(place, bus, blocks, channel)
-        return taken
-
-    def _take_bus(self, place: int, bus: Bus, blocks: Blocks, channel: int) -> int:
-        rows, decoder = self._rows[place], self._decoders[place]
-        first, count, taken = self._first[place], self._count[place], 0
+    def take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
+        """Append the blocks of what has arrived; messages."""
+        taken, bus, counts = 0, self.bus, self._counts
         for _ in range(ROUNDS):
-            if first == count:
-                first, count = 0, bus.receive(rows)
-                if not count:
+            if self._first == self._count:
+                self._first, self._count = 0, bus.receive(self._rows)
+                if not self._count:
                     break
-                self._heard(place, rows, count)
-            done = decoder.decode(rows, count, blocks, channel, self.counters, first)
-            taken, first = taken + done - first, done
-            if first < count or count < len(rows):
+                self._heard(self._count)
+            before = self._first
+            self._first = self.decoder.decode(
+                self._rows, self._count, blocks, channel, counts, before
+            )
+            taken += self._first - before
+            if self._first < self._count or self._count < ROOM:
                 break  # the blocks are full, or the bus is empty
-        self._first[place], self._count[place] = first, count
-        self._overflowed[place] = self._count_since(
-            Count.OVERFLOWED, bus.overflowed, self._overflowed[place]
-        )
-        self._malformed[place] = self._count_since(
-            Count.MALFORMED, bus.malformed + bus.errors, self._malformed[place]
-        )
+        malformed = bus.malformed + bus.errors
+        counts[Count.OVERFLOWED] += bus.overflowed - self._overflowed
+        counts[Count.MALFORMED] += malformed - self._malformed
+        self._overflowed, self._malformed = bus.overflowed, malformed
+        if self.supervision is not None and bus.up:
+            self.supervision.attend(bus, now_ns)
         return taken
 
-    def _heard(self, place: int, rows: CanMessages, count: int) -> None:
-        """Look at messages that a bus brought, before they are decoded."""
 
-    def _went_down(self, place: int) -> None:
-        self._decoders[place].reset()
-
-
-class ManagedStream(CanStream):
-    """See `CanStream`, and the module for when boards get messages.
+class ManagedStream(LinkedStream):
+    """Buses, each with a decoder; see the module for when boards get messages.
 
     Parameters
     ----------
@@ -276,7 +250,7 @@ class ManagedStream(CanStream):
     buses : sequence of BusSettings
         They are opened.
     decoders : sequence of CanDecoder
-        One for each bus.
+        One for each bus; all decode to the same ports.
     supervisions : sequence of BoardSupervision
         One for each bus; empty if another host tells the boards what to do.
 
@@ -299,16 +273,16 @@ class ManagedStream(CanStream):
         supervisions: Sequence[BoardSupervision],
     ) -> None:
         self._supervisions = tuple(supervisions)
-        opened: list[Bus] = []
-        try:
-            for settings in buses:
-                opened.append(open_bus(settings))
-            super().__init__(ports, opened, decoders)
-        except BaseException:
-            for bus in opened:
-                bus.close()
-            raise
-        self._begun = self._leaves = False
+        with ExitStack() as undo:
+            self.buses = [undo.enter_context(closing(open_bus(settings))) for settings in buses]
+            super().__init__(ports, self.buses)
+            attending = self._supervisions or (None,) * len(buses)
+            self._lines = [
+                Line(*each, self.counters)
+                for each in zip(self.buses, decoders, attending, strict=True)
+            ]
+            undo.pop_all()
+        self._leaves = False
         for one in self._supervisions:
             one.begin(time_ns())
 
@@ -327,21 +301,15 @@ class ManagedStream(CanStream):
         self._leaves = True
 
     def _take(self, blocks: Blocks, channel: int, now_ns: int) -> int:
-        taken = super()._take(blocks, channel, now_ns)
-        for one, bus in zip(self._supervisions, self.buses, strict=False):
-            if bus.up:
-                one.attend(bus, now_ns, AT_ONCE if self._begun else max(one.waiting, AT_ONCE))
-        self._begun = True
-        return taken
+        return sum(line.take(blocks, channel, now_ns) for line in self._lines)
 
-    def _heard(self, place: int, rows: CanMessages, count: int) -> None:
-        if self._supervisions:
-            self._supervisions[place].heard(rows, count)
+    def _went_down(self, place: int) -> None:
+        self._lines[place].decoder.reset()
 
     def _came_back(self, place: int, now_ns: int) -> None:
-        if self._supervisions:
-            supervisions = self._supervisions[place]
-            (supervisions.begin if supervisions.waiting else supervisions.resume)(now_ns)
+        one = self._lines[place].supervision
+        if one is not None:
+            (one.begin if one.waiting else one.resume)(now_ns)
 
     def _stop(self) -> None:
         if not self._leaves:

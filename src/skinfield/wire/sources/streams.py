@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Ints, SkinfieldError, check_range
-from skinfield.signal import Blocks, Channels, Count, Kind, Port, Retry, Stream, counters
+from skinfield.signal import Blocks, Channels, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
-from skinfield.wire.sources.links import Link
+from skinfield.wire.links import Link
 
 SOURCE_WORDS = 3  # of a block that tells that a source went down or came up
 
@@ -122,12 +122,6 @@ class LinkedStream:
             self.closed = True
             for link in self._links:
                 link.close()
-
-    def _count_since(self, what: Count, now: int, before: int) -> int:
-        """Add what a total grew by; the new total."""
-        if now != before:
-            self.counters[what] += now - before
-        return now
 
 
 STEP = 1e-3  # s between two polls of a stream that cannot be waited for

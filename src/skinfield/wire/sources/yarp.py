@@ -16,8 +16,8 @@ from skinfield.signal import Blocks, Count, Kind, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
 from skinfield.wire.can.bus import host_and_port
-from skinfield.wire.can.datagrams import Place, resolved
-from skinfield.wire.sources.links import DialledLink
+from skinfield.wire.datagrams import Place, resolved
+from skinfield.wire.links import DialledLink
 from skinfield.wire.sources.streams import LinkedStream
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
 from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
@@ -159,8 +159,8 @@ class YarpLink(DialledLink):
     def _opening(self) -> Iterator[None]:
         """Ask where the port is, where only its name is known, and be welcomed there."""
         place = self._place
-        if self._label.startswith("/"):
-            request = request_bytes(self._own, "query", self._label)
+        if self.label.startswith("/"):
+            request = request_bytes(self._own, "query", self.label)
             yield from self._connected(place, request)
             answer = Answer()
             while not answer.feed(self._heard("the name server closed the connection")):

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from skinfield.errors import InputError
 from skinfield.signal.block import Octets
-from skinfield.wire.can.datagrams import Place, let_go
+from skinfield.wire.datagrams import Place, let_go
 
 PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
 
@@ -43,10 +43,10 @@ class Link(Protocol):
 
 
 class BreakingLink:
-    """Connection of one file descriptor; where it breaks, `fault` says why, and nothing raises."""
+    """Connection that breaks and is opened again; `fault` says why, and nothing raises."""
 
     def __init__(self, label: str) -> None:
-        self._label, self._number = label, -1
+        self.label, self._number = label, -1
         self.up, self.fault = False, ""
 
     def reopen(self) -> bool:
@@ -58,18 +58,27 @@ class BreakingLink:
         raise NotImplementedError
 
     def _opened(self, number: int) -> bool:
+        """Note that it is up, by which file descriptor; -1 where it has none."""
         self._number, self.up, self.fault = number, True, ""
         return True
 
     def broke(self, error: Exception | str) -> int:
         """Let go of a connection that is of no use any more; 0."""
         self.close()
-        self.fault = f"{self._label}: {getattr(error, 'strerror', None) or error}"
+        self.fault = f"{self.label}: {getattr(error, 'strerror', None) or error}"
         return 0
 
     def filenos(self) -> Sequence[int]:
         """Of the connection, while it is up."""
-        return (self._number,) if self.up else ()
+        return (self._number,) if self.up and self._number >= 0 else ()
+
+
+class ByteLink(BreakingLink):
+    """Connection that carries bytes both ways."""
+
+    def receive(self, into: Octets) -> int:
+        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
+        raise NotImplementedError
 
     def send(self, data: bytes) -> None:
         """Send a few bytes, as far as they go; a peer that does not read gets them too late."""
@@ -82,7 +91,7 @@ class BreakingLink:
                 self.broke(error)
 
 
-class DialledLink(BreakingLink):
+class DialledLink(ByteLink):
     """Connection to a TCP server.
 
     Parameters
@@ -106,7 +115,7 @@ class DialledLink(BreakingLink):
         if late:
             self.broke(f"no answer within {PATIENCE:g} s")
         if self._talk is None:
-            self.fault = self.fault or f"{self._label}: connecting"
+            self.fault = self.fault or f"{self.label}: connecting"
             self._begun, self._talk = monotonic(), self._opening()
         return self.advance()
 
@@ -156,7 +165,7 @@ class DialledLink(BreakingLink):
         sock.sendall(hello)  # some bytes into an empty buffer
 
     def receive(self, into: Octets) -> int:
-        """Write what has arrived, as far as there is room; how many bytes. Never waits."""
+        """See `ByteLink`."""
         if self._socket is None or not self.up:
             self.advance()  # what it brings is read once all know that it is up
             return 0

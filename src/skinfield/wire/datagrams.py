@@ -244,6 +244,14 @@ def unicast_socket(own: Place) -> tuple[socket.socket, int]:
     return sock, size
 
 
+def address_of(sock: socket.socket | None) -> tuple[str, int]:
+    """Host and port at which a socket listens; ("", 0) of none."""
+    if sock is None:
+        return "", 0
+    host, port = sock.getsockname()[:2]
+    return str(host), int(port)
+
+
 def let_go(sock: socket.socket | None) -> None:
     """Close, whatever state it is in."""
     if sock is not None:
