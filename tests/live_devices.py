@@ -1,5 +1,6 @@
 """Devices in software, each at a place of its own, for the tests of live sources."""
 
+import ctypes
 import os
 import socket
 import uuid
@@ -15,13 +16,7 @@ from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings, open_bus
 from skinfield.wire.cyskin import CySkinEncoder, on_boards
-from skinfield.wire.cyskin.shared_memory import (
-    DATA_HEAD,
-    HEADER_WORDS,
-    Area,
-    data_words,
-    words_from_uids,
-)
+from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc
 from skinfield.wire.icub import ICubConfiguration, configuration_for
 from skinfield.wire.packet import encode_command, packets_of
 from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
@@ -215,17 +210,23 @@ class SharedMemoryWriter:
     """The side of CySkin's tool: makes the memory, and removes it."""
 
     def __init__(self, uids: np.ndarray, key: int, data_key: int) -> None:
-        self._uids = words_from_uids(uids)
-        count = len(self._uids)
-        self._header = Area(key, HEADER_WORDS, create=True)
-        self._data = Area(data_key, data_words(count), create=True)
-        self._header.words[2] = data_key
-        self._header.words[:2] = count, 0
+        self._uids, self._areas = np.asarray(uids, np.uint32), []
+        self.header = self._made(key, HEADER_WORDS)
+        self._data = self._made(data_key, 2 * len(self._uids) + DATA_HEAD)
+        self.header[2], self.header[1], self.header[0] = data_key, 0, len(self._uids)
         self.sample = 0
+
+    def _made(self, key: int, words: int) -> np.ndarray:
+        number = libc().shmget(key, 4 * words, 0o1600)  # IPC_CREAT
+        if number < 0:
+            raise OSError(ctypes.get_errno(), "no shared memory")
+        address = libc().shmat(number, None, 0)
+        self._areas.append((number, address))
+        return np.ctypeslib.as_array((ctypes.c_uint32 * words).from_address(address))
 
     def write(self, responses: np.ndarray, time_ms: int) -> None:
         """Write one sample (N,), in the tool's own order."""
-        words, count = self._data.words, len(self._uids)
+        words, count = self._data, len(self._uids)
         words[DATA_HEAD : DATA_HEAD + count] = self._uids
         words[DATA_HEAD + count :] = responses
         words[2] = count
@@ -234,9 +235,9 @@ class SharedMemoryWriter:
         self.sample += 1
 
     def close(self) -> None:
-        for area in (self._header, self._data):
-            area.remove()
-            area.close()
+        for number, address in self._areas:
+            libc().shmctl(number, 0, None)  # IPC_RMID
+            libc().shmdt(address)
 
 
 class Memory:

@@ -25,7 +25,6 @@ from skinfield.wire.cyskin import (
     Sum,
     Unchecked,
     boards_from_uids,
-    checksum_of,
     matching_checksums,
     on_boards,
     port_of,
@@ -126,7 +125,7 @@ def test_identifiers_of_parts() -> None:
     ],
 )
 def test_check_values(checksum: Crc, expected: str) -> None:
-    assert checksum_of(b"123456789", checksum).hex() == expected
+    assert checksum.of(b"123456789").hex() == expected
 
 
 WIRES = st.builds(
@@ -282,7 +281,7 @@ def test_a_board_in_software_obeys_and_answers() -> None:
     ]
     state, answers = state.after(Command.MODULE_DETAILS, b"\x02")
     assert answers == [(Command.ERROR, bytes([Command.MODULE_DETAILS, Refusal.INVALID]))]
-    state, answers = state.after(Command.COLD_REBOOT, b"")
+    state, answers = state.after(0x32, b"")
     assert answers == [(Command.ERROR, bytes([0x32, 0xE2]))]
     state, answers = state.after(Command.UID, b"")
     assert answers == [(Command.UID, b"\0\0\0\x05")]

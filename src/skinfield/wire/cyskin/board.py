@@ -12,16 +12,15 @@ from typing import Literal
 from skinfield.errors import check_count
 from skinfield.wire.cyskin.modules import (
     EVERY_MODULE,
-    CdcSpeed,
     Command,
     CySkinBoard,
     CySkinModule,
-    Grouping,
     Refusal,
 )
 from skinfield.wire.cyskin.wire import CySkinWire, Message
 
 PERIOD_MS = 50  # as the makers' own start
+SINGLY = 0  # grouping of a module's sensors: none are read together
 Packet = tuple[int, bytes]  # command, data
 
 
@@ -35,7 +34,6 @@ def start_messages(
     wire: CySkinWire | None = None,
     *,
     period_ms: int = PERIOD_MS,
-    grouping: Grouping = Grouping.NONE,
 ) -> list[Message]:
     """CAN messages that let boards send readings by themselves.
 
@@ -49,8 +47,6 @@ def start_messages(
     wire : CySkinWire
     period_ms : int, ms
         Between two readings, 1 to 65535.
-    grouping : Grouping
-        Sensors that are read together; none in ordinary use.
     """
     check_count("period_ms", period_ms, 1, 0xFFFF, "ms between two readings")
     wire = wire or CySkinWire()
@@ -58,7 +54,7 @@ def start_messages(
     messages: list[Message] = []
     for board in boards:
         for command, data in (
-            (Command.SET_MODULE_GROUPING, bytes([EVERY_MODULE, grouping])),
+            (Command.SET_MODULE_GROUPING, bytes([EVERY_MODULE, SINGLY])),
             (Command.SET_AUTO_SYNC_PERIOD, period),
             (Command.SET_AUTO_SYNC, b"\x01"),
         ):
@@ -87,9 +83,6 @@ class CySkinBoardState:
     sending : bool
         Whether it sends readings by itself: automatic synchronisation.
     period_ms : int, ms
-    grouping : Grouping
-        Of all modules alike.
-    cdc_speed : int
     syncs : int
         How often it was asked for one reading.
     ignored : int
@@ -100,8 +93,6 @@ class CySkinBoardState:
     wire: CySkinWire
     sending: bool = False
     period_ms: int = PERIOD_MS
-    grouping: int = Grouping.NONE
-    cdc_speed: int = CdcSpeed.SLOW
     syncs: int = 0
     ignored: int = 0
 
@@ -117,9 +108,7 @@ class CySkinBoardState:
                     return self._refused(command, Refusal.INVALID)
                 return replace(self, period_ms=period), []
             case Command.SET_MODULE_GROUPING, n if n >= 2:
-                return replace(self, grouping=data[1]), [(command, data[:1])]
-            case Command.CDC_SPEED, n if n >= 2:
-                return replace(self, cdc_speed=data[1]), [(command, data[:2])]
+                return self, [(command, data[:1])]
             case Command.SYNC, _:
                 return replace(self, syncs=self.syncs + 1), []
             case Command.PING, _:
@@ -148,9 +137,9 @@ class CySkinBoardState:
         return (
             bytes([place])
             + module.sui.to_bytes(4, order)
-            + bytes([len(module.sensors), self.grouping])
+            + bytes([len(module.sensors), SINGLY])
             + module.uncut.to_bytes(2, order)
-            + bytes([0, self.cdc_speed])
+            + bytes(2)
         )
 
     def _refused(self, command: int, error: Refusal) -> tuple["CySkinBoardState", list[Packet]]:

@@ -9,7 +9,7 @@ from skinfield.errors import InputError, check_offers
 from skinfield.signal import Port, Source
 from skinfield.skin import Patch, Skin
 from skinfield.wire.can.bus import bus_settings, host_and_port, listens, own_address
-from skinfield.wire.cyskin.modules import CySkinBoard, on_boards, on_enough_boards
+from skinfield.wire.cyskin.modules import CySkinBoard, on_boards
 from skinfield.wire.cyskin.wire import CySkinWire, Unchecked
 from skinfield.wire.icub.configuration import configuration_for, load_configuration
 from skinfield.wire.packet.codec import PacketDevice
@@ -204,7 +204,7 @@ def _called(point: EntryPoint, skin: Skin, texts: Mapping[str, str]) -> Source:
 
 def skin_for(hardware: str, skin: Skin) -> Skin:
     """The skin on the channels that its hardware has: CySkin's go by uid, others keep theirs."""
-    return on_enough_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
+    return on_boards(skin)[0] if hardware in ("cyskin", "shm") else skin
 
 
 def icub(request: SourceRequest) -> Source:
@@ -268,7 +268,7 @@ def shared_memory(request: SourceRequest) -> Source:
 def _boards(request: SourceRequest) -> tuple[CySkinBoard, ...]:
     text = request.options.get("boards", "")
     if not text:
-        return on_enough_boards(request.skin)[1]
+        return on_boards(request.skin)[1]
     if not all(part.strip().isdecimal() for part in text.split(",")):
         raise InputError(f"boards are {text!r}, expected their numbers with commas, as 1,2")
     return on_boards(request.skin, [int(part) for part in text.split(",")])[1]
