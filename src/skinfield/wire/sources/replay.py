@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from skinfield.signal import Blocks, Count, Kind, Port, Stream, counters
 from skinfield.signal.block import LONGEST, WORD, Words
 from skinfield.skin import Patch, Skin
 from skinfield.skin.reading import UNITS, Recording
+from skinfield.wire.sources.streams import narrowest
 
 if TYPE_CHECKING:
     from skinfield.files.mcap.live import LiveRecording
@@ -33,20 +34,6 @@ ALL_AT_ONCE = float("inf")  # speed at which each poll brings the next reading
 
 SLOWEST = 0.01
 MCAP = b"\x89MCAP0\r\n"
-
-
-def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
-    """The kind of block that holds all counts without loss, or float32, and the counts so.
-
-    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
-    """
-    finite = np.isfinite(counts).all()
-    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
-        if (counts <= 0xFF).all():
-            return Kind.BYTES, counts.astype("<u1")
-        if (counts <= 0xFFFF).all():
-            return Kind.SHORTS, counts.astype("<u2")
-    return Kind.FLOATS, counts.astype("<f4")
 
 
 def tape_of(counts: Floats, after_ns: Ints) -> Words:

@@ -4,11 +4,12 @@ import select
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from time import monotonic, monotonic_ns, time_ns
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import Ints, SkinfieldError, check_range
+from skinfield.errors import Floats, Ints, SkinfieldError, check_range
 from skinfield.signal import Blocks, Channels, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
@@ -257,3 +258,18 @@ def read(stream: Stream, timeout: float = 1.0) -> Reading:
 def read_latest(stream: Stream, max_age: float = 0.1) -> Reading:
     """Newest reading that has arrived; see `StreamReader.read_latest`, for more than one."""
     return StreamReader(stream).read_latest(max_age)
+
+
+def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:
+    """The kind of block that holds all counts without loss, or float32, and the counts so.
+
+    Numbers beyond 16 bits, or with a fraction, are rounded to the 24 bits of a float32.
+    """
+    finite = np.isfinite(counts).all()
+    if finite and (counts == np.rint(counts)).all() and (counts >= 0).all():
+        if (counts <= 0xFF).all():
+            return Kind.BYTES, counts.astype("<u1")
+        if (counts <= 0xFFFF).all():
+            return Kind.SHORTS, counts.astype("<u2")
+    with np.errstate(over="ignore"):
+        return Kind.FLOATS, counts.astype("<f4")

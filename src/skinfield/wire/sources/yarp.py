@@ -12,13 +12,13 @@ from time import monotonic
 import numpy as np
 
 from skinfield.errors import Floats, InputError, Ints, check_count, check_type
-from skinfield.signal import Blocks, Count, Kind, Port
+from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
 from skinfield.wire.can.bus import host_and_port
 from skinfield.wire.datagrams import Place, resolved
 from skinfield.wire.links import DialledLink
-from skinfield.wire.sources.streams import LinkedStream
+from skinfield.wire.sources.streams import LinkedStream, narrowest
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
 from skinfield.wire.yarp.name_server import PORT, Answer, request_bytes
 
@@ -165,10 +165,9 @@ class YarpLink(DialledLink):
             answer = Answer()
             while not answer.feed(self._heard("the name server closed the connection")):
                 yield
-            there = answer.registration
-            if there is None:
+            if answer.place is None:
                 raise OSError("the name server does not know it: is it open, see `yarp name list`")
-            place = resolved(there.host, there.port, "host of the port")
+            place = resolved(*answer.place, "host of the port")
         hello = greeting(Carrier.TEXT, self._own) + message(Carrier.TEXT, "r")
         yield from self._connected(place, hello)
         self.lines = Lines(self._longest)
@@ -283,13 +282,9 @@ class VectorReader:
 
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
         """Append the vector in the smallest kind of block for it; False if there is no room."""
-        values = self._values
-        kind = Kind.FLOATS
-        if values.min() >= 0.0 and values.max() <= 65535.0 and (np.rint(values) == values).all():
-            kind = Kind.BYTES if values.max() <= 255.0 else Kind.SHORTS
+        kind, values = narrowest(self._values)
         try:
-            with np.errstate(over="ignore"):
-                blocks.put(now_ns, channel, values, kind)
+            blocks.put(now_ns, channel, values, kind)
         except Full:
             return False
         return True

@@ -70,22 +70,12 @@ def text_from_bottle(values: Sequence[Value]) -> str:
     Raises
     ------
     InputError
-        For another type, a whole number beyond 64 bits, or lists nested too deep.
+        For another type, or a whole number beyond 64 bits.
     """
-    return _joined(values, 0)
+    return " ".join(map(_written, values))
 
 
-def _joined(values: Sequence[Value], depth: int) -> str:
-    _check_depth(depth)
-    return " ".join(_written(value, depth) for value in values)
-
-
-def _check_depth(depth: int) -> None:
-    if depth > DEEPEST:
-        raise InputError(f"bottle is nested deeper than {DEEPEST} lists, expected no more")
-
-
-def _written(value: Value, depth: int) -> str:
+def _written(value: Value) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int):
@@ -97,7 +87,7 @@ def _written(value: Value, depth: int) -> str:
     if isinstance(value, Vocab):
         return f"[{value.text}]"
     if isinstance(value, list):
-        return f"({_joined(value, depth + 1)})"
+        return f"({text_from_bottle(value)})"
     raise _no_value(value)
 
 
@@ -137,7 +127,8 @@ def bottle_from_text(text: str) -> list[Value]:
         at = token.end()
         kind, content = token.lastgroup, token.group(token.lastgroup or 0)
         if kind == "open":
-            _check_depth(len(lists))
+            if len(lists) > DEEPEST:
+                raise _unreadable(text, at, f"nested deeper than {DEEPEST} lists")
             inner: list[Value] = []
             lists[-1].append(inner)
             lists.append(inner)
@@ -192,16 +183,15 @@ def bytes_from_bottle(values: Sequence[Value]) -> bytes:
         For something that is no value of a bottle, or that does not fit.
     """
     kind = _kind_of_all(values)
-    return struct.pack("<i", LIST + kind) + _content(values, kind, 0)
+    return struct.pack("<i", LIST + kind) + _content(values, kind)
 
 
-def _content(values: Sequence[Value], kind: int, depth: int) -> bytes:
-    _check_depth(depth)
+def _content(values: Sequence[Value], kind: int) -> bytes:
     parts = [struct.pack("<i", len(values))]
     for value in values:
         if not kind:
             parts.append(struct.pack("<i", _tag(value)))
-        parts.append(_payload(value, depth))
+        parts.append(_payload(value))
     return b"".join(parts)
 
 
@@ -227,7 +217,7 @@ def _tag(value: Value) -> int:
     raise _no_value(value)
 
 
-def _payload(value: Value, depth: int) -> bytes:
+def _payload(value: Value) -> bytes:
     if isinstance(value, bool):
         return TRUE if value else FALSE
     if isinstance(value, int | float):
@@ -238,7 +228,7 @@ def _payload(value: Value, depth: int) -> bytes:
         return struct.pack("<i", len(data)) + data
     if isinstance(value, Vocab):
         return value.text.encode("ascii").ljust(VOCABS[_tag(value)], b"\0")
-    return _content(value, _kind_of_all(value), depth + 1)
+    return _content(value, _kind_of_all(value))
 
 
 def to_octets(text: str) -> bytes:

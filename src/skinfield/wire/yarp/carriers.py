@@ -17,14 +17,12 @@ tcp      ``YA E4 1E 00 00 RP``; blocks of bytes with their lengths, acknowledged
 """
 
 import struct
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from enum import Enum
 
 from skinfield.errors import InputError
 from skinfield.wire.yarp.bottle import (
     Value,
-    bottle_from_text,
     bytes_from_bottle,
     from_octets,
     text_from_bottle,
@@ -33,11 +31,9 @@ from skinfield.wire.yarp.bottle import (
 
 HEADER = 8  # bytes
 LINE_END = b"\r\n"
-ACK = "<ACK>"
 INDEX = 10  # bytes of an index, of which the first is the number of blocks, the second of replies
 LONGEST_NAME = 1000  # bytes, as YARP reads it
-LONGEST = 1 << 20  # bytes of a line, or that come with an acknowledgement
-WITH_BOTTLE = ("d", "D", "a")  # first letters of the port commands that a bottle follows
+LONGEST = 1 << 20  # bytes of a line
 
 
 def number(value: int) -> bytes:
@@ -73,21 +69,6 @@ HEADERS = {
     Carrier.TEXT_ACK: b"CONNACK ",
     Carrier.TCP: number(7777 + 3 + 128),
 }
-
-
-def carrier_named(name: str) -> Carrier:
-    """Of that name.
-
-    Raises
-    ------
-    InputError
-        If it is another, or has modifiers such as ``tcp+recv.portmonitor``.
-    """
-    for each in Carrier:
-        if each.value == name:
-            return each
-    known = ", ".join(each.value for each in Carrier)
-    raise InputError(f"carrier is {name!r:.60}, expected one of {known}")
 
 
 def greeting(carrier: Carrier, own: str) -> bytes:
@@ -205,68 +186,8 @@ class Lines:
             self._searched = len(line) - 1
 
 
-@dataclass(frozen=True)
-class Message:
-    """A port command, such as ``D 12 1.5``, and the bottle behind it, where one is."""
-
-    command: str
-    values: list[Value]
-
-
-class Messages:
-    """Messages out of lines; iterating gives those that are complete."""
-
-    def __init__(self, lines: Lines) -> None:
-        self._lines = lines
-        self._command: str | None = None
-
-    def __iter__(self) -> Iterator[Message]:
-        while (line := self._lines.take()) is not None:
-            if self._command is not None:
-                command, self._command = self._command, None
-                yield Message(command, bottle_from_text(line))
-            elif line[:1] in WITH_BOTTLE:
-                self._command = line
-            else:
-                yield Message(line, [])
-
-
 def yarp_number(data: bytes | bytearray) -> int | None:
     """The number in eight bytes ``YA....RP``; None if they are others."""
     if len(data) != HEADER or data[:2] != b"YA" or data[6:] != b"RP":
         return None
     return int.from_bytes(data[2:6], "little", signed=True)
-
-
-class Acknowledgements:
-    """Counts what the reader of our messages acknowledges; everything else it says is let go."""
-
-    def __init__(self, carrier: Carrier) -> None:
-        self._carrier = carrier
-        self._lines = Lines()
-        self._rest = bytearray()
-
-    def feed(self, data: bytes) -> int:
-        """Take in what came; how many messages it acknowledges.
-
-        Raises
-        ------
-        InputError
-            If the bytes are no acknowledgement, of the tcp carrier.
-        """
-        if not self._carrier.acknowledges:
-            return 0
-        if self._carrier.is_text:
-            self._lines.feed(data)
-            return sum(line == ACK for line in iter(self._lines.take, None))
-        self._rest += data
-        count = 0
-        while len(self._rest) >= HEADER:
-            more = yarp_number(self._rest[:HEADER])
-            if more is None or not 0 <= more <= LONGEST:
-                raise InputError(f"{bytes(self._rest[:8])!r} is no acknowledgement, expected one")
-            if len(self._rest) < HEADER + more:
-                break
-            del self._rest[: HEADER + more]
-            count += 1
-        return count

@@ -164,11 +164,7 @@ class SkinContact:
         vectors = (self.place, self.force, self.moment, self.centre, self.normal)
         return [
             [self.number % LARGEST, part.body, part.link, part.skin],
-            *(_floats(vector) for vector in vectors),
+            *(np.asarray(vector, float).tolist() for vector in vectors),
             [int(taxel) for taxel in self.taxels],
             float(self.pressure),
         ]
-
-
-def _floats(vector: Floats) -> list[Value]:
-    return [float(number) for number in np.asarray(vector)]
