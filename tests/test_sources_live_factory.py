@@ -11,7 +11,7 @@ from skinfield.signal import Source
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings
-from skinfield.wire.can.bus import bus_settings, host_and_port, own_address
+from skinfield.wire.can.bus import bus_settings, host_and_port, udp_places
 from skinfield.wire.sources import (
     CySkinCan,
     CySkinSharedMemory,
@@ -201,8 +201,6 @@ def test_places() -> None:
     assert bus == BusSettings("slcan", "/dev/ttyACM0", bitrate=500000)
     (bus,) = bus_settings("udp", ["[fe80::7]:9"], 1, 0)
     assert bus == BusSettings("udp", "::", 0, "[fe80::7]:9")
-    assert [own_address(h) for h in ("::1", "localhost", "192.0.2.1")] == [
-        "::1",
-        "127.0.0.1",
-        "0.0.0.0",
-    ]
+    for text, own in (("[::1]:5", "::1"), ("localhost:5", "127.0.0.1"), ("192.0.2.1:5", "0.0.0.0")):
+        assert udp_places(text, *host_and_port(text, "h", 1)) == (own, 0, text)
+    assert udp_places("0.0.0.0:5", "0.0.0.0", 5) == ("0.0.0.0", 5, "")

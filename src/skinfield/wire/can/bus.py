@@ -167,10 +167,7 @@ def bus_settings(bus: str, channels: Sequence[str], count: int, bitrate: int) ->
 def _bus(bus: str, channel: str, number: int, bitrate: int) -> BusSettings:
     if bus == "udp":
         host, port = host_and_port(channel, "127.0.0.1", PORT + number)
-        if channel and listens(channel, host):
-            return BusSettings(bus, host, port)
-        named = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-        return BusSettings(bus, own_address(host), 0, named)
+        return BusSettings(bus, *udp_places(channel or host, host, port))
     return can_interface(bus, channel, number, bitrate)
 
 
@@ -184,13 +181,22 @@ def can_interface(bus: str, channel: str, number: int, bitrate: int = 0) -> BusS
     return BusSettings(bus, channel, bitrate=bitrate)
 
 
-def listens(text: str, host: str) -> bool:
-    """Whether a place is one's own: none, a port alone, or all of one's addresses."""
-    return not text or text.startswith(":") or host in ("0.0.0.0", "::")
+def udp_places(text: str, host: str, port: int) -> tuple[str, int, str]:
+    """Own address and port to bind, and the peer.
 
+    No text, a port alone, or all of one's addresses listen there; any other place is the peer's,
+    which is talked with from a free port.
 
-def own_address(host: str) -> str:
-    """Address to bind for talking with a host: this machine's own, or all of its own."""
+    Parameters
+    ----------
+    text : str
+    host, port
+        What it says; see `host_and_port`.
+    """
+    if not text or text.startswith(":") or host in ("0.0.0.0", "::"):
+        return host, port, ""
     if host in ("127.0.0.1", "localhost", "::1"):
-        return "::1" if host == "::1" else "127.0.0.1"
-    return "::" if ":" in host else "0.0.0.0"
+        own = "::1" if host == "::1" else "127.0.0.1"
+    else:
+        own = "::" if ":" in host else "0.0.0.0"
+    return own, 0, f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
