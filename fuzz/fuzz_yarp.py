@@ -12,7 +12,6 @@ from skinfield.wire.yarp import (
     Answer,
     Carrier,
     Session,
-    bottle_from_text,
     bytes_from_bottle,
     text_from_bottle,
 )
@@ -65,7 +64,6 @@ class Link:
 
 def one_input(data: bytes) -> None:
     """Take the bytes as each of the things that they may be."""
-    bottles(data)
     session(data)
     session(b"CONNACK x\n" + data)
     answers(data)
@@ -73,15 +71,6 @@ def one_input(data: bytes) -> None:
     name = from_octets(data[:60])
     assert part_of(name) is part_of(known_name(name) or name)
     assert port_of(name).startswith("/icub/skin/")
-
-
-def bottles(data: bytes) -> None:
-    """What is read is written, and read again the same."""
-    with suppress(InputError):
-        values = bottle_from_text(from_octets(data))
-        written = text_from_bottle(values)
-        assert text_from_bottle(bottle_from_text(written)) == written
-        bytes_from_bottle(values)
 
 
 def session(data: bytes) -> None:

@@ -32,8 +32,6 @@ from skinfield.wire.sources import (
     SimulationSource,
     StreamReader,
     matched,
-    read,
-    read_latest,
 )
 from skinfield.wire.sources.boards import ports_of
 from skinfield.wire.sources.factory import source_from_options
@@ -424,7 +422,7 @@ def test_a_reading_is_complete_when_a_channel_comes_again_or_all_came() -> None:
 
 def test_what_does_not_answer_is_not_valid() -> None:
     step = [(0, [1.0, np.nan], OK), (2, [3.0], Status.NOT_CONNECTED)]
-    reading = read(Script(step, step))
+    reading = StreamReader(Script(step, step)).read()
     assert reading.valid.tolist() == [True, False, False, False]
 
 
@@ -432,9 +430,9 @@ def test_a_reading_that_does_not_come() -> None:
     script = Script([LEFT])
     script.up = False
     with pytest.raises(NoReadingError, match=r"2 of 4 channels.*down \(unplugged\)"):
-        read(script, 0.01)
+        StreamReader(script).read(0.01)
     with pytest.raises(TimeoutError, match="newest reading is none"):
-        read_latest(Script())
+        StreamReader(Script()).read_latest()
 
 
 def test_the_newest_reading_is_young_enough_or_refused() -> None:
@@ -474,7 +472,7 @@ def test_reading_waits_for_a_file_descriptor() -> None:
 
         thread = threading.Thread(target=send)
         thread.start()
-        assert read(stream, 30.0).counts.shape == (72,)
+        assert StreamReader(stream).read(30.0).counts.shape == (72,)
         thread.join()
     stream.close()
 

@@ -10,11 +10,11 @@ from yarp_peers import NameServer, Peer
 
 from skinfield.errors import InputError
 from skinfield.wire import yarp
-from skinfield.wire.yarp import Port, Session, Vocab, envelope
+from skinfield.wire.yarp import Port, Session, envelope
 from skinfield.wire.yarp import port as port_module
 
-VALUES = [[1, 2], [1.0, 0.5], "a b", Vocab("ok"), 3.0]
-TEXT = b'(1 2) (1.0 0.5) "a b" [ok] 3.0\r\n'
+VALUES = [[1, 2], [1.0, 0.5], "a b", 3.0]
+TEXT = b'(1 2) (1.0 0.5) "a b" 3.0\r\n'
 
 
 def ints(*numbers: int) -> bytes:
@@ -22,8 +22,8 @@ def ints(*numbers: int) -> bytes:
 
 
 BYTES = (
-    ints(256, 5, 257, 2, 1, 2, 276, 2) + struct.pack("<2d", 1.0, 0.5) + ints(4, 3) + b"a b"
-    + ints(9) + b"ok\0\0" + ints(20) + struct.pack("<d", 3.0)
+    ints(256, 4, 257, 2, 1, 2, 276, 2) + struct.pack("<2d", 1.0, 0.5) + ints(4, 3) + b"a b"
+    + ints(20) + struct.pack("<d", 3.0)
 )  # fmt: skip
 
 

@@ -7,7 +7,6 @@ import socket
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from time import monotonic
-from typing import Protocol
 
 from skinfield.errors import InputError
 from skinfield.signal.block import Octets
@@ -16,45 +15,32 @@ from skinfield.wire.datagrams import Place, let_go
 PATIENCE = 3.0  # s, after which an attempt to connect, or a silent peer, is given up
 
 
-class Link(Protocol):
-    """A connection: a bus, a socket, a device."""
-
-    @property
-    def up(self) -> bool:
-        """Whether something can come."""
-        ...
-
-    @property
-    def fault(self) -> str:
-        """Why it is down, in words."""
-        ...
-
-    def reopen(self) -> bool:
-        """Try to get it back, without waiting; whether it is up now."""
-        ...
-
-    def filenos(self) -> Sequence[int]:
-        """File descriptors that become readable when something arrives."""
-        ...
-
-    def close(self) -> None:
-        """Let go of it."""
-        ...
-
-
 class BreakingLink:
-    """Connection that breaks and is opened again; `fault` says why, and nothing raises."""
+    """Connection that breaks and is opened again: a bus, a socket, a device. Nothing waits.
+
+    Parameters
+    ----------
+    label : str
+        By which it is named in words.
+
+    Attributes
+    ----------
+    up : bool
+        Whether something can come.
+    fault : str
+        Why it is down, in words.
+    """
 
     def __init__(self, label: str) -> None:
         self.label, self._number = label, -1
         self.up, self.fault = False, ""
 
     def reopen(self) -> bool:
-        """See `Link`."""
+        """Try to get it back, without waiting; whether it is up now."""
         raise NotImplementedError
 
     def close(self) -> None:
-        """See `Link`."""
+        """Let go of it."""
         raise NotImplementedError
 
     def _opened(self, number: int) -> bool:
@@ -69,7 +55,7 @@ class BreakingLink:
         return 0
 
     def filenos(self) -> Sequence[int]:
-        """Of the connection, while it is up."""
+        """File descriptors that become readable when something arrives, while it is up."""
         return (self._number,) if self.up and self._number >= 0 else ()
 
 

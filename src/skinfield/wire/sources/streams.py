@@ -13,7 +13,7 @@ from skinfield.errors import Floats, Ints, SkinfieldError, check_range
 from skinfield.signal import Blocks, Channels, Kind, Port, Retry, Stream, counters
 from skinfield.signal.block import UNUSABLE
 from skinfield.skin.reading import Reading
-from skinfield.wire.links import Link
+from skinfield.wire.links import BreakingLink
 
 SOURCE_WORDS = 3  # of a block that tells that a source went down or came up
 
@@ -27,7 +27,7 @@ class LinkedStream:
     Parameters
     ----------
     ports : sequence of Port
-    links : sequence of Link
+    links : sequence of BreakingLink
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class LinkedStream:
         sources sets it.
     """
 
-    def __init__(self, ports: Sequence[Port], links: Sequence[Link]) -> None:
+    def __init__(self, ports: Sequence[Port], links: Sequence[BreakingLink]) -> None:
         self.ports = tuple(ports)
         self.counters: Ints = counters()
         self.index = 0
@@ -78,7 +78,7 @@ class LinkedStream:
             self._report(up, blocks, now_ns)
         return messages
 
-    def _follow(self, place: int, link: Link, now_ns: int) -> bool:
+    def _follow(self, place: int, link: BreakingLink, now_ns: int) -> bool:
         """Note that a link broke, try it again, note that it is back; whether it is up."""
         retry, clock_ns = self._retries[place], monotonic_ns()  # that nobody sets back
         if not link.up and not retry.down_since:
@@ -248,16 +248,6 @@ class StreamReader:
 def _why(stream: Stream) -> str:
     fault = getattr(stream, "fault", "")
     return f" ({fault})" if fault else ""
-
-
-def read(stream: Stream, timeout: float = 1.0) -> Reading:
-    """Next reading of all channels; see `StreamReader.read`, which is for more than one."""
-    return StreamReader(stream).read(timeout)
-
-
-def read_latest(stream: Stream, max_age: float = 0.1) -> Reading:
-    """Newest reading that has arrived; see `StreamReader.read_latest`, for more than one."""
-    return StreamReader(stream).read_latest(max_age)
 
 
 def narrowest(counts: Floats) -> tuple[Kind, NDArray[Any]]:

@@ -1,8 +1,6 @@
 """YARP: bottles, carriers, output ports, questions to a name server; YARP itself is not needed."""
 
 from skinfield.wire.yarp.bottle import Value as Value
-from skinfield.wire.yarp.bottle import Vocab as Vocab
-from skinfield.wire.yarp.bottle import bottle_from_text as bottle_from_text
 from skinfield.wire.yarp.bottle import bytes_from_bottle as bytes_from_bottle
 from skinfield.wire.yarp.bottle import text_from_bottle as text_from_bottle
 from skinfield.wire.yarp.carriers import Carrier as Carrier

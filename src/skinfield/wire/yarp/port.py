@@ -17,7 +17,7 @@ from contextlib import ExitStack, suppress
 from time import monotonic
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import Value, Vocab, bottle_from_text, text_from_bottle, word_of
+from skinfield.wire.yarp.bottle import Value, text_from_bottle, words_from_text
 from skinfield.wire.yarp.carriers import (
     HEADER,
     HEADERS,
@@ -42,7 +42,6 @@ CONNECT = 2.0  # s for a connection to another port
 SILENT = 30.0  # s that a party may take to say who it is
 BEHIND = 1 << 22  # bytes that wait to be sent, at which a connection is given up
 UNKNOWN = b"* Error. Protocol not found.\r\n* Try CONNECT and a name.\r\n"
-VERSION: list[Value] = [Vocab("ver"), 1, 2, 3]  # of the administrative commands
 
 
 class Session:
@@ -133,19 +132,19 @@ class Session:
             self.answer += line(f"Welcome {self.peer}")
         while not (self.reads or self.ended) and (text := self._lines.take()) is not None:
             if self._command:
-                self._obey(self._command, bottle_from_text(text))
+                self._obey(self._command, words_from_text(text))
                 self._command = ""
             elif text[:1] in WITH_BOTTLE:
                 self._command = text[:1]
             else:
                 self._obey(text[:1], [])
 
-    def _obey(self, letter: str, values: Sequence[Value]) -> None:
+    def _obey(self, letter: str, words: Sequence[str]) -> None:
         if letter == "q":
             self.ended = True
             return
         if letter == "a":
-            self.answer += line(text_from_bottle(self._administered(values)))
+            self.answer += line(self._administered(words))
         elif letter == "r":
             self.reads = True
         elif letter not in WITH_BOTTLE:  # data has no taker here
@@ -153,27 +152,27 @@ class Session:
         if self.carrier is Carrier.TEXT_ACK:
             self.answer += line(ACK)
 
-    def _administered(self, values: Sequence[Value]) -> list[Value]:
-        command, first, second = ([word_of(value) for value in values] + [""] * 3)[:3]
-        if command == "ver":
-            return VERSION
-        if command == "list":
-            return self._listed(first, second)
-        if command == "add":
-            outcome = self._port.add(f"{second}:/{first}" if second else first)
-            return [0 if outcome.startswith("Added") else -1, outcome]
-        if command == "del":
-            outcome = self._port.remove(first)
-            return [0 if outcome.startswith("Removed") else -1, outcome]
-        return [Vocab("fail"), "expected [ver], [add], [del] or [list]"]
-
-    def _listed(self, direction: str, name: str) -> list[Value]:
-        there = {} if direction == "in" else self._port.outputs
-        if not name:
-            return list(there)
-        if name not in there:
-            return []
-        return [["from", self._port.name], ["to", name], ["carrier", there[name]]]
+    def _administered(self, words: Sequence[str]) -> str:
+        command, first, second = [*words, "", "", ""][:3]
+        port = self._port
+        match command:
+            case "ver":
+                return "[ver] 1 2 3"  # of the administrative commands
+            case "list":
+                there = {} if first == "in" else port.outputs
+                if not second:
+                    return text_from_bottle(list(there))
+                if second not in there:
+                    return ""
+                facts = {"from": port.name, "to": second, "carrier": there[second]}
+                return text_from_bottle([[key, value] for key, value in facts.items()])
+            case "add":
+                outcome = port.add(f"{second}:/{first}" if second else first)
+                return text_from_bottle([0 if outcome.startswith("Added") else -1, outcome])
+            case "del":
+                outcome = port.remove(first)
+                return text_from_bottle([0 if outcome.startswith("Removed") else -1, outcome])
+        return '[fail] "expected [ver], [add], [del] or [list]"'
 
 
 class Connection:
