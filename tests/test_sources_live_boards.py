@@ -33,9 +33,13 @@ from skinfield.wire.sources import (
     StreamReader,
     matched,
 )
-from skinfield.wire.sources.boards import ports_of
+from skinfield.wire.sources.boards import (
+    AT_ONCE,
+    CySkinSupervision,
+    ICubSupervision,
+    ports_of,
+)
 from skinfield.wire.sources.factory import source_from_options
-from skinfield.wire.sources.managed_stream import AT_ONCE, CySkinSupervision, ICubSupervision
 
 SECOND = 1_000_000_000
 NOW = 1_700_000_000 * SECOND

@@ -103,14 +103,9 @@ def test_the_narrowest_kind_is_taken() -> None:
     assert narrowest(np.array([[np.nan]]))[0] == Kind.FLOATS
 
 
-@pytest.mark.parametrize(
-    ("counts", "after"),
-    [(np.zeros((2, 3)), [0, 1]), (np.zeros((2, 2)), [0]), (np.zeros((2, 2)), [1, 0]),
-     (np.zeros((0, 2)), []), (np.zeros((2, 2)), [1, 2])],
-)  # fmt: skip
-def test_tables_that_cannot_be_played(counts: np.ndarray, after: list[int]) -> None:
+def test_tables_of_more_columns_than_channels_cannot_be_played() -> None:
     with pytest.raises(InputError):
-        BlockReplayStream((Port("a", 2),), tape_of(counts, np.array(after, np.int64)))
+        BlockReplayStream((Port("a", 2),), tape_of(np.zeros((2, 3)), np.array([0, 1])))
 
 
 def csv(folder: Path, names: str, rows: list[str]) -> Path:

@@ -11,7 +11,6 @@ from yarp_peers import NameServer, Peer
 from skinfield.errors import InputError
 from skinfield.wire import yarp
 from skinfield.wire.yarp import Port, Session, envelope
-from skinfield.wire.yarp import port as port_module
 
 VALUES = [[1, 2], [1.0, 0.5], "a b", 3.0]
 TEXT = b'(1 2) (1.0 0.5) "a b" 3.0\r\n'
@@ -224,12 +223,3 @@ def test_a_name_server_that_is_not_there() -> None:
         place = free.getsockname()[1]
     with pytest.raises(InputError, match="expected a running `yarp server`"):
         yarp.NameServer("127.0.0.1", place).where("me", "/x")
-
-
-def test_a_party_that_says_nothing_is_let_go(
-    port: Port, visitor: Visitor, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    visitor.says(b"CONN", b"")
-    port.step(0.1)
-    monkeypatch.setattr(port_module, "SILENT", 0.0)
-    assert visitor.is_closed()

@@ -37,6 +37,14 @@ class BreakingLink:
 
     def reopen(self) -> bool:
         """Try to get it back, without waiting; whether it is up now."""
+        try:
+            return self._open()
+        except InputError as error:
+            self.fault = str(error)
+            return False
+
+    def _open(self) -> bool:
+        """As `reopen`; InputError where it can never be opened."""
         raise NotImplementedError
 
     def close(self) -> None:
@@ -92,10 +100,10 @@ class DialledLink(ByteLink):
         self._place = place
         self._socket: socket.socket | None = None
         self._talk: Iterator[None] | None = None  # what is said before it is up; None: nothing is
-        self._begun, self._awaits = 0.0, select.POLLIN
+        self._begun = 0.0
         self.reopen()
 
-    def reopen(self) -> bool:
+    def _open(self) -> bool:
         """Begin to connect, unless that goes on already."""
         late = self._talk is not None and monotonic() - self._begun >= PATIENCE
         if late:
@@ -104,6 +112,11 @@ class DialledLink(ByteLink):
             self.fault = self.fault or f"{self.label}: connecting"
             self._begun, self._talk = monotonic(), self._opening()
         return self.advance()
+
+    @property
+    def connecting(self) -> bool:
+        """Whether it is on its way to be up."""
+        return self._talk is not None
 
     def advance(self) -> bool:
         """Go on connecting as far as it goes without waiting; whether it is up."""
@@ -118,15 +131,6 @@ class DialledLink(ByteLink):
                 self.broke(error)
         return self.up
 
-    def settle(self, end: float) -> None:
-        """Wait until it is up or has failed, but not beyond `end` of the monotonic clock."""
-        while self._talk is not None and (left := end - monotonic()) > 0:
-            assert self._socket is not None
-            poll = select.poll()
-            poll.register(self._socket, self._awaits)
-            poll.poll(1e3 * left)
-            self.advance()
-
     def _opening(self) -> Iterator[None]:
         """Connect, and say what comes first; a step wherever something is to be waited for."""
         yield from self._connected(self._place, b"")
@@ -140,14 +144,13 @@ class DialledLink(ByteLink):
         code = sock.connect_ex(place.address)
         if code not in (0, errno.EINPROGRESS):
             raise OSError(code, os.strerror(code))
-        poll, self._awaits = select.poll(), select.POLLOUT
+        poll = select.poll()
         poll.register(sock, select.POLLOUT)
         while not poll.poll(0):
             yield
         code = sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
         if code:
             raise OSError(code, os.strerror(code))
-        self._awaits = select.POLLIN
         sock.sendall(hello)  # some bytes into an empty buffer
 
     def receive(self, into: Octets) -> int:

@@ -40,6 +40,7 @@ PER_DATAGRAM = 64  # messages that are sent in a datagram of UDP
 LONGEST = 92 * STRUCT  # bytes of a datagram of UDP that are read: Ethernet carries 1472
 SOL_CAN_RAW, CAN_RAW_ERR_FILTER = 101, 2
 ERRORS_OF_INTEREST = 0x1FFFFFFF  # CAN_ERR_MASK: all kinds
+OTHER = "take interface udp, or one of python-can's (pcan, slcan, ...)"
 NO_CAN = {errno.EAFNOSUPPORT, errno.EPROTONOSUPPORT, errno.EPERM, errno.EACCES}
 ABSENT = {errno.ENODEV, errno.ENETDOWN, errno.ENXIO}  # no such device now, or not set up
 
@@ -167,8 +168,7 @@ class UdpBus(SocketBus):
         """Host and port at which it listens; ("", 0) while it is down."""
         return address_of(self._socket)
 
-    def reopen(self) -> bool:
-        """Open the socket anew."""
+    def _open(self) -> bool:
         self.close()
         try:
             self._use(*unicast_socket(self._own))
@@ -206,14 +206,16 @@ class SocketCanBus(SocketBus):
 
     def __init__(self, settings: BusSettings, sock: socket.socket | None = None) -> None:
         super().__init__(settings, STRUCT, 1)
-        if sock is None:
-            _check_system()
-            self.reopen()
-        else:
+        if sock is not None:
             self._use(sock, set_options(sock))
+        elif hasattr(socket, "AF_CAN"):
+            self._open()
+        else:
+            raise InputError(
+                f"interface is 'socketcan', expected Linux: this Python has no AF_CAN; {OTHER}"
+            )
 
-    def reopen(self) -> bool:
-        """Open the socket anew."""
+    def _open(self) -> bool:
         self.close()
         device = self.settings.channel or "can0"
         sock = None
@@ -226,28 +228,16 @@ class SocketCanBus(SocketBus):
                 raise OSError(code, os.strerror(code))
         except OSError as error:
             let_go(sock)
+            if error.errno in NO_CAN:
+                raise InputError(
+                    "interface is 'socketcan', expected a kernel with CAN, and leave to open it: "
+                    f"this one refuses ({error.strerror}); modprobe can can_raw, or {OTHER}"
+                ) from None
             self.fault = f"{device}: {error.strerror or error}"
             if error.errno in ABSENT:
                 self.fault += f"; ip link set {device} up type can bitrate 1000000"
             return False
         return self._use(sock, set_options(sock))
-
-
-def _check_system() -> None:
-    """Raise InputError where there is no CAN at all."""
-    other = "take interface udp, or one of python-can's (pcan, slcan, ...)"
-    if not hasattr(socket, "AF_CAN"):
-        raise InputError(
-            f"interface is 'socketcan', expected Linux: this Python has no AF_CAN; {other}"
-        )
-    try:
-        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
-    except OSError as error:
-        if error.errno in NO_CAN:
-            raise InputError(
-                "interface is 'socketcan', expected a kernel with CAN, and leave to open it: this "
-                f"one refuses ({error.strerror}); modprobe can can_raw, or {other}"
-            ) from None
 
 
 NEAR = 1_000_000_000  # ns: stamps further off are of a clock of the adapter's own
@@ -284,14 +274,6 @@ class PythonCanBus(Bus):
             )
         self._bus: Any = None
         self._open()
-
-    def reopen(self) -> bool:
-        """Open it anew."""
-        try:
-            return self._open()
-        except InputError as error:
-            self.fault = str(error)
-            return False
 
     def _open(self) -> bool:
         self.close()

@@ -187,8 +187,7 @@ class SharedMemoryReader(BreakingLink):
         self._copies: Words32 = np.zeros((2, 0), np.uint32)
         self._sample = -1
 
-    def reopen(self) -> bool:
-        """Map the memory if it is there; whether it is. Harmless when it is mapped already."""
+    def _open(self) -> bool:
         if self._areas is not None:
             return True
         try:

@@ -212,8 +212,7 @@ class UdpLink(BreakingLink):
         """Host and port at which it listens; ("", 0) while it is down."""
         return address_of(self._socket)
 
-    def reopen(self) -> bool:
-        """Bind anew."""
+    def _open(self) -> bool:
         self.close()
         try:
             self._socket, buffer_bytes = unicast_socket(self._own)
@@ -232,12 +231,12 @@ class UdpLink(BreakingLink):
 
     def send(self, data: bytes) -> None:
         """Send one datagram to the peer."""
-        if self._socket is not None and self.peer is not None:
-            try:
+        try:
+            if self._socket is not None and self.peer is not None:
                 self._socket.sendto(data, self.peer)
-            except OSError as error:
-                if error.errno not in TRANSIENT:
-                    self.broke(error)
+        except OSError as error:
+            if error.errno not in TRANSIENT:
+                self.broke(error)
 
     def close(self) -> None:
         """Let go of the socket."""
@@ -374,14 +373,6 @@ class SerialLink(ByteLink):
         self._look = 0.0
         self._waiting = bytearray(4)
         self._open()
-
-    def reopen(self) -> bool:
-        """Open it anew, if its node is there."""
-        try:
-            return self._open()
-        except InputError as error:
-            self.fault = str(error)
-            return False
 
     def _open(self) -> bool:
         self.close()

@@ -45,12 +45,6 @@ def tape_of(counts: Floats, after_ns: Ints) -> Words:
     after_ns : (T,) int64 array, ns
         Of each reading, since the first; not decreasing.
     """
-    if not len(counts) or len(after_ns) != len(counts):
-        raise InputError(f"there are {len(counts)} readings, expected one or more with a time each")
-    if (np.diff(after_ns) < 0).any() or after_ns[0] != 0:
-        raise InputError(
-            f"after_ns is {after_ns}, expected the first at 0, none before its predecessor"
-        )
     kind, table = narrowest(counts)
     parts = []
     for first in range(0, table.shape[1], LONGEST):

@@ -6,8 +6,9 @@ what it sends to all its readers.
 """
 
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
-from time import monotonic
+from time import monotonic, sleep
 
 import numpy as np
 
@@ -26,7 +27,7 @@ PIECE = 1 << 16  # bytes that are read at once
 BYTES_PER_NUMBER = 32  # of text, at most: what YARP writes has 25
 SHORTEST_LINE = 1 << 16  # bytes of a line that are always read
 ROUNDS = 8  # of a poll
-SETTLE = 1.0  # s
+SETTLE, STEP = 1.0, 1e-3  # s: to wait for connections at first, between two looks at them
 DATA = ("d", "D")  # first letters of lines that numbers follow
 DIGITS = 18  # of a message's number
 NO_NUMBERS = -1
@@ -115,20 +116,20 @@ class YarpText:
             named = each.port.startswith("/")
             host, port = (self.host, self.port) if named else host_and_port(each.port, "", 0)
             places.append(resolved(host, port, "host"))
-        links: list[YarpLink] = []
-        try:
-            for each, place in zip(self.ports, places, strict=True):
-                longest = max(SHORTEST_LINE, BYTES_PER_NUMBER * each.channels)
-                links.append(YarpLink(each.port, place, self.own, longest))
+        with ExitStack() as undo:
+            links = [
+                undo.enter_context(closing(YarpLink(each.port, place, self.own, each.channels)))
+                for each, place in zip(self.ports, places, strict=True)
+            ]
             end = monotonic() + SETTLE
-            for link in links:
-                link.settle(end)
+            while monotonic() < end and any(link.connecting for link in links):
+                sleep(STEP)
+                for link in links:
+                    link.advance()
             ports = tuple(Port(each.name, each.channels, self.unit) for each in self.ports)
-            return YarpStream(ports, links)
-        except BaseException:
-            for link in links:
-                link.close()
-            raise
+            stream = YarpStream(ports, links)
+            undo.pop_all()
+        return stream
 
 
 class YarpLink(DialledLink):
@@ -142,8 +143,8 @@ class YarpLink(DialledLink):
         Of the name server, or of the socket.
     own : str
         Name that we give.
-    longest : int, bytes
-        Of a line that is read.
+    channels : int
+        Numbers in a vector, which say how long a line may be.
 
     Attributes
     ----------
@@ -151,9 +152,9 @@ class YarpLink(DialledLink):
         What came and was not taken.
     """
 
-    def __init__(self, port: str, place: Place, own: str, longest: int) -> None:
-        self._own, self._longest = own, longest
-        self.lines = Lines(longest)
+    def __init__(self, port: str, place: Place, own: str, channels: int) -> None:
+        self._own, self._longest = own, max(SHORTEST_LINE, BYTES_PER_NUMBER * channels)
+        self.lines = Lines(self._longest)
         super().__init__(port, place)
 
     def _opening(self) -> Iterator[None]:

@@ -14,7 +14,6 @@ import select
 import socket
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
-from time import monotonic
 
 from skinfield.errors import InputError
 from skinfield.wire.yarp.bottle import Value, text_from_bottle, words_from_text
@@ -39,7 +38,6 @@ MOST = 64  # connections
 PIECE = 65536  # bytes read at once
 GOODBYE = 0.5  # s for the last bytes of a connection
 CONNECT = 2.0  # s for a connection to another port
-SILENT = 30.0  # s that a party may take to say who it is
 BEHIND = 1 << 22  # bytes that wait to be sent, at which a connection is given up
 UNKNOWN = b"* Error. Protocol not found.\r\n* Try CONNECT and a name.\r\n"
 
@@ -184,13 +182,7 @@ class Connection:
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.socket, self.session = sock, session
         self._out = bytearray()
-        self._began = monotonic()
         self.gone = False
-
-    @property
-    def silent(self) -> bool:
-        """Whether it never said who it is, and had the time to."""
-        return not self.session.peer and monotonic() - self._began > SILENT
 
     @property
     def waits(self) -> bool:
@@ -228,11 +220,9 @@ class Connection:
     def close(self) -> None:
         """Say goodbye to a reader, and close."""
         if self.session.reads and not self.gone:
-            self.send(message(self.session.carrier or Carrier.TEXT, "q"))
-            end = monotonic() + GOODBYE
-            while self._out and not self.gone and monotonic() < end:
-                select.select([], [self.socket], [], 0.05)
-                self.send(b"")
+            self.socket.settimeout(GOODBYE)
+            with suppress(OSError):
+                self.socket.sendall(self._out + message(self.session.carrier or Carrier.TEXT, "q"))
         self.socket.close()
 
 
@@ -347,7 +337,7 @@ class Port:
                     self._connections.append(Connection(sock, Session(self)))
                 else:
                     sock.close()
-        for each in [each for each in self._connections if each.gone or each.silent]:
+        for each in [each for each in self._connections if each.gone]:
             self._connections.remove(each)
             each.close()
 
