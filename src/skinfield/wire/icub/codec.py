@@ -49,11 +49,10 @@ class ICubDecoder(CanDecoder):
     classes, extended identifiers, and the debug messages with identifier 0x100.
 
     A triangle sends head, tail, head, tail. While that order holds, nothing is counted. A part of
-    the same kind and data again, of the same reading, is DUPLICATED and makes no block. Else two
-    heads in a row are one LOST tail, two tails one LOST head; unless the missing part comes within
-    the same reading after, which is SWAPPED. That a part is missing shows by the next reading of
-    its triangle. A whole reading that is missing leaves no trace here, other than the age of its
-    channels. How a reading is told from the next one, see `kernel`.
+    the same kind and data once more, of the same reading, is DUPLICATED and makes no block. Else
+    two heads in a row are one LOST tail, two tails one LOST head. That a part is missing shows by
+    the next reading of its triangle. A whole reading that is missing leaves no trace here, other
+    than the age of its channels. How a reading is told from the next one, see `kernel`.
     """
 
     def __init__(
@@ -70,7 +69,7 @@ class ICubDecoder(CanDecoder):
             if its_bus == bus:
                 self._positions[address] = place
         self._state = np.zeros(BOARDS * TRIANGLES, np.uint8)
-        self._events: Ints = np.zeros((3 * BOARDS * TRIANGLES, 2), np.int64)
+        self._events: Ints = np.zeros((2 * BOARDS * TRIANGLES, 2), np.int64)
         self._learned: Ints = np.zeros((BOARDS, 3), np.int64)
         self._learned[:, PERIOD] = round(period * 1e9)
         self._newest: Octets = np.zeros((2 * BOARDS * TRIANGLES, 8), np.uint8)

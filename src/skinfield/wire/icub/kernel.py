@@ -1,8 +1,8 @@
 """Decoder of the messages of an iCub's skin boards, compiled.
 
 A triangle sends head, tail, head, tail; only where that order breaks is anything counted, so that
-nothing is where no message is missing, doubled or out of place, whatever rate the board has, and
-however late or close together its messages are read.
+nothing is where no message is missing or doubled, whatever rate the board has, and however late or
+close together its messages are read. That messages of a triangle change places, CAN does not do.
 
 Two parts belong to one reading if few messages of their board came between: less than half of what
 a board sends in a reading. A board of one triangle has nothing in between; there it is the time
@@ -20,12 +20,8 @@ from skinfield.errors import Ints
 from skinfield.signal.block import Octets, Words
 from skinfield.signal.blocks_kernel import begin_block
 
-LOST, DUPLICATED, SWAPPED = 2, 6, 7  # as `Count`
+LOST, DUPLICATED = 2, 6  # as `Count`
 HEAD_LAST, TAIL_LAST = 1, 2  # state: the part that came last
-HEAD_OWED, TAIL_OWED = 4, 8  # added to it: a part that should have come before the last one did
-SUSPECT = 16  # added to it: the last part looks like a copy, but came when one was due
-PART, OWED = 3, 12  # masks of the two
-OWED_SINCE = 2  # row of `events`, after those of head and tail
 STAMP, NUMBER = 0, 1  # columns of `events`
 MESSAGES, ROUND, PERIOD = 0, 1, 2  # columns of `boards`
 QUARTERS = 4  # of a message: the unit of `ROUND`
@@ -92,10 +88,9 @@ def follow(
         Whether its data is that of the part of this kind before.
     stamp_ns : int, ns
     state : (256,) uint8 array
-        See the constants.
-    events : (768, 2) int64 array
-        Stamp and number of the last head, of the last tail, and since when a part is owed; three
-        rows of each triangle.
+        The part that came last; 0 at first.
+    events : (512, 2) int64 array
+        Stamp and number of the last head and of the last tail; two rows of each triangle.
     boards : (16, 3) int64 array
         Messages of each board until now; how many make a reading, in quarters; its period, ns.
     counters : (len(Count),) int64 array
@@ -105,53 +100,19 @@ def follow(
     bool
         Whether it is a reading; else it is a copy of one.
     """
-    board, first = triangle >> 4, 3 * triangle
-    event, owed_since = first + part - 1, first + OWED_SINCE
+    board, event = triangle >> 4, 2 * triangle + part - 1
     number = boards[board, MESSAGES] + 1
-    last, owed = state[triangle] & PART, state[triangle] & OWED
-    copy = same and is_near(board, event, stamp_ns, number, events, boards)
-    late = owed == part << 2 and is_near(board, owed_since, stamp_ns, number, events, boards)
-    if last != part:
-        if last == TAIL_LAST and not owed:
-            learn(board, event, stamp_ns, number, events, boards)
-        state[triangle] = in_order(part, last, owed, copy, late, counters)
-    elif copy and not (late and boards[board, ROUND] < SEVERAL):
-        counters[DUPLICATED] += 1
-        return False
-    else:
-        if not late and not state[triangle] & SUSPECT:
-            events[owed_since, STAMP], events[owed_since, NUMBER] = stamp_ns, number
-        state[triangle] = out_of_order(part, state[triangle], late, counters)
+    if state[triangle] == part:
+        if same and is_near(board, event, stamp_ns, number, events, boards):
+            counters[DUPLICATED] += 1
+            return False
+        counters[LOST] += 1
+    elif state[triangle] == TAIL_LAST and events[event, NUMBER]:
+        learn(board, event, stamp_ns, number, events, boards)
+    state[triangle] = part
     boards[board, MESSAGES] = number
     events[event, STAMP], events[event, NUMBER] = stamp_ns, number
     return True
-
-
-@njit
-def in_order(part: int, last: int, owed: int, copy: bool, late: bool, counters: Ints) -> int:
-    """State after a part that follows one of the other kind.
-
-    A head ends the reading before it: what that still owes is lost, unless it is this very head,
-    which came behind its tail.
-    """
-    if owed and part == HEAD_LAST:
-        counters[SWAPPED if late else LOST] += 1
-        return last if late else part
-    return part | owed | (SUSPECT if copy and not owed else 0)
-
-
-@inner
-def out_of_order(part: int, state: int, late: bool, counters: Ints) -> int:
-    """State after a second part of one kind, which is no copy of the first."""
-    if late:  # tail after tail, behind two heads: the first tail was late
-        counters[SWAPPED] += 1
-        return part
-    if state & SUSPECT:  # the first was a copy, of an earlier one
-        counters[DUPLICATED] += 1
-        return part
-    if state & OWED:
-        counters[LOST] += 1
-    return part | (HEAD_LAST + TAIL_LAST - part) << 2
 
 
 @inner
