@@ -15,8 +15,7 @@ from skinfield.wire.yarp import (
     bytes_from_bottle,
     text_from_bottle,
 )
-from skinfield.wire.yarp.bottle import from_octets
-from skinfield.wire.yarp.carriers import Lines, greeting, message
+from skinfield.wire.yarp.carriers import Lines, from_octets, greeting, message
 from skinfield.wire.yarp.contacts import known_name, part_of, port_of
 
 VALUES = [[1, 2], [1.0, -0.5], "a b\n", True]

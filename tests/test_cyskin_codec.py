@@ -283,7 +283,5 @@ def test_a_board_in_software_obeys_and_answers() -> None:
     assert answers == [(Command.ERROR, bytes([Command.MODULE_DETAILS, Refusal.INVALID]))]
     state, answers = state.after(0x32, b"")
     assert answers == [(Command.ERROR, bytes([0x32, 0xE2]))]
-    state, answers = state.after(Command.UID, b"")
-    assert answers == [(Command.UID, b"\0\0\0\x05")]
     state = state.after(Command.SYNC, b"")[0].after(Command.SET_AUTO_SYNC, b"\0")[0]
     assert (state.sending, state.syncs, state.ignored) == (False, 1, 2)

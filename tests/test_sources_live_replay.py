@@ -216,12 +216,12 @@ def test_a_live_recording_step_by_step_and_through_a_small_buffer(tmp_path: Path
     assert stream.ended
 
 
-def test_ports_of_a_live_recording(tmp_path: Path) -> None:
-    path = live_recording(tmp_path)
+def test_ports_of_a_live_recording() -> None:
+    tape = np.frombuffer(live_blocks().data.tobytes(), np.int64)
     ports = (Port("hand", 12), Port("arm", 4))
-    assert ReplaySource(path, ports=ports).open().ports == ports
+    assert BlockReplayStream(ports, tape).ports == ports
     with pytest.raises(FileError, match="channel 12, expected channels below 12"):
-        ReplaySource(path, ports=(Port("hand", 12),)).open()
+        BlockReplayStream((Port("hand", 12),), tape)
 
 
 def test_a_simulated_press(monkeypatch: pytest.MonkeyPatch) -> None:

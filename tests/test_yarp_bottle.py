@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from yarp_peers import values_of
 
 from skinfield.wire.yarp import bytes_from_bottle, text_from_bottle
-from skinfield.wire.yarp.bottle import words_from_text
+from skinfield.wire.yarp.carriers import words_from_text
 
 GOLDEN = [  # as YARP's documentation of its data format and of its ports shows them
     ('0 "hello world"', [0, "hello world"]),

@@ -128,13 +128,7 @@ class Datagrams:
 
 @cache
 def recvmmsg() -> Call:
-    """The system's call, which takes in many datagrams at once.
-
-    Raises
-    ------
-    InputError
-        Where the system, or the layout of its structures, is another than Linux's of 64 bits.
-    """
+    """The system's call, which takes in many datagrams at once."""
     known = sys.platform == "linux" and sys.byteorder == "little"
     if not known or ctypes.sizeof(ctypes.c_void_p) != 8:
         raise InputError("UDP and SocketCAN are asked for, expected Linux of 64 bits")
@@ -201,13 +195,7 @@ class Place(NamedTuple):
 
 
 def resolved(host: str, port: int, name: str) -> Place:
-    """Address of a host.
-
-    Raises
-    ------
-    InputError
-        If it is not understood.
-    """
+    """Address of a host."""
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
     except (OSError, UnicodeError) as error:
@@ -219,13 +207,7 @@ def resolved(host: str, port: int, name: str) -> Place:
 
 
 def peer_from_text(text: str) -> Place:
-    """Address of a peer.
-
-    Raises
-    ------
-    InputError
-        If it is no host and port, or the host is not understood.
-    """
+    """Address of a peer."""
     host, _, port = text.rpartition(":")
     if not host or not port.isdigit() or not 0 < int(port) < 65536:
         raise InputError(f"peer is {text!r}, expected host:port, as in 127.0.0.1:43113")

@@ -244,13 +244,7 @@ NEAR = 1_000_000_000  # ns: stamps further off are of a clock of the adapter's o
 
 
 def python_can() -> ModuleType:
-    """The package.
-
-    Raises
-    ------
-    InputError
-        If it is not installed.
-    """
+    """The package."""
     try:
         import can
     except ImportError as error:

@@ -64,10 +64,6 @@ class Bus(BreakingLink):
 
     Attributes
     ----------
-    up : bool
-        Whether messages can come.
-    fault : str
-        Why it is down, in words; empty while it is up.
     overflowed : int
         Messages that the system dropped for want of room, since it was opened; of UDP, datagrams.
     malformed : int

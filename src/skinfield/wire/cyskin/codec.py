@@ -184,14 +184,9 @@ class CySkinEncoder:
     @property
     def messages_per_reading(self) -> int:
         """CAN messages of one reading of all boards of the bus."""
-        fixed = 4 + self.wire.checksum.octets  # octets beside the responses
-        total = 0
-        for row, count in enumerate(self.table.counts):
-            sensors = int(self.table.begins[row, count] - self.table.begins[row, 0])
-            whole, rest = divmod(sensors, self.per_packet)
-            for packets, responses in ((whole, self.per_packet), (bool(rest), rest)):
-                total += packets * -(-(fixed + 2 * responses) // 8)
-        return total
+        fixed = 2 + self.wire.checksum.octets  # octets of a packet before and behind its data
+        boards = range(len(self.table.numbers))
+        return sum(-(-(fixed + len(d)) // 8) for each in boards for d in self._readings(each))
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:
         """Write one reading of each board that sends, from row `first` on.

@@ -43,7 +43,6 @@ class Part(IntFlag):
 class Command(IntEnum):
     """First octet of an application packet, and of the answer to it."""
 
-    PING = 0x12
     ERROR = 0x13
     SET_MODULE_GROUPING = 0x36
     SET_AUTO_SYNC = 0x37
@@ -51,7 +50,6 @@ class Command(IntEnum):
     SYNC = 0x3B
     DECLARE = 0x3C
     MODULE_DETAILS = 0x3D
-    UID = 0x41
     SENSOR_DATA = 0x43
 
 
@@ -112,13 +110,7 @@ class CySkinBoard:
 
 
 def checked_boards(boards: Iterable[CySkinBoard]) -> tuple[CySkinBoard, ...]:
-    """Boards as a tuple.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one of a bus or a module stands there twice.
-    """
+    """Boards as a tuple."""
     boards = tuple(boards)
     addresses = [(board.bus, board.number) for board in boards]
     if not boards or len(set(addresses)) < len(addresses):

@@ -235,6 +235,10 @@ class CySkinWire:
         """Number of a board that means all of them."""
         return EXTENDED_ID if self.extended else STANDARD_ID
 
+    def number(self, value: int, octets: int) -> bytes:
+        """A number of several octets."""
+        return value.to_bytes(octets, "big" if self.big_endian else "little")
+
     def identifier(self, board: int, part: Part) -> int:
         """CAN identifier, with the bit `EXTENDED` where it has 29 bits."""
         check_count("board", board, 0, self.every_board, "number of a board, or of all")

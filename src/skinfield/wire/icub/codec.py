@@ -111,13 +111,7 @@ class ICubDecoder(CanDecoder):
 
 
 def checked_boards(boards: Iterable[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
-    """Pairs (bus, address) as a tuple.
-
-    Raises
-    ------
-    InputError
-        If there is none, one twice, or a number out of range.
-    """
+    """Pairs (bus, address) as a tuple."""
     pairs = tuple((bus, address) for bus, address in boards)
     for bus, address in pairs:
         check_count("bus", bus, 0, 255, "index into the buses of the source")

@@ -11,9 +11,9 @@ import numpy as np
 
 from skinfield.errors import FileError, InputError, check_count, check_type
 from skinfield.skin import Patch
+from skinfield.wire.icub.codec import checked_boards
 from skinfield.wire.icub.commands import (
     BOARD_CHANNELS,
-    BOARDS,
     TAXELS,
     TRIANGLES,
     Message,
@@ -64,8 +64,6 @@ class BoardSettings:
     triangles: tuple[TriangleState, ...] = (TriangleState(),) * TRIANGLES
 
     def __post_init__(self) -> None:
-        check_count("bus", self.bus, 0, 255, "index into the buses")
-        check_count("address", self.address, 0, BOARDS - 1, "of a board on its bus")
         check_type("board", self.board, SetBoard, "its kind, period and rest")
         check_count("triangles", len(self.triangles), TRIANGLES, TRIANGLES, "one state for each")
 
@@ -102,9 +100,7 @@ class ICubConfiguration:
     ports: tuple[PortRun, ...] = ()
 
     def __post_init__(self) -> None:
-        pairs = self.addresses
-        if not pairs or len(set(pairs)) < len(pairs):
-            raise InputError(f"boards are {list(pairs)}, expected one or more, each once")
+        pairs = checked_boards(self.addresses)
         for bus, _ in pairs:
             check_count("bus", bus, 0, len(self.buses) - 1, "index into the buses")
         for run in self.ports:

@@ -43,13 +43,7 @@ def read_tree(path: Path) -> Element:
 
 
 def tree_of(data: bytes, name: str) -> Element:
-    """Root element of a file's bytes, its elements with their `LINE`; `name` is for errors.
-
-    Raises
-    ------
-    FileError
-        See `read_tree`.
-    """
+    """Root element of a file's bytes, its elements with their `LINE`; `name` is for errors."""
     if len(data) > LARGEST:
         raise FileError(f"{name}: larger than {LARGEST} bytes, expected a robot's XML file")
     builder, parser = TreeBuilder(), expat.ParserCreate()
@@ -183,13 +177,7 @@ class PortRun:
 
 
 def wrapper_from(path: str, root: Element) -> tuple[PortRun, ...] | None:
-    """Ports of a ``skin_wrapper`` file; None if the file has none.
-
-    Raises
-    ------
-    FileError
-        If a value is missing or cannot be used.
-    """
+    """Ports of a ``skin_wrapper`` file; None if the file has none."""
     values, ports = Values(path), named(root, "paramlist", "ports")
     if ports is None:
         return None
@@ -256,13 +244,7 @@ class SkinDevice:
 
 
 def spec_from(path: str, root: Element) -> SkinSpec | None:
-    """Settings of boards and triangles; None if the file has none.
-
-    Raises
-    ------
-    FileError
-        If a value is missing or cannot be used.
-    """
+    """Settings of boards and triangles; None if the file has none."""
     values = Values(path)
     groups = {
         name: named(root, "group", name) for name in ("defaultCfgBoard", "defaultCfgTriangle")
@@ -284,13 +266,7 @@ def spec_from(path: str, root: Element) -> SkinSpec | None:
 
 
 def device_from(path: str, root: Element) -> SkinDevice | None:
-    """Addresses of boards; None if the file has none.
-
-    Raises
-    ------
-    FileError
-        If a value is missing or cannot be used.
-    """
+    """Addresses of boards; None if the file has none."""
     values, patches = Values(path), named(root, "group", "patches")
     ids = named(root, "param", "skinCanIds")
     lists: list[tuple[Element, int]] = []

@@ -217,8 +217,7 @@ class PacketEncoder:
         device: int = 1,
         payload: int = ETHERNET,
     ) -> None:
-        check_count("channels", channels, 1, 65535, "of one device")
-        check_count("device", device, 0, 0xFFFE, "65535 stands for all of them")
+        PacketDevice(device, channels)  # refuses what cannot be
         if kind not in DTYPES:
             raise InputError(f"kind is {kind!r}, expected BYTES, SHORTS, FLOATS or SIGNED")
         self.kind = PacketKind(kind)

@@ -268,11 +268,6 @@ class ManagedStream(LinkedStream):
     ----------
     reconfigured : int
         Times that a board was told its settings after the first.
-
-    Raises
-    ------
-    InputError
-        If a bus cannot be used; see `open_bus`.
     """
 
     def __init__(
@@ -387,11 +382,6 @@ def ports_of(configuration: ICubConfiguration) -> tuple[Boards, tuple[Port, ...]
     Without ports in the configuration there is one, of all its boards and of its name. Boards that
     no port takes are a port of their own, "... without a port". A run that ends within a board
     takes the whole of it: wrappers of boards that are not full count only the triangles there are.
-
-    Raises
-    ------
-    InputError
-        If a port's run begins within a board.
     """
     addresses = configuration.addresses
     if not configuration.ports:

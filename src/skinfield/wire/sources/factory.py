@@ -189,11 +189,9 @@ def icub(
     bitrate: int = 1_000_000,
     listen: bool = False,
 ) -> Source:
-    """Boards of an iCub.
+    """Boards of an iCub: of the robot's XML files in `config`, by commas, or 1 to 14 of each bus.
 
-    Options: `config` (the robot's XML files, by commas; else boards 1 to 14 of each bus, in the
-    order of the patches), `period_ms`, `no_load`, `shift`, `bitrate`, `listen` (yes: tell the
-    boards nothing).
+    In the latter case they are in the order of the patches. With `listen` they are told nothing.
     """
     files = [name for name in config.split(",") if name]
     if files:
@@ -217,11 +215,9 @@ def cyskin(
     bitrate: int = 1_000_000,
     listen: bool = False,
 ) -> Source:
-    """Boards of CySkin on CAN.
+    """Boards of CySkin on CAN: `boards` are their numbers, by commas, see `on_boards`.
 
-    Options: `boards` (their numbers, by commas; default 1, 2, ... as many as the modules need),
-    `period_ms`, `extended`, `big_endian`, `checked` (no: checksums are not looked at), `bitrate`,
-    `listen`.
+    Unless `checked`, checksums are not looked at; with `listen` the boards are told nothing.
     """
     wire = CySkinWire(extended=extended, big_endian=big_endian)
     if not checked:
@@ -233,7 +229,7 @@ def cyskin(
 
 
 def shared_memory(skin: Skin, bus: str, channels: tuple[str, ...], *, boards: str = "") -> Source:
-    """The memory of CySkin's acquisition tool; the channel is its key. Options: `boards`."""
+    """The memory of CySkin's acquisition tool; the channel is its key."""
     text = _one(channels, "450")
     if not text.isdecimal():
         raise InputError(f"channel is {text!r}, expected the key of the memory, as 450")
@@ -265,8 +261,7 @@ def packet(
     """Skinfield's own packets; patch k is device k, from 1 on.
 
     Channels: of `udp` ``:port`` or ``0.0.0.0:port`` to listen at, or ``host:port`` of the device;
-    of `tcp` ``host:port`` of the server; of `serial` the path of the line. Options: `unit`, `baud`,
-    `listen`.
+    of `tcp` ``host:port`` of the server; of `serial` the path of the line.
     """
     devices = tuple(PacketDevice(number, patch.n_channels) for number, patch in enumerate(skin, 1))
     names = tuple(patch.name for patch in skin)
@@ -286,7 +281,7 @@ def packet(
 def replay(
     skin: Skin, bus: str, channels: tuple[str, ...], *, speed: float = 1.0, loop: bool = False
 ) -> Source:
-    """A recording; the channel is its path. Options: `speed` (inf: a reading a cycle), `loop`."""
+    """A recording; the channel is its path, and an infinite `speed` brings a reading a cycle."""
     path = _one(channels, "")
     if not path:
         raise InputError("channel is missing, expected the path of the recording to replay")
@@ -296,7 +291,7 @@ def replay(
 def simulation(
     skin: Skin, bus: str, channels: tuple[str, ...], *, rate: float = 50.0, force: float = 3.0
 ) -> Source:
-    """A ball that presses each patch in turn, within this process. Options: `rate`, `force`."""
+    """A ball that presses each patch in turn, within this process."""
     return pressed(skin, force=force, rate=rate)
 
 
@@ -315,8 +310,8 @@ def yarp(
 
     The bus is ``host:port`` of the name server. Channels: each port's name, or its place as
     ``host:port``, which needs no name server; default that of the patch's name, such as
-    ``/icub/skin/left_forearm``. Options: `robot` (in place of icub), `own` (name that we give),
-    `unit`; `no_load` and `shift`, which say what bytes mean, are for whoever reads these.
+    ``/icub/skin/left_forearm``. `own` is the name that we give; `no_load` and `shift`, which say
+    what bytes mean, are for whoever reads these.
     """
     patches = tuple(skin)
     names = channels or tuple(port_of(patch.name, robot) for patch in patches)

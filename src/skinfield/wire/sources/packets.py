@@ -73,13 +73,7 @@ class PacketSource:
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        """One for each device.
-
-        Raises
-        ------
-        InputError
-            If there are names, but not one for each.
-        """
+        """One for each device."""
         devices = self.devices
         assert not isinstance(devices, int)  # since it was made
         if len(self.names) != len(devices):
@@ -343,13 +337,7 @@ class PacketSerial(PacketSource):
 
 
 def pyserial() -> ModuleType:
-    """The package.
-
-    Raises
-    ------
-    InputError
-        If it is not installed.
-    """
+    """The package."""
     try:
         import serial
     except ImportError as error:

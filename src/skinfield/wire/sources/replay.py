@@ -210,20 +210,16 @@ class ReplaySource:
     skin : Skin or Patch, optional
         To whose channels the columns belong: found by uid where the recording has uids. Without
         it, columns are channels of one port. Not for MCAP files, which hold channels.
-    ports : sequence of Port
-        Of an MCAP file's channels, in place of those that it names; one of all where it names none.
     """
 
     path: str | Path
     speed: float = 1.0
     loop: bool = False
     skin: Skin | Patch | None = None
-    ports: Sequence[Port] = ()
 
     def __post_init__(self) -> None:
         if self.speed != ALL_AT_ONCE:
             check_range("speed", self.speed, SLOWEST, 1e9, "times real time, or infinite")
-        object.__setattr__(self, "ports", tuple(self.ports))
 
     def open(self) -> Stream:
         """Read the file.
@@ -238,7 +234,7 @@ class ReplaySource:
         path = Path(self.path)
         if _begins_as_mcap(path):
             ports, tape = recorded_blocks(path)
-            return BlockReplayStream(self.ports or ports, tape, self.speed, self.loop, str(path))
+            return BlockReplayStream(ports, tape, self.speed, self.loop, str(path))
         from skinfield.files.recordings import open_recording
 
         ports, counts, stamps = self._columns(open_recording(path))
@@ -287,13 +283,7 @@ def _begins_as_mcap(path: Path) -> bool:
 
 
 def recorded_blocks(path: Path) -> tuple[tuple[Port, ...], Words]:
-    """Ports of a live skin's recording, none if it does not say, and all its blocks.
-
-    Raises
-    ------
-    FileError
-        If it has no whole blocks.
-    """
+    """Ports of a live skin's recording, none if it does not say, and all its blocks."""
     from skinfield.files.mcap.live import LiveRecording
 
     recording = LiveRecording.open(path)

@@ -12,7 +12,7 @@ from time import monotonic, sleep
 
 import numpy as np
 
-from skinfield.errors import Floats, InputError, Ints, check_count, check_type
+from skinfield.errors import InputError, Ints, check_count, check_type
 from skinfield.signal import Blocks, Count, Port
 from skinfield.signal.block import LONGEST, Octets
 from skinfield.signal.blocks import Full
@@ -30,7 +30,6 @@ ROUNDS = 8  # of a poll
 SETTLE, STEP = 1.0, 1e-3  # s: to wait for connections at first, between two looks at them
 DATA = ("d", "D")  # first letters of lines that numbers follow
 DIGITS = 18  # of a message's number
-NO_NUMBERS = -1
 
 
 @dataclass(frozen=True)
@@ -214,9 +213,7 @@ class VectorReader:
     """
 
     def __init__(self, port: Port, link: YarpLink) -> None:
-        self._link = link
-        self._values: Floats = np.zeros(port.channels)
-        self._length = port.channels  # of the last vector; NO_NUMBERS
+        self._link, self._values = link, np.zeros(port.channels)
         self.forget()
 
     def forget(self) -> None:
@@ -224,7 +221,7 @@ class VectorReader:
         self._head = ""  # line with a stamp, whose numbers are still to come
         self._ready = False  # whether a vector waits for room
         self._last: int | None = None
-        self._length = len(self._values)
+        self.note = ""  # that vectors are of another length
 
     def take(self, blocks: Blocks, channel: int, counts: Ints, now_ns: int) -> None:
         """Append the vectors that are complete, as far as there is room."""
@@ -269,17 +266,22 @@ class VectorReader:
 
     def _parse(self, line: str) -> bool:
         """Read the numbers of a line; whether they are as many as there must be."""
-        words = line.replace(",", " ").split()
+        what: int | str
         try:
-            numbers = [float(word) for word in words]
+            numbers = [float(word) for word in line.replace(",", " ").split()]
+            what = len(numbers)
         except ValueError:
-            self._length = NO_NUMBERS
-            return False
-        self._length = len(numbers)
-        if len(numbers) != len(self._values):
-            return False
-        self._values[:] = numbers
-        return True
+            numbers, what = [], "something else than"
+        good = len(numbers) == len(self._values)
+        if good:
+            self._values[:] = numbers
+        self.note = ""
+        if not good:
+            self.note = (
+                f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in "
+                "each vector: is this the layout of that skin?"
+            )
+        return good
 
     def _put(self, blocks: Blocks, channel: int, now_ns: int) -> bool:
         """Append the vector in the smallest kind of block for it; False if there is no room."""
@@ -289,17 +291,6 @@ class VectorReader:
         except Full:
             return False
         return True
-
-    @property
-    def note(self) -> str:
-        """That vectors are of another length; empty where they are not."""
-        if self._length == len(self._values):
-            return ""
-        what = "something else than" if self._length == NO_NUMBERS else self._length
-        return (
-            f"a port of YARP sends {what} numbers, expected {len(self._values)} numbers in each "
-            "vector: is this the layout of that skin?"
-        )
 
 
 class YarpStream(LinkedStream):

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinfield.errors import Floats, InputError, check_count
-from skinfield.wire.yarp.bottle import Value
+from skinfield.wire.yarp.carriers import Value
 
 TORSO, LEFT_ARM, RIGHT_ARM, LEFT_LEG, RIGHT_LEG = 1, 3, 4, 5, 6  # body parts
 NO_LINK = -1

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from time import monotonic
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import Value
-from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
+from skinfield.wire.yarp.carriers import Carrier, Lines, Value, checked_name, greeting, message
 
 PORT = 10000
 END = "*** end of message"
@@ -65,13 +64,7 @@ class Answer:
         self.complete = False
 
     def feed(self, data: bytes) -> bool:
-        """Take in what came; whether it is complete.
-
-        Raises
-        ------
-        InputError
-            If it is too long.
-        """
+        """Take in what came; whether it is complete."""
         self._in.feed(data)
         while not self.complete and (line := self._in.take()) is not None:
             if line.startswith(END):

@@ -16,7 +16,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 
 from skinfield.errors import InputError
-from skinfield.wire.yarp.bottle import Value, text_from_bottle, words_from_text
 from skinfield.wire.yarp.carriers import (
     HEADER,
     HEADERS,
@@ -24,10 +23,13 @@ from skinfield.wire.yarp.carriers import (
     LONGEST_NAME,
     Carrier,
     Lines,
+    Value,
     checked_name,
     greeting,
     line,
     message,
+    text_from_bottle,
+    words_from_text,
     yarp_number,
 )
 from skinfield.wire.yarp.name_server import NameServer
@@ -226,28 +228,6 @@ class Connection:
         self.socket.close()
 
 
-def connected(port: "Port", carrier: Carrier, name: str, place: tuple[str, int]) -> Connection:
-    """A connection of a port to another one, welcomed by it.
-
-    Raises
-    ------
-    OSError
-        If it is not there, or does not answer in time.
-    """
-    with ExitStack() as undo:
-        sock = undo.enter_context(socket.create_connection(place, CONNECT))
-        sock.sendall(greeting(carrier, port.name))
-        if carrier == Carrier.TEXT_ACK:
-            with sock.makefile("rb") as answers:
-                answers.readline(PIECE)
-        elif carrier == Carrier.TCP:
-            answer = sock.recv(HEADER, socket.MSG_WAITALL)
-            if yarp_number(answer) is None:
-                raise OSError(f"it answered {answer!r}, expected eight bytes of YARP")
-        undo.pop_all()
-    return Connection(sock, Session(port, carrier, name))
-
-
 class Port:
     """See above.
 
@@ -399,11 +379,26 @@ class Port:
             if there is None:
                 return f"Do not know how to connect to {wanted}"
             self.remove(name)
-            connection = connected(self, Carrier(carrier_name or "tcp"), name, there)
+            connection = self._connected(Carrier(carrier_name or "tcp"), name, there)
         except (InputError, OSError) as error:
             return f"Cannot connect to {wanted}: {error}"
         self._connections.append(connection)
         return f"Added connection from {self.name} to {wanted}"
+
+    def _connected(self, carrier: Carrier, name: str, place: tuple[str, int]) -> Connection:
+        """A connection to another port, welcomed by it; OSError where it is not, or not in time."""
+        with ExitStack() as undo:
+            sock = undo.enter_context(socket.create_connection(place, CONNECT))
+            sock.sendall(greeting(carrier, self.name))
+            if carrier == Carrier.TEXT_ACK:
+                with sock.makefile("rb") as answers:
+                    answers.readline(PIECE)
+            elif carrier == Carrier.TCP:
+                answer = sock.recv(HEADER, socket.MSG_WAITALL)
+                if yarp_number(answer) is None:
+                    raise OSError(f"it answered {answer!r}, expected eight bytes of YARP")
+            undo.pop_all()
+        return Connection(sock, Session(self, carrier, name))
 
     def remove(self, name: str) -> str:
         """Send to a port no more; the outcome, which begins with "Removed" if that is so."""
