@@ -15,7 +15,7 @@ from skinfield.signal import CanMessages, Stream
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings, open_bus
-from skinfield.wire.cyskin import CySkinEncoder, on_boards
+from skinfield.wire.cyskin import CySkinEncoder, on_boards, uids_of
 from skinfield.wire.cyskin.shared_memory import DATA_HEAD, HEADER_WORDS, libc
 from skinfield.wire.icub import ICubConfiguration, configuration_for
 from skinfield.wire.packet import encode_command, packets_of
@@ -115,16 +115,30 @@ def packet(number: int, channels: int = 72) -> bytes:
     )
 
 
+class PacketSocket:
+    """A device that sends by UDP."""
+
+    def __init__(self) -> None:
+        self.number, self.socket = -1, socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.close = self.socket.close
+
+    def send(self, stream: Stream) -> int:
+        """Send one reading; blocks of counts that it makes."""
+        self.number += 1
+        self.socket.sendto(packet(self.number), stream.address)  # type: ignore[attr-defined]
+        return 1
+
+
 class PacketServer:
     """A device behind a TCP server."""
 
-    def __init__(self) -> None:
-        self.number, self.port = -1, 0
+    def __init__(self, port: int = 0) -> None:
+        self.number, self.port = -1, port
         self.connections: list[socket.socket] = []
         self.told: list[int] = []
-        self.listen()
+        self.plug()
 
-    def listen(self) -> None:
+    def plug(self) -> None:
         self.server = socket.socket()
         self.server.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self.server.bind(("127.0.0.1", self.port))
@@ -145,20 +159,18 @@ class PacketServer:
 
     def send(self, data: bytes | None = None) -> int:
         """Send one reading; blocks of counts that it makes."""
-        wait_for(lambda: self._accepted())
+        wait_for(self._accepted)
         self.number += 1
         self.connections[-1].sendall(packet(self.number) if data is None else data)
         return 1
 
     def _accepted(self) -> bool:
-        if self.connections and self.connections[-1].fileno() >= 0:
+        with suppress(IndexError, OSError):
             self.connection()
-            return True
-        try:
-            self.connection()
-        except (IndexError, OSError):
-            return False
-        return self.connections[-1].fileno() >= 0
+        return bool(self.connections) and self.connections[-1].fileno() >= 0
+
+    def unplug(self, stream: Stream) -> None:
+        self.close()
 
     def close(self) -> None:
         for each in (*self.connections, self.server):
@@ -181,7 +193,7 @@ class SerialLine:
         self.path.symlink_to(os.ttyname(slave))
         self._slave = slave
 
-    def unplug(self) -> None:
+    def unplug(self, stream: Stream | None = None) -> None:
         os.close(self._slave)
         os.close(self.master)
         self.path.unlink()
@@ -211,13 +223,15 @@ class SharedMemoryWriter:
 
     def __init__(self, uids: np.ndarray, key: int, data_key: int) -> None:
         self._uids, self._areas = np.asarray(uids, np.uint32), []
-        self.header = self._made(key, HEADER_WORDS)
-        self._data = self._made(data_key, 2 * len(self._uids) + DATA_HEAD)
+        # the maker's tool asks for 10 bytes of header, not words
+        self.header = self._made(key, 10, HEADER_WORDS)
+        words = 2 * len(self._uids) + DATA_HEAD
+        self._data = self._made(data_key, 4 * words, words)
         self.header[2], self.header[1], self.header[0] = data_key, 0, len(self._uids)
         self.sample = 0
 
-    def _made(self, key: int, words: int) -> np.ndarray:
-        number = libc().shmget(key, 4 * words, 0o1600)  # IPC_CREAT
+    def _made(self, key: int, size: int, words: int) -> np.ndarray:
+        number = libc().shmget(key, size, 0o1600)  # IPC_CREAT
         if number < 0:
             raise OSError(ctypes.get_errno(), "no shared memory")
         address = libc().shmat(number, None, 0)
@@ -225,42 +239,38 @@ class SharedMemoryWriter:
         return np.ctypeslib.as_array((ctypes.c_uint32 * words).from_address(address))
 
     def write(self, responses: np.ndarray, time_ms: int) -> None:
-        """Write one sample (N,), in the tool's own order."""
+        """Write one sample (N,), in the tool's own order: its number is the last word."""
         words, count = self._data, len(self._uids)
         words[DATA_HEAD : DATA_HEAD + count] = self._uids
         words[DATA_HEAD + count :] = responses
-        words[2] = count
-        words[1] = time_ms
-        words[0] = self.sample
+        words[2], words[1], words[0] = count, time_ms, self.sample
         self.sample += 1
 
     def close(self) -> None:
         for number, address in self._areas:
             libc().shmctl(number, 0, None)  # IPC_RMID
             libc().shmdt(address)
+        self._areas = []
 
 
 class Memory:
     """CySkin's acquisition tool, at keys of its own."""
 
-    def __init__(self, uids: np.ndarray) -> None:
-        self.uids, self.number = uids, 0
+    def __init__(self) -> None:
+        self.uids, self.number = uids_of(CYSKIN_BOARDS)[0], 0
         self.key = int.from_bytes(os.urandom(3), "big") + 1000
         self.plug()
 
     def plug(self) -> None:
-        self.writer: SharedMemoryWriter | None = SharedMemoryWriter(
-            self.uids, self.key, self.key + (1 << 25)
-        )
+        self.writer = SharedMemoryWriter(self.uids, self.key, self.key + (1 << 25))
 
-    def unplug(self) -> None:
-        if self.writer is not None:
-            self.writer.close()
-        self.writer = None
-
-    def send(self) -> None:
+    def send(self) -> int:
         self.number += 1
-        assert self.writer is not None
         self.writer.write(np.arange(len(self.uids)) + self.number, self.number)
+        return 1
 
-    close = unplug
+    def unplug(self, stream: Stream) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self.writer.close()

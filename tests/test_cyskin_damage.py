@@ -110,20 +110,6 @@ def test_damage_is_seen_as_plain_python_sees_it(
     assert seen[Count.READINGS] == reference.blocks == readings_of_blocks
 
 
-@given(st.integers(0, 60), st.integers(1, 30))
-def test_each_lost_message_of_a_long_packet_is_counted(which: int, many: int) -> None:
-    rows = sent_rows(2, 126, 1)
-    which %= len(rows) - 20  # whole packets follow, so that the loss shows
-    many = min(many, len(rows) - 18 - which)
-    decoder, seen, blocks = CySkinDecoder(BOARDS), counters(), Blocks(1 << 16)
-    left = rows[:which] + rows[which + many :]
-    decoder.decode(messages_of(left), len(left), blocks, 0, seen)
-    noticed = int(seen[Count.LOST] + seen[Count.MALFORMED])
-    assert noticed <= many
-    if not any(rows[i][0] >> 8 == 1 for i in range(which, which + many)):
-        assert noticed >= 1  # whole packets may go without a trace, as they have no numbers
-
-
 @given(
     st.sets(st.integers(0, 10_000), max_size=3), st.sampled_from([4, 20, 126]), st.integers(0, 9)
 )

@@ -48,7 +48,7 @@ def test_a_server_that_dies_in_the_middle_of_a_packet_and_returns() -> None:
     server.close()
     host.until(lambda: not host.stream.up)
     assert host.stream.filenos() == []
-    server.listen()
+    server.plug()
     server.number = 1
     host.until(lambda: host.stream.up)
     server.send()
@@ -67,9 +67,7 @@ def test_a_server_that_is_not_there_yet_is_waited_for() -> None:
     assert not host.stream.up
     assert host.stream.fault
     host.poll()
-    server = PacketServer.__new__(PacketServer)
-    server.number, server.port, server.connections, server.told = -1, port, [], []
-    server.listen()
+    server = PacketServer(port)
     host.until(lambda: host.stream.up)
     server.send()
     host.until(lambda: host.count(Count.READINGS) == 1)

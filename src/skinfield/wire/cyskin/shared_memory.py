@@ -70,8 +70,6 @@ class SensorOrder:
         self._uids: Words32 = np.zeros(0, np.uint32)
         self._take: Ints = np.zeros(0, np.int64)
         self._runs: Ints = np.zeros(0, np.int64)
-        self._long: Words32 = np.zeros(0, np.uint32)
-        self._shorts: NDArray[np.uint16] = np.zeros(0, np.uint16)
 
     def follow(self, uids: Words32) -> None:
         """Learn where the uids of the next responses belong; costs little if they are the same."""
@@ -84,8 +82,6 @@ class SensorOrder:
         _, first = np.unique(channels, return_index=True)  # sorts, and of twins takes the first
         self._take = np.flatnonzero(found)[first]
         self._runs = channels[first]
-        self._long = np.zeros(len(first), np.uint32)
-        self._shorts = np.zeros(len(first), np.uint16)
         self.unknown = len(uids) - len(first)
 
     def put(
@@ -94,13 +90,11 @@ class SensorOrder:
         """Append the responses (N,) of the last uids; False, and nothing, if they do not fit."""
         from skinfield.wire.cyskin.kernel import put_pairs
 
-        # clipping needs no room of its own
-        np.take(responses, self._take, out=self._long, mode="clip")
-        self._shorts[:] = self._long
+        shorts = responses[self._take].astype(np.uint16)
         return bool(
             put_pairs(
                 blocks.words, blocks.octets, blocks.end, now_ns, channel, self._runs, 0,
-                len(self._runs), self._shorts.view(np.uint8), 0, False, counters,
+                len(self._runs), shorts.view(np.uint8), 0, False, counters,
             )
         )  # fmt: skip
 
