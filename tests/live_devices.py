@@ -3,7 +3,9 @@
 import ctypes
 import os
 import socket
+import time
 import uuid
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from tempfile import gettempdir
@@ -11,7 +13,7 @@ from tempfile import gettempdir
 import numpy as np
 from bus_peers import free_port, wait_for
 
-from skinfield.signal import CanMessages, Stream
+from skinfield.signal import Blocks, CanMessages, Channels, Count, Stream
 from skinfield.skin import Skin
 from skinfield.skin.generators import by_name
 from skinfield.wire.can import BusSettings, open_bus
@@ -24,6 +26,31 @@ from skinfield.wire.packet.packets import Packet, PacketKind, encode_counts
 COMMAND = len(encode_command(PacketKind.START))  # bytes, as of STOP
 HEXAGON = Skin((by_name("hexagon72"),))
 ON_CYSKIN, CYSKIN_BOARDS = on_boards(HEXAGON)
+
+
+class Host:
+    """A stream that takes in whatever comes, and the channels that it fills."""
+
+    def __init__(self, stream: Stream) -> None:
+        self.stream, self.blocks = stream, Blocks()
+        self.channels = Channels(sum(port.channels for port in stream.ports))
+
+    def poll(self) -> int:
+        self.blocks.clear()
+        taken = self.stream.poll(self.blocks, 0, time.time_ns())
+        self.channels.apply(self.blocks)
+        return int(taken)
+
+    def until(self, condition: Callable[[], object]) -> None:
+        wait_for(lambda: (self.poll(), condition())[1])
+
+    def came(self, there: slice | list[int]) -> np.ndarray:
+        """Counts, once those are there."""
+        self.until(lambda: np.isfinite(self.channels.counts[there]).all())
+        return self.channels.counts
+
+    def count(self, what: Count) -> int:
+        return int(self.stream.counters[what])
 
 
 class ICubBoard:
