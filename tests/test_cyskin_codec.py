@@ -236,7 +236,7 @@ def test_uids_channels_and_skins() -> None:
     patch = sf.Patch(positions, uid=[1619, 1601, 1632, 1611, 1643], name="p")
     skin = skin_on_boards(sf.Skin((patch,), "arm"), BOARDS)
     assert skin[0].channel.tolist() == [15, 1, 24, 11, 35]
-    assert (skin[0].n_channels, skin.name, port_of("p", BOARDS).channels) == (36, "arm", 36)
+    assert (skin[0].n_channels, skin.name, port_of(BOARDS).channels) == (36, "arm", 36)
     with pytest.raises(InputError, match=r"\[1616\].*1 have no sensor"):
         skin_on_boards(sf.Skin(sf.Patch(positions[:3], uid=[1616, 1601, 1602])), BOARDS)
 

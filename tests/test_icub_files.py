@@ -20,7 +20,7 @@ from skinfield.wire.icub import (
     kind_for,
     load_configuration,
 )
-from skinfield.wire.icub.robot_files import LARGEST, LINE, tree_of, without_comments
+from skinfield.wire.icub.robot_files import LARGEST, LINE, read_tree, without_comments
 
 
 @pytest.fixture
@@ -202,9 +202,9 @@ def test_what_is_no_robot_s_file(tmp_path, data, error):
         load_configuration(path)
 
 
-def test_comments_keep_their_lines():
+def test_comments_keep_their_lines(write):
     assert without_comments(b"a<!-- \n <!-- -- \n -->b<!---->c<!-- d") == b"a\n\nbc<!-- d"
-    assert tree_of(b"<a><!-- \n\n --><b/></a>", "x")[0].get(LINE) == "3"
+    assert read_tree(write("<a><!-- \n\n --><b/></a>"))[0].get(LINE) == "3"
 
 
 def test_patches_laid_on_boards_keep_their_channels():

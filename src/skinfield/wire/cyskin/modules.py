@@ -131,9 +131,9 @@ def channels_of(boards: Sequence[CySkinBoard]) -> int:
     return SENSORS * sum(len(board.modules) for board in boards)
 
 
-def port_of(name: str, boards: Iterable[CySkinBoard]) -> Port:
+def port_of(boards: Sequence[CySkinBoard]) -> Port:
     """Port of such boards."""
-    return Port(name, channels_of(checked_boards(boards)))
+    return Port("skin", channels_of(boards))
 
 
 def uids_of(boards: Sequence[CySkinBoard]) -> tuple[Uids, Ints]:

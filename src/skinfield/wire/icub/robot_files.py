@@ -26,24 +26,20 @@ HIGHEST_CHANNEL = 1 << 20
 
 
 def read_tree(path: Path) -> Element:
-    """Root element of a file.
+    """Root element of a file, its elements with their `LINE`.
 
     Raises
     ------
     FileError
         If it cannot be read, is larger than 1 MiB, is no XML, or declares entities.
     """
+    name = str(path)
     try:
         with path.open("rb") as file:
             data = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         reason = getattr(error, "strerror", None) or error
-        raise FileError(f"{path}: cannot be read: {reason}") from error
-    return tree_of(data, str(path))
-
-
-def tree_of(data: bytes, name: str) -> Element:
-    """Root element of a file's bytes, its elements with their `LINE`; `name` is for errors."""
+        raise FileError(f"{name}: cannot be read: {reason}") from error
     if len(data) > LARGEST:
         raise FileError(f"{name}: larger than {LARGEST} bytes, expected a robot's XML file")
     builder, parser = TreeBuilder(), expat.ParserCreate()

@@ -345,21 +345,10 @@ class ICubCan:
 
     def __post_init__(self) -> None:
         check_type("configuration", self.configuration, ICubConfiguration, "of load_configuration")
-        needed = len(self.configuration.buses)
-        if len(self.buses) != needed:
-            raise InputError(
-                f"buses are {[bus.label for bus in self.buses]}, expected {needed}: the boards of "
-                f"{self.configuration.name!r} are on so many"
-            )
+        _check_buses(self.buses, len(self.configuration.buses))
 
     def open(self) -> ManagedStream:
-        """Open the buses and tell the boards to send.
-
-        Raises
-        ------
-        InputError
-            If a bus cannot be used; see `open_bus`.
-        """
+        """Open the buses and tell the boards to send; see `open_bus` for what cannot be used."""
         boards, ports = ports_of(self.configuration)  # refuses before anything is open
         places = range(len(self.buses))
         period = self.configuration.period
@@ -370,6 +359,14 @@ class ICubCan:
             [ICubSupervision(self.configuration, place) for place in places]
             if self.configure
             else (),
+        )
+
+
+def _check_buses(buses: Sequence[BusSettings], needed: int) -> None:
+    if len(buses) != needed:
+        raise InputError(
+            f"buses are {[bus.label for bus in buses]}, expected {needed}: the boards are on so "
+            "many"
         )
 
 
@@ -429,8 +426,6 @@ class CySkinCan:
     boards : sequence of CySkinBoard
     buses : sequence of BusSettings
         One for each bus that the boards name.
-    name : str
-        Of the port.
     wire : CySkinWire
         What is not public of the protocol.
     period_ms : int, ms
@@ -441,7 +436,6 @@ class CySkinCan:
 
     boards: Sequence[CySkinBoard]
     buses: Sequence[BusSettings] = (BusSettings(),)
-    name: str = "skin"
     wire: CySkinWire = field(default_factory=CySkinWire)
     period_ms: int = 50
     configure: bool = True
@@ -450,25 +444,14 @@ class CySkinCan:
         object.__setattr__(self, "boards", checked_boards(self.boards))
         object.__setattr__(self, "buses", tuple(self.buses))
         check_count("period_ms", self.period_ms, 1, 0xFFFF, "ms between two readings")
-        needed = 1 + max(board.bus for board in self.boards)
-        if len(self.buses) != needed:
-            raise InputError(
-                f"buses are {[bus.label for bus in self.buses]}, expected {needed}: the boards "
-                "are on so many"
-            )
+        _check_buses(self.buses, 1 + max(board.bus for board in self.boards))
 
     def open(self) -> ManagedStream:
-        """Open the buses and start the boards.
-
-        Raises
-        ------
-        InputError
-            If a bus cannot be used; see `open_bus`.
-        """
+        """Open the buses and start the boards; see `open_bus` for what cannot be used."""
         places = range(len(self.buses))
         mine = [[board for board in self.boards if board.bus == place] for place in places]
         return ManagedStream(
-            (port_of(self.name, self.boards),),
+            (port_of(self.boards),),
             self.buses,
             [CySkinDecoder(self.boards, place, wire=self.wire) for place in places],
             [CySkinSupervision(each, self.wire, self.period_ms) for each in mine]
@@ -487,13 +470,10 @@ class CySkinSharedMemory:
         Whose modules give each uid its channel.
     key : int
         Of the header; 450 is the tool's.
-    name : str
-        Of the port.
     """
 
     boards: Sequence[CySkinBoard]
     key: int = HEADER_KEY
-    name: str = "skin"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boards", checked_boards(self.boards))
@@ -508,7 +488,7 @@ class SharedMemoryStream(LinkedStream):
 
     def __init__(self, source: CySkinSharedMemory) -> None:
         self._reader = SharedMemoryReader(source.boards, source.key)
-        super().__init__((port_of(source.name, source.boards),), (self._reader,))
+        super().__init__((port_of(source.boards),), (self._reader,))
         nothing = np.zeros(0, np.uint32)
         self._reader.order.put(nothing, Blocks(64), 0, self.counters, 0)  # compiles
         self._reader.reopen()

@@ -60,11 +60,6 @@ class LinkedStream:
         """What should be known of it beside that, in sentences."""
         return tuple(note for link in self._links if (note := getattr(link, "note", "")))
 
-    @property
-    def channels(self) -> int:
-        """Of all ports."""
-        return sum(port.channels for port in self.ports)
-
     def poll(self, blocks: Blocks, channel: int, now_ns: int) -> int:
         """Append what has arrived; see `skinfield.signal.Stream`."""
         if self.closed:
