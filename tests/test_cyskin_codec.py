@@ -53,8 +53,7 @@ def test_sensor_data_in_three_messages() -> None:
     # whose sensor 0 is cut; CRC-8 with 0x07 at the end.
     body = "43 0e 00 0a 0001 0002 0102 ffff 0003 0004"
     rest = crc8(bytes.fromhex(body)).to_bytes().hex()
-    rows = [(0x105, "43 0e 00 0a 00 01 00 02"), (0x405, "01 02 ff ff 00 03 00 04" + rest)]
-    rows[1:] = [(0x205, "01 02 ff ff 00 03 00 04"), (0x405, rest)]
+    rows = [(0x105, "43 0e 00 0a 00 01 00 02"), (0x205, "01 02 ff ff 00 03 00 04"), (0x405, rest)]
     messages, count = messages_from(rows)
     decoder, blocks, seen = CySkinDecoder(BOARDS), Blocks(1024), counters()
     assert decoder.decode(messages, count, blocks, 100, seen) == 3

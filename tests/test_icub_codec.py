@@ -201,9 +201,7 @@ COMMANDS = {
     "4d 00 28 f0": SetBoard(),
     "4d 08 32 f5": SetBoard(kind=SkinType.COMPENSATED_V2, period_ms=50, no_load=245),
     "50 00 0f 02 01 00 22": SetTriangles(),
-    "50 03 06 01 00 34 12": SetTriangles(
-        first=3, last=6, shift=1, enabled=False, cdc_offset=0x1234
-    ),
+    "50 03 06 02 00 34 12": SetTriangles(first=3, last=6, enabled=False, cdc_offset=0x1234),
     "07 00": Transmit(True),
     "07 01": Transmit(False),
 }

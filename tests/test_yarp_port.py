@@ -93,10 +93,7 @@ def visitor(port: Port) -> Iterator[Visitor]:
 
 def test_a_reader_types_what_yarps_page_says(port: Port, visitor: Visitor) -> None:
     visitor.says(b"CONNECT foo\r\n", b"Welcome foo\r\n")
-    visitor.says(
-        b"\r\n",
-        b"Port command not understood.\r\n",
-    )
+    visitor.says(b"\r\n", b"Port command not understood.\r\n")
     assert port.write(VALUES) == 0
     visitor.says(b"r\r\n", b"")
     port.step(0.1)

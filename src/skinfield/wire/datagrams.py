@@ -103,18 +103,7 @@ class Datagrams:
         self._drops[0] = 0
 
     def receive(self, sock: socket.socket) -> int:
-        """Take in what has arrived, as far as the batch has room; never waits.
-
-        Returns
-        -------
-        int
-            Datagrams.
-
-        Raises
-        ------
-        OSError
-            That is not transient.
-        """
+        """Take in what has arrived, as far as there is room; how many datagrams. Never waits."""
         limit = len(self.lengths)
         count = self._receive(sock.fileno(), self._pointer, limit, socket.MSG_DONTWAIT, None)
         if count > 0:

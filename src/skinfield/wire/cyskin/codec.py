@@ -189,18 +189,7 @@ class CySkinEncoder:
         return sum(-(-(fixed + len(d)) // 8) for each in boards for d in self._readings(each))
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:
-        """Write one reading of each board that sends, from row `first` on.
-
-        Returns
-        -------
-        int
-            The row behind the last one.
-
-        Raises
-        ------
-        InputError
-            If `messages` has too few rows.
-        """
+        """Write one reading of each board that sends, from row `first` on; the row behind."""
         check_count("first", first, 0, len(messages), "row of the messages")
         row = first
         for board in np.flatnonzero(self.sends).tolist():

@@ -200,18 +200,7 @@ class ICubEncoder:
                 self.sends[row] = state.sending and state.triangles[triangle].enabled
 
     def encode(self, messages: CanMessages, first: int, stamp_ns: int) -> int:
-        """Write head and tail of each triangle that sends from row `first` on.
-
-        Returns
-        -------
-        int
-            The row behind the last one.
-
-        Raises
-        ------
-        InputError
-            If `messages` has too few rows.
-        """
+        """Write head and tail of each triangle that sends from row `first` on; the row behind."""
         check_count("first", first, 0, len(messages), "row of the messages")
         rows = np.flatnonzero(self.sends)
         end = first + 2 * len(rows)
