@@ -1,5 +1,6 @@
 """The shared memory of CySkin's tool."""
 
+import sys
 import threading
 import uuid
 from collections.abc import Iterator
@@ -114,7 +115,8 @@ def test_no_torn_sample_is_believed(writer: SharedMemoryWriter, keys: tuple[int,
             value = (value + 1) % 65536
             writer.write(np.full(34, value), 0)
 
-    thread = threading.Thread(target=write)
+    thread, before = threading.Thread(target=write), sys.getswitchinterval()
+    sys.setswitchinterval(1e-4)  # s: both are interrupted often
     thread.start()
     try:
         state, blocks, found = Channels(36), Blocks(), 0
@@ -130,6 +132,7 @@ def test_no_torn_sample_is_believed(writer: SharedMemoryWriter, keys: tuple[int,
     finally:
         stop.set()
         thread.join()
+        sys.setswitchinterval(before)
         reader.close()
 
 
